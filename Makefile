@@ -1,0 +1,59 @@
+# make demo     the main job, end to end         make test     all tests
+# make derive N=20 [BOUNDARY=free] [INERTIA=uniform] [TERMS=all] [TARGET=numpy] [EXPLICIT=1]
+# make lint, make types                          make reference    regenerate the reference modules
+
+PYTHON ?= python3
+BIN := .venv/bin
+LAYOUT := build/layout
+
+N ?= 20
+BOUNDARY ?= free
+INERTIA ?= uniform
+TERMS ?= all
+TARGET ?= numpy
+
+.PHONY: demo derive test lint types reference clean
+
+demo: .venv/installed
+	@$(BIN)/rodgen derive 20 --out generated
+	@$(BIN)/rodgen run scenes/missile.toml
+
+derive: .venv/installed
+	@$(BIN)/rodgen derive "$(N)" --boundary "$(BOUNDARY)" --inertia "$(INERTIA)" \
+		--terms "$(TERMS)" --target "$(TARGET)" $(if $(EXPLICIT),--explicit) --out generated
+
+test: .venv/developing
+	$(BIN)/python -m pytest
+
+# The packages as they lie in a wheel: derive/ and templates/ inside rodgen/.
+$(LAYOUT): .venv/developing
+	@rm -rf $@ && mkdir -p $@
+	@cp -R src/rodgen $@/rodgen && cp -R derive templates $@/rodgen/
+
+lint: $(LAYOUT)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	cd $(LAYOUT) && ../../$(BIN)/lint-imports --config ../../pyproject.toml --no-logo
+
+types: $(LAYOUT)
+	cd $(LAYOUT) && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p rodgen
+
+.PHONY: $(LAYOUT)
+
+reference: .venv/developing
+	$(BIN)/python -m pytest tests/generated/test_reference_modules.py --update
+
+.venv/installed: pyproject.toml
+	@$(PYTHON) -c "import sys; sys.exit(None if sys.version_info >= (3, 11) else \
+		'rodgen needs Python 3.11 or later: make PYTHON=python3.12 ...')"
+	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	@echo "setting up .venv"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+.venv/developing: .venv/installed
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]"
+	@touch $@
+
+clean:
+	rm -rf build results .pytest_cache .mypy_cache .ruff_cache .import_linter_cache

@@ -1,0 +1,150 @@
+"""Exact calculus of a chain in a polynomial ring over the rationals.
+
+Coordinates, rates, accelerations, and the cosine and sine of every angle are generators; a
+derivative is SymPy's polynomial derivative by the chain rule. Nothing is differentiated that
+is zero, which makes LagrangesMethod some hundred times faster than on expression trees.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+
+from sympy import QQ, Dummy, Expr, Matrix, Symbol, cos, expand_trig, sin, sympify
+from sympy.physics.mechanics import dynamicsymbols
+from sympy.polys.rings import PolyElement, ring
+
+TIME = dynamicsymbols._t
+
+
+class Calculus:
+    """Polynomials in the coordinates of a chain, their rates and their trigonometry.
+
+    coordinates: dynamicsymbols; angles: those (and constant angles) whose cosine and sine
+    occur; constants: every other symbol.
+    """
+
+    def __init__(
+        self, coordinates: Sequence[Expr], angles: Sequence[Expr], constants: Sequence[Expr]
+    ):
+        rates = [q.diff(TIME) for q in coordinates]
+        accelerations = [u.diff(TIME) for u in rates]
+        constant_angles = [a for a in angles if a not in coordinates]
+        meaning: list[Expr] = [*constants, *constant_angles]
+        for group in (coordinates, rates, accelerations, map(cos, angles), map(sin, angles)):
+            meaning += group
+        self.ring, *generators = ring([Dummy(f"g{i}") for i in range(len(meaning))], QQ)
+        self.meaning = meaning
+        self.generator: dict[Expr, PolyElement] = dict(zip(meaning, generators, strict=True))
+        self._to_dummy = dict(zip(meaning, self.ring.symbols, strict=True))
+        self._index = {expr: at for at, expr in enumerate(meaning)}
+        self._sines = [(self._index[sin(a)], self.generator[cos(a)] ** 2) for a in angles]
+        self._chain_rules: dict[Expr, list[tuple[PolyElement, PolyElement]]] = {}
+
+    def poly(self, expression: Expr) -> PolyElement:
+        """The polynomial of an expression (angle sums are expanded)."""
+        try:
+            dummies = sympify(expression).xreplace(self._to_dummy)
+            return self.ring.from_expr(dummies)
+        except ValueError:
+            dummies = expand_trig(expression).xreplace(self._to_dummy)
+            return self.ring.from_expr(dummies)
+
+    def expr(self, poly: PolyElement) -> Expr:
+        """The expression of a polynomial."""
+        return poly.as_expr(*self.meaning)
+
+    def diff(self, poly: PolyElement, variable: Expr) -> PolyElement:
+        """Derivative by the chain rule; that of each generator is SymPy's own."""
+        if variable not in self._chain_rules:
+            inner = [
+                (g, self._generator_derivative(e, variable)) for e, g in self.generator.items()
+            ]
+            self._chain_rules[variable] = [(g, d) for g, d in inner if d]
+        total = self.ring.zero
+        for g, inner in self._chain_rules[variable]:
+            outer = poly.diff(g)
+            if outer:
+                total += outer * inner
+        return total
+
+    def _generator_derivative(self, meaning: Expr, variable: Expr) -> PolyElement:
+        if variable == TIME and meaning.has(TIME) and self._is_acceleration(meaning):
+            return self.ring.zero  # no third derivative is ever asked for
+        return self.poly(meaning.diff(variable))
+
+    def _is_acceleration(self, meaning: Expr) -> bool:
+        return bool(meaning.is_Derivative and meaning.derivative_count == 2)
+
+    def normal(self, poly: PolyElement) -> PolyElement:
+        """Normal form under c^2 + s^2 = 1: no sine is left above the first power."""
+        for at, cosine_squared in self._sines:
+            if poly.degree(at) > 1:
+                poly = self._reduce(poly, at, 1 - cosine_squared)
+        return poly
+
+    def _reduce(self, poly: PolyElement, at: int, square: PolyElement) -> PolyElement:
+        kept, total = self.ring.zero, self.ring.zero
+        for monomial, coefficient in poly.terms():
+            power, rest = divmod(monomial[at], 2)
+            if not power:
+                kept[monomial] = coefficient
+                continue
+            lowered_monomial = (*monomial[:at], rest, *monomial[at + 1 :])
+            lowered = self.ring.term_new(lowered_monomial, coefficient)
+            total += lowered * square**power
+        return kept + total
+
+    def coefficients(
+        self, poly: PolyElement, of: Sequence[Expr]
+    ) -> Mapping[tuple[int, ...], PolyElement]:
+        """Split by the powers of the given generators: {powers: coefficient}."""
+        places = [self._index[e] for e in of]
+        parts: dict[tuple[int, ...], PolyElement] = {}
+        for monomial, coefficient in poly.terms():
+            powers = tuple(monomial[at] for at in places)
+            bare = list(monomial)
+            for at in places:
+                bare[at] = 0
+            parts.setdefault(powers, self.ring.zero)[tuple(bare)] = coefficient
+        return parts
+
+    @cached_property
+    def zero(self) -> PolyElement:
+        return self.ring.zero
+
+
+class PolynomialMatrix:
+    """The part of a SymPy matrix that LagrangesMethod works with, with polynomial entries."""
+
+    def __init__(self, calculus: Calculus, rows: Sequence[Sequence[PolyElement]]):
+        self.calculus = calculus
+        self.rows = [list(row) for row in rows]
+
+    def jacobian(self, variables: Matrix) -> PolynomialMatrix:
+        entries = self.rows[0] if len(self.rows) == 1 else [row[0] for row in self.rows]
+        return self._like([[self.calculus.diff(e, v) for v in variables] for e in entries])
+
+    def diff(self, variable: Symbol) -> PolynomialMatrix:
+        return self._like([[self.calculus.diff(e, variable) for e in row] for row in self.rows])
+
+    def subs(self, values: Mapping[Expr, int]) -> PolynomialMatrix:
+        pairs = [(self.calculus.generator[e], value) for e, value in values.items()]
+        return self._like([[e.subs(pairs) if e else e for e in row] for row in self.rows])
+
+    @property
+    def T(self) -> PolynomialMatrix:
+        return self._like(list(map(list, zip(*self.rows, strict=True))))
+
+    def __sub__(self, other: PolynomialMatrix | Matrix) -> PolynomialMatrix:
+        if isinstance(other, Matrix):
+            poly = self.calculus.poly
+            other = self._like([[poly(e) for e in row] for row in other.tolist()])
+        pairs = zip(self.rows, other.rows, strict=True)
+        return self._like([[a - b for a, b in zip(x, y, strict=True)] for x, y in pairs])
+
+    def __neg__(self) -> PolynomialMatrix:
+        return self._like([[-e for e in row] for row in self.rows])
+
+    def _like(self, rows: Sequence[Sequence[PolyElement]]) -> PolynomialMatrix:
+        return PolynomialMatrix(self.calculus, rows)

@@ -1,0 +1,404 @@
+"""Derivation 2: the equations for every n at once, as indexed expressions.
+
+The Euler-Lagrange operator is linear and a squared velocity couples links only in pairs, so one
+mass point carried by two generic links (at the levers a_i and a_j) has every kind of entry.
+Summing the products of levers over the mass of all links gives the weights, for symbolic n.
+Sums over links stay SymPy sums: they become loops in generated code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import prod
+
+from sympy import (
+    Eq,
+    Expr,
+    IndexedBase,
+    Integer,
+    Piecewise,
+    Poly,
+    S,
+    Sum,
+    Symbol,
+    cos,
+    expand,
+    factor,
+    factor_terms,
+    simplify,
+    sin,
+    summation,
+    symbols,
+    trigsimp,
+)
+from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
+
+from .calculus import TIME
+from .chain import AFTER, BEFORE, BOUNDARIES, OWN, Boundary, Vector, combine, lever
+from .inertia import mean
+from .loads import (
+    NON_CONSERVATIVE,
+    JointDrag,
+    damper_moment,
+    drag_force,
+    follower_force,
+    joint_angle,
+    joint_mass,
+    spring_potential,
+    weight,
+)
+from .symbols import (
+    fin_factor,
+    i,
+    j,
+    later,
+    m,
+    n,
+    omega,
+    phi,
+    s,
+    vx0,
+    vy0,
+    x0,
+    xi,
+    y0,
+)
+
+# Index of a joint, and of the links that carry mass. Sums run over i (links), joint, s (springs).
+joint, other = symbols("joint other", integer=True, nonnegative=True)
+
+joint_x, joint_y = IndexedBase("joint_x", real=True), IndexedBase("joint_y", real=True)
+joint_vx, joint_vy = IndexedBase("joint_vx", real=True), IndexedBase("joint_vy", real=True)
+rod_angle, mass_at = IndexedBase("rod_angle", real=True), IndexedBase("joint_mass", positive=True)
+drag_x, drag_y = IndexedBase("drag_x", real=True), IndexedBase("drag_y", real=True)
+arm_x, arm_y = IndexedBase("arm_x", real=True), IndexedBase("arm_y", real=True)
+centre_x, centre_y = symbols("centre_x centre_y", real=True)
+
+
+@dataclass(frozen=True)
+class Array:
+    """A quantity with a value for every low <= index <= high."""
+
+    base: IndexedBase
+    index: Symbol
+    low: Expr
+    high: Expr
+    value: Expr
+
+
+@dataclass(frozen=True)
+class Work:
+    """Generalised forces of a load: on x0 and y0, and on the angle of link i."""
+
+    base: Vector
+    link: Expr
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Moments across joint s: on the angle of link s-1 and on that of link s."""
+
+    before: Expr
+    after: Expr
+
+
+@dataclass(frozen=True)
+class _TwoLinks:
+    """A mass point mu carried by links i < j at the levers a_i, a_j, its equations formed."""
+
+    a: tuple[Symbol, Symbol]
+    mu: Symbol
+    angles: tuple[Expr, Expr]
+    mass: list[list[Expr]]
+    velocity: list[list[Expr]]
+    partial: list[Vector]
+
+
+def _two_links() -> _TwoLinks:
+    a = symbols("a_i a_j", positive=True)
+    mu = Symbol("mu", positive=True)
+    x, y, phi_i, phi_j = q = dynamicsymbols("x y phi_i phi_j", real=True)
+    r = combine((x, y), a, (phi_i, phi_j))
+    v = [c.diff(TIME) for c in r]
+    method = LagrangesMethod(mu / 2 * (v[0] ** 2 + v[1] ** 2), q)
+    method.form_lagranges_equations()
+    rates = [phi_i.diff(TIME), phi_j.diff(TIME)]
+    forcing = [expand(e) for e in method.forcing]
+    velocity = [[e.coeff(rate, 2) for rate in rates] for e in forcing]
+    left = [
+        simplify(e - sum(c * u**2 for c, u in zip(row, rates, strict=True)))
+        for e, row in zip(forcing, velocity, strict=True)
+    ]
+    if any(left):
+        raise ArithmeticError(f"the forcing is not a sum of squared rates: {left} is left")
+    mass = [[trigsimp(e) for e in row] for row in method.mass_matrix.tolist()]
+    partial = [(r[0].diff(p), r[1].diff(p)) for p in (phi_i, phi_j)]
+    return _TwoLinks(a, mu, (phi_i, phi_j), mass, velocity, partial)
+
+
+@dataclass(frozen=True)
+class Equations:
+    """M v' = Q omega^2 + moments across the joints + work of the loads, for any n.
+
+    Entries are functions of the indices i, j (links), later = max(i, j), s (inner joints); the
+    diagonal of M is `mass_link`, that of Q is zero. Rows of the base exist where it translates.
+    """
+
+    boundary: str
+    inertia: str
+    terms: tuple[str, ...]
+
+    @cached_property
+    def hold(self) -> Boundary:
+        return BOUNDARIES[self.boundary]
+
+    # Inertia ---------------------------------------------------------------------------------
+
+    @cached_property
+    def _generic(self) -> _TwoLinks:
+        return _two_links()
+
+    def _lever_mass(self, links: Sequence[Expr], powers: Sequence[int]) -> Expr:
+        """Sum over the mass of all links of the product of levers**powers; links ascend."""
+
+        def moment(places: Sequence[str]) -> Expr:
+            levers = [lever(p, xi) ** power for p, power in zip(places, powers, strict=True)]
+            return m * mean(self.inertia, prod(levers, start=S.One))
+
+        total = S.Zero
+        for at in range(len(links) + 1):
+            passed, ahead = [BEFORE] * at, [AFTER] * (len(links) - at)
+            low = links[at - 1] + 1 if at else 0
+            high = links[at] - 1 if at < len(links) else n - 1
+            total += summation(moment([*passed, *ahead]), (other, low, high))
+            if ahead:
+                total += moment([*passed, OWN, *ahead[1:]])
+        return factor_terms(expand(total))
+
+    def _over_mass(self, entry: Expr) -> Expr:
+        """An entry of the generic mass point, summed over the mass of the chain."""
+        generic, total = self._generic, S.Zero
+        poly = Poly(expand(entry / generic.mu), *generic.a)
+        for powers, coefficient in poly.terms():
+            used = [(link, p) for link, p in zip((i, j), powers, strict=True) if p]
+            weight_ = self._lever_mass([link for link, _ in used], [p for _, p in used])
+            total += weight_ * coefficient
+        return total.xreplace(dict(zip(generic.angles, (phi[i], phi[j]), strict=True)))
+
+    def _symmetric(self, matrix: list[list[Expr]], offset: int) -> Expr:
+        """The entry of two links as one expression in i, j and the later of them."""
+        upper = self._over_mass(matrix[2][offset + 1])
+        lower = self._over_mass(matrix[3][offset])
+        swap = {i: j, j: i}
+        one = _relabel(upper, {j: later})
+        two = _relabel(lower.xreplace(swap), {i: later})
+        if expand(one - two) != 0:
+            raise ArithmeticError(f"entries above and below the diagonal differ: {one}, {two}")
+        return one
+
+    @cached_property
+    def mass_base(self) -> Expr:
+        return self._over_mass(self._generic.mass[0][0])
+
+    @cached_property
+    def mass_base_link(self) -> Vector:
+        return self._over_mass(self._generic.mass[0][2]), self._over_mass(self._generic.mass[1][2])
+
+    @cached_property
+    def mass_link(self) -> Expr:
+        return self._over_mass(self._generic.mass[2][2])
+
+    @cached_property
+    def mass_link_link(self) -> Expr:
+        return self._symmetric(self._generic.mass, 2)
+
+    @cached_property
+    def velocity_base_link(self) -> Vector:
+        x, y = (self._over_mass(self._generic.velocity[row][0]) for row in (0, 1))
+        return x, y
+
+    @cached_property
+    def velocity_link_link(self) -> Expr:
+        return self._symmetric(self._generic.velocity, 0)
+
+    # Moments across the joints ----------------------------------------------------------------
+
+    @cached_property
+    def spring(self) -> Moments:
+        before, after = phi[s - 1], phi[s]
+        potential = spring_potential(before, after)
+        return Moments(factor(-potential.diff(before)), factor(-potential.diff(after)))
+
+    @cached_property
+    def damper(self) -> Moments:
+        before, after = symbols("before after")
+        opening = after - before  # its virtual work: moment times the change of the opening
+        moment = damper_moment(omega[s - 1], omega[s])
+        return Moments(moment * opening.diff(before), moment * opening.diff(after))
+
+    # Loads ------------------------------------------------------------------------------------
+
+    def _lean(self, force: Vector) -> Expr:
+        """Virtual work of a force on the angle of link i, for a lever of one."""
+        (a_i, _), (dx, dy) = self._generic.a, self._generic.partial[0]
+        work = (dx * force[0] + dy * force[1]).subs(a_i, 1)
+        return work.xreplace({self._generic.angles[0]: phi[i]})
+
+    @cached_property
+    def follower(self) -> Work:
+        force = follower_force(phi[n - 1])
+        levers = {lever(place, S.One) for place in (BEFORE, OWN)}  # the tail ends the last link
+        (reach,) = levers
+        return Work(force, reach * self._lean(force))
+
+    @cached_property
+    def gravity(self) -> Work:
+        force = weight(S.One)
+        x, y = (self._lever_mass([], []) * f for f in force)
+        return Work((x, y), self._lever_mass([i], [1]) * self._lean(force))
+
+    @cached_property
+    def external_damping(self) -> Work:
+        low = self.hold.first_joint
+        x, y = (Sum(d[joint], (joint, low, n)) for d in (drag_x, drag_y))
+        (reach,) = {lever(place, S.One) for place in (BEFORE, OWN)}  # joints end their links
+        after = tuple(Sum(d[joint], (joint, i + 1, n)) for d in (drag_x, drag_y))
+        return Work((x, y), reach * self._lean((after[0], after[1])))
+
+    @cached_property
+    def works(self) -> dict[str, Work]:
+        """The loads of this scene that act as forces, by term."""
+        forces = ("follower", "gravity", "external_damping")
+        return {term: getattr(self, term) for term in self.terms if term in forces}
+
+    @cached_property
+    def moments(self) -> Moments:
+        """The moments across the joints of this scene, springs and damping together."""
+        damped = "internal_damping" in self.terms
+        parts = [self.spring, self.damper] if damped else [self.spring]
+        return Moments(sum(p.before for p in parts), sum(p.after for p in parts))
+
+    # Quantities along the chain ---------------------------------------------------------------
+
+    @cached_property
+    def arrays(self) -> dict[IndexedBase, Array]:
+        """Positions and velocities of the joints, and external damping there."""
+        hold = self.hold
+        angle, time_angle = phi[i], dynamicsymbols("phi", real=True)
+        ends = combine((S.Zero, S.Zero), [lever(BEFORE, xi)], [time_angle])
+        rates = [e.diff(TIME).subs(time_angle.diff(TIME), omega[i]) for e in ends]
+        steps = [e.subs(time_angle, angle) for e in (*ends, *rates)]
+        origin = (x0, y0, vx0, vy0) if hold.translates else (S.Zero,) * 4
+        firsts = (0, 0, hold.first, hold.first)
+        sums = [
+            start + Sum(step, (i, first, joint - 1))
+            for start, step, first in zip(origin, steps, firsts, strict=True)
+        ]
+        drag = drag_force(
+            JointDrag(
+                joint_vx[joint],
+                joint_vy[joint],
+                rod_angle[joint],
+                mass_at[joint],
+                fin_factor[joint],
+            )
+        )
+        zero, first, moving = map(Integer, (0, hold.first, hold.first_joint))
+        values = {
+            joint_x: (zero, sums[0]),
+            joint_y: (zero, sums[1]),
+            joint_vx: (first, sums[2]),
+            joint_vy: (first, sums[3]),
+            arm_x: (zero, joint_x[joint] - centre_x),
+            arm_y: (zero, joint_y[joint] - centre_y),
+            mass_at: (moving, self._at_joint(joint_mass(1), joint_mass(1), joint_mass(2))),
+            rod_angle: (moving, self.rod_angle),
+            drag_x: (moving, drag[0]),
+            drag_y: (moving, drag[1]),
+        }
+        return {base: Array(base, joint, low, n, value) for base, (low, value) in values.items()}
+
+    @cached_property
+    def rod_angle(self) -> Expr:
+        start, end = joint_angle([phi[0]]), joint_angle([phi[n - 1]])
+        return self._at_joint(start, end, joint_angle([phi[joint - 1], phi[joint]]))
+
+    def _at_joint(self, start: Expr, end: Expr, inner: Expr) -> Expr:
+        cases = [(end, Eq(joint, n)), (inner, True)]
+        if self.hold.translates:
+            cases.insert(0, (start, Eq(joint, 0)))
+        return Piecewise(*cases)
+
+    # Energies, power, geometry ----------------------------------------------------------------
+
+    def _link_mean(
+        self, origin: Vector, angle: Expr, function: Callable[[Expr, Expr], Expr]
+    ) -> Expr:
+        """Mean over the mass of one link of a function of the point at xi."""
+        point = combine(origin, [lever(OWN, xi)], [angle])
+        return mean(self.inertia, expand(function(*point)))
+
+    @cached_property
+    def kinetic_energy(self) -> Expr:
+        x, y, angle = dynamicsymbols("x y phi", real=True)
+        squared = self._link_mean((x, y), angle, lambda a, b: a.diff(TIME) ** 2 + b.diff(TIME) ** 2)
+        collected = expand(expand(squared).subs(sin(angle) ** 2, 1 - cos(angle) ** 2))
+        values = {x.diff(TIME): joint_vx[i], y.diff(TIME): joint_vy[i]}
+        values[angle.diff(TIME)] = omega[i]
+        per_mass = collected.subs(values).subs(angle, phi[i])
+        return Sum(m / 2 * per_mass, (i, self.hold.first, n - 1))
+
+    @cached_property
+    def spring_energy(self) -> Expr:
+        return Sum(spring_potential(phi[s - 1], phi[s]), (s, 1, n - 1))
+
+    @cached_property
+    def gravity_energy(self) -> Expr:
+        """Minus the work of gravity from the origin to every link."""
+        force = weight(m)
+        origin = (joint_x[i], joint_y[i])
+        fall = self._link_mean(origin, phi[i], lambda x, y: -force[0] * x - force[1] * y)
+        return Sum(fall, (i, 0, n - 1))
+
+    @cached_property
+    def power(self) -> dict[str, Expr]:
+        """Power of each load that is not a potential [W]: force times velocity of its point."""
+        force = follower_force(phi[n - 1])
+        opening = omega[s] - omega[s - 1]
+        moment = damper_moment(omega[s - 1], omega[s])
+        low = self.hold.first_joint
+        powers = {
+            "follower": force[0] * joint_vx[n] + force[1] * joint_vy[n],
+            "internal_damping": Sum(moment * opening, (s, 1, n - 1)),
+            "external_damping": Sum(
+                drag_x[joint] * joint_vx[joint] + drag_y[joint] * joint_vy[joint], (joint, low, n)
+            ),
+        }
+        return {term: powers[term] for term in self.terms if term in NON_CONSERVATIVE}
+
+    @cached_property
+    def centre(self) -> Vector:
+        """Centre of gravity."""
+        origin = (joint_x[i], joint_y[i])
+        x = self._link_mean(origin, phi[i], lambda x, y: x)
+        y = self._link_mean(origin, phi[i], lambda x, y: y)
+        return Sum(x, (i, 0, n - 1)) / n, Sum(y, (i, 0, n - 1)) / n
+
+    @cached_property
+    def second_moments(self) -> tuple[Expr, Expr, Expr]:
+        """Integrals of y^2, x^2 and xy over the mass, about the centre of gravity: the moments
+        of inertia about the x and y axes and the product of inertia."""
+        origin = (arm_x[i], arm_y[i])
+        products = (lambda x, y: y**2, lambda x, y: x**2, lambda x, y: x * y)
+        means = (self._link_mean(origin, phi[i], f) for f in products)
+        first, second, third = (Sum(m * value, (i, 0, n - 1)) for value in means)
+        return first, second, third
+
+
+def _relabel(expression: Expr, indices: dict[Symbol, Symbol]) -> Expr:
+    """Rename indices in the weights, not in the angles that they number."""
+    angles = {phi[at]: Symbol(f"_{at}") for at in (i, j)}
+    back = {symbol: angle for angle, symbol in angles.items()}
+    return expression.xreplace(angles).xreplace(indices).xreplace(back)

@@ -1,0 +1,22 @@
+"""How the mass of a link is spread along it: a mean over the fraction xi in [0, 1].
+
+Only this mean enters the equations, so a mass distribution is its moments <1>, <xi>, <xi^2>.
+"""
+
+from collections.abc import Callable
+
+from sympy import Expr, Poly, S, integrate
+
+from .symbols import xi
+
+INERTIAS: dict[str, Callable[[Expr], Expr]] = {
+    # spread evenly: <f> is the integral of f, which gives m l^2/12 about the centre
+    "uniform": lambda f: integrate(f, (xi, 0, 1)),
+}
+
+
+def mean(inertia: str, expression: Expr) -> Expr:
+    """Mean of a polynomial in xi over the mass of one link."""
+    powers = Poly(expression, xi).all_coeffs()[::-1]
+    weigh = INERTIAS[inertia]
+    return sum((c * weigh(xi**power) for power, c in enumerate(powers)), start=S.Zero)

@@ -1,0 +1,55 @@
+"""rodgen: equations of motion of planar flexible rods, derived, proven, generated, integrated.
+
+    scene = rodgen.Scene.from_toml("scenes/missile.toml")
+    model = rodgen.build(scene)
+    sol = rodgen.simulate(scene, method="dop853", rtol=1e-8)
+
+Everything is imported when it is first used: a plain ``import rodgen`` costs nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rodgen.integrate import Interrupted, RunError, Solution, simulate
+    from rodgen.integrate.storage import load
+    from rodgen.loading import build
+    from rodgen.scene import Scene, SceneError, Structure
+
+_HOMES = {
+    "Scene": "rodgen.scene",
+    "SceneError": "rodgen.scene",
+    "Structure": "rodgen.scene",
+    "build": "rodgen.loading.build",
+    "simulate": "rodgen.integrate.simulate",
+    "Solution": "rodgen.integrate.solution",
+    "RunError": "rodgen.integrate.simulate",
+    "Interrupted": "rodgen.integrate.simulate",
+    "load": "rodgen.integrate.storage",
+}
+
+__all__ = [
+    "Interrupted",
+    "RunError",
+    "Scene",
+    "SceneError",
+    "Solution",
+    "Structure",
+    "build",
+    "load",
+    "simulate",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("rodgen")
+    if name not in _HOMES:
+        raise AttributeError(f"module 'rodgen' has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

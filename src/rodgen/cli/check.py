@@ -1,0 +1,36 @@
+"""rodgen check: a generated module against the hand-assembled form."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from rodgen.cli.console import err, out
+from rodgen.cli.errors import DISPROVEN, fail
+from rodgen.loading import load_module
+
+
+def check(
+    module_file: Annotated[Path, typer.Argument(metavar="MODULE", help="A generated module.")],
+    seed: Annotated[int, typer.Option(help="Seed of the random states.")] = 1,
+) -> None:
+    """Compare MODULE with the hand-assembled equations in 50-digit arithmetic."""
+    from rodgen.emit.check import DIGITS, LIMIT, check_module
+
+    module = load_module(module_file)
+    with err.status(f"comparing {module_file.name}"):
+        deviations = list(check_module(module, seed=seed))
+    table = Table(title=f"{module_file.name} against {DIGITS}-digit arithmetic")
+    for column in ("quantity", "states"):
+        table.add_column(column)
+    table.add_column("largest relative error", justify="right")
+    for d in deviations:
+        table.add_row(d.quantity, d.states, f"{d.error:.2e}")
+    out.print(table)
+    worst = max(d.error for d in deviations)
+    if not worst <= LIMIT:
+        fail(f"largest relative error {worst:.2e} is above {LIMIT:g}", DISPROVEN)
+    out.print(f"largest relative error {worst:.2e}, allowed {LIMIT:g}")

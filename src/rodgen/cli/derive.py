@@ -1,0 +1,98 @@
+"""rodgen derive: equations proven, module written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from rodgen.cli.console import err, out
+from rodgen.cli.errors import DISPROVEN, fail
+from rodgen.loading import source
+from rodgen.loading.cache import write_whole
+from rodgen.loading.proofs import MOST_EXPLICIT, Held, Proof, prove
+from rodgen.scene import SceneError, Structure
+from rodgen.scene.structure import TARGETS, choose, parse_terms
+
+
+def derive(
+    links: Annotated[str, typer.Argument(help="Number of links, N.")],
+    boundary: Annotated[str, typer.Option(help="free or cantilever")] = "free",
+    inertia: Annotated[str, typer.Option(help="uniform")] = "uniform",
+    terms: Annotated[str, typer.Option(help="all, none, or a list with commas")] = "all",
+    target: Annotated[str, typer.Option(help="numpy")] = "numpy",
+    out_folder: Annotated[Path, typer.Option("--out", help="Folder for the module.")] = Path(),
+    explicit: Annotated[
+        bool, typer.Option(help=f"Run LagrangesMethod with all links beyond {MOST_EXPLICIT} too.")
+    ] = False,
+) -> None:
+    """Derive the equations of N links, prove them, and write the generated module."""
+    structure = Structure(_whole(links), boundary, inertia, parse_terms(terms))
+    choose("target", target, TARGETS)
+    if not out_folder.is_dir():
+        raise SceneError("--out", str(out_folder), "a folder that exists")
+    proof = _prove(structure, explicit)
+    out.print(_table(structure, proof))
+    path = out_folder / f"{structure.stem}.py"
+    text = source(structure, target)
+    out.print(_write(path, text))
+
+
+def _whole(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise SceneError("links", text, "a whole number") from None
+
+
+def _prove(structure: Structure, explicit: bool) -> Proof:
+    def found(held: Held) -> None:
+        status.update(f"proven: {held.name} ({held.how})")
+
+    with err.status("deriving") as status:
+        try:
+            return prove(structure, explicit, found)
+        except ArithmeticError as error:
+            status.stop()
+            fail(f"the equations are not proven: {error}", DISPROVEN)
+            raise AssertionError from error
+
+
+def _table(structure: Structure, proof: Proof) -> Table:
+    ways = list(dict.fromkeys(held.how for held in proof.comparisons))
+    table = Table(title=f"{structure.stem}: entries equal to the closed form, exactly")
+    table.add_column("matrix or load")
+    names = list(dict.fromkeys(held.name for held in proof.comparisons))
+    for way in ways:
+        table.add_column(_heading(way, structure.links), justify="right")
+    for name in names:
+        counts = {held.how: held.entries for held in proof.comparisons if held.name == name}
+        table.add_row(name, *(str(counts.get(way, "")) for way in ways))
+    total = sum(held.entries for held in proof.comparisons)
+    again = "proven earlier, unchanged since" if proof.kept else f"proven in {proof.seconds:.1f} s"
+    table.caption = f"{total} entries; {again}"
+    if "rational points" in ways:
+        table.caption += f"; beyond {MOST_EXPLICIT} links not by LagrangesMethod (see --explicit)"
+    return table
+
+
+def _heading(way: str, links: int) -> str:
+    return {
+        "any n": "any n (symbolic)",
+        "explicit n": f"n = {links} (LagrangesMethod)",
+        "rational points": f"n = {links} (exact, at random rational points)",
+    }[way]
+
+
+def _write(path: Path, text: str) -> str:
+    try:
+        if path.is_file() and path.read_text(encoding="utf-8") == text:
+            return f"{path} is up to date"
+        write_whole(path, text)
+    except OSError as error:
+        raise SceneError(
+            "--out", str(path.parent), f"a folder to write into ({error.strerror})"
+        ) from None
+    return f"wrote {path} ({len(text.encode())} bytes)"

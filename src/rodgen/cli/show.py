@@ -1,0 +1,33 @@
+"""rodgen show: what a scene's module will hold, and what it leaves out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from rodgen.cli.console import out
+from rodgen.scene import Scene
+from rodgen.scene.contents import contents
+
+
+def show(
+    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene, in TOML.")],
+) -> None:
+    """Show what will be in the module of SCENE, and what is left out and why."""
+    scene = Scene.from_toml(scene_file)
+    structure = scene.structure
+    out.print(f"{scene.name}: module {structure.stem}, structure {structure.hash}")
+    table = Table()
+    for column in ("piece", "in the module", "because"):
+        table.add_column(column)
+    for row in contents(scene):
+        table.add_row(row.piece, "yes" if row.present else "no", row.reason)
+    out.print(table)
+    out.print(f"state y: {len(scene.initial_state())} values")
+    out.print(f"parameters p: {', '.join(structure.parameters)}")
+    settings = scene.integrate
+    breaks = ", ".join(f"{t:g}" for t in scene.breaks()) or "none"
+    out.print(f"integrated by {settings.method} over {settings.span} s; break points: {breaks}")

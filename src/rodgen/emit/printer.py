@@ -1,0 +1,123 @@
+"""SymPy to NumPy text, with the cheap factors of a product first.
+
+Scalars multiply before arrays and arrays along one axis before whole matrices, so that a
+product touches as few numbers as it can.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from sympy import Abs, Add, Expr, Mul, Piecewise, Pow, Rational, Symbol, cos, sin
+from sympy.core.relational import Relational
+from sympy.logic.boolalg import BooleanTrue
+
+SUM, PRODUCT, POWER, ATOM = range(4)
+FUNCTIONS = {sin: "np.sin", cos: "np.cos", Abs: "np.abs"}
+
+
+class NumpyPrinter:
+    """Prints an expression; ``name`` says how a symbol is written, ``rank`` how large it is
+    (0 for a number, 1 for an array along one axis, 2 for a matrix)."""
+
+    def __init__(self, name: Callable[[Symbol], str], rank: Callable[[Symbol], int]):
+        self._name, self._rank = name, rank
+
+    def __call__(self, expression: Expr) -> str:
+        return self._print(expression)[0]
+
+    def rank(self, expression: Expr) -> int:
+        """How many axes the value of an expression has."""
+        return max((self._rank(symbol) for symbol in expression.free_symbols), default=0)
+
+    def _wrapped(self, expression: Expr, least: int) -> str:
+        text, strength = self._print(expression)
+        return text if strength >= least else f"({text})"
+
+    def _print(self, e: Expr) -> tuple[str, int]:
+        match e:
+            case Symbol():
+                return self._name(e), ATOM
+            case Rational():
+                text = str(e.p) if e.q == 1 else f"{e.p}/{e.q}"
+                return text, ATOM if e.q == 1 and e.p >= 0 else PRODUCT if e.p >= 0 else SUM
+            case Add():
+                content, rest = e.primitive()
+                if content.q != 1 and self._unit(rest):  # (a + b)/2, not a/2 + b/2
+                    return self._mul(Mul(content, rest, evaluate=False))
+                return self._add(e), SUM
+            case Mul():
+                return self._mul(e)
+            case Pow():
+                return self._pow(e)
+            case Piecewise():
+                return self._piecewise(e), ATOM
+            case Relational():
+                return f"{self(e.lhs)} {e.rel_op} {self(e.rhs)}", SUM
+        if type(e) in FUNCTIONS:
+            return f"{FUNCTIONS[type(e)]}({self(e.args[0])})", ATOM
+        raise TypeError(f"no NumPy text for {type(e).__name__}: {e}")
+
+    def _add(self, e: Add) -> str:
+        terms = sorted(e.args, key=lambda a: (self._negative(a), a.sort_key()))
+        text = self._wrapped(terms[0], SUM)
+        for term in terms[1:]:
+            if self._negative(term):
+                text += f" - {self._wrapped(-term, PRODUCT)}"
+            else:
+                text += f" + {self._wrapped(term, PRODUCT)}"
+        return text
+
+    def _unit(self, e: Expr) -> bool:
+        return all(abs(term.as_coeff_Mul()[0]) == 1 for term in e.args)
+
+    def _negative(self, e: Expr) -> bool:
+        return bool(e.as_coeff_Mul()[0] < 0)
+
+    def _mul(self, e: Mul) -> tuple[str, int]:
+        number, _ = e.as_coeff_Mul()
+        if number < 0:
+            return f"-{self._wrapped(-e, PRODUCT)}", SUM
+        parts: list[tuple[int, bool, Expr]] = [
+            (self.rank(f), self._inverse(f), f) for f in e.args if not f.is_Rational
+        ]
+        if number.q != 1:
+            parts.append((0, True, Rational(number.q)))
+        if number.p != 1:
+            parts.append((0, False, Rational(number.p)))
+        parts.sort(key=lambda part: (part[0], part[1], not part[2].is_Rational, part[2].sort_key()))
+        if parts[0][1]:
+            parts.insert(0, (0, False, Rational(1)))
+        text = self._wrapped(parts[0][2], PRODUCT)
+        for _, inverse, factor in parts[1:]:
+            if inverse:
+                shown = factor if factor.is_Rational else 1 / factor
+                text += f"/{self._wrapped(shown, POWER)}"
+            else:
+                text += f"*{self._wrapped(factor, POWER)}"
+        return text, PRODUCT
+
+    def _inverse(self, e: Expr) -> bool:
+        return bool(e.is_Pow and e.exp.is_Rational and e.exp < 0)
+
+    def _pow(self, e: Pow) -> tuple[str, int]:
+        if e.exp == Rational(1, 2):
+            return f"np.sqrt({self(e.base)})", ATOM
+        if e.exp < 0:
+            return f"1/{self._wrapped(1 / e, POWER)}", PRODUCT
+        return f"{self._wrapped(e.base, ATOM)}**{self._wrapped(e.exp, ATOM)}", POWER
+
+    def _piecewise(self, e: Piecewise) -> str:
+        text = None
+        for value, condition in reversed(e.args):
+            if text is None and isinstance(condition, BooleanTrue):
+                text = self(value)
+            else:
+                text = f"np.where({self(condition)}, {self(value)}, {text})"
+        assert text is not None
+        return text
+
+
+def operations(expression: Expr) -> int:
+    """Operations that an expression costs: sums, products, powers and functions."""
+    return int(expression.count_ops())

@@ -1,0 +1,22 @@
+"""The comparisons that prove a structure's equations, in the order in which they are made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rodgen.derive.points import prove_at_points
+from rodgen.derive.proof import Comparison, DisagreementError, prove_any_n, prove_explicit
+from rodgen.scene.structure import Structure
+
+__all__ = ["Comparison", "DisagreementError", "comparisons"]
+
+
+def comparisons(structure: Structure, explicit: bool) -> Iterator[Comparison]:
+    """Derivation 2 for any n, then derivation 1 at n links or, where ``explicit`` is not wanted,
+    exact evaluation at random rational points; raises DisagreementError."""
+    what = (structure.boundary, structure.inertia, structure.terms)
+    yield from prove_any_n(*what)
+    if explicit:
+        yield from prove_explicit(structure.links, *what)
+    else:
+        yield from prove_at_points(structure.links, *what)

@@ -1,0 +1,79 @@
+"""SciPy's methods with error control, step by step."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, OdeSolver, Radau
+
+from rodgen.integrate.stepper import Array, Counts, Interpolant, Rhs, StepError
+
+METHODS: dict[str, type[OdeSolver]] = {
+    "rk23": RK23,
+    "rk45": RK45,
+    "dop853": DOP853,
+    "radau": Radau,
+    "bdf": BDF,
+    "lsoda": LSODA,
+}
+RUNGE_KUTTA = ("rk23", "rk45", "dop853")  # explicit: every try costs as many evaluations
+
+
+class ScipyStep:
+    """A SciPy method between two break points (see stepper.Stepper)."""
+
+    def __init__(
+        self, name: str, rhs: Rhs, t: float, y: Array, end: float, rtol: float, atol: float
+    ):
+        self._rhs, self._broken = rhs, False
+        # Evaluations of one try, where the method is of Runge-Kutta type.
+        self._stages: int | None = METHODS[name].n_stages if name in RUNGE_KUTTA else None
+        self._rejected = 0
+        self._steps = 0
+        self.t, self.y = t, y
+        # A first step into infinity is judged by the run, not by a warning.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            self._solver = METHODS[name](self._watched, t, y, end, rtol=rtol, atol=atol)
+
+    def _watched(self, t: float, y: Array) -> Array:
+        rate = self._rhs(t, y)
+        if not np.isfinite(rate).all():
+            self._broken = True
+        return rate
+
+    @property
+    def counts(self) -> Counts:
+        solver = self._solver
+        rejected = self._rejected if self._stages else None
+        return Counts(self._steps, rejected, solver.nfev, solver.njev, solver.nlu)
+
+    def step(self) -> bool:
+        """Take a step; True when the end is reached. Raises StepError."""
+        solver, before = self._solver, self._solver.nfev
+        self._broken = False
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                message = solver.step()
+        except (ValueError, np.linalg.LinAlgError) as error:
+            raise self._failure(str(error)) from error
+        if solver.status == "failed":
+            raise self._failure(message)
+        self._steps += 1
+        if self._stages:
+            self._rejected += (solver.nfev - before) // self._stages - 1
+        self.t, self.y = float(solver.t), solver.y
+        return bool(solver.status == "finished")
+
+    def _failure(self, message: str) -> StepError:
+        if self._broken:
+            return StepError("the rates stop being finite")
+        reason = (message or "no reason given").rstrip(".").lower()
+        return StepError(f"the method gave up ({reason})")
+
+    def interpolant(self) -> Interpolant:
+        """Dense output of the last step."""
+        dense = self._solver.dense_output()
+        return lambda times: dense(times).T

@@ -1,0 +1,137 @@
+"""A scene to a Solution: the run from break point to break point."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from rodgen.integrate import fixed_step, scipy_methods
+from rodgen.integrate.collect import Collector
+from rodgen.integrate.solution import Solution, Stats
+from rodgen.integrate.stepper import Array, Counts, Rhs, StepError, Stepper
+from rodgen.loading import build
+from rodgen.scene import Scene
+from rodgen.scene.tables import Integrate
+
+FINISHED, FAILED, INTERRUPTED = "finished", "failed", "interrupted"
+TICK = 0.1  # seconds between two calls of the progress callback
+
+
+class RunError(ArithmeticError):
+    """A run that could not be finished. solution: all samples up to there."""
+
+    def __init__(self, message: str, solution: Solution):
+        super().__init__(message)
+        self.solution = solution
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a run. solution: all samples up to there."""
+
+    def __init__(self, solution: Solution):
+        super().__init__(solution.message)
+        self.solution = solution
+
+
+def simulate(
+    scene: Scene,
+    *,
+    target: str = "numpy",
+    model: ModuleType | None = None,
+    progress: Callable[[float], None] | None = None,
+    **overrides: Any,
+) -> Solution:
+    """Integrate a scene.
+
+    overrides: values for the scene's [integrate] (method, span, step, rtol, atol, output_every);
+    model: a module built before; progress: called with the time [s] some ten times a second.
+
+    Raises SceneError for values that cannot be used, RunError where the state stops being finite
+    or the method gives up, Interrupted on Ctrl-C; the last two carry the samples so far.
+    """
+    scene = scene.with_integrate(**overrides)
+    model = model or build(scene, target)
+    return _Run(scene, model, progress).go()
+
+
+class _Run:
+    def __init__(self, scene: Scene, model: ModuleType, progress: Callable[[float], None] | None):
+        self.scene, self.model, self.settings = scene, model, scene.integrate
+        self.progress = progress or (lambda _: None)
+        self.p = model.parameters(**scene.parameters)
+        y0 = scene.initial_state()
+        self.collector = Collector(self.settings.samples, y0, model, self.p)
+        self.t, self.y = self.settings.span[0], y0
+        self.counts = Counts()
+        self.start = time.perf_counter()
+
+    def go(self) -> Solution:
+        stepper: Stepper | None = None
+        try:
+            with np.errstate(all="ignore"):
+                for end in [*self.scene.breaks(), self.settings.span[1]]:
+                    stepper = _stepper(self.settings, self.rhs, self.t, self.y, end)
+                    self._to(end, stepper)
+                    self.counts += stepper.counts
+                    stepper = None
+        except StepError as error:
+            self._count(stepper)
+            message = f"stopped at t = {self.t:.9g} s: {error}"
+            raise RunError(message, self.solution(FAILED, message)) from None
+        except KeyboardInterrupt:
+            self._count(stepper)
+            message = f"interrupted at t = {self.t:.9g} s"
+            raise Interrupted(self.solution(INTERRUPTED, message)) from None
+        return self.solution(FINISHED, "")
+
+    def rhs(self, t: float, y: Array) -> Array:
+        rates: Array = self.model.rhs(t, y, self.p)
+        return rates
+
+    def _count(self, stepper: Stepper | None) -> None:
+        if stepper is not None:
+            self.counts += stepper.counts
+
+    def _to(self, end: float, stepper: Stepper) -> None:
+        """Step to a break point or to the end of the span."""
+        tick = time.perf_counter()
+        done = False
+        while not done:
+            done = stepper.step()
+            if not np.isfinite(stepper.y).all():
+                raise StepError("the state stops being finite in the step after this time")
+            self.collector.add(self.t, stepper.t, stepper.y, stepper.interpolant)
+            self.t, self.y = stepper.t, stepper.y
+            now = time.perf_counter()
+            if now - tick > TICK:
+                tick = now
+                self.progress(self.t)
+
+    def solution(self, status: str, message: str) -> Solution:
+        collector = self.collector
+        with np.errstate(all="ignore"):
+            collector.flush()
+        count = collector.count
+        seconds = time.perf_counter() - self.start
+        return Solution(
+            scene=self.scene,
+            t=collector.times[:count],
+            y=collector.states[:count],
+            work={term: values[:count] for term, values in collector.work.items()},
+            stats=Stats.of(self.counts, seconds),
+            status=status,
+            message=message,
+            model=self.model,
+        )
+
+
+def _stepper(settings: Integrate, rhs: Rhs, t: float, y: Array, end: float) -> Stepper:
+    if settings.method in fixed_step.METHODS:
+        assert settings.step is not None
+        return fixed_step.FixedStep(settings.method, rhs, t, y, end, settings.step)
+    tolerances = (settings.rtol, settings.atol)
+    return scipy_methods.ScipyStep(settings.method, rhs, t, y, end, *tolerances)

@@ -1,0 +1,173 @@
+"""What came out of a run: states, and every quantity that follows from them when asked for."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rodgen.integrate.stepper import Array, Counts
+from rodgen.loading import build
+from rodgen.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray
+
+
+class Energy(NamedTuple):
+    """Energies [J], each (T,)."""
+
+    kinetic: Array
+    spring: Array
+    gravity: Array
+
+    @property
+    def total(self) -> Array:
+        """Their sum."""
+        return self.kinetic + self.spring + self.gravity
+
+
+class Inertia(NamedTuple):
+    """Moments of inertia about the x and y axes through the centre of gravity and the product
+    of inertia [kg m^2], each (T,)."""
+
+    x: Array
+    y: Array
+    xy: Array
+
+
+class PrincipalAxes(NamedTuple):
+    """angle: from the x axis to the axis of the smaller moment [rad], in (-pi/2, pi/2], (T,);
+    moments: the smaller and the larger principal moment of inertia [kg m^2], (T, 2)."""
+
+    angle: Array
+    moments: Array
+
+
+@dataclass(frozen=True)
+class Stats:
+    """Cost of a run; rejected is None where the method does not tell."""
+
+    steps: int
+    rejected: int | None
+    rhs: int
+    jacobian: int
+    factorisations: int
+    wall_seconds: float
+
+    @classmethod
+    def of(cls, counts: Counts, seconds: float) -> Stats:
+        """From the counts of the steppers and the wall time."""
+        return cls(**asdict(counts), wall_seconds=seconds)
+
+
+@dataclass
+class Solution:
+    """States of a scene over time.
+
+    t: times [s], (T,); y: states in the order of the module's STATE, (T, states); work: work done
+    by each load without potential since the start [J], by term, each (T,); status: finished,
+    failed or interrupted, with a message where it is not finished; model: the generated module.
+    """
+
+    scene: Scene
+    t: Array
+    y: Array
+    work: dict[str, Array]
+    stats: Stats
+    status: str = "finished"
+    message: str = ""
+    model: ModuleType | None = None
+
+    @cached_property
+    def _model(self) -> ModuleType:
+        return self.model or build(self.scene)
+
+    @cached_property
+    def _p(self) -> Array:
+        p: Array = self._model.parameters(**self.scene.parameters)
+        return p
+
+    def _links(self, half: int, held: float) -> Array:
+        states = np.array_split(self.y, 2, axis=1)[half]
+        moving = states[:, 2:] if self.scene.rod.boundary == "free" else states
+        first = np.full((len(self.t), self.scene.held), held)
+        return np.concatenate((first, moving), axis=1)
+
+    @cached_property
+    def phi(self) -> Array:
+        """Angles of all n links [rad], held ones included, (T, n)."""
+        return self._links(0, self.scene.rod.clamp_angle or 0.0)
+
+    @cached_property
+    def omega(self) -> Array:
+        """Rates of all n links [rad/s], (T, n)."""
+        return self._links(1, 0.0)
+
+    @cached_property
+    def joints(self) -> Array:
+        """Positions of the joints [m], nose to tail, (T, n+1, 2)."""
+        positions: Array = self._model.joints(self.y, self._p)
+        return positions
+
+    @property
+    def tip(self) -> Array:
+        """Position of the tail [m], (T, 2)."""
+        return self.joints[:, -1]
+
+    @cached_property
+    def energy(self) -> Energy:
+        """Kinetic, spring and gravity energy [J]."""
+        return Energy(*self._model.energy(self.y, self._p))
+
+    @cached_property
+    def total_work(self) -> Array:
+        """Work of all loads without potential since the start [J], (T,)."""
+        total: Array = sum(self.work.values(), start=np.zeros(len(self.t)))
+        return total
+
+    @cached_property
+    def energy_balance(self) -> Array:
+        """Energy gained since the start less the work done [J], (T,): zero but for errors."""
+        total = self.energy.total
+        balance: Array = total - total[0] - self.total_work
+        return balance
+
+    @cached_property
+    def centre_of_gravity(self) -> Array:
+        """Centre of gravity [m], (T, 2)."""
+        centre: Array = self._model.centre_of_gravity(self.y, self._p)
+        return centre
+
+    @cached_property
+    def inertia(self) -> Inertia:
+        """Moments and product of inertia about the centre of gravity [kg m^2]."""
+        return Inertia(*self._model.inertia(self.y, self._p))
+
+    @cached_property
+    def principal_axes(self) -> PrincipalAxes:
+        """Principal axes of inertia: that of the smaller moment runs along a straight rod."""
+        x, y, xy = self.inertia
+        tensor = np.stack((np.stack((x, -xy), -1), np.stack((-xy, y), -1)), -2)
+        moments, axes = np.linalg.eigh(tensor)
+        angle = np.arctan2(axes[:, 1, 0], axes[:, 0, 0])
+        # An axis has no direction: of its two angles the one in (-pi/2, pi/2].
+        angle = np.where(angle > np.pi / 2, angle - np.pi, angle)
+        angle = np.where(angle <= -np.pi / 2, angle + np.pi, angle)
+        return PrincipalAxes(angle, moments)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """All quantities with names, dimensions and units."""
+        from rodgen.integrate.storage import to_xarray
+
+        return to_xarray(self)
+
+    def save(self, path: str | Path) -> None:
+        """Write everything to a NetCDF file, whole or not at all."""
+        from rodgen.integrate.storage import save
+
+        save(self, Path(path))

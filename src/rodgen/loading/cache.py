@@ -1,0 +1,82 @@
+"""The user's cache: generated modules and records of proofs, by content hash.
+
+Everything in it can be made again; whatever cannot be read is a miss, and a cache that cannot be
+written only costs time.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from functools import lru_cache
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+
+PACKAGES = ("rodgen.derive", "rodgen.templates", "rodgen.emit")
+
+
+def cache_root() -> Path:
+    """RODGEN_CACHE, else rodgen in XDG_CACHE_HOME, else ~/.cache/rodgen."""
+    override = os.environ.get("RODGEN_CACHE")
+    if override:
+        return Path(override)
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base and Path(base).is_absolute() else Path.home() / ".cache") / "rodgen"
+
+
+@lru_cache(maxsize=1)
+def generator_hash() -> str:
+    """Content hash of all that a generated module or a proof follows from."""
+    digest = hashlib.sha256()
+    for package in ("rodgen", "sympy", "mpmath"):
+        digest.update(f"{package} {version(package)}\n".encode())
+    for package in PACKAGES:
+        for file in sorted(files(package).iterdir(), key=lambda f: f.name):
+            if file.is_file() and file.name.endswith((".py", ".jinja")):
+                digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+def key(*parts: object) -> str:
+    """Name of an entry: it depends on the parts and on the generator."""
+    content = "\0".join([generator_hash(), *map(str, parts)])
+    return hashlib.sha256(content.encode()).hexdigest()[:32]
+
+
+def read_text(*parts: str) -> str | None:
+    """Text of an entry, or None."""
+    try:
+        return cache_root().joinpath(*parts).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        return None
+
+
+def store_text(text: str, *parts: str) -> bool:
+    """Write an entry whole or not at all; False if the cache cannot be written."""
+    try:
+        write_whole(cache_root().joinpath(*parts), text)
+    except OSError:
+        return False
+    return True
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a file so that it is never seen half written."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+        os.chmod(name, 0o666 & ~_umask())
+        os.replace(name, path)
+    except BaseException:
+        os.unlink(name)
+        raise
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,17 @@
+"""Errors of the user's input: each names the field, the value and what is allowed."""
+
+from __future__ import annotations
+
+
+class SceneError(ValueError):
+    """A field of a scene, an option or a file that cannot be used as it is."""
+
+    def __init__(self, field: str, value: object, allowed: str):
+        self.field, self.value, self.allowed = field, value, allowed
+        shown = _short(value)
+        super().__init__(f"{field} = {shown}: must be {allowed}")
+
+
+def _short(value: object, longest: int = 80) -> str:
+    text = repr(value)
+    return text if len(text) <= longest else text[: longest - 3] + "..."

@@ -1,0 +1,247 @@
+"""The grammar of expressions in t or s: parsed and checked, never evaluated as Python.
+
+    numbers, the variable, pi, + - * / **, comparisons, `a if c else b`,
+    sin cos tan exp log sqrt abs min max tanh
+
+The text is parsed to a syntax tree (which runs nothing), every node of it is checked against
+the list above, and the tree is walked to compute values, to find break points and to print code.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from rodgen.scene.errors import SceneError
+
+LONGEST = 1000  # characters
+DEEPEST = 50  # nested operations
+
+FUNCTIONS: dict[str, tuple[int, int | None, Callable[..., Any]]] = {
+    "sin": (1, 1, np.sin),
+    "cos": (1, 1, np.cos),
+    "tan": (1, 1, np.tan),
+    "exp": (1, 1, np.exp),
+    "log": (1, 1, np.log),
+    "sqrt": (1, 1, np.sqrt),
+    "abs": (1, 1, np.abs),
+    "tanh": (1, 1, np.tanh),
+    "min": (2, None, lambda *a: _fold(np.minimum, a)),
+    "max": (2, None, lambda *a: _fold(np.maximum, a)),
+}
+BINARY: dict[type[ast.operator], tuple[str, Callable[..., Any]]] = {
+    ast.Add: ("+", np.add),
+    ast.Sub: ("-", np.subtract),
+    ast.Mult: ("*", np.multiply),
+    ast.Div: ("/", np.divide),
+    ast.Pow: ("**", np.power),
+}
+UNARY: dict[type[ast.unaryop], tuple[str, Callable[..., Any]]] = {
+    ast.USub: ("-", np.negative),
+    ast.UAdd: ("+", np.positive),
+}
+COMPARE: dict[type[ast.cmpop], tuple[str, Callable[..., Any]]] = {
+    ast.Lt: ("<", np.less),
+    ast.LtE: ("<=", np.less_equal),
+    ast.Gt: (">", np.greater),
+    ast.GtE: (">=", np.greater_equal),
+}
+ALLOWED = (
+    "an expression of numbers, {variable}, pi, + - * / **, < <= > >=, `a if c else b` and "
+    + " ".join(FUNCTIONS)
+)
+
+
+def _fold(function: Callable[..., Any], values: tuple[Any, ...]) -> Any:
+    total = values[0]
+    for value in values[1:]:
+        total = function(total, value)
+    return total
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A checked expression in one variable. field: where it stands, for error messages."""
+
+    text: str
+    variable: str
+    field: str = "expression"
+
+    def __post_init__(self) -> None:
+        _check(self._tree, self)
+
+    @cached_property
+    def _tree(self) -> ast.expr:
+        if len(self.text) > LONGEST:
+            raise SceneError(
+                self.field, self.text, f"an expression of at most {LONGEST} characters"
+            )
+        try:
+            return ast.parse(self.text.strip(), mode="eval").body
+        except (SyntaxError, ValueError, RecursionError, MemoryError):
+            raise self.refused(self.text) from None
+
+    def refused(self, part: str) -> SceneError:
+        """The error for a part that the grammar has no room for."""
+        allowed = ALLOWED.format(variable=self.variable)
+        where = "" if part == self.text else f" (not {part!r})"
+        return SceneError(self.field, self.text, allowed + where)
+
+    def __call__(self, at: Any) -> Any:
+        """Value at a number or an array; not-a-number and infinity where the maths has them."""
+        with np.errstate(all="ignore"):
+            return _value(self._tree, self.variable, np.asarray(at, dtype=float))
+
+    def source(self, numpy: str = "np") -> str:
+        """The expression as NumPy code in the variable; canonical, so equal for equal trees."""
+        return _source(self._tree, numpy)
+
+    def kinks(self) -> list[Callable[[Any], Any]]:
+        """Functions of the variable in whose zeros the expression is not smooth."""
+        return [self._difference(a, b) for a, b in _kinks(self._tree)]
+
+    def _difference(self, a: ast.expr, b: ast.expr | None) -> Callable[[Any], Any]:
+        def difference(at: Any) -> Any:
+            with np.errstate(all="ignore"):
+                x = np.asarray(at, dtype=float)
+                left = _value(a, self.variable, x)
+                return left if b is None else left - _value(b, self.variable, x)
+
+        return difference
+
+    def breaks(self, start: float, end: float, samples: int = 4001) -> list[float]:
+        """Zeros of the kinks strictly between start and end, ascending.
+
+        Zeros are found where the sign changes between two of the samples.
+        """
+        from scipy.optimize import brentq
+
+        grid = np.linspace(start, end, samples)
+        found: set[float] = set()
+        for kink in self.kinks():
+            values = np.broadcast_to(kink(grid), grid.shape)
+            signs = np.sign(values)
+            found.update(float(x) for x in grid[signs == 0] if not _flat(signs, grid, x))
+            for at in np.flatnonzero(signs[:-1] * signs[1:] < 0):
+                found.add(float(brentq(kink, grid[at], grid[at + 1], xtol=1e-15, rtol=1e-15)))
+        return sorted(x for x in found if start < x < end)
+
+
+def _flat(signs: Any, grid: Any, x: float) -> bool:
+    """A zero with zeros on both sides is no break."""
+    at = int(np.searchsorted(grid, x))
+    return 0 < at < len(grid) - 1 and signs[at - 1] == 0 and signs[at + 1] == 0
+
+
+def _check(node: ast.AST, expression: Expression, depth: int = 0, condition: bool = False) -> None:
+    def refuse() -> SceneError:
+        return expression.refused(ast.unparse(node))
+
+    if depth > DEEPEST:
+        raise SceneError(expression.field, expression.text, f"nested at most {DEEPEST} deep")
+    if condition != isinstance(node, ast.Compare):
+        raise refuse()
+    match node:
+        case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
+            try:
+                finite = math.isfinite(value)
+            except OverflowError:
+                finite = False
+            if not finite:
+                raise refuse()
+        case ast.Name(id=name) if name in (expression.variable, "pi"):
+            pass
+        case ast.BinOp(op=op) if type(op) in BINARY:
+            pass
+        case ast.UnaryOp(op=op) if type(op) in UNARY:
+            pass
+        case ast.Compare(ops=ops) if all(type(op) in COMPARE for op in ops) and len(ops) == 1:
+            pass
+        case ast.IfExp():
+            pass
+        case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
+            least, most, _ = FUNCTIONS[name]
+            if len(args) < least or (most is not None and len(args) > most):
+                raise refuse()
+        case _:
+            raise refuse()
+    for child, is_condition in _children(node):
+        _check(child, expression, depth + 1, is_condition)
+
+
+def _children(node: ast.AST) -> Iterator[tuple[ast.expr, bool]]:
+    match node:
+        case ast.BinOp(left=left, right=right):
+            yield from ((left, False), (right, False))
+        case ast.UnaryOp(operand=operand):
+            yield operand, False
+        case ast.Compare(left=left, comparators=[right]):
+            yield from ((left, False), (right, False))
+        case ast.IfExp(test=test, body=body, orelse=orelse):
+            yield from ((test, True), (body, False), (orelse, False))
+        case ast.Call(args=args):
+            yield from ((arg, False) for arg in args)
+
+
+def _value(node: ast.AST, variable: str, at: Any) -> Any:
+    values = [_value(child, variable, at) for child, _ in _children(node)]
+    match node:
+        case ast.Constant(value=value):
+            return np.float64(value)  # type: ignore[arg-type]
+        case ast.Name(id=name):
+            return np.float64(math.pi) if name == "pi" else at
+        case ast.BinOp(op=op):
+            return BINARY[type(op)][1](*values)
+        case ast.UnaryOp(op=op):
+            return UNARY[type(op)][1](*values)
+        case ast.Compare(ops=[op]):
+            return COMPARE[type(op)][1](*values)
+        case ast.IfExp():
+            return np.where(*values)
+        case ast.Call(func=ast.Name(id=name)):
+            return FUNCTIONS[name][2](*values)
+    raise AssertionError(f"unchecked node {node!r}")
+
+
+def _source(node: ast.AST, np_: str) -> str:
+    parts = [_source(child, np_) for child, _ in _children(node)]
+    match node:
+        case ast.Constant(value=value):
+            return repr(float(value))  # type: ignore[arg-type]
+        case ast.Name(id=name):
+            return f"{np_}.pi" if name == "pi" else name
+        case ast.BinOp(op=op):
+            return f"({parts[0]} {BINARY[type(op)][0]} {parts[1]})"
+        case ast.UnaryOp(op=op):
+            return f"({UNARY[type(op)][0]}{parts[0]})"
+        case ast.Compare(ops=[op]):
+            return f"({parts[0]} {COMPARE[type(op)][0]} {parts[1]})"
+        case ast.IfExp():
+            return f"{np_}.where({', '.join(parts)})"
+        case ast.Call(func=ast.Name(id=name)):
+            pair = {"min": "minimum", "max": "maximum"}.get(name)
+            if pair is None:
+                return f"{np_}.{name}({parts[0]})"
+            total = parts[0]
+            for part in parts[1:]:
+                total = f"{np_}.{pair}({total}, {part})"
+            return total
+    raise AssertionError(f"unchecked node {node!r}")
+
+
+def _kinks(node: ast.AST) -> Iterator[tuple[ast.expr, ast.expr | None]]:
+    match node:
+        case ast.Compare(left=left, comparators=[right]):
+            yield left, right
+        case ast.Call(func=ast.Name(id="abs"), args=[arg]):
+            yield arg, None
+        case ast.Call(func=ast.Name(id="min" | "max"), args=args):
+            yield from ((a, b) for at, a in enumerate(args) for b in args[at + 1 :])
+    for child, _ in _children(node):
+        yield from _kinks(child)

@@ -1,0 +1,165 @@
+"""The tables of a scene file, each with its keys, their types, units and limits."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from rodgen.scene import structure as st
+from rodgen.scene.errors import SceneError
+from rodgen.scene.expression import Expression
+
+FIXED_STEP = ("euler", "semi_implicit_euler", "rk4")
+ADAPTIVE = ("rk23", "rk45", "dop853", "radau", "bdf", "lsoda")
+METHODS = (*FIXED_STEP, *ADAPTIVE)
+MOST_SAMPLES = 10**6
+MOST_STEPS = 10**9
+LEAST_RTOL = 2.3e-14  # a hundred times the rounding of a double, below which SciPy clips
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(allow_inf_nan=False, gt=0)]
+NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0)]
+Pair = Annotated[list[Finite], Field(min_length=2, max_length=2)]
+
+
+class Table(BaseModel):
+    """A table of a scene: no key that is not known, no value of another type."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class Rod(Table):
+    """The rod: links, length [m], bending stiffness [N m^2], mass [kg]."""
+
+    links: int
+    length: Positive
+    bending_stiffness: NotNegative
+    mass: Positive
+    inertia: str = "uniform"
+    boundary: str = "free"
+    clamp_angle: Finite | None = None
+
+    @model_validator(mode="after")
+    def _structure(self) -> Self:
+        st.choose("rod.boundary", self.boundary, st.BOUNDARIES)
+        st.choose("rod.inertia", self.inertia, st.INERTIAS)
+        st.check_links(self.links, self.boundary, "rod.links")
+        has_clamp = "clamp_angle" in st.BOUNDARY_PARAMETERS[self.boundary]
+        if self.clamp_angle is not None and not has_clamp:
+            allowed = f"absent: boundary {self.boundary} has no clamp"
+            raise SceneError("rod.clamp_angle", self.clamp_angle, allowed)
+        return self
+
+
+class Follower(Table):
+    """Follower force [N], a number or an expression in t, and its angle to the last link [rad]."""
+
+    force: Finite | str
+    angle: Finite = 0.0
+
+    @model_validator(mode="after")
+    def _expression(self) -> Self:
+        if isinstance(self.force, str):
+            Expression(self.force, "t", "loads.follower.force")
+        return self
+
+
+class Gravity(Table):
+    """Acceleration of gravity [m/s^2], downwards."""
+
+    g: Finite = 9.81
+
+
+class InternalDamping(Table):
+    """Coefficient c_int [m^2/s]."""
+
+    coefficient: NotNegative
+
+
+class FinFactor(Table):
+    """Fin factors of joint 0, of the joints between, and of the tail."""
+
+    nose: NotNegative = 1.0
+    body: NotNegative = 1.0
+    tail: NotNegative = 1.0
+
+    def values(self, links: int) -> list[float]:
+        return [self.nose, *[self.body] * (links - 1), self.tail]
+
+
+class ExternalDamping(Table):
+    """Coefficient c_ext [1/s] and the fin factors s of the joints."""
+
+    coefficient: NotNegative
+    fin_factor: FinFactor | list[NotNegative] = FinFactor()
+
+
+class Loads(Table):
+    """The loads that the scene has; those that are absent are not in its equations."""
+
+    follower: Follower | None = None
+    gravity: Gravity | None = None
+    internal_damping: InternalDamping | None = None
+    external_damping: ExternalDamping | None = None
+
+
+class Initial(Table):
+    """Initial state; phi and omega are a number, a list over the moving links, or an expression
+    in s, the middle of the link from 0 at the nose to 1 at the tail."""
+
+    position: Pair | None = None
+    velocity: Pair | None = None
+    phi: Finite | list[Finite] | str = 0.0
+    omega: Finite | list[Finite] | str = 0.0
+
+    @model_validator(mode="after")
+    def _expressions(self) -> Self:
+        for name in ("phi", "omega"):
+            value = getattr(self, name)
+            if isinstance(value, str):
+                Expression(value, "s", f"initial.{name}")
+        return self
+
+
+class Integrate(Table):
+    """How the scene is integrated."""
+
+    method: str = "dop853"
+    span: Pair = [0.0, 10.0]
+    step: Positive | None = None
+    rtol: Positive = 1e-8
+    atol: NotNegative = 1e-10
+    output_every: Positive = 0.01
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        st.choose("integrate.method", self.method, METHODS)
+        start, end = self.span
+        if not start < end:
+            raise SceneError("integrate.span", self.span, "[start, end] with start < end")
+        if self.method in FIXED_STEP and self.step is None:
+            allowed = f"given in seconds: method {self.method} has a fixed step"
+            raise SceneError("integrate.step", None, allowed)
+        if self.step is not None and (end - start) / self.step > MOST_STEPS:
+            raise SceneError("integrate.step", self.step, f"at most {MOST_STEPS} steps in the span")
+        if (end - start) / self.output_every > MOST_SAMPLES:
+            allowed = f"at most {MOST_SAMPLES} samples in the span"
+            raise SceneError("integrate.output_every", self.output_every, allowed)
+        if not LEAST_RTOL <= self.rtol < 1:
+            raise SceneError("integrate.rtol", self.rtol, f"from {LEAST_RTOL} to below 1")
+        return self
+
+    @property
+    def samples(self) -> NDArray[np.float64]:
+        """Output times: the start, every output_every, and the end."""
+        start, end = self.span
+        count = math.floor((end - start) / self.output_every * (1 + 1e-12))
+        times: NDArray[np.float64] = start + self.output_every * np.arange(count + 1.0)
+        if end - times[-1] > 1e-9 * self.output_every:
+            times = np.append(times, end)
+        times[-1] = end
+        return times

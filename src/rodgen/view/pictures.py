@@ -1,0 +1,131 @@
+"""Pictures of a run, made for print: shape, trajectories, energies, phase plot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from rodgen.integrate import Solution
+
+SHAPES = 12  # rods drawn in one picture
+DOTS_PER_INCH = 200
+LINE = 1.2  # points
+
+
+def save_pictures(solution: Solution, folder: Path) -> list[Path]:
+    """Write every picture of a run as PNG into a folder that exists; returns the files."""
+    return [_save(draw(solution), folder / f"{name}.png") for name, draw in PICTURES.items()]
+
+
+def shapes(solution: Solution) -> Figure:
+    """The rod at several times, coloured by time."""
+    figure, axes = _figure(6.0, 5.0)
+    times = np.unique(np.linspace(0, len(solution.t) - 1, SHAPES).round().astype(int))
+    colours = ScalarMappable(Normalize(solution.t[0], max(solution.t[-1], 1e-300)), "viridis")
+    for at in times:
+        x, y = solution.joints[at].T
+        colour = colours.to_rgba(solution.t[at])
+        axes.plot(x, y, "-", color=colour, linewidth=LINE)
+        axes.plot(x[0], y[0], "o", color=colour, markersize=3.5)
+    axes.set(xlabel="x [m]", ylabel="y [m]", title="Shape (dot: joint 0)")
+    _frame(axes, solution.joints[times])
+    figure.colorbar(colours, ax=axes, label="t [s]")
+    return figure
+
+
+def trajectories(solution: Solution) -> Figure:
+    """Paths of the centre of gravity and of the tail."""
+    figure, axes = _figure(6.0, 5.0)
+    paths = {"centre of gravity": solution.centre_of_gravity, "tail": solution.tip}
+    for (name, path), line in zip(paths.items(), ("-", "--"), strict=True):
+        (drawn,) = axes.plot(*path.T, line, label=name, linewidth=LINE)
+        axes.plot(*path[0], "o", color=drawn.get_color(), markersize=4)
+    axes.set(xlabel="x [m]", ylabel="y [m]", title="Trajectories (dot: start)")
+    _frame(axes, np.concatenate(list(paths.values())))
+    axes.legend()
+    return figure
+
+
+def energies(solution: Solution) -> Figure:
+    """Energies and work over time; below, by how much they do not balance."""
+    figure = _canvas(6.0, 6.0)
+    axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    t, energy = solution.t, solution.energy
+    axes.plot(t, energy.kinetic, label="kinetic", linewidth=LINE)
+    axes.plot(t, energy.spring, label="springs", linewidth=LINE)
+    if "gravity" in solution.scene.structure.terms:
+        axes.plot(t, energy.gravity, label="gravity", linewidth=LINE)
+    axes.plot(t, energy.total, "k-", label="total", linewidth=LINE)
+    for term, work in solution.work.items():
+        axes.plot(t, work, "--", label=f"work of {term.replace('_', ' ')}", linewidth=LINE)
+    axes.set(ylabel="energy [J]", title="Energies and work")
+    axes.legend(fontsize="small")
+    error = np.abs(solution.energy_balance)
+    if np.any(error > 0):
+        below.semilogy(t, np.where(error > 0, error, np.nan), "k-", linewidth=0.8)
+    below.set(xlabel="t [s]", ylabel="|balance error| [J]")
+    below.grid(alpha=0.3)
+    return figure
+
+
+def phase_plot(solution: Solution) -> Figure:
+    """How far the rod is bent against how fast it bends: tail link relative to first link."""
+    figure, axes = _figure(6.0, 5.0)
+    if solution.scene.rod.links > 1:
+        angle = solution.phi[:, -1] - solution.phi[:, 0]
+        rate = solution.omega[:, -1] - solution.omega[:, 0]
+        labels = (r"$\varphi_{n-1}-\varphi_0$ [rad]", r"$\omega_{n-1}-\omega_0$ [rad/s]")
+    else:
+        angle, rate = solution.phi[:, 0], solution.omega[:, 0]
+        labels = (r"$\varphi_0$ [rad]", r"$\omega_0$ [rad/s]")
+    axes.plot(angle, rate, "-", linewidth=0.8)
+    axes.plot(angle[0], rate[0], "o", markersize=4, color="k", label="start")
+    axes.plot(angle[-1], rate[-1], "s", markersize=4, color="tab:red", label="end")
+    axes.set(xlabel=labels[0], ylabel=labels[1], title="Phase plot")
+    axes.legend()
+    return figure
+
+
+PICTURES: dict[str, Callable[[Solution], Figure]] = {
+    "shape": shapes,
+    "trajectory": trajectories,
+    "energy": energies,
+    "phase": phase_plot,
+}
+
+
+def _canvas(width: float, height: float) -> Figure:
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _figure(width: float, height: float) -> tuple[Figure, Axes]:
+    figure = _canvas(width, height)
+    axes = figure.add_subplot()
+    axes.grid(alpha=0.3)
+    return figure, axes
+
+
+def _frame(axes: Axes, points: np.ndarray) -> None:
+    """Equal scales; where the picture would be a sliver, at least a fifth as wide as long."""
+    flat = points.reshape(-1, 2)
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    middle, half = (low + high) / 2, (high - low) / 2
+    least = max(half.max() * 0.2, 1e-9)
+    half = np.maximum(half, least) * 1.05
+    axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
+    axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
+    axes.set_aspect("equal")
+
+
+def _save(figure: Figure, path: Path) -> Path:
+    figure.savefig(path, dpi=DOTS_PER_INCH)
+    return path

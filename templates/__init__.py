@@ -1,0 +1,1 @@
+"""Jinja templates, one for each target: loops, storage and signatures, no mechanics."""
