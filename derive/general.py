@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from math import prod
 
 from sympy import (
@@ -116,6 +116,7 @@ class _TwoLinks:
     partial: list[Vector]
 
 
+@cache
 def _two_links() -> _TwoLinks:
     a = symbols("a_i a_j", positive=True)
     mu = Symbol("mu", positive=True)

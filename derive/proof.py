@@ -99,9 +99,9 @@ def prove_explicit(
         for r, (a_row, b_row) in enumerate(zip(one, two, strict=True)):
             for c, (a, b) in enumerate(zip(a_row, b_row, strict=True)):
                 if calculus.normal(a - b):
-                    expr = calculus.expr
+                    derived_entry, closed_entry = calculus.expr(a), calculus.expr(b)
                     raise DisagreementError(
-                        EXPLICIT, f"{name}[{r},{c}]", expr(poly(a)), expr(poly(b))
+                        EXPLICIT, f"{name}[{r},{c}]", derived_entry, closed_entry
                     )
         return Comparison(name, EXPLICIT, sum(map(len, one)))
 

@@ -179,6 +179,7 @@ def _forces(equations: Equations, compiler: Compiler) -> dict[str, tuple[Domain,
     if compiler.links > 1:
         before, after = equations.moments.before, equations.moments.after
         out["moment_after"] = compiler.spring, after
+    if compiler.links > 1 and compiler.link.count > 1:
         if sympy.expand(before + after) == 0:
             before = -sympy.IndexedBase("moment_after", real=True)[s]
         out["moment_before"] = compiler.spring, before

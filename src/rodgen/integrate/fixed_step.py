@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+import numpy as np
+
 from rodgen.integrate import euler, rk4, semi_implicit_euler
-from rodgen.integrate.stepper import Array, Counts, Interpolant, Rhs, hermite
+from rodgen.integrate.stepper import Array, Counts, Interpolant, Rhs, StepError, hermite
 
 Advance = Callable[[Rhs, float, Array, Array, float], Array]
 METHODS: dict[str, Advance] = {
@@ -40,12 +42,14 @@ class FixedStep:
         return self._counts
 
     def step(self) -> bool:
-        """Take a step; True when the end is reached."""
+        """Take a step; True when the end is reached. Raises StepError."""
         self._counts.steps += 1
         last = self._counts.steps >= self._total
         t = self._end if last else self._start + self._counts.steps * self._step
         y = self._advance(self._rhs, self.t, self.y, self._f, t - self.t)
         f = self._rhs(t, y)
+        if not np.isfinite(f).all():
+            raise StepError("the rates stop being finite in the step after this time")
         self._before = (self.t, self.y, self._f)
         self.t, self.y, self._f = t, y, f
         return last

@@ -18,6 +18,7 @@ METHODS: dict[str, type[OdeSolver]] = {
     "lsoda": LSODA,
 }
 RUNGE_KUTTA = ("rk23", "rk45", "dop853")  # explicit: every try costs as many evaluations
+PATIENCE = 1000  # evaluations in a row that are not finite, before a method is stopped
 
 
 class ScipyStep:
@@ -26,12 +27,15 @@ class ScipyStep:
     def __init__(
         self, name: str, rhs: Rhs, t: float, y: Array, end: float, rtol: float, atol: float
     ):
-        self._rhs, self._broken = rhs, False
+        self._rhs, self._broken, self._broken_in_a_row = rhs, False, 0
         # Evaluations of one try, where the method is of Runge-Kutta type.
         self._stages: int | None = METHODS[name].n_stages if name in RUNGE_KUTTA else None
         self._rejected = 0
         self._steps = 0
         self.t, self.y = t, y
+        self._watched(t, y)
+        if self._broken:  # SciPy would look for a first step for ever
+            raise self._failure("")
         # A first step into infinity is judged by the run, not by a warning.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -39,8 +43,13 @@ class ScipyStep:
 
     def _watched(self, t: float, y: Array) -> Array:
         rate = self._rhs(t, y)
-        if not np.isfinite(rate).all():
-            self._broken = True
+        if np.isfinite(rate).all():
+            self._broken_in_a_row = 0
+            return rate
+        self._broken = True
+        self._broken_in_a_row += 1
+        if self._broken_in_a_row > PATIENCE:
+            raise self._failure("")
         return rate
 
     @property

@@ -1,0 +1,95 @@
+"""What the laws of mechanics keep, whatever the equations look like."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.scene import Scene
+from rodgen.scene.structure import TERMS
+
+Make = Callable[..., Scene]
+
+
+def _momenta(sol: rodgen.Solution) -> tuple[np.ndarray, np.ndarray]:
+    """Linear momentum (T, 2) and angular momentum about the origin (T,), by quadrature over
+    points of the links: another route than the mass matrix."""
+    x, weight = np.polynomial.legendre.leggauss(3)  # exact: the integrand is quadratic
+    n, rod = sol.scene.rod.links, sol.scene.rod
+    l, m = rod.length / n, rod.mass / n
+    half = sol.y.shape[1] // 2
+    velocity = sol.y[:, half : half + 2]
+    linear, angular = np.zeros((len(sol.t), 2)), np.zeros(len(sol.t))
+    for link in range(n):
+        e = np.stack((np.cos(sol.phi[:, link]), np.sin(sol.phi[:, link])), axis=1)
+        turn = sol.omega[:, link, None] * np.stack((-e[:, 1], e[:, 0]), axis=1)
+        for at, share in zip((x + 1) / 2, weight / 2, strict=True):
+            r = sol.joints[:, link] + at * l * e
+            v = velocity + at * l * turn
+            linear += share * m * v
+            angular += share * m * (r[:, 0] * v[:, 1] - r[:, 1] * v[:, 0])
+        velocity = velocity + l * turn
+    return linear, angular
+
+
+def test_conservative_rod_keeps_energy_and_momenta(make_scene: Make) -> None:
+    scene = make_scene(6, initial={"velocity": [0.3, -0.2], "position": [1.0, 2.0]})
+    sol = rodgen.simulate(scene, rtol=1e-12, atol=1e-13)
+    assert sol.work == {}
+    # Tolerance 1e-12 a step, some 500 steps.
+    energy = sol.energy.total
+    assert np.ptp(energy) < 1e-9 * energy[0]
+    linear, angular = _momenta(sol)
+    assert np.ptp(linear, axis=0).max() < 1e-9 * np.abs(linear).max()
+    assert np.ptp(angular) < 1e-9 * np.abs(angular).max()
+
+
+@pytest.mark.parametrize("boundary", ["free", "cantilever"])
+@pytest.mark.parametrize("terms", [*((term,) for term in TERMS), TERMS], ids="+".join)
+def test_energy_balances_the_work_of_the_loads(
+    make_scene: Make, boundary: str, terms: tuple[str, ...]
+) -> None:
+    sol = rodgen.simulate(make_scene(5, boundary, terms))
+    moved = np.ptp(sol.energy.kinetic) + np.ptp(sol.energy.spring)
+    # rtol 1e-10; external damping is not smooth where a velocity turns, which costs digits.
+    limit = 1e-6 if "external_damping" in terms else 1e-8
+    assert np.abs(sol.energy_balance).max() < limit * moved
+    assert set(sol.work) == set(terms) - {"gravity"}
+    for term in set(sol.work) - {"follower"}:
+        assert np.all(np.diff(sol.work[term]) <= 1e-12 * moved), f"{term} gives energy"
+    if terms == ("follower",):
+        assert np.abs(sol.work["follower"]).max() > 0.01 * moved
+
+
+def test_energy_balance_does_not_depend_on_the_samples(make_scene: Make) -> None:
+    """Work is integrated over the steps, not over the samples."""
+    coarse = rodgen.simulate(make_scene(4, "free", TERMS), output_every=1.0)
+    fine = rodgen.simulate(make_scene(4, "free", TERMS), output_every=0.001)
+    for term in coarse.work:
+        # Both use the same steps; only the stretches of the quadrature differ.
+        assert coarse.work[term][-1] == pytest.approx(fine.work[term][-1], rel=1e-6)
+
+
+def test_centre_of_gravity_falls_freely(make_scene: Make) -> None:
+    initial = {"velocity": [0.3, -0.2], "position": [1.0, 2.0]}
+    sol = rodgen.simulate(make_scene(5, "free", ("gravity", "internal_damping"), initial=initial))
+    linear, _ = _momenta(sol)
+    start, velocity = sol.centre_of_gravity[0], linear[0] / sol.scene.rod.mass
+    fall = start + velocity * sol.t[:, None]
+    fall[:, 1] -= 9.81 / 2 * sol.t**2
+    np.testing.assert_allclose(sol.centre_of_gravity, fall, atol=1e-8)
+
+
+def test_follower_force_accelerates_the_centre_of_gravity(make_scene: Make) -> None:
+    """Newton's second law for the whole rod, by differences of the centre of gravity."""
+    sol = rodgen.simulate(make_scene(5, "free", ("follower",)), output_every=1e-3)
+    h = sol.t[1] - sol.t[0]
+    c = sol.centre_of_gravity
+    acceleration = (c[2:] - 2 * c[1:-1] + c[:-2]) / h**2
+    angle = sol.phi[1:-1, -1] + 0.1
+    force = -40.0 * np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    # The second difference is wrong by h^2/12 of the fourth derivative, some 1e3 to 1e4 here.
+    np.testing.assert_allclose(3.0 * acceleration, force, atol=0.05)

@@ -1,0 +1,97 @@
+"""Quantities of a Solution by a second route, and its way through a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.scene import Scene
+from rodgen.scene.structure import TERMS
+
+Make = Callable[..., Scene]
+
+
+@pytest.mark.parametrize("boundary", ["free", "cantilever"])
+def test_geometry_is_that_of_many_points(make_scene: Make, boundary: str) -> None:
+    rod = {"clamp_angle": 0.4} if boundary == "cantilever" else {}
+    sol = rodgen.simulate(make_scene(4, boundary, rod=rod), output_every=0.5)
+    n, l, m = 4, 0.5, 0.75
+    e = np.stack((np.cos(sol.phi), np.sin(sol.phi)), axis=-1)
+    start = sol.y[:, :2] if boundary == "free" else np.zeros((len(sol.t), 2))
+    joints = np.concatenate((np.zeros((len(sol.t), 1, 2)), np.cumsum(l * e, axis=1)), axis=1)
+    np.testing.assert_allclose(sol.joints, joints + start[:, None], atol=1e-14)
+    np.testing.assert_array_equal(sol.tip, sol.joints[:, -1])
+    x, w = np.polynomial.legendre.leggauss(3)
+    points = sol.joints[:, :-1, None] + l * e[:, :, None] * ((x + 1) / 2)[:, None]
+    share = np.broadcast_to(m * w / 2, (len(sol.t), n, 3))[..., None]
+    centre = (points * share).sum(axis=(1, 2)) / (n * m)
+    np.testing.assert_allclose(sol.centre_of_gravity, centre, atol=1e-13)
+    off = points - centre[:, None, None]
+    np.testing.assert_allclose(
+        sol.inertia.x, (off[..., 1:] ** 2 * share).sum((1, 2, 3)), atol=1e-13
+    )
+    np.testing.assert_allclose(
+        sol.inertia.y, (off[..., :1] ** 2 * share).sum((1, 2, 3)), atol=1e-13
+    )
+    product = (off[..., :1] * off[..., 1:] * share).sum((1, 2, 3))
+    np.testing.assert_allclose(sol.inertia.xy, product, atol=1e-13)
+
+
+def test_principal_axes_of_a_straight_rod_run_along_it(make_scene: Make) -> None:
+    for angle in (-1.5, -0.3, 0.0, 0.7, 1.5, np.pi / 2):
+        initial = {"phi": angle, "omega": 0.0}
+        sol = rodgen.simulate(make_scene(3, initial=initial), span=[0.0, 0.01])
+        assert np.cos(2 * (sol.principal_axes.angle[0] - angle)) == pytest.approx(1.0)
+        # A thin straight rod: nothing across it, M L^2/12 about its middle.
+        np.testing.assert_allclose(sol.principal_axes.moments[0], [0.0, 3.0 * 4.0 / 12], atol=1e-14)
+
+
+@pytest.mark.parametrize("boundary", ["free", "cantilever"])
+def test_shapes_include_held_links(make_scene: Make, boundary: str) -> None:
+    rod = {"clamp_angle": 0.4} if boundary == "cantilever" else {}
+    sol = rodgen.simulate(make_scene(4, boundary, TERMS, rod=rod), output_every=0.1)
+    assert sol.t.shape == (11,)
+    assert sol.y.shape == (11, 12 if boundary == "free" else 6)
+    assert sol.phi.shape == sol.omega.shape == (11, 4)
+    if boundary == "cantilever":
+        assert np.all(sol.phi[:, 0] == 0.4)
+        assert np.all(sol.omega[:, 0] == 0.0)
+
+
+def test_netcdf_keeps_everything(make_scene: Make, tmp_path: Path) -> None:
+    sol = rodgen.simulate(make_scene(4, "free", TERMS), output_every=0.1)
+    path = tmp_path / "run.nc"
+    sol.save(path)
+    assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
+    back = rodgen.load(path)
+    np.testing.assert_array_equal(back.y, sol.y)
+    np.testing.assert_array_equal(back.t, sol.t)
+    assert back.scene == sol.scene
+    assert back.stats == sol.stats
+    assert back.status == "finished"
+    np.testing.assert_array_equal(back.energy_balance, sol.energy_balance)
+    data = sol.to_xarray()
+    assert data["phi"].dims == ("time", "link")
+    assert data["kinetic_energy"].attrs["units"] == "J"
+    assert float(data["y"].sel(state="vx0")[-1]) == sol.y[-1, 6]
+
+
+def test_other_files_are_refused(tmp_path: Path) -> None:
+    text = tmp_path / "text.nc"
+    text.write_text("no NetCDF", encoding="utf-8")
+    for path in (text, tmp_path / "missing.nc"):
+        with pytest.raises(rodgen.SceneError, match="NetCDF"):
+            rodgen.load(path)
+
+
+def test_overrides_are_checked_like_a_scene(make_scene: Make) -> None:
+    with pytest.raises(rodgen.SceneError, match=r"integrate\.method"):
+        rodgen.simulate(make_scene(), method="magic")
+    with pytest.raises(rodgen.SceneError, match=r"integrate\.colour"):
+        rodgen.simulate(make_scene(), colour=3)
+    with pytest.raises(rodgen.SceneError, match="target"):
+        rodgen.simulate(make_scene(), target="fortran")
