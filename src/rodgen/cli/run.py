@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 
 from rodgen.cli.console import out, progress
@@ -36,7 +37,8 @@ def run(
             solution, status = error.solution, FAILED_RUN
         except Interrupted as error:
             solution, status = error.solution, INTERRUPTED
-    _write(solution, folder, f"{scene.structure.stem}.py", text)
+    with np.errstate(all="ignore"):  # a run that blew up has energies that overflow
+        _write(solution, folder, f"{scene.structure.stem}.py", text)
     if status:
         fail(
             f"{solution.message}; samples up to t = {solution.t[-1]:.9g} s are in {folder}", status

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import ModuleType
@@ -159,6 +159,11 @@ class Solution:
         angle = np.where(angle > np.pi / 2, angle - np.pi, angle)
         angle = np.where(angle <= -np.pi / 2, angle + np.pi, angle)
         return PrincipalAxes(angle, moments)
+
+    def until(self, count: int) -> Solution:
+        """The same run with its first ``count`` samples alone."""
+        work = {term: values[:count] for term, values in self.work.items()}
+        return replace(self, t=self.t[:count], y=self.y[:count], work=work)
 
     def to_xarray(self) -> xarray.Dataset:
         """All quantities with names, dimensions and units."""

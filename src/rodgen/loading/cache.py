@@ -11,7 +11,7 @@ import os
 import tempfile
 from functools import lru_cache
 from importlib.metadata import version
-from importlib.resources import files
+from importlib.util import find_spec
 from pathlib import Path
 
 PACKAGES = ("rodgen.derive", "rodgen.templates", "rodgen.emit")
@@ -33,8 +33,13 @@ def generator_hash() -> str:
     for package in ("rodgen", "sympy", "mpmath"):
         digest.update(f"{package} {version(package)}\n".encode())
     for package in PACKAGES:
-        for file in sorted(files(package).iterdir(), key=lambda f: f.name):
-            if file.is_file() and file.name.endswith((".py", ".jinja")):
+        # Found, not imported: importing emit would import SymPy.
+        spec = find_spec(package)
+        folders = spec.submodule_search_locations if spec else None
+        if not folders:
+            raise ImportError(f"{package} is not installed")
+        for file in sorted(Path(folders[0]).iterdir()):
+            if file.suffix in (".py", ".jinja"):
                 digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
     return digest.hexdigest()
 

@@ -8,10 +8,14 @@ class SceneError(ValueError):
 
     def __init__(self, field: str, value: object, allowed: str):
         self.field, self.value, self.allowed = field, value, allowed
-        shown = _short(value)
-        super().__init__(f"{field} = {shown}: must be {allowed}")
+        super().__init__(_one_line(f"{field} = {_short(value)}: must be {allowed}"))
 
 
 def _short(value: object, longest: int = 80) -> str:
     text = repr(value)
     return text if len(text) <= longest else text[: longest - 3] + "..."
+
+
+def _one_line(text: str) -> str:
+    """Control characters, which a key of a file may hold, as escapes."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)

@@ -75,6 +75,10 @@ class Expression:
 
     def __post_init__(self) -> None:
         _check(self._tree, self)
+        for part in _constants(self._tree, self.variable):
+            with np.errstate(all="ignore"):
+                if not np.isfinite(_value(part, self.variable, None)):
+                    raise self.refused(ast.unparse(part))
 
     @cached_property
     def _tree(self) -> ast.expr:
@@ -100,7 +104,7 @@ class Expression:
 
     def source(self, numpy: str = "np") -> str:
         """The expression as NumPy code in the variable; canonical, so equal for equal trees."""
-        return _source(self._tree, numpy)
+        return _source(self._tree, numpy, self.variable)
 
     def kinks(self) -> list[Callable[[Any], Any]]:
         """Functions of the variable in whose zeros the expression is not smooth."""
@@ -209,13 +213,24 @@ def _value(node: ast.AST, variable: str, at: Any) -> Any:
     raise AssertionError(f"unchecked node {node!r}")
 
 
-def _source(node: ast.AST, np_: str) -> str:
-    parts = [_source(child, np_) for child, _ in _children(node)]
+def _constants(node: ast.AST, variable: str) -> Iterator[ast.AST]:
+    """The largest parts of a tree that the variable is not in; comparisons are no numbers."""
+    names = {inner.id for inner in ast.walk(node) if isinstance(inner, ast.Name)}
+    if variable not in names and not isinstance(node, ast.Compare):
+        yield node
+        return
+    for child, _ in _children(node):
+        yield from _constants(child, variable)
+
+
+def _source(node: ast.AST, np_: str, variable: str) -> str:
+    # Numbers are worked out here: Python's own 1.0/0.0 or (-1.0)**0.5 are not those of NumPy.
+    if node in _constants(node, variable):
+        return repr(float(_value(node, variable, None)))
+    parts = [_source(child, np_, variable) for child, _ in _children(node)]
     match node:
-        case ast.Constant(value=value):
-            return repr(float(value))  # type: ignore[arg-type]
         case ast.Name(id=name):
-            return f"{np_}.pi" if name == "pi" else name
+            return name
         case ast.BinOp(op=op):
             return f"({parts[0]} {BINARY[type(op)][0]} {parts[1]})"
         case ast.UnaryOp(op=op):

@@ -17,10 +17,17 @@ from rodgen.integrate import Solution
 SHAPES = 12  # rods drawn in one picture
 DOTS_PER_INCH = 200
 LINE = 1.2  # points
+LARGEST = 1e30  # of any state: its square still fits in a double
 
 
 def save_pictures(solution: Solution, folder: Path) -> list[Path]:
-    """Write every picture of a run as PNG into a folder that exists; returns the files."""
+    """Write every picture of a run as PNG into a folder that exists; returns the files.
+
+    Of a run that blew up only what can be drawn is drawn.
+    """
+    drawable = np.abs(solution.y).max(axis=1) < LARGEST
+    shown = int(np.argmin(drawable)) or 1 if not drawable.all() else len(drawable)
+    solution = solution.until(shown)
     return [_save(draw(solution), folder / f"{name}.png") for name, draw in PICTURES.items()]
 
 

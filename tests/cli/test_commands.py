@@ -1,0 +1,289 @@
+"""The command line in processes of its own."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rodgen as package
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+ROOT = Path(__file__).parents[2]
+
+SHORT = """
+name = "short"
+[rod]
+links = 4
+length = 1.0
+bending_stiffness = 2.0
+mass = 1.0
+[loads.follower]
+force = "5*min(t/0.1, 1)"
+[loads.gravity]
+[initial]
+phi = "0.1*cos(pi*s)"
+[integrate]
+span = [0.0, 0.3]
+"""
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Path:
+    path = tmp_path / "short.toml"
+    path.write_text(SHORT, encoding="utf-8")
+    return path
+
+
+def test_derive_proves_and_writes(rodgen: Run, tmp_path: Path) -> None:
+    done = rodgen("derive", 4, "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "n = 4 (LagrangesMethod)" in done.stdout
+    assert "any n (symbolic)" in done.stdout
+    assert "proven in" in done.stdout
+    (module,) = tmp_path.iterdir()
+    assert module.name == "rod_free_n4.py"
+    before = module.stat().st_mtime_ns
+    again = rodgen("derive", 4, "--out", tmp_path)
+    assert "proven earlier" in again.stdout
+    assert "up to date" in again.stdout
+    assert module.stat().st_mtime_ns == before
+
+
+def test_kept_proof_does_not_import_sympy(rodgen: Run, tmp_path: Path) -> None:
+    first = rodgen("derive", 3, "--terms", "none", "--out", tmp_path)
+    assert first.returncode == 0
+    program = (
+        "import sys\nfrom rodgen.cli import main\n"
+        f"sys.argv[1:] = ['derive', '3', '--terms', 'none', '--out', {str(tmp_path)!r}]\n"
+        "try:\n    main()\nexcept SystemExit as end:\n    assert not end.code\n"
+        "assert 'sympy' not in sys.modules"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_derive_beyond_sixty_links_says_how_it_was_proven(rodgen: Run, tmp_path: Path) -> None:
+    done = rodgen("derive", 200, "--boundary", "cantilever", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "random rational" in done.stdout
+    assert "not by LagrangesMethod" in done.stdout
+    assert (tmp_path / "rod_cantilever_n200.py").stat().st_size < 60_000
+
+
+WRONG = """
+from rodgen.derive.closed_form import ClosedForm
+right = ClosedForm.M_link
+ClosedForm.M_link = lambda self, i: right(self, i) * 2
+from rodgen.cli import main
+import sys
+sys.argv[1:] = ["derive", "3", "--out", sys.argv[1], "--terms", "gravity"]
+main()
+"""
+
+
+def test_derive_stops_at_an_entry_that_differs(tmp_path: Path) -> None:
+    """With a wrong closed form: exit status 1, the entry, and no module."""
+    done = subprocess.run(
+        [sys.executable, "-c", WRONG, str(tmp_path)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    assert "not proven: M" in done.stderr
+    assert "derived" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_run_writes_everything_and_says_so(rodgen: Run, short: Path, tmp_path: Path) -> None:
+    done = rodgen("run", short, "--out", tmp_path / "results")
+    assert done.returncode == 0, done.stderr
+    folder = tmp_path / "results" / "short"
+    names = {path.name for path in folder.iterdir()}
+    pictures = {"shape.png", "trajectory.png", "energy.png", "phase.png"}
+    assert names == {"solution.nc", "summary.txt", "rod_free_n4_follower_gravity.py", *pictures}
+    for picture in pictures:
+        assert (folder / picture).read_bytes().startswith(b"\x89PNG")
+    words = (folder / "summary.txt").read_text(encoding="utf-8")
+    assert words in done.stdout
+    for part in ("Finished: 0.3 s", "centre of gravity", "Energy and work balance"):
+        assert part in words
+    sol = package.load(folder / "solution.nc")
+    assert sol.t[-1] == 0.3
+    assert np.abs(sol.energy_balance).max() < 1e-6
+
+
+def test_run_takes_other_methods(rodgen: Run, short: Path, tmp_path: Path) -> None:
+    done = rodgen("run", short, "--method", "rk4", "--step", "0.0005", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "by rk4 (step 0.0005 s)" in done.stdout
+    done = rodgen("run", short, "--method", "radau", "--rtol", "1e-5", "--out", tmp_path)
+    assert "by radau (rtol 1e-05" in done.stdout
+
+
+def test_blow_up_exits_3_with_the_time_and_keeps_samples(
+    rodgen: Run, short: Path, tmp_path: Path
+) -> None:
+    options = ("--method", "euler", "--step", "0.02")
+    long = short.read_text(encoding="utf-8").replace("0.3]", "50.0]")
+    short.write_text(long, encoding="utf-8")
+    done = rodgen("run", short, *options, "--out", tmp_path)
+    assert done.returncode == 3, done.stderr
+    assert "stopped at t = " in done.stderr
+    assert "finite" in done.stderr
+    assert "Traceback" not in done.stderr
+    sol = package.load(tmp_path / "short" / "solution.nc")
+    assert sol.status == "failed"
+    assert 0 < sol.t[-1] < 50.0
+    assert np.isfinite(sol.y).all()
+
+
+def test_ctrl_c_keeps_what_was_computed(short: Path, tmp_path: Path) -> None:
+    text = short.read_text(encoding="utf-8").replace("0.3]", "5000.0]")
+    short.write_text(text.replace("span", "output_every = 0.05\nspan"), encoding="utf-8")
+    command = [sys.executable, "-c", "from rodgen.cli import main; main()"]
+    process = subprocess.Popen(
+        [*command, "run", str(short), "--out", str(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    folder = tmp_path / "short"
+    while not folder.is_dir():
+        assert process.poll() is None, process.stderr
+        time.sleep(0.05)
+    time.sleep(4.0)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert "interrupted at t = " in errors
+    assert "Traceback" not in errors
+    assert package.load(folder / "solution.nc").t[-1] > 0.05
+
+
+def test_check_passes_and_fails(rodgen: Run, tmp_path: Path) -> None:
+    good = ROOT / "generated" / "rod_cantilever_n5.py"
+    done = rodgen("check", good)
+    assert done.returncode == 0, done.stderr
+    assert "far from straight" in done.stdout
+    wrong = tmp_path / "wrong.py"
+    text = good.read_text(encoding="utf-8").replace("omega[1:]**2", "1.00000001*omega[1:]**2", 1)
+    wrong.write_text(text, encoding="utf-8")
+    done = rodgen("check", wrong)
+    assert done.returncode == 1
+    assert "above 1e-10" in done.stderr
+
+
+def test_show_says_what_is_left_out_and_why(rodgen: Run, short: Path) -> None:
+    done = rodgen("show", short)
+    assert done.returncode == 0, done.stderr
+    lines = {line.split("│")[1].strip(): line for line in done.stdout.splitlines() if "│" in line}
+    assert "yes" in lines["gravity"]
+    assert "part of the code" in lines["follower"]
+    assert "no table [loads.internal_damping]" in lines["internal damping"]
+    assert "break points: 0.1" in done.stdout
+
+
+BAD = [
+    (("derive", "0"), "links"),
+    (("derive", "2.5"), "links"),
+    (("derive", "many"), "links"),
+    (("derive", "1000001"), "links"),
+    (("derive", "1", "--boundary", "cantilever"), "links"),
+    (("derive", "3", "--boundary", "glued"), "boundary"),
+    (("derive", "3", "--inertia", "heavy"), "inertia"),
+    (("derive", "3", "--terms", "wind"), "terms"),
+    (("derive", "3", "--terms", "gravity,gravity"), "terms"),
+    (("derive", "3", "--target", "fortran"), "target"),
+    (("derive", "3", "--out", "/no/such/folder"), "--out"),
+    (("run", "missing.toml"), "scene"),
+    (("show", "missing.toml"), "scene"),
+    (("check", "missing.py"), "module"),
+    (("check", str(ROOT / "tests" / "conftest.py")), "module"),
+    (("run", str(ROOT / "scenes" / "missile.toml"), "--method", "magic"), "integrate.method"),
+    (("run", str(ROOT / "scenes" / "missile.toml"), "--step", "-1", "--method", "rk4"), "step"),
+    (("run", str(ROOT / "scenes" / "missile.toml"), "--rtol", "nan"), "rtol"),
+    (("fly",), "fly"),
+    (("run",), "SCENE"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "field"), BAD, ids=lambda x: " ".join(x[:6])[:40])
+def test_bad_input_exits_2_in_one_line(
+    rodgen: Run, tmp_path: Path, arguments: tuple[str, ...], field: str
+) -> None:
+    done = rodgen(*arguments, cwd=tmp_path)
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert field in done.stderr
+    assert "Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == []
+    if arguments[0] != "fly" and len(arguments) > 1:
+        assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("obstacle", ["file", "read-only"])
+def test_results_folder_that_cannot_be_written(
+    rodgen: Run, short: Path, tmp_path: Path, obstacle: str
+) -> None:
+    blocked = tmp_path / "blocked"
+    if obstacle == "file":
+        blocked.write_text("in the way", encoding="utf-8")
+        folder = blocked
+    else:
+        folder = Path("/proc/rodgen")  # cannot be written by anyone, root included
+        if not Path("/proc").is_dir():
+            pytest.skip("no /proc on this system, and root may write anywhere else")
+    done = rodgen("run", short, "--out", folder)
+    assert done.returncode == 2
+    assert "--out" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_version_and_help(rodgen: Run) -> None:
+    assert rodgen("--version").stdout.strip() == package.__version__
+    for command in ("derive", "run", "check", "show"):
+        done = rodgen(command, "--help")
+        assert done.returncode == 0
+        assert "Usage: rodgen" in done.stdout
+
+
+def test_cache_that_cannot_be_written_only_costs_time(
+    rodgen: Run, short: Path, tmp_path: Path
+) -> None:
+    blocked = tmp_path / "cache"
+    blocked.write_text("in the way", encoding="utf-8")
+    done = rodgen("run", short, "--out", tmp_path, env={"RODGEN_CACHE": str(blocked)})
+    assert done.returncode == 0, done.stderr
+
+
+def test_damaged_cache_is_made_again(rodgen: Run, short: Path, tmp_path: Path) -> None:
+    cache = tmp_path / "cache"
+    env = {"RODGEN_CACHE": str(cache)}
+    assert rodgen("run", short, "--out", tmp_path, env=env).returncode == 0
+    assert rodgen("derive", 3, "--out", tmp_path, env=env).returncode == 0
+    damaged = [path for path in cache.rglob("*") if path.is_file()]
+    assert len(damaged) >= 3
+    for path in damaged:
+        path.write_text(path.read_text(encoding="utf-8")[:40], encoding="utf-8")
+    shutil.rmtree(tmp_path / "short")
+    assert rodgen("run", short, "--out", tmp_path, env=env).returncode == 0
+    done = rodgen("derive", 3, "--out", tmp_path, env=env)
+    assert done.returncode == 0
+    assert "proven in" in done.stdout
+
+
+def test_no_traces_outside_the_results(rodgen: Run, short: Path, tmp_path: Path) -> None:
+    """No temporary files stay behind, and nothing is written where the command was called."""
+    work = tmp_path / "work"
+    work.mkdir()
+    done = rodgen("run", short, "--out", tmp_path / "results", cwd=work)
+    assert done.returncode == 0
+    assert list(work.iterdir()) == []
+    hidden = [name for name in os.listdir(tmp_path / "results" / "short") if name[0] == "."]
+    assert hidden == []
