@@ -1,6 +1,6 @@
 # make demo     the main job, end to end         make test     all tests
 # make derive N=20 [BOUNDARY=free] [INERTIA=uniform] [TERMS=all] [TARGET=numpy] [EXPLICIT=1]
-# make lint, make types                          make reference    regenerate the reference modules
+# make lint, make types, make bench              make reference    regenerate the reference modules
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -12,7 +12,7 @@ INERTIA ?= uniform
 TERMS ?= all
 TARGET ?= numpy
 
-.PHONY: demo derive test lint types reference clean
+.PHONY: demo derive test lint types bench reference clean
 
 demo: .venv/installed
 	@$(BIN)/rodgen derive 20 --out generated
@@ -39,6 +39,9 @@ types: $(LAYOUT)
 	cd $(LAYOUT) && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p rodgen
 
 .PHONY: $(LAYOUT)
+
+bench: .venv/installed
+	@$(BIN)/python benchmarks/main_job.py
 
 reference: .venv/developing
 	$(BIN)/python -m pytest tests/generated/test_reference_modules.py --update

@@ -56,7 +56,7 @@ def trajectories(solution: Solution) -> Figure:
         axes.plot(*path[0], "o", color=drawn.get_color(), markersize=4)
     axes.set(xlabel="x [m]", ylabel="y [m]", title="Trajectories (dot: start)")
     _frame(axes, np.concatenate(list(paths.values())))
-    axes.legend()
+    figure.legend(loc="outside lower center", ncols=2)
     return figure
 
 
@@ -122,11 +122,11 @@ def _figure(width: float, height: float) -> tuple[Figure, Axes]:
 
 
 def _frame(axes: Axes, points: np.ndarray) -> None:
-    """Equal scales; where the picture would be a sliver, at least a fifth as wide as long."""
+    """Equal scales; where the picture would be a sliver, at least two fifths as wide as long."""
     flat = points.reshape(-1, 2)
     low, high = flat.min(axis=0), flat.max(axis=0)
     middle, half = (low + high) / 2, (high - low) / 2
-    least = max(half.max() * 0.2, 1e-9)
+    least = max(half.max() * 0.4, 1e-9)
     half = np.maximum(half, least) * 1.05
     axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
     axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
@@ -134,5 +134,5 @@ def _frame(axes: Axes, points: np.ndarray) -> None:
 
 
 def _save(figure: Figure, path: Path) -> Path:
-    figure.savefig(path, dpi=DOTS_PER_INCH)
+    figure.savefig(path, dpi=DOTS_PER_INCH, bbox_inches="tight")
     return path
