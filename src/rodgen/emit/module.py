@@ -14,7 +14,8 @@ from sympy import Expr
 
 from rodgen.derive.general import Equations, joint, joint_x, joint_y
 from rodgen.derive.symbols import s
-from rodgen.emit.program import SCALAR, Compiler, Domain, Program
+from rodgen.emit.program import Compiler
+from rodgen.emit.statements import SCALAR, Domain, Program
 from rodgen.scene.structure import Structure
 
 TEMPLATES = {"numpy": "numpy_dense.py.jinja"}
@@ -66,6 +67,7 @@ def _context(structure: Structure, template: str, source: str) -> dict[str, Any]
     moving = n - hold.first
     size = moving + 2 * hold.translates
     position = _positions(structure)
+    scalars = [name for name in position if name != "fin_factor"]
     width = len(position) + (n if "fin_factor" in position else 0)
     provenance = {
         "rodgen": version("rodgen"),
@@ -75,7 +77,7 @@ def _context(structure: Structure, template: str, source: str) -> dict[str, Any]
         "structure_hash": structure.hash,
         "operations": counts,
     }
-    constants = list(compiler.constants.values())
+    constants = compiler.constants
     state_groups = _state_groups(structure, hold.translates, hold.first)
     parameter_groups = [
         f'*(f"fin_factor_{{at}}" for at in range({n + 1}))' if name == "fin_factor" else f'"{name}"'
@@ -106,7 +108,8 @@ def _context(structure: Structure, template: str, source: str) -> dict[str, Any]
         "width": width,
         "signature": [(name, DEFAULTS.get(name)) for name in position],
         "parameter_docs": [(name, PARAMETER_DOCS[name]) for name in position],
-        "scalar_rules": [(p, RULES.get(p, "any")) for p in position if p != "fin_factor"],
+        "scalars": scalars,
+        "scalar_rules": [(name, RULES.get(name, "any")) for name in scalars],
         "provenance": provenance,
         "constants": constants,
         "constants_text": " ".join(c.code for c in constants),

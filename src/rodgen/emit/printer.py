@@ -116,8 +116,3 @@ class NumpyPrinter:
                 text = f"np.where({self(condition)}, {self(value)}, {text})"
         assert text is not None
         return text
-
-
-def operations(expression: Expr) -> int:
-    """Operations that an expression costs: sums, products, powers and functions."""
-    return int(expression.count_ops())
