@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
-from sympy import QQ, Dummy, Expr, Matrix, Symbol, cos, expand_trig, sin, sympify
+from sympy import QQ, Derivative, Dummy, Expr, Matrix, Symbol, cos, expand_trig, sin, sympify
+from sympy.core.function import AppliedUndef
 from sympy.physics.mechanics import dynamicsymbols
 from sympy.polys.rings import PolyElement, ring
 
@@ -39,7 +40,8 @@ class Calculus:
         self._to_dummy = dict(zip(meaning, self.ring.symbols, strict=True))
         self._index = {expr: at for at, expr in enumerate(meaning)}
         self._sines = [(self._index[sin(a)], self.generator[cos(a)] ** 2) for a in angles]
-        self._chain_rules: dict[Expr, list[tuple[PolyElement, PolyElement]]] = {}
+        self._atoms = {e: e.atoms(Symbol, AppliedUndef, Derivative) for e in meaning}
+        self._chain_rules: dict[Expr, list[tuple[int, PolyElement]]] = {}
 
     def poly(self, expression: Expr) -> PolyElement:
         """The polynomial of an expression (angle sums are expanded)."""
@@ -56,25 +58,25 @@ class Calculus:
 
     def diff(self, poly: PolyElement, variable: Expr) -> PolyElement:
         """Derivative by the chain rule; that of each generator is SymPy's own."""
-        if variable not in self._chain_rules:
-            inner = [
-                (g, self._generator_derivative(e, variable)) for e, g in self.generator.items()
-            ]
-            self._chain_rules[variable] = [(g, d) for g, d in inner if d]
         total = self.ring.zero
-        for g, inner in self._chain_rules[variable]:
-            outer = poly.diff(g)
+        for at, inner in self._chain_rule(variable):
+            outer = poly.diff(at)
             if outer:
                 total += outer * inner
         return total
 
-    def _generator_derivative(self, meaning: Expr, variable: Expr) -> PolyElement:
-        if variable == TIME and meaning.has(TIME) and self._is_acceleration(meaning):
+    def _chain_rule(self, variable: Expr) -> list[tuple[int, PolyElement]]:
+        """Generators that depend on a variable, by number, with their derivatives."""
+        if variable not in self._chain_rules:
+            depend = [e for e in self.meaning if variable in self._atoms[e]]
+            rules = [(self._index[e], self._derivative(e, variable)) for e in depend]
+            self._chain_rules[variable] = [(at, inner) for at, inner in rules if inner]
+        return self._chain_rules[variable]
+
+    def _derivative(self, meaning: Expr, variable: Expr) -> PolyElement:
+        if variable == TIME and meaning.is_Derivative and meaning.derivative_count == 2:
             return self.ring.zero  # no third derivative is ever asked for
         return self.poly(meaning.diff(variable))
-
-    def _is_acceleration(self, meaning: Expr) -> bool:
-        return bool(meaning.is_Derivative and meaning.derivative_count == 2)
 
     def normal(self, poly: PolyElement) -> PolyElement:
         """Normal form under c^2 + s^2 = 1: no sine is left above the first power."""
