@@ -46,17 +46,20 @@ bench: .venv/installed
 reference: .venv/developing
 	$(BIN)/python -m pytest tests/generated/test_reference_modules.py --update
 
-.venv/installed: pyproject.toml
+.venv/bin/python:
 	@$(PYTHON) -c "import sys; sys.exit(None if sys.version_info >= (3, 11) else \
 		'rodgen needs Python 3.11 or later: make PYTHON=python3.12 ...')"
-	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	@echo "setting up .venv"
+	@$(PYTHON) -m venv .venv
+
+# What using rodgen needs; working on it needs more, and has this with it.
+.venv/installed: pyproject.toml | .venv/bin/python
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
 
-.venv/developing: .venv/installed
+.venv/developing: pyproject.toml | .venv/bin/python
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]"
-	@touch $@
+	@touch .venv/installed $@
 
 clean:
 	rm -rf build results .pytest_cache .mypy_cache .ruff_cache .import_linter_cache

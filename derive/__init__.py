@@ -7,7 +7,7 @@
     explicit     derivation 1: LagrangesMethod with n links
     general      derivation 2: for every n at once; what is emitted comes from here
     closed_form  the hand-assembled matrices, only ever compared with
-    proof        the comparisons, entry by entry
+    proof_*      the comparisons, entry by entry; points: at rational points
 
 Source of the model: J. Masek, Modelling of free beam loaded by follower load, Brno 2014,
 chapter 2; every formula is derived here, none is transcribed.

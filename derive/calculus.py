@@ -41,7 +41,7 @@ class Calculus:
         self._index = {expr: at for at, expr in enumerate(meaning)}
         self._sines = [(self._index[sin(a)], self.generator[cos(a)] ** 2) for a in angles]
         self._atoms = {e: e.atoms(Symbol, AppliedUndef, Derivative) for e in meaning}
-        self._chain_rules: dict[Expr, list[tuple[int, PolyElement]]] = {}
+        self._chain_rules: dict[Expr, list[tuple[int, PolyElement | None]]] = {}
 
     def poly(self, expression: Expr) -> PolyElement:
         """The polynomial of an expression (angle sums are expanded)."""
@@ -61,22 +61,25 @@ class Calculus:
         total = self.ring.zero
         for at, inner in self._chain_rule(variable):
             outer = poly.diff(at)
+            if outer and inner is None:
+                raise ValueError(f"no place for the rate of the acceleration {self.meaning[at]}")
             if outer:
                 total += outer * inner
         return total
 
-    def _chain_rule(self, variable: Expr) -> list[tuple[int, PolyElement]]:
+    def _chain_rule(self, variable: Expr) -> list[tuple[int, PolyElement | None]]:
         """Generators that depend on a variable, by number, with their derivatives."""
         if variable not in self._chain_rules:
             depend = [e for e in self.meaning if variable in self._atoms[e]]
             rules = [(self._index[e], self._derivative(e, variable)) for e in depend]
-            self._chain_rules[variable] = [(at, inner) for at, inner in rules if inner]
+            self._chain_rules[variable] = [(at, inner) for at, inner in rules if inner != 0]
         return self._chain_rules[variable]
 
-    def _derivative(self, meaning: Expr, variable: Expr) -> PolyElement:
-        if variable == TIME and meaning.is_Derivative and meaning.derivative_count == 2:
-            return self.ring.zero  # no third derivative is ever asked for
-        return self.poly(meaning.diff(variable))
+    def _derivative(self, meaning: Expr, variable: Expr) -> PolyElement | None:
+        """Derivative of a generator; None for the rate of an acceleration, which has no place."""
+        derivative = meaning.diff(variable)
+        third = derivative.is_Derivative and derivative.derivative_count > 2
+        return None if third else self.poly(derivative)
 
     def normal(self, poly: PolyElement) -> PolyElement:
         """Normal form under c^2 + s^2 = 1: no sine is left above the first power."""

@@ -37,11 +37,6 @@ class Boundary:
         """The first joint that moves."""
         return 0 if self.translates else self.first + 1
 
-    @property
-    def least_links(self) -> int:
-        """The fewest links with which something moves."""
-        return self.first + 1
-
 
 BOUNDARIES: dict[str, Boundary] = {
     "free": Boundary(translates=True, first=0),

@@ -13,17 +13,32 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from .chain import Boundary
+
 # Any kind of number: polynomial, Fraction, SymPy expression, mpf.
 Num = Any
+Pair = tuple[Num, Num]
+
+
+@dataclass(frozen=True)
+class Arithmetic:
+    """What the closed form is computed with.
+
+    cos, sin: of an angle or of sums of angles; half: the number 1/2; total: total(term, low,
+    high) sums term(index) over low <= index <= high.
+    """
+
+    cos: Callable[[Num], Num]
+    sin: Callable[[Num], Num]
+    half: Num
+    total: Callable[[Callable[[Num], Num], Num, Num], Num]
 
 
 @dataclass(frozen=True)
 class ClosedForm:
     """Entries and matrices of a rod of n `uniform` links of mass m, length l, springs k.
 
-    phi: all angles, held ones included; cos, sin: of one angle or a difference of angles;
-    total: total(term, low, high) sums term(index) over low <= index <= high;
-    translates, first: how the start is held (see chain.Boundary).
+    phi: all angles, held ones included; hold: how the start is held.
     """
 
     n: Num
@@ -31,12 +46,8 @@ class ClosedForm:
     l: Num
     k: Num
     phi: Sequence[Num]
-    cos: Callable[[Num], Num]
-    sin: Callable[[Num], Num]
-    half: Num
-    total: Callable[[Callable[[Num], Num], Num, Num], Num]
-    translates: bool = True
-    first: int = 0
+    hold: Boundary
+    arithmetic: Arithmetic
 
     # Entries -------------------------------------------------------------------------------
 
@@ -44,72 +55,102 @@ class ClosedForm:
         """w_i = 1 + 2 (n - i - 1): the links after link i count twice, itself once."""
         return 1 + 2 * (self.n - i - 1)
 
-    def M_base(self) -> Num:
-        return self.half * self.m * (2 * self.n)
+    def _cos(self, angle: Num) -> Num:
+        return self.arithmetic.cos(angle)
 
-    def M_base_link(self, i: Num) -> tuple[Num, Num]:
-        factor = self.half * self.m * self.l * self.w(i)
-        return -factor * self.sin(self.phi[i]), factor * self.cos(self.phi[i])
+    def _sin(self, angle: Num) -> Num:
+        return self.arithmetic.sin(angle)
+
+    def M_base(self) -> Num:
+        """M_00 = M_11 = (m/2) 2n (thesis 2.24, 2.25)."""
+        return self.arithmetic.half * self.m * (2 * self.n)
+
+    def M_base_link(self, i: Num) -> Pair:
+        """M_0i, M_1i = (m/2) l w_i (-sin phi_i, cos phi_i) (thesis 2.24, 2.25)."""
+        factor = self.arithmetic.half * self.m * self.l * self.w(i)
+        return -factor * self._sin(self.phi[i]), factor * self._cos(self.phi[i])
 
     def M_link(self, i: Num) -> Num:
-        # 2 (1/3 + n - i - 1) = (2/3)(1 + 3 (n - i - 1))
-        return self.half * self.m * self.l**2 * (1 + 3 * (self.n - i - 1)) * self._two_thirds
+        """M_ii = (m/2) 2 l^2 (1/3 + n - i - 1), the third taken out (thesis 2.26)."""
+        two_thirds = self.arithmetic.half * 4 / 3
+        return self.arithmetic.half * self.m * self.l**2 * (1 + 3 * (self.n - i - 1)) * two_thirds
 
     def M_link_link(self, i: Num, j: Num, later: Num) -> Num:
-        factor = self.half * self.m * self.l**2 * self.w(later)
-        return factor * self.cos(self.phi[i] - self.phi[j])
+        """M_ij = (m/2) l^2 w_max(i,j) cos(phi_i - phi_j) (thesis 2.26 with all its links)."""
+        factor = self.arithmetic.half * self.m * self.l**2 * self.w(later)
+        return factor * self._cos(self.phi[i] - self.phi[j])
 
-    def Q_base_link(self, j: Num) -> tuple[Num, Num]:
-        factor = self.half * self.m * self.l * self.w(j)
-        return factor * self.cos(self.phi[j]), factor * self.sin(self.phi[j])
+    def Q_base_link(self, j: Num) -> Pair:
+        """Q_0j, Q_1j = (m/2) l w_j (cos phi_j, sin phi_j) (thesis 2.27, 2.28)."""
+        factor = self.arithmetic.half * self.m * self.l * self.w(j)
+        return factor * self._cos(self.phi[j]), factor * self._sin(self.phi[j])
 
     def Q_link_link(self, i: Num, j: Num, later: Num) -> Num:
-        factor = self.half * self.m * self.l**2 * self.w(later)
-        return factor * self.sin(self.phi[j] - self.phi[i])
+        """Q_ij = (m/2) l^2 w_max(i,j) sin(phi_j - phi_i) (thesis 2.44, its weights put right)."""
+        factor = self.arithmetic.half * self.m * self.l**2 * self.w(later)
+        return factor * self._sin(self.phi[j] - self.phi[i])
 
-    def F_base(self, P: Num, nu: Num) -> tuple[Num, Num]:
+    def bending_row(self, factor: Num, before: bool, after: bool) -> tuple[Num, Num, Num]:
+        """Row of K or D_i of a link with a joint before it, after it, or both: coefficients of
+        the link before, of itself, and of the link after (thesis 2.42, 2.52)."""
+        zero = 0 * factor
+        joints = before + after
+        return (-factor if before else zero), joints * factor, (-factor if after else zero)
+
+    def F_base(self, P: Num, nu: Num) -> Pair:
+        """-P (cos, sin)(phi_{n-1} + nu) (thesis 2.46, for thrust)."""
         tail = self.phi[self.n - 1]
-        return -P * self.cos(tail + nu), -P * self.sin(tail + nu)
+        return -P * self._cos(tail + nu), -P * self._sin(tail + nu)
 
     def F_link(self, i: Num, P: Num, nu: Num) -> Num:
-        return P * self.l * self.sin(self.phi[i] - (self.phi[self.n - 1] + nu))
+        """P l sin(phi_i - phi_{n-1} - nu) (thesis 2.47, for thrust)."""
+        return P * self.l * self._sin(self.phi[i] - (self.phi[self.n - 1] + nu))
 
-    def A_base(self, g: Num) -> tuple[Num, Num]:
+    def A_base(self, g: Num) -> Pair:
+        """(0, -n m g) (thesis 2.64, with gravity downwards)."""
         return 0 * g, -self.n * self.m * g
 
     def A_link(self, i: Num, g: Num) -> Num:
-        return -g * self.m * self.l * self.half * self.w(i) * self.cos(self.phi[i])
+        """-g m l (n - i - 1/2) cos phi_i (thesis 2.64)."""
+        factor = g * self.m * self.l * self.arithmetic.half * self.w(i)
+        return -factor * self._cos(self.phi[i])
 
-    def D_e_base(self, D: tuple[Num, Num]) -> tuple[Num, Num]:
-        """Sum of the resisting forces D_x, D_y at all joints."""
+    def D_e_base(self, D: Pair) -> Pair:
+        """Sum of the resisting forces D_x, D_y at all joints that move (thesis 2.60)."""
         x, y = D
-        low, high = self.first_joint, self.n
-        return self.total(x.__getitem__, low, high), self.total(y.__getitem__, low, high)
+        low, high = self.hold.first_joint, self.n
+        total = self.arithmetic.total
+        return total(x.__getitem__, low, high), total(y.__getitem__, low, high)
 
-    def D_e_link(self, i: Num, D: tuple[Num, Num]) -> Num:
-        x, y = (self.total(d.__getitem__, i + 1, self.n) for d in D)
-        return self.l * (self.cos(self.phi[i]) * y - self.sin(self.phi[i]) * x)
+    def D_e_link(self, i: Num, D: Pair) -> Num:
+        """l (cos phi_i sum D_y - sin phi_i sum D_x) over the joints after link i (thesis 2.60)."""
+        x, y = (self.arithmetic.total(d.__getitem__, i + 1, self.n) for d in D)
+        return self.l * (self._cos(self.phi[i]) * y - self._sin(self.phi[i]) * x)
 
-    @property
-    def _two_thirds(self) -> Num:
-        return self.half * 4 / 3
+    def joint_step(self, i: Num) -> Pair:
+        """From joint i to joint i + 1: l (cos phi_i, sin phi_i)."""
+        return self.l * self._cos(self.phi[i]), self.l * self._sin(self.phi[i])
 
-    @property
-    def first_joint(self) -> int:
-        return 0 if self.translates else self.first + 1
+    def velocity_step(self, i: Num, omega: Num) -> Pair:
+        """Velocity of joint i + 1 less that of joint i: l omega_i (-sin, cos)(phi_i)
+        (thesis 2.14)."""
+        speed = self.l * omega
+        return -speed * self._sin(self.phi[i]), speed * self._cos(self.phi[i])
 
     # Matrices: rows x0, y0 where joint 0 is free, then the moving links ----------------------
 
     @property
     def links(self) -> range:
-        return range(self.first, self.n)
+        """The links that move."""
+        return range(self.hold.first, self.n)
 
     def M(self) -> list[list[Num]]:
+        """Mass matrix; columns as rows."""
         rows = [
             [self.M_link(i) if i == j else self.M_link_link(i, j, max(i, j)) for j in self.links]
             for i in self.links
         ]
-        if not self.translates:
+        if not self.hold.translates:
             return rows
         zero = 0 * self.m
         x, y = zip(*map(self.M_base_link, self.links), strict=True)
@@ -117,62 +158,51 @@ class ClosedForm:
         return top + [[x[r], y[r], *row] for r, row in enumerate(rows)]
 
     def Q(self) -> list[list[Num]]:
+        """Factors of the squared rates; columns are the moving links."""
         rows = [
             [0 * self.m if i == j else self.Q_link_link(i, j, max(i, j)) for j in self.links]
             for i in self.links
         ]
-        if not self.translates:
+        if not self.hold.translates:
             return rows
         return [*map(list, zip(*map(self.Q_base_link, self.links), strict=True)), *rows]
 
     def K(self) -> list[list[Num]]:
         """Columns are all links: a held angle bends the first spring too."""
-        return self._second_difference(self.k, range(self.n))
+        return self._bending(self.k, range(self.n))
 
     def D_i(self, c_int: Num) -> list[list[Num]]:
         """Columns are the moving links: a held link has no rate."""
-        return self._second_difference(c_int * self.m, self.links)
+        return self._bending(c_int * self.m, self.links)
 
-    def _second_difference(self, factor: Num, columns: range) -> list[list[Num]]:
-        rows = [[0 * factor for _ in columns] for _ in range(2 * self.translates)]
+    def _bending(self, factor: Num, columns: range) -> list[list[Num]]:
+        zero = 0 * factor
+        rows = [[zero for _ in columns] for _ in range(2 * self.hold.translates)]
         for i in self.links:
-            springs = (i > 0) + (i < self.n - 1)
-            entries = {i: springs * factor, i - 1: -factor, i + 1: -factor}
-            rows.append([entries.get(j, 0 * factor) for j in columns])
+            row = self.bending_row(factor, i > 0, i < self.n - 1)
+            entries = dict(zip((i - 1, i, i + 1), row, strict=True))
+            rows.append([entries.get(j, zero) for j in columns])
         return rows
 
     def F(self, P: Num, nu: Num) -> list[Num]:
+        """Follower force."""
         return self._column(self.F_base(P, nu), lambda i: self.F_link(i, P, nu))
 
     def A(self, g: Num) -> list[Num]:
+        """Gravity."""
         return self._column(self.A_base(g), lambda i: self.A_link(i, g))
 
-    def D_e(self, D: tuple[Num, Num]) -> list[Num]:
+    def D_e(self, D: Pair) -> list[Num]:
+        """External damping, from the resisting forces at the joints."""
         return self._column(self.D_e_base(D), lambda i: self.D_e_link(i, D))
 
-    def _column(self, base: tuple[Num, Num], link: Callable[[int], Num]) -> list[Num]:
-        return [*(base if self.translates else ()), *map(link, self.links)]
+    def _column(self, base: Pair, link: Callable[[int], Num]) -> list[Num]:
+        return [*(base if self.hold.translates else ()), *map(link, self.links)]
 
 
-def joint_drag(
-    c_ext: Num,
-    fin_factor: Num,
-    mass: Num,
-    v: tuple[Num, Num],
-    angle: Num,
-    functions: Any,
-) -> tuple[Num, Num]:
+def joint_drag(c_ext: Num, fin_factor: Num, mass: Num, v: Pair, angle: Num, functions: Any) -> Pair:
     """D_x, D_y of one joint as the thesis has them (2.56 to 2.59), by the angle of the velocity:
     D = c_ext s |sin(atan2(v_y, v_x) - angle)| m v; mass is m, at both ends of the rod m/2."""
     a = abs(functions.sin(functions.atan2(v[1], v[0]) - angle))
     factor = c_ext * fin_factor * a * mass
     return factor * v[0], factor * v[1]
-
-
-def joint_velocity(
-    s: int, l: Num, phi: Sequence[Num], omega: Sequence[Num], v0: tuple[Num, Num], functions: Any
-) -> tuple[Num, Num]:
-    """Velocity of joint s: v0 + sum over the links before it of l omega (-sin, cos)."""
-    vx = v0[0] - l * sum(omega[q] * functions.sin(phi[q]) for q in range(s))
-    vy = v0[1] + l * sum(omega[q] * functions.cos(phi[q]) for q in range(s))
-    return vx, vy

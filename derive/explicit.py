@@ -103,6 +103,8 @@ class ExplicitDerivation:
         lagrangian = self.kinetic_energy - self.spring_energy
         method = LagrangesMethod(self.calculus.expr(lagrangian), self.coordinates)
         # The same Lagrangian as a polynomial: every derivative below is exact ring arithmetic.
+        if not hasattr(method, "_L"):
+            raise RuntimeError("this SymPy keeps the Lagrangian of LagrangesMethod elsewhere")
         method._L = PolynomialMatrix(self.calculus, [[lagrangian]])
         method.form_lagranges_equations()
         return method

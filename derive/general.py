@@ -18,6 +18,7 @@ from sympy import (
     Expr,
     IndexedBase,
     Integer,
+    Matrix,
     Piecewise,
     Poly,
     S,
@@ -42,6 +43,7 @@ from .loads import (
     NON_CONSERVATIVE,
     JointDrag,
     damper_moment,
+    drag_divisor,
     drag_force,
     follower_force,
     joint_angle,
@@ -73,6 +75,8 @@ joint_x, joint_y = IndexedBase("joint_x", real=True), IndexedBase("joint_y", rea
 joint_vx, joint_vy = IndexedBase("joint_vx", real=True), IndexedBase("joint_vy", real=True)
 rod_angle, mass_at = IndexedBase("rod_angle", real=True), IndexedBase("joint_mass", positive=True)
 drag_x, drag_y = IndexedBase("drag_x", real=True), IndexedBase("drag_y", real=True)
+joint_moment = IndexedBase("joint_moment", real=True)
+divisor = IndexedBase("drag_divisor", positive=True)
 arm_x, arm_y = IndexedBase("arm_x", real=True), IndexedBase("arm_y", real=True)
 centre_x, centre_y = symbols("centre_x centre_y", real=True)
 
@@ -94,14 +98,6 @@ class Work:
 
     base: Vector
     link: Expr
-
-
-@dataclass(frozen=True)
-class Moments:
-    """Moments across joint s: on the angle of link s-1 and on that of link s."""
-
-    before: Expr
-    after: Expr
 
 
 @dataclass(frozen=True)
@@ -132,10 +128,14 @@ def _two_links() -> _TwoLinks:
         simplify(e - sum(c * u**2 for c, u in zip(row, rates, strict=True)))
         for e, row in zip(forcing, velocity, strict=True)
     ]
-    if any(left):
-        raise ArithmeticError(f"the forcing is not a sum of squared rates: {left} is left")
     mass = [[trigsimp(e) for e in row] for row in method.mass_matrix.tolist()]
     partial = [(r[0].diff(p), r[1].diff(p)) for p in (phi_i, phi_j)]
+    # What the blocks of M and Q below take for granted.
+    nothing = [*left, mass[0][1], mass[0][0] - mass[1][1], velocity[2][0], velocity[3][1]]
+    if any(nothing) or Matrix(mass) != Matrix(mass).T:
+        raise ArithmeticError(
+            f"M or Q of a mass point is not of the form assumed: {mass}, {nothing}"
+        )
     return _TwoLinks(a, mu, (phi_i, phi_j), mass, velocity, partial)
 
 
@@ -227,17 +227,33 @@ class Equations:
     # Moments across the joints ----------------------------------------------------------------
 
     @cached_property
-    def spring(self) -> Moments:
+    def spring(self) -> Expr:
+        """Moment of the spring in joint s on the link after it; that before gets the opposite."""
         before, after = phi[s - 1], phi[s]
         potential = spring_potential(before, after)
-        return Moments(factor(-potential.diff(before)), factor(-potential.diff(after)))
+        on_before, on_after = -potential.diff(before), -potential.diff(after)
+        if expand(on_before + on_after) != 0:
+            raise ArithmeticError(f"the spring's moments {on_before}, {on_after} are not opposite")
+        return factor(on_after)
 
     @cached_property
-    def damper(self) -> Moments:
-        before, after = symbols("before after")
-        opening = after - before  # its virtual work: moment times the change of the opening
-        moment = damper_moment(omega[s - 1], omega[s])
-        return Moments(moment * opening.diff(before), moment * opening.diff(after))
+    def damper(self) -> Expr:
+        """Moment of internal damping in joint s on the link after it."""
+        return damper_moment(omega[s - 1], omega[s])
+
+    @cached_property
+    def joint_moment(self) -> Expr:
+        """The moments of this scene in joint s on the link after it."""
+        return self.spring + (self.damper if "internal_damping" in self.terms else 0)
+
+    @cached_property
+    def link_moment(self) -> Expr:
+        """What the joints at both ends of link i do to it, by virtual work of their moments."""
+        start, end = joint_moment[i], -joint_moment[i + 1]
+        cases = [(start, Eq(i, n - 1)), (start + end, True)]
+        if self.hold.first == 0:
+            cases.insert(0, (end, Eq(i, 0)))
+        return Piecewise(*cases)
 
     # Loads ------------------------------------------------------------------------------------
 
@@ -248,11 +264,17 @@ class Equations:
         return work.xreplace({self._generic.angles[0]: phi[i]})
 
     @cached_property
+    def _reach(self) -> Expr:
+        """Lever of link i at the joint that ends it and at every joint behind: one and the same."""
+        own, beyond = (lever(place, S.One) for place in (OWN, BEFORE))
+        if own != beyond:
+            raise ArithmeticError(f"levers {own} and {beyond} at the joints behind a link differ")
+        return own
+
+    @cached_property
     def follower(self) -> Work:
         force = follower_force(phi[n - 1])
-        levers = {lever(place, S.One) for place in (BEFORE, OWN)}  # the tail ends the last link
-        (reach,) = levers
-        return Work(force, reach * self._lean(force))
+        return Work(force, self._reach * self._lean(force))
 
     @cached_property
     def gravity(self) -> Work:
@@ -264,22 +286,14 @@ class Equations:
     def external_damping(self) -> Work:
         low = self.hold.first_joint
         x, y = (Sum(d[joint], (joint, low, n)) for d in (drag_x, drag_y))
-        (reach,) = {lever(place, S.One) for place in (BEFORE, OWN)}  # joints end their links
         after = tuple(Sum(d[joint], (joint, i + 1, n)) for d in (drag_x, drag_y))
-        return Work((x, y), reach * self._lean((after[0], after[1])))
+        return Work((x, y), self._reach * self._lean((after[0], after[1])))
 
     @cached_property
     def works(self) -> dict[str, Work]:
         """The loads of this scene that act as forces, by term."""
         forces = ("follower", "gravity", "external_damping")
         return {term: getattr(self, term) for term in self.terms if term in forces}
-
-    @cached_property
-    def moments(self) -> Moments:
-        """The moments across the joints of this scene, springs and damping together."""
-        damped = "internal_damping" in self.terms
-        parts = [self.spring, self.damper] if damped else [self.spring]
-        return Moments(sum(p.before for p in parts), sum(p.after for p in parts))
 
     # Quantities along the chain ---------------------------------------------------------------
 
@@ -301,6 +315,7 @@ class Equations:
             JointDrag(
                 joint_vx[joint],
                 joint_vy[joint],
+                divisor[joint],
                 rod_angle[joint],
                 mass_at[joint],
                 fin_factor[joint],
@@ -314,12 +329,15 @@ class Equations:
             joint_vy: (first, sums[3]),
             arm_x: (zero, joint_x[joint] - centre_x),
             arm_y: (zero, joint_y[joint] - centre_y),
+            divisor: (moving, drag_divisor(joint_vx[joint], joint_vy[joint])),
             mass_at: (moving, self._at_joint(joint_mass(1), joint_mass(1), joint_mass(2))),
             rod_angle: (moving, self.rod_angle),
             drag_x: (moving, drag[0]),
             drag_y: (moving, drag[1]),
         }
-        return {base: Array(base, joint, low, n, value) for base, (low, value) in values.items()}
+        arrays = {base: Array(base, joint, low, n, value) for base, (low, value) in values.items()}
+        arrays[joint_moment] = Array(joint_moment, s, Integer(1), n - 1, self.joint_moment)
+        return arrays
 
     @cached_property
     def rod_angle(self) -> Expr:

@@ -47,27 +47,30 @@ def weight(mass: Expr) -> Vector:
 
 @dataclass(frozen=True)
 class JointDrag:
-    """What external damping needs to know of a joint: its velocity, the angle of the rod
-    there (mean of the links that meet), the mass gathered there and its fin factor."""
+    """What external damping needs to know of a joint: its velocity, the speed to divide by (see
+    drag_divisor), the angle of the rod there (mean of the links that meet), the mass gathered
+    there and its fin factor."""
 
     vx: Expr
     vy: Expr
+    divisor: Expr
     angle: Expr
     mass: Expr
     fin_factor: Expr
 
 
+def drag_divisor(vx: Expr, vy: Expr) -> Expr:
+    """Speed of a joint; one at rest, where nothing goes across and any divisor gives no force."""
+    speed = sqrt(vx**2 + vy**2)
+    return Piecewise((speed, speed > 0), (1, True))
+
+
 def drag_force(joint: JointDrag) -> Vector:
     """External damping at a joint [N] (thesis 2.56, 2.58): -c_ext s a m v, where
-    a = |sin(angle of v - angle of the rod)| is the share of v across the rod; none at rest."""
-    vx, vy = joint.vx, joint.vy
-    across = abs(vy * cos(joint.angle) - vx * sin(joint.angle))
-    speed = sqrt(vx**2 + vy**2)
-    factor = C_EXT * joint.fin_factor * joint.mass * across / speed
-    return (
-        Piecewise((-factor * vx, speed > 0), (0, True)),
-        Piecewise((-factor * vy, speed > 0), (0, True)),
-    )
+    a = |sin(angle of v - angle of the rod)| is the share of v across the rod."""
+    across = abs(joint.vy * cos(joint.angle) - joint.vx * sin(joint.angle))
+    factor = C_EXT * joint.fin_factor * joint.mass * across / joint.divisor
+    return -factor * joint.vx, -factor * joint.vy
 
 
 def joint_mass(links: int) -> Expr:

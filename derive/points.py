@@ -7,25 +7,174 @@ below is exact: an entry agrees or it does not, no tolerance is involved.
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from functools import reduce
 from operator import add, mul
 from typing import Any
 
-from sympy import Add, Expr, Indexed, Mul, Pow, Rational, Sum, Symbol, cos, sin
+from sympy import (
+    Add,
+    Eq,
+    Expr,
+    Indexed,
+    IndexedBase,
+    Mul,
+    Pow,
+    Rational,
+    Sum,
+    Symbol,
+    cos,
+    sin,
+)
 
 from . import angles
-from .chain import BOUNDARIES
-from .closed_form import ClosedForm
-from .general import Equations, drag_x, drag_y
+from .closed_form import Arithmetic, ClosedForm
+from .comparison import POINTS, Comparison, DisagreementError
+from .general import Equations, drag_x, drag_y, joint_moment
 from .loads import TERMS
-from .proof import POINTS, Comparison, DisagreementError
-from .symbols import NU, G, P, i, j, k, l, later, m, n, phi
+from .symbols import C_INT, NU, G, P, i, j, k, l, later, m, n, omega, phi, s
 
-ENTRIES = 10_000  # of M and of Q, at most, at each point
-ROWS = 200  # of the vectors, at most, at each point
+ENTRIES = 10_000  # of M and of Q, at most
+ROWS = 200  # of the vectors and of banded matrices, at most
 REACH = 2_000  # longest sum over joints that is evaluated
+
+EXACT = Arithmetic(
+    angles.cos,
+    angles.sin,
+    Fraction(1, 2),
+    lambda term, low, high: sum(term(q) for q in range(low, high + 1)),
+)
+
+# label of an entry, derived expression, indices at which it is evaluated, value of the closed form
+Entry = tuple[str, Expr, dict[Any, int], Any]
+
+
+def prove_at_points(
+    links: int, boundary: str, inertia: str, terms: Sequence[str] = TERMS, seed: int = 1
+) -> Iterator[Comparison]:
+    """Entries of derivation 2 at n links against the closed form; raises DisagreementError."""
+    return _Points(Equations(boundary, inertia, tuple(terms)), links, seed).compare()
+
+
+class _Points:
+    """A random state of a chain in exact numbers, and the closed form there."""
+
+    def __init__(self, derived: Equations, links: int, seed: int):
+        self.derived, self.draw = derived, random.Random(seed)
+        palette = [_pythagorean(self._rational()) for _ in range(30)]
+        directions = [self.draw.choice(palette) for _ in range(links)]
+        self.forces = [[self.draw.randint(-99, 99) for _ in range(links + 1)] for _ in range(2)]
+        self.values: dict[Any, Any] = {x: self._rational() for x in (m, l, k, P, G, C_INT)}
+        self.values |= {n: links, NU: self.draw.choice(palette), phi: directions}
+        self.values |= {drag_x: self.forces[0], drag_y: self.forces[1]}
+        sizes = (self.values[m], self.values[l], self.values[k])
+        self.closed = ClosedForm(links, *sizes, directions, derived.hold, EXACT)
+        moving = self.closed.links
+        self.rows = sorted(
+            {*self.draw.sample(moving, min(len(moving), ROWS)), moving[-1], moving[0]}
+        )
+        few = len(moving) ** 2 <= ENTRIES
+        every = ((a, b) for a in moving for b in moving if a != b)
+        self.pairs = list(every if few else (self._pair(moving) for _ in range(ENTRIES)))
+
+    def _rational(self) -> Fraction:
+        return Fraction(self.draw.randint(1, 99), self.draw.randint(1, 99))
+
+    def _pair(self, moving: range) -> tuple[int, int]:
+        a, b = self.draw.sample(moving, 2)
+        return a, b
+
+    def compare(self) -> Iterator[Comparison]:
+        """All comparisons of the scene's terms."""
+        derived, closed, value = self.derived, self.closed, self.values
+        yield self._same("M", self._mass())
+        yield self._same("Q", self._velocity())
+        if closed.n > 1:  # a single link has no inner joint
+            yield self._same("K", self._bending(derived.spring, phi, closed.k))
+        if "follower" in derived.terms:
+            base = closed.F_base(value[P], value[NU])
+            hand = [closed.F_link(a, value[P], value[NU]) for a in self.rows]
+            yield self._same("F", self._work(derived.follower, base, hand, self.rows))
+        if "gravity" in derived.terms:
+            hand = [closed.A_link(a, value[G]) for a in self.rows]
+            yield self._same(
+                "A", self._work(derived.gravity, closed.A_base(value[G]), hand, self.rows)
+            )
+        if "internal_damping" in derived.terms and closed.n > 1:
+            factor = value[C_INT] * value[m]
+            yield self._same("D_i", self._bending(derived.damper, omega, factor))
+        if "external_damping" in derived.terms:
+            resisting = ([-f for f in self.forces[0]], [-f for f in self.forces[1]])
+            near = [a for a in self.rows if closed.n - a <= REACH]
+            base = tuple(-f for f in closed.D_e_base(resisting))
+            hand = [-closed.D_e_link(a, resisting) for a in near]
+            yield self._same("D_e", self._work(derived.external_damping, base, hand, near))
+
+    def _same(self, name: str, entries: Iterable[Entry]) -> Comparison:
+        count = 0
+        for label, expression, at, by_hand in entries:
+            value = evaluate(expression, {**self.values, **at})
+            if value != by_hand:
+                raise DisagreementError(POINTS, f"{name}[{label}]", value, by_hand)
+            count += 1
+        return Comparison(name, POINTS, count)
+
+    def _mass(self) -> Iterator[Entry]:
+        derived, closed = self.derived, self.closed
+        yield from self._in_pairs(derived.mass_link_link, closed.M_link_link)
+        for a in self.rows:
+            yield f"phi_{a},phi_{a}", derived.mass_link, {i: a}, closed.M_link(a)
+        if derived.hold.translates:
+            yield "x0,x0", derived.mass_base, {}, closed.M_base()
+            yield from self._in_columns(derived.mass_base_link, closed.M_base_link)
+
+    def _velocity(self) -> Iterator[Entry]:
+        derived, closed = self.derived, self.closed
+        yield from self._in_pairs(derived.velocity_link_link, closed.Q_link_link)
+        if derived.hold.translates:
+            yield from self._in_columns(derived.velocity_base_link, closed.Q_base_link)
+
+    def _in_pairs(
+        self, expression: Expr, by_hand: Callable[[int, int, int], Any]
+    ) -> Iterator[Entry]:
+        for a, b in self.pairs:
+            at = {i: a, j: b, later: max(a, b)}
+            yield f"phi_{a},phi_{b}", expression, at, by_hand(a, b, max(a, b))
+
+    def _in_columns(
+        self, expressions: Sequence[Expr], by_hand: Callable[[int], Sequence[Any]]
+    ) -> Iterator[Entry]:
+        for a in self.rows:
+            for axis, expression, hand in zip("xy", expressions, by_hand(a), strict=True):
+                yield f"{axis}0,phi_{a}", expression, {i: a}, hand
+
+    def _work(
+        self, work: Any, base: Sequence[Any], hand: Sequence[Any], rows: Sequence[int]
+    ) -> Iterator[Entry]:
+        short = not any(e.has(Sum) for e in work.base) or self.closed.n <= REACH
+        if self.derived.hold.translates and short:
+            for axis, expression, value in zip("xy", work.base, base, strict=True):
+                yield f"{axis}0", expression, {}, value
+        for a, value in zip(rows, hand, strict=True):
+            yield f"phi_{a}", work.link, {i: a}, value
+
+    def _bending(self, moment: Expr, of: IndexedBase, factor: Any) -> Iterator[Entry]:
+        """Coefficients of the three links that bend a link, from the moments at its ends."""
+        start, end = (moment.subs(s, at) for at in (i, i + 1))
+        work = self.derived.link_moment.subs(n, self.closed.n)
+        work = work.xreplace({joint_moment[i]: start, joint_moment[i + 1]: end})
+        neighbours = (of[i - 1], of[i], of[i + 1])
+        for a in self.rows:
+            here = work.subs({Eq(i, at): at == a for at in (0, self.closed.n - 1)})
+            row = self.closed.bending_row(factor, a > 0, a < self.closed.n - 1)
+            for neighbour, hand in zip(neighbours, row, strict=True):
+                yield f"phi_{a},{neighbour}", -here.diff(neighbour), {i: a}, hand
+
+
+def _pythagorean(t: Fraction) -> angles.Angle:
+    """The angle 2 atan(t), whose cosine and sine are rational."""
+    return angles.Angle((1 - t * t) / (1 + t * t), 2 * t / (1 + t * t))
 
 
 def evaluate(expression: Expr, values: dict[Any, Any]) -> Any:
@@ -52,86 +201,3 @@ def evaluate(expression: Expr, values: dict[Any, Any]) -> Any:
             terms = (evaluate(expression.function, {**values, index: q}) for q in span)
             return sum(terms, start=Fraction(0))
     raise TypeError(f"no exact value for {expression}")
-
-
-def prove_at_points(
-    n_links: int, boundary: str, inertia: str, terms: Sequence[str] = TERMS, seed: int = 1
-) -> Iterator[Comparison]:
-    """Entries of derivation 2 at n links against the closed form; raises DisagreementError."""
-    draw = random.Random(seed)
-    derived, hold = Equations(boundary, inertia, tuple(terms)), BOUNDARIES[boundary]
-
-    def rational() -> Fraction:
-        return Fraction(draw.randint(1, 99), draw.randint(1, 99))
-
-    palette = [_pythagorean(rational()) for _ in range(30)]
-    directions = [draw.choice(palette) for _ in range(n_links)]
-    forces = [[draw.randint(-99, 99) for _ in range(n_links + 1)] for _ in range(2)]
-    values: dict[Any, Any] = {symbol: rational() for symbol in (m, l, k, P, G)}
-    values |= {n: n_links, NU: draw.choice(palette), phi: directions}
-    values |= {drag_x: forces[0], drag_y: forces[1]}
-    closed = ClosedForm(
-        n_links,
-        values[m],
-        values[l],
-        values[k],
-        directions,
-        angles.cos,
-        angles.sin,
-        Fraction(1, 2),
-        lambda term, low, high: sum(term(q) for q in range(low, high + 1)),
-        hold.translates,
-        hold.first,
-    )
-    links = range(hold.first, n_links)
-    rows = sorted(draw.sample(links, min(len(links), ROWS)))
-    pairs = (
-        [(a, b) for a in links for b in links if a != b]
-        if len(links) ** 2 <= ENTRIES
-        else [(a, b) for a, b in (draw.sample(links, 2) for _ in range(ENTRIES))]
-    )
-
-    def same(name: str, entries: Iterator[tuple[str, Expr, dict[Any, int], Any]]) -> Comparison:
-        count = 0
-        for label, expression, at, by_hand in entries:
-            value = evaluate(expression, {**values, **at})
-            if value != by_hand:
-                raise DisagreementError(POINTS, f"{name}[{label}]", value, by_hand)
-            count += 1
-        return Comparison(name, POINTS, count)
-
-    def in_pairs(expression: Expr, by_hand: Any) -> Iterator[tuple[str, Expr, dict[Any, int], Any]]:
-        for a, b in pairs:
-            at = {i: a, j: b, later: max(a, b)}
-            yield f"phi_{a},phi_{b}", expression, at, by_hand(a, b, max(a, b))
-
-    def in_rows(
-        expressions: Sequence[Expr], by_hand: Any, over: Sequence[int] = rows
-    ) -> Iterator[tuple[str, Expr, dict[Any, int], Any]]:
-        for a in over:
-            hand = by_hand(a)
-            for at, expression in enumerate(expressions):
-                label = f"{'xy'[at]}0,phi_{a}" if len(expressions) > 1 else f"phi_{a}"
-                yield label, expression, {i: a}, hand[at] if len(expressions) > 1 else hand
-
-    yield same("M", in_pairs(derived.mass_link_link, closed.M_link_link))
-    yield same("M diagonal", in_rows([derived.mass_link], closed.M_link))
-    yield same("Q", in_pairs(derived.velocity_link_link, closed.Q_link_link))
-    if hold.translates:
-        yield same("M base", in_rows(derived.mass_base_link, closed.M_base_link))
-        yield same("Q base", in_rows(derived.velocity_base_link, closed.Q_base_link))
-    if "follower" in terms:
-        hand = lambda a: closed.F_link(a, values[P], values[NU])  # noqa: E731
-        yield same("F", in_rows([derived.follower.link], hand))
-    if "gravity" in terms:
-        yield same("A", in_rows([derived.gravity.link], lambda a: closed.A_link(a, values[G])))
-    if "external_damping" in terms:
-        resisting = ([-f for f in forces[0]], [-f for f in forces[1]])
-        near = [a for a in rows if n_links - a <= REACH]
-        hand = lambda a: -closed.D_e_link(a, resisting)  # noqa: E731
-        yield same("D_e", in_rows([derived.external_damping.link], hand, near))
-
-
-def _pythagorean(t: Fraction) -> angles.Angle:
-    """The angle 2 atan(t), whose cosine and sine are rational."""
-    return angles.Angle((1 - t * t) / (1 + t * t), 2 * t / (1 + t * t))

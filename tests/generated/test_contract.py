@@ -121,7 +121,12 @@ def test_rod_at_rest_has_no_drag() -> None:
         ({"mass": "heavy"}, ValueError, "mass"),
         ({"external_damping": -0.1}, ValueError, "external_damping"),
         ({"gravity": math.nan}, ValueError, "gravity"),
-        ({"fin_factor": [1.0, 2.0]}, ValueError, "fin_factor"),
+        ({"mass": 10**400}, ValueError, "mass = inf"),
+        ({"mass": True}, ValueError, "mass = True"),
+        ({"fin_factor": [1.0, 2.0]}, ValueError, "fin_factor has 2 values"),
+        ({"fin_factor": 3.0}, ValueError, "fin_factor = 3.0"),
+        ({"fin_factor": ["a"] * 6}, ValueError, r"fin_factor\[0\] = 'a'"),
+        ({"fin_factor": [1.0, [2.0, 3.0], 1.0, 1.0, 1.0, 1.0]}, ValueError, r"fin_factor\[1\]"),
         ({"fin_factor": [1.0, 2.0, -3.0, 1.0, 1.0, 1.0]}, ValueError, r"fin_factor\[2\]"),
     ],
 )
@@ -156,6 +161,14 @@ def test_states_that_are_none_are_refused(y: np.ndarray, error: type[Exception])
     rod = load_module(GENERATED / "rod_free_n5.py")
     with pytest.raises(error, match="y has"):
         rod.rhs(0.0, y, rod.parameters(**VALUES, **LOADS))
+
+
+def test_parameters_of_another_module_are_refused() -> None:
+    rod = load_module(GENERATED / "rod_free_n5.py")
+    p = rod.parameters(**VALUES, **LOADS)
+    for function in (lambda q: rod.rhs(0.0, np.zeros(14), q), lambda q: rod.energy(np.zeros(14), q)):
+        with pytest.raises(ValueError, match=r"p has 3 values: must be the 14"):
+            function(p[:3])
 
 
 def test_states_of_other_make_give_the_same() -> None:

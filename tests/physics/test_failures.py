@@ -9,6 +9,7 @@ import pytest
 
 import rodgen
 from rodgen.integrate import Interrupted, RunError
+from rodgen.integrate.scipy_methods import ScipyStep
 from rodgen.scene import Scene
 
 Make = Callable[..., Scene]
@@ -60,6 +61,39 @@ def test_interrupt_keeps_what_was_computed(make_scene: Make) -> None:
     assert 0 < sol.t[-1] < 500.0
     assert np.isfinite(sol.y).all()
     assert np.abs(sol.energy_balance).max() < 1e-6
+
+
+@pytest.mark.parametrize("where", ["interpolant", "power", "rhs"])
+def test_interrupt_at_any_place_leaves_whole_samples(
+    make_scene: Make, where: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ctrl-C in the middle of taking in a step: what is kept is what the whole run has."""
+    scene = make_scene(4, "free", ("follower",), span=[0.0, 2.0], output_every=0.005)
+    whole = rodgen.simulate(scene)
+    model = rodgen.build(scene)
+    calls = {"left": 700 if where == "rhs" else 3 if where == "power" else 60}
+
+    def failing(right: Callable[..., object]) -> Callable[..., object]:
+        def function(*arguments: object) -> object:
+            calls["left"] -= 1
+            if calls["left"] == 0:
+                raise KeyboardInterrupt
+            return right(*arguments)
+
+        return function
+
+    if where == "interpolant":
+        right = ScipyStep.interpolant
+        monkeypatch.setattr(ScipyStep, "interpolant", failing(right))
+    else:
+        setattr(model, where, failing(getattr(model, where)))
+    with pytest.raises(Interrupted) as caught:
+        rodgen.simulate(scene, model=model)
+    sol = caught.value.solution
+    count = len(sol.t)
+    assert 1 < count < len(whole.t)
+    np.testing.assert_array_equal(sol.y, whole.y[:count])
+    np.testing.assert_allclose(sol.work["follower"], whole.work["follower"][:count], rtol=1e-12)
 
 
 def test_too_many_links_for_the_dense_form_are_refused(make_scene: Make) -> None:

@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.structure import (
     BOUNDARIES,
-    LEAST_LINKS,
     MOST_LINKS,
     TERMS,
     Structure,
@@ -61,6 +60,7 @@ REFUSED = [
     ({"name": ""}, "name", "''", "plain identifier"),
     ({"name": "a\n"}, "name", r"'a\\n'", "plain identifier"),
     ({"colour": 1}, "colour", "1", "known: name"),
+    ({"rod": {"lenght": 1.0, "length": None}}, "rod.lenght", "1.0", "known: links, length"),
     ({"loads": {"wind": {}}}, "loads.wind", "{}", "known: follower"),
     ({"loads": {"follower": {}}}, "loads.follower.force", "missing", "given"),
     ({"loads": {"follower": {"force": "t + x"}}}, "loads.follower.force", "'t [+] x'", "not 'x'"),
@@ -79,6 +79,13 @@ REFUSED = [
         "1.0",
         "nose, body, tail",
     ),
+    (
+        {"loads": {"external_damping": {"coefficient": 1.0, "fin_factor": [1, 1, 1, "a", 1, 1]}}},
+        "loads.external_damping.fin_factor.3",
+        "'a'",
+        "a number",
+    ),
+    ({"integrate": {"atol": 0.0}}, "integrate.atol", "0.0", "greater than 0"),
     ({"initial": {"phi": "__import__('os')"}}, "initial.phi", "__import__", "an expression of"),
     ({"initial": {"phi": "log(s - 1)"}}, "initial.phi", "log", "finite at every link"),
     ({"initial": {"phi": [0.1]}}, "initial.phi", r"\[0.1\]", "5 values"),
@@ -114,6 +121,12 @@ def test_bad_input_names_field_value_and_what_is_allowed(
 def test_files_that_are_no_scenes_are_refused(tmp_path: Path) -> None:
     broken, binary = tmp_path / "broken.toml", tmp_path / "binary.toml"
     broken.write_text("name = \n", encoding="utf-8")
+    huge, deep = tmp_path / "huge.toml", tmp_path / "deep.toml"
+    huge.write_text("name = " + "9" * 5000, encoding="utf-8")
+    deep.write_text("name = " + "[" * 5000, encoding="utf-8")
+    for path in (huge, deep):
+        with pytest.raises(SceneError, match="valid TOML"):
+            Scene.from_toml(path)
     binary.write_bytes(b"\xff\xfe\x00")
     for path, reason in ((broken, "line 1"), (binary, "UTF-8"), (tmp_path / "no.toml", "No such")):
         with pytest.raises(SceneError, match=reason) as error:
@@ -132,6 +145,20 @@ def test_initial_state_is_in_the_order_of_the_contract() -> None:
     )
 
 
+def test_rod_is_straight_along_its_clamp_unless_told_otherwise() -> None:
+    held = _scene(rod={"boundary": "cantilever", "clamp_angle": 0.7})
+    np.testing.assert_array_equal(Scene.from_dict(held).initial_state(), [0.7] * 4 + [0.0] * 4)
+    np.testing.assert_array_equal(Scene.from_dict(_scene()).initial_state(), np.zeros(14))
+
+
+def test_force_without_t_is_a_number() -> None:
+    text = Scene.from_dict(_scene(loads={"follower": {"force": "2*150"}}))
+    number = Scene.from_dict(_scene(loads={"follower": {"force": 300.0}}))
+    assert text.structure == number.structure
+    assert text.parameters == number.parameters
+    assert text.breaks() == []
+
+
 @pytest.mark.parametrize(
     ("every", "expected"), [(0.25, [0, 0.25, 0.5, 0.75, 1]), (0.4, [0, 0.4, 0.8, 1]), (7, [0, 1])]
 )
@@ -145,11 +172,11 @@ numbers = st.floats(1e-6, 1e6)
 terms = st.lists(st.sampled_from(TERMS), unique=True)
 
 
-@given(links=st.integers(-3, 40), boundary=st.sampled_from(BOUNDARIES), names=terms)
+@given(links=st.integers(-3, 40), boundary=st.sampled_from(list(BOUNDARIES)), names=terms)
 def test_structures_are_checked_and_have_a_name_of_their_own(
     links: int, boundary: str, names: list[str]
 ) -> None:
-    if links < LEAST_LINKS[boundary]:
+    if links < BOUNDARIES[boundary].least_links:
         with pytest.raises(SceneError, match="links"):
             Structure(links, boundary, terms=tuple(names))
         return
@@ -165,7 +192,7 @@ def test_structures_are_checked_and_have_a_name_of_their_own(
 
 @given(
     links=st.integers(2, 30),
-    boundary=st.sampled_from(BOUNDARIES),
+    boundary=st.sampled_from(list(BOUNDARIES)),
     mass=numbers,
     length=numbers,
     stiffness=st.floats(0, 1e9),

@@ -1,17 +1,24 @@
 """The derivations against the closed form, against each other, and against plain SymPy."""
 
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
 import pytest
-from rodgen.derive import inertia
+from rodgen.derive import explicit, general, inertia
 from rodgen.derive.calculus import TIME
 from rodgen.derive.chain import BOUNDARIES
 from rodgen.derive.closed_form import ClosedForm
+from rodgen.derive.comparison import DisagreementError
 from rodgen.derive.explicit import ExplicitDerivation
 from rodgen.derive.general import Equations
-from rodgen.derive.loads import BOUNDARY_PARAMETERS, TERM_PARAMETERS, TERMS
+from rodgen.derive.loads import BOUNDARY_PARAMETERS, TERM_PARAMETERS, TERMS, damper_moment
 from rodgen.derive.points import prove_at_points
-from rodgen.derive.proof import DisagreementError, prove_any_n, prove_explicit
+from rodgen.derive.proof_any_n import prove_any_n
+from rodgen.derive.proof_explicit import prove_explicit
 from rodgen.derive.symbols import i, j, later, m, n, phi, xi
-from sympy import Matrix, expand, simplify
+from sympy import Matrix, Sum, expand, simplify
 from sympy.physics.mechanics import LagrangesMethod
 
 from rodgen.scene import structure
@@ -33,7 +40,7 @@ def test_explicit_derivation_equals_the_closed_form(boundary: str, links: int) -
 @pytest.mark.parametrize("boundary", BOUNDARIES)
 def test_any_n_equals_the_closed_form(boundary: str) -> None:
     names = {c.name for c in prove_any_n(boundary, "uniform")}
-    assert names == {"M", "Q", "K", "F", "A", "D_i", "D_e", "D_e force law"}
+    assert names == {"M", "Q", "K", "joints", "F", "A", "D_i", "D_e", "D_e force law"}
 
 
 @pytest.mark.parametrize(("boundary", "links"), [("free", 61), ("cantilever", 200), ("free", 1)])
@@ -72,54 +79,111 @@ def test_general_entries_are_the_explicit_ones(boundary: str, links: int) -> Non
     """Derivation 2 at a given n against derivation 1, entry by entry, without the closed form."""
     one, two = ExplicitDerivation(links, boundary), Equations(boundary, "uniform", TERMS)
     first, base = BOUNDARIES[boundary].first, 2 * BOUNDARIES[boundary].translates
-    angles = dict(enumerate(one.angles))
+    angles = {phi[q]: angle for q, angle in enumerate(one.angles)}
+    drag = {general.drag_x[q]: -x for q, (x, _) in enumerate(one.drag, start=one.first_joint)} | {
+        general.drag_y[q]: -y for q, (_, y) in enumerate(one.drag, start=one.first_joint)
+    }
+
+    def same(entry: Any, at: dict[Any, int], polynomial: Any) -> bool:
+        here = entry.subs({**at, n: links}).doit().subs({**angles, **drag})
+        return bool(simplify(here - one.calculus.expr(polynomial)) == 0)
+
     for a in range(first, links):
+        row = base + a - first
         for b in range(first, links):
-            entry = two.mass_link if a == b else two.mass_link_link
-            at = {phi[i]: angles[a], phi[j]: angles[b], i: a, j: b, later: max(a, b), n: links}
-            here = entry.subs(at)
-            there = one.calculus.expr(one.mass_matrix[base + a - first][base + b - first])
-            assert simplify(here - there) == 0
+            at = {i: a, j: b, later: max(a, b)}
+            mass = two.mass_link if a == b else two.mass_link_link
+            velocity = two.velocity_link_link if a != b else mass * 0
+            assert same(mass, at, one.mass_matrix[row][base + b - first])
+            assert same(velocity, at, one.velocity_matrix[row][b - first])
+        for term in ("follower", "gravity"):
+            assert same(getattr(two, term).link, {i: a}, getattr(one, term)[row])
+        assert same(two.external_damping.link, {i: a}, -one.external_damping[row])
+    for axis in range(base):
+        for b in range(first, links):
+            at = {i: b}
+            assert same(two.mass_base_link[axis], at, one.mass_matrix[axis][base + b - first])
+            assert same(two.velocity_base_link[axis], at, one.velocity_matrix[axis][b - first])
+        assert same(two.gravity.base[axis], {}, one.gravity[axis])
+        assert same(two.external_damping.base[axis], {}, -one.external_damping[axis])
+
+
+def _times(factor: int) -> Callable[[Any], Any]:
+    """A method that gives a multiple of what the right one gives."""
+
+    def change(right: Any) -> Any:
+        def wrong(self: ClosedForm, *arguments: Any) -> Any:
+            value = right(self, *arguments)
+            return tuple(factor * v for v in value) if isinstance(value, tuple) else factor * value
+
+        return wrong
+
+    return change
 
 
 WRONG = {
-    "M": ("M_link_link", lambda self, i, j, later: 2 * _right_mass(self, i, j, later)),
-    "Q": ("Q_link_link", lambda self, i, j, later: -_right_velocity(self, i, j, later)),
-    "F": ("F_link", lambda self, i, P, nu: -P * self.l * self.sin(self.phi[i])),
-    "A": ("A_link", lambda self, i, g: -g * self.m * self.l * self.w(i) * self.cos(self.phi[i])),
-    "D_e": ("D_e_link", lambda self, i, D: self.l * D[0][self.n] * self.cos(self.phi[i])),
+    "M_base": "M",
+    "M_base_link": "M",
+    "M_link": "M",
+    "M_link_link": "M",
+    "Q_base_link": "Q",
+    "Q_link_link": "Q",
+    "bending_row": "K",
+    "F_base": "F",
+    "F_link": "F",
+    "A_base": "A",
+    "A_link": "A",
+    "D_e_base": "D_e",
+    "D_e_link": "D_e",
 }
-_right_mass, _right_velocity = ClosedForm.M_link_link, ClosedForm.Q_link_link
+PROOFS = {
+    "explicit": lambda terms: prove_explicit(4, "free", "uniform", terms),
+    "any n": lambda terms: prove_any_n("free", "uniform", terms),
+    "points": lambda terms: prove_at_points(70, "free", "uniform", terms),
+}
 
 
-@pytest.mark.parametrize("name", WRONG)
-@pytest.mark.parametrize("boundary", BOUNDARIES)
-def test_a_wrong_closed_form_is_caught(
-    name: str, boundary: str, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("proof", PROOFS)
+@pytest.mark.parametrize("method", WRONG)
+def test_every_proof_catches_every_wrong_entry(
+    proof: str, method: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    method, wrong = WRONG[name]
-    monkeypatch.setattr(ClosedForm, method, wrong)
-    with pytest.raises(DisagreementError) as explicit:
-        list(prove_explicit(4, boundary, "uniform"))
-    assert explicit.value.entry.startswith(f"{name}[")
-    with pytest.raises(DisagreementError, match=name):
-        list(prove_any_n(boundary, "uniform"))
-    with pytest.raises(DisagreementError, match=name):
-        list(prove_at_points(70, boundary, "uniform"))
+    monkeypatch.setattr(ClosedForm, method, _times(3)(getattr(ClosedForm, method)))
+    with pytest.raises(DisagreementError) as error:
+        list(PROOFS[proof](TERMS))
+    assert re.match(rf"{WRONG[method]}\b", error.value.entry)
 
 
-@pytest.mark.parametrize("name", ["K", "D_i"])
-def test_a_wrong_stiffness_is_caught(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    right = getattr(ClosedForm, name)
+@pytest.mark.parametrize("proof", PROOFS)
+def test_every_proof_catches_wrong_internal_damping(
+    proof: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """K is right, D_i is not: its law is changed in the derivation."""
+    for module in (general, explicit):
+        monkeypatch.setattr(module, "damper_moment", lambda a, b: -2 * damper_moment(a, b))
+    with pytest.raises(DisagreementError, match=r"D_i"):
+        list(PROOFS[proof](("internal_damping",)))
 
-    def wrong(self: ClosedForm, *arguments: object) -> list[list[object]]:
-        rows = right(self, *arguments)
-        rows[-1][-1] = 2 * rows[-1][-1]
-        return rows
 
-    monkeypatch.setattr(ClosedForm, name, wrong)
-    with pytest.raises(DisagreementError, match=name):
-        list(prove_explicit(3, "free", "uniform"))
+@pytest.mark.parametrize("quantity", [general.joint_x, general.joint_vy])
+def test_wrong_sums_along_the_chain_are_caught(
+    quantity: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """rhs is emitted from the running sums of derivation 2: they are proven too."""
+    right = Equations.arrays.func
+
+    def wrong(self: Equations) -> Any:
+        arrays = right(self)
+        array = arrays[quantity]
+        (total,) = array.value.atoms(Sum)
+        doubled = array.value.subs(total, Sum(2 * total.function, *total.limits))
+        return {**arrays, quantity: replace(array, value=doubled)}
+
+    monkeypatch.setattr(Equations, "arrays", property(wrong))
+    with pytest.raises(DisagreementError, match=str(quantity)):
+        list(PROOFS["explicit"](()))
+    with pytest.raises(DisagreementError, match="joints"):
+        list(PROOFS["any n"](()))
 
 
 def test_a_printed_sign_of_the_thesis_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -142,11 +206,12 @@ def test_other_inertia_changes_the_equations(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_scene_and_derivation_offer_the_same() -> None:
     """Names stand twice, since a scene is read without SymPy; here they are held together."""
-    assert tuple(BOUNDARIES) == structure.BOUNDARIES
+    assert tuple(BOUNDARIES) == tuple(structure.BOUNDARIES)
     assert tuple(inertia.INERTIAS) == structure.INERTIAS
     assert TERMS == structure.TERMS
     for boundary, hold in BOUNDARIES.items():
-        assert hold.least_links == structure.LEAST_LINKS[boundary]
+        offered = structure.BOUNDARIES[boundary]
+        assert (hold.translates, hold.first) == (offered.translates, offered.first)
         names = tuple(str(p) for p in BOUNDARY_PARAMETERS[boundary])
         assert names == structure.BOUNDARY_PARAMETERS[boundary]
     for term in TERMS:

@@ -4,37 +4,15 @@ from __future__ import annotations
 
 import sys
 
-import typer
-
-from rodgen.cli import check, derive, run, show
-from rodgen.cli.errors import reported
-
-app = typer.Typer(
-    help="Equations of motion of planar flexible rods: derived, proven, generated, integrated.",
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-)
-app.command()(derive.derive)
-app.command()(run.run)
-app.command()(check.check)
-app.command()(show.show)
-
-
-@app.callback(invoke_without_command=True)
-def _version(
-    version: bool = typer.Option(False, "--version", help="Print the version and stop."),
-) -> None:
-    if version:
-        import rodgen
-
-        print(rodgen.__version__)
-        raise typer.Exit
+from rodgen.cli.errors import INTERRUPTED, reported
 
 
 def main() -> None:
     """Entry point of the `rodgen` command."""
     with reported():
-        app(prog_name="rodgen")
-    sys.exit(0)
+        from rodgen.cli.app import app  # inside, so that Ctrl-C is reported from the start
+
+        status = app(prog_name="rodgen", standalone_mode=False) or 0
+        if status == INTERRUPTED:  # typer keeps the interrupt itself to itself
+            raise KeyboardInterrupt
+        sys.exit(status)

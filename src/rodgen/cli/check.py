@@ -8,21 +8,24 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from rodgen.cli.console import err, out
+from rodgen.cli.console import out, working
 from rodgen.cli.errors import DISPROVEN, fail
 from rodgen.loading import load_module
 
 
 def check(
     module_file: Annotated[Path, typer.Argument(metavar="MODULE", help="A generated module.")],
-    seed: Annotated[int, typer.Option(help="Seed of the random states.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the random states.")] = 1,
 ) -> None:
-    """Compare MODULE with the hand-assembled equations in 50-digit arithmetic."""
+    """Compare MODULE, which is run, with hand-assembled equations in 50-digit arithmetic."""
     from rodgen.emit.check import DIGITS, LIMIT, check_module
 
     module = load_module(module_file)
-    with err.status(f"comparing {module_file.name}"):
-        deviations = list(check_module(module, seed=seed))
+    deviations = []
+    with working(f"comparing {module_file.name}") as step:
+        for deviation in check_module(module, seed=seed):
+            deviations.append(deviation)
+            step(f"{deviation.quantity}, {deviation.states}")
     table = Table(title=f"{module_file.name} against {DIGITS}-digit arithmetic")
     for column in ("quantity", "states"):
         table.add_column(column)

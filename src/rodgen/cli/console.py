@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from time import perf_counter
+from threading import Timer
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 out = Console(highlight=False, soft_wrap=True, markup=False)
 err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
@@ -18,27 +25,44 @@ PATIENCE = 1.0  # seconds without a bar
 @contextmanager
 def progress(what: str, start: float, end: float) -> Iterator[Callable[[float], None]]:
     """A callback that shows how far a run from start to end has come."""
-    bar = Progress(
+    with _bar(what, end - start, TimeRemainingColumn()) as show:
+        yield lambda at: show(at - start, f"t = {at:.3f} s of {end:g} s")
+
+
+@contextmanager
+def working(what: str, steps: int | None = None) -> Iterator[Callable[[str], None]]:
+    """A callback that names what was done last, of so many steps if their number is known."""
+    done = 0
+
+    def step(last: str) -> None:
+        nonlocal done
+        done += 1
+        show(done, last)
+
+    with _bar(what, steps, TimeElapsedColumn()) as show:
+        yield step
+
+
+@contextmanager
+def _bar(
+    what: str, total: float | None, clock: ProgressColumn
+) -> Iterator[Callable[[float, str], None]]:
+    """A bar that appears after a second; it then moves on a thread of its own."""
+    columns = (
         TextColumn("{task.description}"),
         BarColumn(),
         TextColumn("{task.fields[at]}"),
-        TimeRemainingColumn(),
-        console=err,
-        transient=True,
+        clock,
     )
-    task = bar.add_task(what, total=end - start, at="")
-    began, shown = perf_counter(), False
-
-    def update(at: float) -> None:
-        nonlocal shown
-        if not shown and perf_counter() - began > PATIENCE:
-            bar.start()
-            shown = True
-        if shown:
-            bar.update(task, completed=at - start, at=f"t = {at:.3f} s of {end:g} s")
-
+    bar = Progress(*columns, console=err, transient=True)
+    task = bar.add_task(what, total=total, at="")
+    timer = Timer(PATIENCE, bar.start)
+    timer.daemon = True
+    timer.start()
     try:
-        yield update
+        yield lambda completed, at: bar.update(task, completed=completed, at=at)
     finally:
-        if shown:
+        timer.cancel()
+        timer.join()
+        if bar.live.is_started:
             bar.stop()

@@ -8,11 +8,12 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from rodgen.cli.console import err, out
+from rodgen.cli.console import out, working
 from rodgen.cli.errors import DISPROVEN, fail
+from rodgen.cli.folders import writable
 from rodgen.loading import source
 from rodgen.loading.cache import write_whole
-from rodgen.loading.proofs import MOST_EXPLICIT, Held, Proof, prove
+from rodgen.loading.proofs import MOST_EXPLICIT, Proof, prove
 from rodgen.scene import SceneError, Structure
 from rodgen.scene.structure import TARGETS, choose, parse_terms
 
@@ -31,12 +32,12 @@ def derive(
     """Derive the equations of N links, prove them, and write the generated module."""
     structure = Structure(_whole(links), boundary, inertia, parse_terms(terms))
     choose("target", target, TARGETS)
-    if not out_folder.is_dir():
-        raise SceneError("--out", str(out_folder), "a folder that exists")
+    writable(out_folder)
     proof = _prove(structure, explicit)
     out.print(_table(structure, proof))
     path = out_folder / f"{structure.stem}.py"
-    text = source(structure, target)
+    with working("generating"):
+        text = source(structure, target)
     out.print(_write(path, text))
 
 
@@ -48,16 +49,11 @@ def _whole(text: str) -> int:
 
 
 def _prove(structure: Structure, explicit: bool) -> Proof:
-    def found(held: Held) -> None:
-        status.update(f"proven: {held.name} ({held.how})")
-
-    with err.status("deriving") as status:
-        try:
-            return prove(structure, explicit, found)
-        except ArithmeticError as error:
-            status.stop()
-            fail(f"the equations are not proven: {error}", DISPROVEN)
-            raise AssertionError from error
+    try:
+        with working("deriving and comparing") as step:
+            return prove(structure, explicit, lambda held: step(f"{held.name}, {held.how}"))
+    except ArithmeticError as error:
+        fail(f"the equations are not proven: {error}", DISPROVEN)
 
 
 def _table(structure: Structure, proof: Proof) -> Table:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import NoReturn
 
-from rodgen.scene import SceneError
+# 130 and 141 are what a shell reports for SIGINT and SIGPIPE.
+DISPROVEN, BAD_INPUT, FAILED_RUN, INTERRUPTED, NO_READER = 1, 2, 3, 130, 141
 
-DISPROVEN, BAD_INPUT, FAILED_RUN, INTERRUPTED = 1, 2, 3, 130
 
-
-def fail(message: str, status: int) -> None:
+def fail(message: str, status: int) -> NoReturn:
     """Print one line to standard error and end with a status."""
     print(f"rodgen: {message}", file=sys.stderr)
     sys.exit(status)
@@ -22,12 +23,29 @@ def reported() -> Iterator[None]:
     """Bad input ends in one line and status 2, without a traceback."""
     try:
         yield
-    except SceneError as error:
-        fail(str(error), BAD_INPUT)
-    except MemoryError:
-        fail("not enough memory for this many links and samples", BAD_INPUT)
     except KeyboardInterrupt:
         fail("interrupted", INTERRUPTED)
     except BrokenPipeError:
-        sys.stderr.close()
-        sys.exit(1)
+        # Nobody reads the output any more: nor shall Python try to flush it at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(NO_READER)
+    except MemoryError:
+        fail("not enough memory for this many links and samples", BAD_INPUT)
+    except Exception as error:
+        _explain(error)
+        raise
+
+
+def _explain(error: Exception) -> None:
+    """End with one line for what the user can mend."""
+    from rodgen.scene import SceneError
+
+    if isinstance(error, SceneError):
+        fail(str(error), BAD_INPUT)
+    if isinstance(error, OSError) and error.strerror:
+        fail(f"cannot read or write: {error.strerror}", BAD_INPUT)
+    # Typer's own errors, by what they have in common: it does not export their base class.
+    if hasattr(error, "format_message"):
+        fail(" ".join(error.format_message().split()), BAD_INPUT)
+    if type(error).__name__ == "Abort":
+        fail("interrupted", INTERRUPTED)

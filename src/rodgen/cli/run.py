@@ -8,11 +8,14 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from rodgen.cli.console import out, progress
+from rodgen.cli.console import out, progress, working
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
+from rodgen.cli.folders import unwritable, writable
 from rodgen.integrate import Interrupted, RunError, Solution, simulate
-from rodgen.loading import load_text, source
+from rodgen.loading import build, source
+from rodgen.loading.cache import write_whole
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.tables import FIXED_STEP
 
 
 def run(
@@ -26,9 +29,10 @@ def run(
 ) -> None:
     """Integrate SCENE; write states, pictures and a summary, and say what came out."""
     scene = Scene.from_toml(scene_file).with_integrate(method=method, step=step, rtol=rtol)
-    folder = _folder(out_folder / scene.name)
-    text = source(scene)
-    model = load_text(text, scene.structure.stem)
+    _used(scene, step, rtol)
+    with working("generating"):
+        model = build(scene)
+    folder = writable(out_folder / scene.name)
     start, end = scene.integrate.span
     with progress(scene.name, start, end) as update:
         try:
@@ -38,39 +42,36 @@ def run(
         except Interrupted as error:
             solution, status = error.solution, INTERRUPTED
     with np.errstate(all="ignore"):  # a run that blew up has energies that overflow
-        _write(solution, folder, f"{scene.structure.stem}.py", text)
+        _write(solution, folder)
     if status:
-        fail(
-            f"{solution.message}; samples up to t = {solution.t[-1]:.9g} s are in {folder}", status
-        )
+        kept = f"samples up to t = {solution.t[-1]:.9g} s are in {folder}"
+        fail(f"{solution.message}; {kept}", status)
 
 
-def _folder(folder: Path) -> Path:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        probe = folder / ".write_test"
-        probe.touch()
-        probe.unlink()
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise SceneError("--out", str(folder), f"a folder to write into ({reason})") from None
-    return folder
+def _used(scene: Scene, step: float | None, rtol: float | None) -> None:
+    """Refuse options that the method has no use for."""
+    method = scene.integrate.method
+    if step is not None and method not in FIXED_STEP:
+        raise SceneError("--step", step, f"absent: {method} chooses its own steps")
+    if rtol is not None and method in FIXED_STEP:
+        raise SceneError("--rtol", rtol, f"absent: {method} has a fixed step")
 
 
-def _write(solution: Solution, folder: Path, module_name: str, module_text: str) -> None:
-    from rodgen.loading.cache import write_whole
+def _write(solution: Solution, folder: Path) -> None:
+    """States first, since they cost most; everything else can be made from them."""
     from rodgen.view.pictures import save_pictures
     from rodgen.view.summary import summary
 
-    words = summary(solution)
+    words, module = summary(solution), f"{solution.scene.structure.stem}.py"
     try:
-        solution.save(folder / "solution.nc")
-        write_whole(folder / module_name, module_text)
-        write_whole(folder / "summary.txt", words)
-        pictures = save_pictures(solution, folder)
+        with working("writing") as step:
+            solution.save(folder / "solution.nc")
+            step("solution.nc")
+            write_whole(folder / "summary.txt", words)
+            write_whole(folder / module, source(solution.scene))
+            pictures = save_pictures(solution, folder)
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise SceneError("--out", str(folder), f"a folder to write into ({reason})") from None
+        raise unwritable(folder, error) from None
     out.print(words, end="")
     names = ", ".join(picture.name for picture in pictures)
-    out.print(f"Written to {folder}: solution.nc, summary.txt, {module_name}, {names}.")
+    out.print(f"Written to {folder}: solution.nc, summary.txt, {module}, {names}.")

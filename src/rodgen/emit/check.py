@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from types import ModuleType
 from typing import Any
 
@@ -16,10 +17,17 @@ import numpy as np
 from mpmath import mp, mpf
 
 from rodgen.derive.chain import BOUNDARIES
-from rodgen.derive.closed_form import ClosedForm, joint_drag, joint_velocity
+from rodgen.derive.closed_form import Arithmetic, ClosedForm, joint_drag
+from rodgen.scene.expression import Expression
 
 DIGITS = 50
 LIMIT = 1e-10  # relative; about a thousand times what n = 50 reaches
+FIFTY_DIGITS = Arithmetic(
+    mp.cos,
+    mp.sin,
+    mpf(1) / 2,
+    lambda term, low, high: mp.fsum(term(q) for q in range(low, high + 1)),
+)
 
 
 @dataclass(frozen=True)
@@ -32,10 +40,10 @@ class Deviation:
 
 
 def check_module(module: ModuleType, states: int = 3, seed: int = 1) -> Iterator[Deviation]:
-    """Compare rhs, energy and power at random states near to and far from straight.
+    """Compare all that a module computes at random states near to and far from straight.
 
-    The error of a vector is its largest absolute error over its largest magnitude; that of an
-    energy or a power is taken relative to the largest magnitude among its parts.
+    The error of a vector is its largest absolute error over its largest magnitude; that of
+    energies or powers is taken relative to the largest among them.
     """
     draw = np.random.default_rng(seed)
     for kind, spread, speed in (("near straight", 1e-3, 1e-2), ("far from straight", 3.0, 3.0)):
@@ -43,7 +51,8 @@ def check_module(module: ModuleType, states: int = 3, seed: int = 1) -> Iterator
         for _ in range(states):
             values = _parameters(module, draw)
             y = _state(module, draw, spread, speed)
-            for quantity, error in _compare(module, values, y):
+            t = float(draw.uniform(0.0, 1.0))
+            for quantity, error in _compare(module, values, t, y):
                 worst[quantity] = max(worst.get(quantity, 0.0), error)
         for quantity, error in worst.items():
             yield Deviation(quantity, kind, error)
@@ -70,17 +79,28 @@ def _state(
 
 
 def _compare(
-    module: ModuleType, values: dict[str, Any], y: np.ndarray
+    module: ModuleType, values: dict[str, Any], t: float, y: np.ndarray
 ) -> Iterator[tuple[str, float]]:
+    """Every quantity of a module at one state, with its relative error."""
+    timed = {
+        name: float(Expression(text, "t")(t))
+        for name, text in getattr(module, "EXPRESSIONS", {}).items()
+    }
+    p = module.parameters(**values)
     with mpmath.workdps(DIGITS):
-        exact = _Exact(module, values, y)
-        p = module.parameters(**values)
-        yield "rhs", _vector_error(module.rhs(0.0, y, p), exact.rhs())
+        exact = _Exact(module, values | timed, y)
+        yield "rhs", _vector_error(module.rhs(t, y, p), exact.rhs())
+        mass = [entry for row in exact.closed.M() for entry in row]
+        yield "mass matrix", _vector_error(module.mass_matrix(y, p).ravel(), mass)
         yield "energy", _vector_error(module.energy(y, p), exact.energy())
         if hasattr(module, "power"):
-            power = module.power(0.0, y, p)
-            by_hand = exact.power()
-            yield "power", _vector_error([power[t] for t in power], [by_hand[t] for t in power])
+            power, by_hand = module.power(t, y, p), exact.power()
+            yield "power", _vector_error([power[x] for x in power], [by_hand[x] for x in power])
+        joints = [c for joint in exact.joints() for c in joint]
+        yield "joints", _vector_error(module.joints(y, p).ravel(), joints)
+        centre = exact.centre_of_gravity()
+        yield "centre of gravity", _vector_error(module.centre_of_gravity(y, p), centre)
+        yield "inertia", _vector_error(module.inertia(y, p), exact.inertia())
 
 
 def _vector_error(got: Sequence[Any], exact: Sequence[Any]) -> float:
@@ -110,19 +130,8 @@ class _Exact:
         self.v0 = (u[0], u[1]) if base else (mpf(0), mpf(0))
         self.phi = [number["clamp_angle"]] * held + q[base:] if held else q[base:]
         self.omega = [mpf(0)] * held + u[base:]
-        self.closed = ClosedForm(
-            self.n,
-            self.m,
-            self.l,
-            self.k,
-            self.phi,
-            mp.cos,
-            mp.sin,
-            mpf(1) / 2,
-            lambda term, low, high: mp.fsum(term(q) for q in range(low, high + 1)),
-            hold.translates,
-            hold.first,
-        )
+        sizes = (self.m, self.l, self.k)
+        self.closed = ClosedForm(self.n, *sizes, self.phi, hold, FIFTY_DIGITS)
 
     def rhs(self) -> list[Any]:
         closed, moving = self.closed, self.omega[self.hold.first :]
@@ -151,25 +160,59 @@ class _Exact:
 
     def drag(self) -> tuple[dict[int, Any], dict[int, Any]]:
         D: tuple[dict[int, Any], dict[int, Any]] = ({}, {})
-        for s in range(self.closed.first_joint, self.n + 1):
+        velocities = self._running(self.v0, self.closed.velocity_step, self.omega)
+        for s in range(self.hold.first_joint, self.n + 1):
             links = [self.phi[q] for q in (s - 1, s) if 0 <= q < self.n]
             mass = self.m * len(links) / 2
-            v = joint_velocity(s, self.l, self.phi, self.omega, self.v0, mp)
             angle = sum(links) / len(links)
-            force = joint_drag(self.number["external_damping"], self.fins[s], mass, v, angle, mp)
+            c_ext = self.number["external_damping"]
+            force = joint_drag(c_ext, self.fins[s], mass, velocities[s], angle, mp)
             D[0][s], D[1][s] = force
         return D
 
     def energy(self) -> list[Any]:
         kinetic = _dot(self.u, _times(self.closed.M(), self.u)) / 2
-        bends = [b - a for a, b in zip(self.phi, self.phi[1:], strict=False)]
+        bends = [b - a for a, b in pairwise(self.phi)]
         spring = mp.fsum(self.k * b**2 / 2 for b in bends)
-        gravity, height = mpf(0), self.origin[1]
-        for angle in self.phi:
-            gravity += self.m * (height + self.l * mp.sin(angle) / 2)
-            height += self.l * mp.sin(angle)
-        g = self.number.get("gravity", mpf(0)) if "gravity" in self.terms else mpf(0)
-        return [kinetic, spring, gravity * g]
+        heavy = "gravity" in self.terms
+        height = self.centre_of_gravity()[1]
+        gravity = self.n * self.m * self.number["gravity"] * height if heavy else mpf(0)
+        return [kinetic, spring, gravity]
+
+    def joints(self) -> list[tuple[Any, Any]]:
+        """Positions of the joints."""
+        return self._running(self.origin, self.closed.joint_step)
+
+    def centre_of_gravity(self) -> tuple[Any, Any]:
+        """Mean of the middles of the links."""
+        x, y = zip(*self._middles(), strict=True)
+        return mp.fsum(x) / self.n, mp.fsum(y) / self.n
+
+    def inertia(self) -> list[Any]:
+        """Moments and product of inertia: those of thin links, and of their middles (Steiner)."""
+        X, Y = self.centre_of_gravity()
+        own = self.m * self.l**2 / 12
+        x, y, xy = mpf(0), mpf(0), mpf(0)
+        for (a, b), angle in zip(self._middles(), self.phi, strict=True):
+            c, s = mp.cos(angle), mp.sin(angle)
+            x += own * s**2 + self.m * (b - Y) ** 2
+            y += own * c**2 + self.m * (a - X) ** 2
+            xy += own * s * c + self.m * (a - X) * (b - Y)
+        return [x, y, xy]
+
+    def _middles(self) -> list[tuple[Any, Any]]:
+        joints = self.joints()
+        return [((a[0] + b[0]) / 2, (a[1] + b[1]) / 2) for a, b in pairwise(joints)]
+
+    def _running(
+        self, start: tuple[Any, Any], step: Any, *of_link: Sequence[Any]
+    ) -> list[tuple[Any, Any]]:
+        """Joint by joint from the start, with the step of every link."""
+        values = [start]
+        for link in range(self.n):
+            dx, dy = step(link, *(of[link] for of in of_link))
+            values.append((values[-1][0] + dx, values[-1][1] + dy))
+        return values
 
     def power(self) -> dict[str, Any]:
         return {term: _dot(force, self.u) for term, force in self.loads().items()}

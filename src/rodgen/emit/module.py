@@ -13,9 +13,9 @@ from jinja2 import Environment, StrictUndefined
 from sympy import Expr
 
 from rodgen.derive.general import Equations, joint, joint_x, joint_y
-from rodgen.derive.symbols import s
 from rodgen.emit.program import Compiler
 from rodgen.emit.statements import SCALAR, Domain, Program
+from rodgen.scene.expression import Expression
 from rodgen.scene.structure import Structure
 
 TEMPLATES = {"numpy": "numpy_dense.py.jinja"}
@@ -42,6 +42,7 @@ PARAMETER_DOCS = {
     "clamp_angle": "angle of the held link [rad]",
     "fin_factor": "s at every joint, nose to tail; ones if not given",
 }
+NO_ENERGY = "np.zeros_like(kinetic)"  # the contract has three energies, whatever the scene
 
 
 def module_text(structure: Structure, target: str = "numpy") -> str:
@@ -96,7 +97,8 @@ def _context(structure: Structure, template: str, source: str) -> dict[str, Any]
         "inertia": structure.inertia,
         "terms": structure.terms,
         "terms_text": _tuple(structure.terms),
-        "expressions": dict(structure.expressions),
+        "expressions": {name: _expression(text).source() for name, text in structure.expressions},
+        "expression_texts": dict(structure.expressions),
         "state_groups": state_groups,
         "state_text": _state_text(structure, hold.translates, hold.first),
         "parameter_groups": parameter_groups,
@@ -113,19 +115,23 @@ def _context(structure: Structure, template: str, source: str) -> dict[str, Any]
         "provenance": provenance,
         "constants": constants,
         "constants_text": " ".join(c.code for c in constants),
-        "energy_names": ["kinetic", "spring" if n > 1 else "0.0 * kinetic", _gravity(structure)],
+        "energy_names": [
+            "kinetic",
+            "spring" if n > 1 else NO_ENERGY,
+            "gravity_energy" if "gravity" in structure.terms else NO_ENERGY,
+        ],
         "power_names": {term: f"power_{term}" for term in equations.power if _acts(term, n)},
         **programs,
     }
 
 
+def _expression(text: str) -> Expression:
+    return Expression(text, "t")
+
+
 def _tuple(names: tuple[str, ...]) -> str:
     inside = ", ".join(f'"{name}"' for name in names)
     return f"({inside},)" if len(names) == 1 else f"({inside})"
-
-
-def _gravity(structure: Structure) -> str:
-    return "gravity_energy" if "gravity" in structure.terms else "0.0 * kinetic"
 
 
 def _acts(term: str, n: int) -> bool:
@@ -172,20 +178,15 @@ def _programs(equations: Equations, compiler: Compiler) -> dict[str, Program]:
 
 
 def _forces(equations: Equations, compiler: Compiler) -> dict[str, tuple[Domain, Expr]]:
-    """Generalised forces of the loads and moments across the joints, without those that vanish."""
+    """Generalised forces of loads and joints, without those that vanish."""
     out: dict[str, tuple[Domain, Expr]] = {}
     works = equations.works.values()
     if equations.hold.translates:
         for at, axis in enumerate("xy"):
             out[f"force_{axis}"] = SCALAR, _total(work.base[at] for work in works)
-    out["force_link"] = compiler.link, _total(work.link for work in works)
     if compiler.links > 1:
-        before, after = equations.moments.before, equations.moments.after
-        out["moment_after"] = compiler.spring, after
-    if compiler.links > 1 and compiler.link.count > 1:
-        if sympy.expand(before + after) == 0:
-            before = -sympy.IndexedBase("moment_after", real=True)[s]
-        out["moment_before"] = compiler.spring, before
+        out["link_moment"] = compiler.link, equations.link_moment
+    out["force_link"] = compiler.link, _total(work.link for work in works)
     return {name: (domain, e) for name, (domain, e) in out.items() if e != 0}
 
 
@@ -229,7 +230,10 @@ def _state_text(structure: Structure, translates: bool, first: int) -> str:
 
 def _title(structure: Structure) -> str:
     links = f"{structure.links} rigid link{'s' if structure.links > 1 else ''}"
-    terms = ", ".join(t.replace("_", " ") for t in structure.terms) or "no loads"
+    timed = {name.split("_")[0] for name, _ in structure.expressions}
+    plain = [term.replace("_", " ") for term in structure.terms]
+    words = [f"{word} (a function of t)" if word in timed else word for word in plain]
+    terms = ", ".join(words) or "no loads"
     held, mass = DESCRIPTION[structure.boundary], structure.inertia
     return f"Planar rod of {links}, {held}, {mass} mass; {terms}."
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rodgen.derive.comparison import Comparison, DisagreementError
 from rodgen.derive.points import prove_at_points
-from rodgen.derive.proof import Comparison, DisagreementError, prove_any_n, prove_explicit
+from rodgen.derive.proof_any_n import prove_any_n
+from rodgen.derive.proof_explicit import prove_explicit
 from rodgen.scene.structure import Structure
 
 __all__ = ["Comparison", "DisagreementError", "comparisons"]

@@ -28,16 +28,19 @@ class Collector:
         power: Callable[[Array, Array, Array], Mapping[str, Array]] | None
         power = getattr(model, "power", None)
         self._power = power
-        terms = list(power(times[0], y0, p)) if power else []
+        with np.errstate(all="ignore"):  # of a state that cannot be integrated
+            terms = list(power(times[0], y0, p)) if power else []
         self.work = {term: np.zeros(len(times)) for term in terms}
         self._sum = dict.fromkeys(terms, 0.0)
         self._nodes: list[tuple[Array, Array, Array, list[int]]] = []
 
     def add(self, t0: float, t1: float, y1: Array, interpolant: Callable[[], Interpolant]) -> None:
-        """Take in a step from t0 to t1 that ends in y1."""
-        first = self.count
-        self.count = int(np.searchsorted(self.times, t1, side="right"))
-        inside = self.times[first : self.count]
+        """Take in a step from t0 to t1 that ends in y1.
+
+        The count moves last: an interrupt at any moment leaves only samples that are whole.
+        """
+        first, last = self.count, int(np.searchsorted(self.times, t1, side="right"))
+        inside = self.times[first:last]
         if not len(inside) and not self._power:
             return
         # A sample at the very end of the step is its state, not an interpolation.
@@ -48,28 +51,31 @@ class Collector:
         if len(between):
             self.states[first : first + len(between)] = at(between)
         if ends_here:
-            self.states[self.count - 1] = y1
+            self.states[last - 1] = y1
         if self._power:
             edges = np.concatenate(([t0], between, [t1]))
             widths = np.diff(edges)
             nodes = (edges[:-1, None] + widths[:, None] * NODES).ravel()
             # Which sample each stretch ends at; the last stretch may end at none.
-            samples = list(range(first, self.count)) + ([] if ends_here else [-1])
+            samples = list(range(first, last)) + ([] if ends_here else [-1])
             self._nodes.append((nodes, at(nodes), widths, samples))
-            if len(self._nodes) >= BUFFER:
-                self.flush()
+        self.count = last
+        if len(self._nodes) >= BUFFER:
+            self.flush()
 
     def flush(self) -> None:
         """Integrate the power over the steps that wait."""
         if not self._nodes or not self._power:
             return
         nodes, states, widths, samples = zip(*self._nodes, strict=True)
-        self._nodes = []
         power = self._power(np.concatenate(nodes), np.concatenate(states), self.p)
         width = np.concatenate(widths)
         ends = np.array([sample for some in samples for sample in some])
+        sums = {}
         for term, values in power.items():
             stretches = width * (values.reshape(-1, len(NODES)) @ WEIGHTS)
             totals = self._sum[term] + np.cumsum(stretches)
             self.work[term][ends[ends >= 0]] = totals[ends >= 0]
-            self._sum[term] = float(totals[-1])
+            sums[term] = float(totals[-1])
+        # Only now: an interrupt before this line has the same steps integrated again.
+        self._sum, self._nodes = sums, []

@@ -53,6 +53,8 @@ def simulate(
     Raises SceneError for values that cannot be used, RunError where the state stops being finite
     or the method gives up, Interrupted on Ctrl-C; the last two carry the samples so far.
     """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene must be a Scene (see Scene.from_toml), not {type(scene).__name__}")
     scene = scene.with_integrate(**overrides)
     model = model or build(scene, target)
     return _Run(scene, model, progress).go()
@@ -64,8 +66,7 @@ class _Run:
         self.progress = progress or (lambda _: None)
         self.p = model.parameters(**scene.parameters)
         y0 = scene.initial_state()
-        with np.errstate(all="ignore"):
-            self.collector = Collector(self.settings.samples, y0, model, self.p)
+        self.collector = Collector(self.settings.samples, y0, model, self.p)
         self.t, self.y = self.settings.span[0], y0
         self.window = (-np.inf, np.inf)
         self.counts = Counts()
@@ -82,7 +83,7 @@ class _Run:
                     self._to(end, stepper)
                     self.counts += stepper.counts
                     stepper = None
-        except StepError as error:
+        except (StepError, OverflowError) as error:
             self._count(stepper)
             message = f"stopped at t = {self.t:.9g} s: {error}"
             raise RunError(message, self.solution(FAILED, message)) from None

@@ -62,7 +62,10 @@ class Stats:
     @classmethod
     def of(cls, counts: Counts, seconds: float) -> Stats:
         """From the counts of the steppers and the wall time."""
-        return cls(**asdict(counts), wall_seconds=seconds)
+        # Some methods count in NumPy's integers, which JSON does not know.
+        whole = {name: int(n) for name, n in asdict(counts).items() if n is not None}
+        rejected = whole.pop("rejected", None)
+        return cls(rejected=rejected, **whole, wall_seconds=seconds)
 
 
 @dataclass
@@ -94,7 +97,7 @@ class Solution:
 
     def _links(self, half: int, held: float) -> Array:
         states = np.array_split(self.y, 2, axis=1)[half]
-        moving = states[:, 2:] if self.scene.rod.boundary == "free" else states
+        moving = states[:, 2:] if self.scene.hold.translates else states
         first = np.full((len(self.t), self.scene.held), held)
         return np.concatenate((first, moving), axis=1)
 

@@ -62,6 +62,8 @@ def to_xarray(solution: Solution) -> xr.Dataset:
 
 def save(solution: Solution, path: Path) -> None:
     """Write a NetCDF file under another name first, so that none is left half written."""
+    if not path.parent.is_dir():
+        raise SceneError("file", str(path), "in a folder that exists")
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         to_xarray(solution).to_netcdf(part, engine="h5netcdf")
@@ -80,10 +82,14 @@ def load(path: str | Path) -> Solution:
         raise SceneError("file", str(path), f"a NetCDF file that can be read ({reason})") from None
     if data.attrs.get("format") != FORMAT:
         raise SceneError("file", str(path), f"written by rodgen (format {FORMAT!r})")
+    try:
+        scene = Scene.from_dict(json.loads(data.attrs["scene"]))
+    except (KeyError, ValueError) as error:
+        raise SceneError("file", str(path), f"written by rodgen ({error})") from None
     prefix = "work_"
     work = {str(v)[len(prefix) :]: data[v].values for v in data if str(v).startswith(prefix)}
     return Solution(
-        scene=Scene.from_dict(json.loads(data.attrs["scene"])),
+        scene=scene,
         t=data["time"].values,
         y=data["y"].values,
         work=work,

@@ -20,6 +20,11 @@ def build(scene: Scene | Structure, target: str = "numpy") -> ModuleType:
     can hold.
     """
     structure = scene.structure if isinstance(scene, Scene) else scene
+    if structure.links > MOST_DENSE_LINKS:
+        allowed = (
+            f"at most {MOST_DENSE_LINKS} to compute with: the dense form holds links^2 numbers"
+        )
+        raise SceneError("rod.links", structure.links, allowed)
     return load_text(source(structure, target), structure.stem)
 
 
@@ -27,17 +32,11 @@ def source(scene: Scene | Structure, target: str = "numpy") -> str:
     """Text of the generated module of a scene; from the cache where it is there."""
     structure = scene.structure if isinstance(scene, Scene) else scene
     choose("target", target, TARGETS)
-    if structure.links > MOST_DENSE_LINKS:
-        allowed = f"at most {MOST_DENSE_LINKS} for the dense form, which holds links^2 numbers"
-        raise SceneError("rod.links", structure.links, allowed)
     entry = ("modules", cache.key(target, structure.hash), f"{structure.stem}.py")
     text = cache.read_text(*entry)
-    if text is None or not text.endswith(END):
+    if text is None:
         from rodgen.emit import module_text  # SymPy is imported only where it is needed
 
         text = module_text(structure, target)
         cache.store_text(text, *entry)
     return text
-
-
-END = "return inertia_x, inertia_y, product_xy\n"

@@ -14,7 +14,7 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 
-PACKAGES = ("rodgen.derive", "rodgen.templates", "rodgen.emit")
+PACKAGES = ("rodgen.derive", "rodgen.templates", "rodgen.emit", "rodgen.scene")
 
 
 def cache_root() -> Path:
@@ -30,7 +30,7 @@ def cache_root() -> Path:
 def generator_hash() -> str:
     """Content hash of all that a generated module or a proof follows from."""
     digest = hashlib.sha256()
-    for package in ("rodgen", "sympy", "mpmath"):
+    for package in ("rodgen", "sympy", "mpmath", "jinja2"):
         digest.update(f"{package} {version(package)}\n".encode())
     for package in PACKAGES:
         # Found, not imported: importing emit would import SymPy.
@@ -51,20 +51,26 @@ def key(*parts: object) -> str:
 
 
 def read_text(*parts: str) -> str | None:
-    """Text of an entry, or None."""
+    """Text of an entry, or None where there is none or it is not what was stored."""
     try:
-        return cache_root().joinpath(*parts).read_text(encoding="utf-8")
+        stored = cache_root().joinpath(*parts).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError):
         return None
+    digest, _, text = stored.partition("\n")
+    return text if digest == _digest(text) else None
 
 
 def store_text(text: str, *parts: str) -> bool:
     """Write an entry whole or not at all; False if the cache cannot be written."""
     try:
-        write_whole(cache_root().joinpath(*parts), text)
+        write_whole(cache_root().joinpath(*parts), f"{_digest(text)}\n{text}")
     except OSError:
         return False
     return True
+
+
+def _digest(text: str) -> str:
+    return "# sha256 " + hashlib.sha256(text.encode()).hexdigest()
 
 
 def write_whole(path: Path, text: str) -> None:

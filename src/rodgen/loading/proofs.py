@@ -40,7 +40,7 @@ def prove(
 
     Up to MOST_EXPLICIT links, or where ``explicit`` asks for it, LagrangesMethod runs with all
     links. ``found`` is called with every comparison as soon as it holds. Raises
-    derive.proof.DisagreementError (an ArithmeticError) at the first entry that differs.
+    derive.comparison.DisagreementError (an ArithmeticError) at the first entry that differs.
     """
     explicit = explicit or structure.links <= MOST_EXPLICIT
     what = (structure.links, structure.boundary, structure.inertia, structure.terms, explicit)

@@ -21,7 +21,7 @@ def contents(scene: Scene) -> list[Piece]:
     """All pieces that a module can have, for this scene."""
     rod, held = scene.rod, scene.held
     moving = rod.links - held
-    free = rod.boundary == "free"
+    free = scene.hold.translates
     pieces = [
         Piece(
             "translation x0, y0",

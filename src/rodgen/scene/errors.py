@@ -12,7 +12,10 @@ class SceneError(ValueError):
 
 
 def _short(value: object, longest: int = 80) -> str:
-    text = repr(value)
+    try:
+        text = repr(value)
+    except ValueError:  # Python does not write whole numbers of thousands of digits
+        text = "(a number of thousands of digits)"
     return text if len(text) <= longest else text[: longest - 3] + "..."
 
 

@@ -12,22 +12,31 @@ from rodgen.scene.errors import SceneError
 def explain(error: ValidationError, table: dict[str, Any], scene: type[BaseModel]) -> SceneError:
     """The first thing that is wrong, as field, value and what is allowed."""
     details = error.errors()
-    first = details[0]
+    # A key that is not known comes first: a misspelt key is also one that is missing.
+    unknown = [d for d in details if d["type"] == "extra_forbidden"]
+    first = (unknown or details)[0]
     cause = first.get("ctx", {}).get("error")
     if isinstance(cause, SceneError):
         return cause
-    # A value that may be of several types has one entry for each: name the field once.
-    path = [str(p) for p in first["loc"] if str(p) in _names(table) or isinstance(p, int)]
-    missing = first["type"] == "missing"
-    field = ".".join([*path, str(first["loc"][-1])] if missing else path) or "scene"
-    if missing:
-        return SceneError(field, _Missing(), "given")
+    path = _path(first, table)
+    if first["type"] == "missing":
+        return SceneError(".".join([*path, str(first["loc"][-1])]), _Missing(), "given")
     if first["type"] == "extra_forbidden":
         known = ", ".join(_known(scene, first["loc"]))
-        return SceneError(field, first["input"], f"absent: not a known key (known: {known})")
-    same = [d for d in details if d["loc"][: len(path)] == first["loc"][: len(path)]]
+        allowed = f"absent: not a known key (known: {known})"
+        return SceneError(".".join(path), first["input"], allowed)
+    # A value that may be of several types has a finding for each: those that went deepest count.
+    same = [d for d in details if _path(d, table)[: len(path)] == path]
+    deepest = max((_path(d, table) for d in same), key=len)
+    same = [d for d in same if _path(d, table) == deepest]
     allowed = " or ".join(dict.fromkeys(_plain(d) for d in same))
-    return SceneError(field, first["input"], allowed)
+    return SceneError(".".join(deepest) or "scene", same[0]["input"], allowed)
+
+
+def _path(detail: Any, table: dict[str, Any]) -> list[str]:
+    """Keys and positions of a finding, without the names of types that pydantic puts between."""
+    names = _names(table)
+    return [str(p) for p in detail["loc"] if isinstance(p, int) or str(p) in names]
 
 
 class _Missing:
@@ -74,6 +83,8 @@ def _plain(detail: Any) -> str:
             return f"greater than {context['gt']:g}"
         case "greater_than_equal":
             return f"at least {context['ge']:g}"
+        case "less_than_equal":
+            return f"at most {context['le']:g}"
         case "too_short" | "too_long":
             return "a list of 2 numbers"
     return PLAIN.get(detail["type"], str(detail["msg"]))

@@ -21,7 +21,7 @@ import numpy as np
 from rodgen.scene.errors import SceneError
 
 LONGEST = 1000  # characters
-DEEPEST = 50  # nested operations
+DEEPEST = 200  # nested operations, of which a sum of as many terms is one
 
 FUNCTIONS: dict[str, tuple[int, int | None, Callable[..., Any]]] = {
     "sin": (1, 1, np.sin),
@@ -97,6 +97,16 @@ class Expression:
         where = "" if part == self.text else f" (not {part!r})"
         return SceneError(self.field, self.text, allowed + where)
 
+    @property
+    def canonical(self) -> str:
+        """The same expression, equal for equal trees however they were spaced."""
+        return ast.unparse(self._tree)
+
+    @property
+    def constant(self) -> bool:
+        """Whether the variable is not in it."""
+        return self._tree in _constants(self._tree, self.variable)
+
     def __call__(self, at: Any) -> Any:
         """Value at a number or an array; not-a-number and infinity where the maths has them."""
         with np.errstate(all="ignore"):
@@ -122,19 +132,53 @@ class Expression:
     def breaks(self, start: float, end: float, samples: int = 4001) -> list[float]:
         """Zeros of the kinks strictly between start and end, ascending.
 
-        Zeros are found where the sign changes between two of the samples.
+        Found where the sign changes between two of the samples, and on both sides of an extremum
+        between samples that reaches beyond zero. Of two zeros closer than that nothing is known.
         """
-        from scipy.optimize import brentq
-
         grid = np.linspace(start, end, samples)
         found: set[float] = set()
         for kink in self.kinks():
             values = np.broadcast_to(kink(grid), grid.shape)
-            signs = np.sign(values)
-            found.update(float(x) for x in grid[signs == 0] if not _flat(signs, grid, x))
+            points = np.concatenate((grid, _extrema(kink, grid, values)))
+            points.sort()
+            signs = np.sign(np.broadcast_to(kink(points), points.shape))
+            found.update(float(x) for x in points[signs == 0] if not _flat(signs, points, x))
             for at in np.flatnonzero(signs[:-1] * signs[1:] < 0):
-                found.add(float(brentq(kink, grid[at], grid[at + 1], xtol=1e-15, rtol=1e-15)))
+                found.add(_bisect(kink, points[at], points[at + 1]))
         return sorted(x for x in found if start < x < end)
+
+
+def _extrema(kink: Callable[[Any], Any], grid: Any, values: Any) -> Any:
+    """Places between samples where a kink comes closest to a zero that the samples miss."""
+    from scipy.optimize import minimize_scalar
+
+    size = np.abs(values)
+    dips = np.flatnonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:])) + 1
+    places = []
+    for at in dips[size[dips] > 0][:1000]:
+        sign = np.sign(values[at])
+        bounds = (grid[at - 1], grid[at + 1])
+
+        def height(x: float, sign: float = sign) -> float:
+            return float(np.nan_to_num(sign * kink(x), nan=np.inf))
+
+        lowest = minimize_scalar(height, bounds=bounds, method="bounded", options={"xatol": 1e-14})
+        if lowest.fun < 0:
+            places.append(float(lowest.x))
+    return np.array(places)
+
+
+def _bisect(kink: Callable[[Any], Any], low: float, high: float) -> float:
+    """Where a sign changes, to the last digit; unlike Brent's method it needs signs alone."""
+    positive = kink(low) > 0
+    while True:
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            return float(high)
+        if (kink(middle) > 0) == positive:
+            low = middle
+        else:
+            high = middle
 
 
 def _flat(signs: Any, grid: Any, x: float) -> bool:

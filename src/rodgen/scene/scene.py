@@ -37,7 +37,7 @@ class Scene(Table):
             raise SceneError("scene", str(path), f"a file that can be read ({reason})") from None
         try:
             table = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
+        except (ValueError, RecursionError) as error:
             raise SceneError("scene", str(path), f"valid TOML ({error})") from None
         return cls.from_dict(table)
 
@@ -60,7 +60,7 @@ class Scene(Table):
             raise SceneError("loads.external_damping.fin_factor", fins, allowed)
         for name in ("position", "velocity"):
             value = getattr(self.initial, name)
-            if value is not None and self.rod.boundary != "free":
+            if value is not None and not self.hold.translates:
                 allowed = f"absent: joint 0 of boundary {self.rod.boundary} is fixed"
                 raise SceneError(f"initial.{name}", value, allowed)
         self._links("phi")
@@ -72,6 +72,8 @@ class Scene(Table):
         n = self.rod.links
         links = np.arange(self.held, n)
         value = getattr(self.initial, name)
+        if value is None:  # at rest and straight, along the clamp where there is one
+            value = (self.rod.clamp_angle or 0.0) if name == "phi" else 0.0
         if isinstance(value, list):
             if len(value) != len(links):
                 allowed = f"a list of {len(links)} values, one for every moving link"
@@ -89,21 +91,31 @@ class Scene(Table):
         return np.full(len(links), float(value))
 
     @property
+    def hold(self) -> st.Hold:
+        """How the start of the rod is held."""
+        return st.BOUNDARIES[self.rod.boundary]
+
+    @property
     def held(self) -> int:
         """How many links at the start of the rod do not move."""
-        return st.LEAST_LINKS[self.rod.boundary] - 1
+        return self.hold.first
 
     @property
     def structure(self) -> st.Structure:
         """What its module is specialised to."""
         terms = tuple(term for term in st.TERMS if getattr(self.loads, term) is not None)
-        expressions = []
+        force, rod = self._timed_force, self.rod
+        expressions = (("follower_force", force.canonical),) if force else ()
+        return st.Structure(rod.links, rod.boundary, rod.inertia, terms, expressions)
+
+    @property
+    def _timed_force(self) -> Expression | None:
+        """The follower force, where it changes with time."""
         follower = self.loads.follower
-        if follower is not None and isinstance(follower.force, str):
-            source = Expression(follower.force, "t", "loads.follower.force").source()
-            expressions.append(("follower_force", source))
-        rod = self.rod
-        return st.Structure(rod.links, rod.boundary, rod.inertia, terms, tuple(expressions))
+        if follower is None or not isinstance(follower.force, str):
+            return None
+        force = Expression(follower.force, "t", "loads.follower.force")
+        return None if force.constant else force
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -116,10 +128,11 @@ class Scene(Table):
             "clamp_angle": rod.clamp_angle or 0.0,
         }
         if loads.follower:
-            values |= {
-                "follower_force": loads.follower.force,
-                "follower_angle": loads.follower.angle,
-            }
+            force = loads.follower.force
+            # A text without t is a number like any other.
+            number = isinstance(force, str) and self._timed_force is None
+            values["follower_force"] = float(Expression(str(force), "t")(0.0)) if number else force
+            values["follower_angle"] = loads.follower.angle
         if loads.gravity:
             values["gravity"] = loads.gravity.g
         if loads.internal_damping:
@@ -133,7 +146,7 @@ class Scene(Table):
     def initial_state(self) -> NDArray[np.float64]:
         """y at the start of the span, in the order of the module's STATE."""
         position, velocity = self.initial.position, self.initial.velocity
-        base = self.rod.boundary == "free"
+        base = self.hold.translates
         return np.concatenate(
             (
                 np.array(position or [0.0, 0.0]) if base else [],
@@ -145,11 +158,9 @@ class Scene(Table):
 
     def breaks(self) -> list[float]:
         """Times inside the span at which a load is not smooth."""
-        follower = self.loads.follower
-        if follower is None or not isinstance(follower.force, str):
-            return []
+        force = self._timed_force
         start, end = self.integrate.span
-        return Expression(follower.force, "t", "loads.follower.force").breaks(start, end)
+        return force.breaks(start, end) if force else []
 
     def with_integrate(self, **changes: Any) -> Scene:
         """The same scene with other values in [integrate]; those that are None are left."""

@@ -9,15 +9,27 @@ from dataclasses import dataclass, field
 
 from rodgen.scene.errors import SceneError
 
+
+@dataclass(frozen=True)
+class Hold:
+    """How the start of a rod is held: whether joint 0 moves, and the first link that moves."""
+
+    translates: bool
+    first: int
+
+    @property
+    def least_links(self) -> int:
+        """The fewest links with which something moves."""
+        return self.first + 1
+
+
 # What this release offers, in the order in which names list it.
-BOUNDARIES = ("free", "cantilever")
+BOUNDARIES = {"free": Hold(True, 0), "cantilever": Hold(False, 1)}
 INERTIAS = ("uniform",)
 TERMS = ("follower", "gravity", "internal_damping", "external_damping")
 TARGETS = ("numpy",)
 MOST_LINKS = 10**6
 
-# Fewest links with which something moves.
-LEAST_LINKS = {"free": 1, "cantilever": 2}
 # Parameters of a term, and of a boundary, in the order in which p holds them.
 ROD_PARAMETERS = ("mass", "length", "bending_stiffness")
 TERM_PARAMETERS = {
@@ -33,8 +45,8 @@ BOUNDARY_PARAMETERS: dict[str, tuple[str, ...]] = {"free": (), "cantilever": ("c
 class Structure:
     """Links, boundary, inertia and terms of a module, checked.
 
-    expressions: parameters that are functions of time, by name, in the canonical text of
-    `scene.expression`; they are part of the code and no parameters of it.
+    expressions: parameters that are functions of time, by name, as canonical text of the grammar
+    in `scene.expression`; they are part of the code and no parameters of it.
     """
 
     links: int
@@ -52,6 +64,11 @@ class Structure:
         ordered = tuple(term for term in TERMS if term in self.terms)
         if ordered != self.terms:
             object.__setattr__(self, "terms", ordered)
+
+    @property
+    def hold(self) -> Hold:
+        """How the start of the rod is held."""
+        return BOUNDARIES[self.boundary]
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -101,7 +118,7 @@ def choose(field_name: str, value: object, allowed: Iterable[str]) -> None:
 
 def check_links(links: object, boundary: str, field_name: str = "links") -> None:
     """Raise SceneError unless this many links can move under the boundary."""
-    least = LEAST_LINKS[boundary]
+    least = BOUNDARIES[boundary].least_links
     whole = isinstance(links, int) and not isinstance(links, bool)
     if not whole or not least <= links <= MOST_LINKS:  # type: ignore[operator]
         held = "" if least == 1 else f" for boundary {boundary}"

@@ -20,9 +20,11 @@ MOST_SAMPLES = 10**6
 MOST_STEPS = 10**9
 LEAST_RTOL = 2.3e-14  # a hundred times the rounding of a double, below which SciPy clips
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(allow_inf_nan=False, gt=0)]
-NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0)]
+LARGEST = 1e60  # of any value: products of several must still fit in a double
+
+Finite = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
+Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=LARGEST)]
+NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0, le=LARGEST)]
 Pair = Annotated[list[Finite], Field(min_length=2, max_length=2)]
 
 
@@ -108,13 +110,14 @@ class Loads(Table):
 
 
 class Initial(Table):
-    """Initial state; phi and omega are a number, a list over the moving links, or an expression
-    in s, the middle of the link from 0 at the nose to 1 at the tail."""
+    """Initial state, by default straight (along the clamp) and at rest; phi and omega are a
+    number, a list over the moving links, or an expression in s, the middle of the link from 0 at
+    the nose to 1 at the tail."""
 
     position: Pair | None = None
     velocity: Pair | None = None
-    phi: Finite | list[Finite] | str = 0.0
-    omega: Finite | list[Finite] | str = 0.0
+    phi: Finite | list[Finite] | str | None = None
+    omega: Finite | list[Finite] | str | None = None
 
     @model_validator(mode="after")
     def _expressions(self) -> Self:
@@ -132,7 +135,7 @@ class Integrate(Table):
     span: Pair = [0.0, 10.0]
     step: Positive | None = None
     rtol: Positive = 1e-8
-    atol: NotNegative = 1e-10
+    atol: Positive = 1e-10
     output_every: Positive = 0.01
 
     @model_validator(mode="after")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,8 +17,9 @@ from rodgen.integrate import Solution
 
 SHAPES = 12  # rods drawn in one picture
 DOTS_PER_INCH = 200
+SLIVER = 0.05  # width over length
 LINE = 1.2  # points
-LARGEST = 1e30  # of any state: its square still fits in a double
+LARGEST = 1e12  # of any state: beyond, nothing of the picture can be read
 
 
 def save_pictures(solution: Solution, folder: Path) -> list[Path]:
@@ -25,23 +27,27 @@ def save_pictures(solution: Solution, folder: Path) -> list[Path]:
 
     Of a run that blew up only what can be drawn is drawn.
     """
-    drawable = np.abs(solution.y).max(axis=1) < LARGEST
-    shown = int(np.argmin(drawable)) or 1 if not drawable.all() else len(drawable)
-    solution = solution.until(shown)
-    return [_save(draw(solution), folder / f"{name}.png") for name, draw in PICTURES.items()]
+    beyond = np.flatnonzero(np.abs(solution.y).max(axis=1) > LARGEST)
+    count = int(beyond[0]) if len(beyond) else len(solution.t)
+    if not count:
+        return []
+    shown = solution.until(count)
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".pictures") as making:
+        made = [_save(draw(shown), Path(making) / f"{name}.png") for name, draw in PICTURES.items()]
+        return [picture.replace(folder / picture.name) for picture in made]
 
 
 def shapes(solution: Solution) -> Figure:
     """The rod at several times, coloured by time."""
     figure, axes = _figure(6.0, 5.0)
     times = np.unique(np.linspace(0, len(solution.t) - 1, SHAPES).round().astype(int))
-    colours = ScalarMappable(Normalize(solution.t[0], max(solution.t[-1], 1e-300)), "viridis")
+    colours = ScalarMappable(Normalize(solution.t[0], max(solution.t[-1], 1e-300)), "viridis_r")
     for at in times:
         x, y = solution.joints[at].T
         colour = colours.to_rgba(solution.t[at])
         axes.plot(x, y, "-", color=colour, linewidth=LINE)
         axes.plot(x[0], y[0], "o", color=colour, markersize=3.5)
-    axes.set(xlabel="x [m]", ylabel="y [m]", title="Shape (dot: joint 0)")
+    axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{solution.scene.name}: shape (dot: joint 0)")
     _frame(axes, solution.joints[times])
     figure.colorbar(colours, ax=axes, label="t [s]")
     return figure
@@ -54,7 +60,9 @@ def trajectories(solution: Solution) -> Figure:
     for (name, path), line in zip(paths.items(), ("-", "--"), strict=True):
         (drawn,) = axes.plot(*path.T, line, label=name, linewidth=LINE)
         axes.plot(*path[0], "o", color=drawn.get_color(), markersize=4)
-    axes.set(xlabel="x [m]", ylabel="y [m]", title="Trajectories (dot: start)")
+    axes.set(
+        xlabel="x [m]", ylabel="y [m]", title=f"{solution.scene.name}: trajectories (dot: start)"
+    )
     _frame(axes, np.concatenate(list(paths.values())))
     figure.legend(loc="outside lower center", ncols=2)
     return figure
@@ -72,8 +80,9 @@ def energies(solution: Solution) -> Figure:
     axes.plot(t, energy.total, "k-", label="total", linewidth=LINE)
     for term, work in solution.work.items():
         axes.plot(t, work, "--", label=f"work of {term.replace('_', ' ')}", linewidth=LINE)
-    axes.set(ylabel="energy [J]", title="Energies and work")
-    axes.legend(fontsize="small")
+    axes.set(ylabel="energy [J]", title=f"{solution.scene.name}: energies and work")
+    axes.grid(alpha=0.3)
+    figure.legend(fontsize="small", loc="outside lower center", ncols=3)
     error = np.abs(solution.energy_balance)
     if np.any(error > 0):
         below.semilogy(t, np.where(error > 0, error, np.nan), "k-", linewidth=0.8)
@@ -95,7 +104,7 @@ def phase_plot(solution: Solution) -> Figure:
     axes.plot(angle, rate, "-", linewidth=0.8)
     axes.plot(angle[0], rate[0], "o", markersize=4, color="k", label="start")
     axes.plot(angle[-1], rate[-1], "s", markersize=4, color="tab:red", label="end")
-    axes.set(xlabel=labels[0], ylabel=labels[1], title="Phase plot")
+    axes.set(xlabel=labels[0], ylabel=labels[1], title=f"{solution.scene.name}: phase plot")
     axes.legend()
     return figure
 
@@ -122,15 +131,19 @@ def _figure(width: float, height: float) -> tuple[Figure, Axes]:
 
 
 def _frame(axes: Axes, points: np.ndarray) -> None:
-    """Equal scales; where the picture would be a sliver, at least two fifths as wide as long."""
+    """Equal scales, unless the picture would be a sliver in which nothing is seen."""
     flat = points.reshape(-1, 2)
     low, high = flat.min(axis=0), flat.max(axis=0)
     middle, half = (low + high) / 2, (high - low) / 2
-    least = max(half.max() * 0.4, 1e-9)
-    half = np.maximum(half, least) * 1.05
+    equal = half.min() > SLIVER * half.max() or half.min() < 1e-9 * half.max()
+    least = half.max() * 0.4 if equal else 0.0
+    half = 1.05 * np.maximum(half, max(least, 1e-9))
     axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
     axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
-    axes.set_aspect("equal")
+    if equal:
+        axes.set_aspect("equal")
+    else:
+        axes.set_title(axes.get_title() + ", scales differ")
 
 
 def _save(figure: Figure, path: Path) -> Path:

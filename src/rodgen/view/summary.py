@@ -18,9 +18,10 @@ def summary(solution: Solution) -> str:
 
 def _scene(solution: Solution) -> str:
     scene = solution.scene
+    links = f"{scene.rod.links} link{'s' * (scene.rod.links > 1)}"
     terms = ", ".join(term.replace("_", " ") for term in scene.structure.terms) or "no loads"
     return (
-        f"{scene.name}: {scene.rod.boundary} rod of {scene.rod.links} links, "
+        f"{scene.name}: {scene.rod.boundary} rod of {links}, "
         f"{scene.rod.length:g} m, {scene.rod.mass:g} kg, "
         f"EI = {scene.rod.bending_stiffness:g} N m^2; {terms}."
     )
@@ -57,7 +58,8 @@ def _motion(solution: Solution) -> list[str]:
 
 
 def _point(p: np.ndarray) -> str:
-    return f"({p[0]:.5g}, {p[1]:.5g}) m"
+    x, y = (0.0 if abs(c) < 1e-12 * max(1.0, np.abs(p).max()) else c for c in p)
+    return f"({x:.5g}, {y:.5g}) m"
 
 
 def _energy(solution: Solution) -> list[str]:

@@ -1,0 +1,31 @@
+"""All commands together."""
+
+from __future__ import annotations
+
+import typer
+
+from rodgen.cli import check, derive, run, show
+
+app = typer.Typer(
+    help="Equations of motion of planar flexible rods: derived, proven, generated, integrated.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+# A negative number is a value to refuse, not an option.
+app.command(context_settings={"ignore_unknown_options": True})(derive.derive)
+app.command()(run.run)
+app.command()(check.check)
+app.command()(show.show)
+
+
+@app.callback(invoke_without_command=True)
+def _version(
+    version: bool = typer.Option(False, "--version", help="Print the version and stop."),
+) -> None:
+    if version:
+        import rodgen
+
+        print(rodgen.__version__)
+        raise typer.Exit
