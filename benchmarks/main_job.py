@@ -62,7 +62,7 @@ from rodgen.derive.explicit import ExplicitDerivation
 ExplicitDerivation(8).lagranges_method
 """
 ANY_N = """
-from rodgen.derive.proof import prove_any_n
+from rodgen.derive.proof_any_n import prove_any_n
 list(prove_any_n("free", "uniform"))
 """
 
