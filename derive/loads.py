@@ -5,23 +5,15 @@ What they do to the equations follows by virtual work, in explicit.py and in gen
 
 from dataclasses import dataclass
 
-from sympy import Expr, Piecewise, S, Symbol, cos, sin, sqrt
+from sympy import Expr, Piecewise, S, cos, sin, sqrt
 
 from .chain import Vector
-from .symbols import ALPHA, C_EXT, C_INT, NU, G, P, k, m
+from .symbols import C_EXT, C_INT, NU, G, P, k, m
 
 # The terms that a scene may have, in the order in which names list them.
 TERMS = ("follower", "gravity", "internal_damping", "external_damping")
 # Those that take or give energy; gravity has a potential.
 NON_CONSERVATIVE = ("follower", "internal_damping", "external_damping")
-
-TERM_PARAMETERS: dict[str, tuple[Symbol, ...]] = {
-    "follower": (P, NU),
-    "gravity": (G,),
-    "internal_damping": (C_INT,),
-    "external_damping": (C_EXT,),
-}
-BOUNDARY_PARAMETERS: dict[str, tuple[Symbol, ...]] = {"free": (), "cantilever": (ALPHA,)}
 
 
 def spring_potential(before: Expr, after: Expr) -> Expr:
