@@ -6,6 +6,7 @@
     loads        springs, forces and moments, as local laws
     explicit     derivation 1: LagrangesMethod with n links
     general      derivation 2: for every n at once; what is emitted comes from here
+    quantities   energies, power and geometry, for every n
     closed_form  the hand-assembled matrices, only ever compared with
     proof_*      the comparisons, entry by entry; points: at rational points
 

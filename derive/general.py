@@ -8,7 +8,7 @@ Sums over links stay SymPy sums: they become loops in generated code.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import prod
@@ -24,12 +24,10 @@ from sympy import (
     S,
     Sum,
     Symbol,
-    cos,
     expand,
     factor,
     factor_terms,
     simplify,
-    sin,
     summation,
     symbols,
     trigsimp,
@@ -40,7 +38,6 @@ from .calculus import TIME
 from .chain import AFTER, BEFORE, BOUNDARIES, OWN, Boundary, Vector, combine, lever
 from .inertia import mean
 from .loads import (
-    NON_CONSERVATIVE,
     JointDrag,
     damper_moment,
     drag_divisor,
@@ -153,6 +150,7 @@ class Equations:
 
     @cached_property
     def hold(self) -> Boundary:
+        """How the start of the rod is held."""
         return BOUNDARIES[self.boundary]
 
     # Inertia ---------------------------------------------------------------------------------
@@ -201,27 +199,33 @@ class Equations:
 
     @cached_property
     def mass_base(self) -> Expr:
+        """M_00 = M_11."""
         return self._over_mass(self._generic.mass[0][0])
 
     @cached_property
     def mass_base_link(self) -> Vector:
+        """M_0i and M_1i."""
         return self._over_mass(self._generic.mass[0][2]), self._over_mass(self._generic.mass[1][2])
 
     @cached_property
     def mass_link(self) -> Expr:
+        """M_ii."""
         return self._over_mass(self._generic.mass[2][2])
 
     @cached_property
     def mass_link_link(self) -> Expr:
+        """M_ij for two links, in i, j and the later of them."""
         return self._symmetric(self._generic.mass, 2)
 
     @cached_property
     def velocity_base_link(self) -> Vector:
+        """Q_0i and Q_1i."""
         x, y = (self._over_mass(self._generic.velocity[row][0]) for row in (0, 1))
         return x, y
 
     @cached_property
     def velocity_link_link(self) -> Expr:
+        """Q_ij for two links, in i, j and the later of them."""
         return self._symmetric(self._generic.velocity, 0)
 
     # Moments across the joints ----------------------------------------------------------------
@@ -273,17 +277,20 @@ class Equations:
 
     @cached_property
     def follower(self) -> Work:
+        """F: the follower force at the tail."""
         force = follower_force(phi[n - 1])
         return Work(force, self._reach * self._lean(force))
 
     @cached_property
     def gravity(self) -> Work:
+        """A: gravity on the mass of every link."""
         force = weight(S.One)
         x, y = (self._lever_mass([], []) * f for f in force)
         return Work((x, y), self._lever_mass([i], [1]) * self._lean(force))
 
     @cached_property
     def external_damping(self) -> Work:
+        """-D_e: the forces on the joints, as sums over those behind a link."""
         low = self.hold.first_joint
         x, y = (Sum(d[joint], (joint, low, n)) for d in (drag_x, drag_y))
         after = tuple(Sum(d[joint], (joint, i + 1, n)) for d in (drag_x, drag_y))
@@ -341,6 +348,7 @@ class Equations:
 
     @cached_property
     def rod_angle(self) -> Expr:
+        """Angle of the rod at a joint: mean of the links that meet there."""
         start, end = joint_angle([phi[0]]), joint_angle([phi[n - 1]])
         return self._at_joint(start, end, joint_angle([phi[joint - 1], phi[joint]]))
 
@@ -349,71 +357,6 @@ class Equations:
         if self.hold.translates:
             cases.insert(0, (start, Eq(joint, 0)))
         return Piecewise(*cases)
-
-    # Energies, power, geometry ----------------------------------------------------------------
-
-    def _link_mean(
-        self, origin: Vector, angle: Expr, function: Callable[[Expr, Expr], Expr]
-    ) -> Expr:
-        """Mean over the mass of one link of a function of the point at xi."""
-        point = combine(origin, [lever(OWN, xi)], [angle])
-        return mean(self.inertia, expand(function(*point)))
-
-    @cached_property
-    def kinetic_energy(self) -> Expr:
-        x, y, angle = dynamicsymbols("x y phi", real=True)
-        squared = self._link_mean((x, y), angle, lambda a, b: a.diff(TIME) ** 2 + b.diff(TIME) ** 2)
-        collected = expand(expand(squared).subs(sin(angle) ** 2, 1 - cos(angle) ** 2))
-        values = {x.diff(TIME): joint_vx[i], y.diff(TIME): joint_vy[i]}
-        values[angle.diff(TIME)] = omega[i]
-        per_mass = collected.subs(values).subs(angle, phi[i])
-        return Sum(m / 2 * per_mass, (i, self.hold.first, n - 1))
-
-    @cached_property
-    def spring_energy(self) -> Expr:
-        return Sum(spring_potential(phi[s - 1], phi[s]), (s, 1, n - 1))
-
-    @cached_property
-    def gravity_energy(self) -> Expr:
-        """Minus the work of gravity from the origin to every link."""
-        force = weight(m)
-        origin = (joint_x[i], joint_y[i])
-        fall = self._link_mean(origin, phi[i], lambda x, y: -force[0] * x - force[1] * y)
-        return Sum(fall, (i, 0, n - 1))
-
-    @cached_property
-    def power(self) -> dict[str, Expr]:
-        """Power of each load that is not a potential [W]: force times velocity of its point."""
-        force = follower_force(phi[n - 1])
-        opening = omega[s] - omega[s - 1]
-        moment = damper_moment(omega[s - 1], omega[s])
-        low = self.hold.first_joint
-        powers = {
-            "follower": force[0] * joint_vx[n] + force[1] * joint_vy[n],
-            "internal_damping": Sum(moment * opening, (s, 1, n - 1)),
-            "external_damping": Sum(
-                drag_x[joint] * joint_vx[joint] + drag_y[joint] * joint_vy[joint], (joint, low, n)
-            ),
-        }
-        return {term: powers[term] for term in self.terms if term in NON_CONSERVATIVE}
-
-    @cached_property
-    def centre(self) -> Vector:
-        """Centre of gravity."""
-        origin = (joint_x[i], joint_y[i])
-        x = self._link_mean(origin, phi[i], lambda x, y: x)
-        y = self._link_mean(origin, phi[i], lambda x, y: y)
-        return Sum(x, (i, 0, n - 1)) / n, Sum(y, (i, 0, n - 1)) / n
-
-    @cached_property
-    def second_moments(self) -> tuple[Expr, Expr, Expr]:
-        """Integrals of y^2, x^2 and xy over the mass, about the centre of gravity: the moments
-        of inertia about the x and y axes and the product of inertia."""
-        origin = (arm_x[i], arm_y[i])
-        products = (lambda x, y: y**2, lambda x, y: x**2, lambda x, y: x * y)
-        means = (self._link_mean(origin, phi[i], f) for f in products)
-        first, second, third = (Sum(m * value, (i, 0, n - 1)) for value in means)
-        return first, second, third
 
 
 def _relabel(expression: Expr, indices: dict[Symbol, Symbol]) -> Expr:

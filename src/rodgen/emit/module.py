@@ -13,6 +13,7 @@ from jinja2 import Environment, StrictUndefined
 from sympy import Expr
 
 from rodgen.derive.general import Equations, joint, joint_x, joint_y
+from rodgen.derive.quantities import Quantities
 from rodgen.emit.program import Compiler
 from rodgen.emit.statements import SCALAR, Domain, Program
 from rodgen.scene.expression import Expression
@@ -120,7 +121,7 @@ def _context(structure: Structure, template: str, source: str) -> dict[str, Any]
             "spring" if n > 1 else NO_ENERGY,
             "gravity_energy" if "gravity" in structure.terms else NO_ENERGY,
         ],
-        "power_names": {term: f"power_{term}" for term in equations.power if _acts(term, n)},
+        "power_names": {name.removeprefix("power_"): name for name in programs["power"].outputs},
         **programs,
     }
 
@@ -141,6 +142,7 @@ def _acts(term: str, n: int) -> bool:
 
 def _programs(equations: Equations, compiler: Compiler) -> dict[str, Program]:
     link, hold, n = compiler.link, equations.hold, compiler.links
+    quantities = Quantities(equations)
     mass: dict[str, tuple[Domain, Expr]] = {}
     rhs: dict[str, tuple[Domain, Expr]] = {}
     if hold.translates:
@@ -155,16 +157,16 @@ def _programs(equations: Equations, compiler: Compiler) -> dict[str, Program]:
         rhs["velocity_link_link"] = compiler.pair, equations.velocity_link_link
     rhs |= _forces(equations, compiler)
     joints = Domain((joint,), 0, n)
-    centre = {"centre_x": equations.centre[0], "centre_y": equations.centre[1]}
+    centre = {"centre_x": quantities.centre[0], "centre_y": quantities.centre[1]}
     moments = dict(
-        zip(("inertia_x", "inertia_y", "product_xy"), equations.second_moments, strict=True)
+        zip(("inertia_x", "inertia_y", "product_xy"), quantities.second_moments, strict=True)
     )
-    energy = {"kinetic": equations.kinetic_energy}
+    energy = {"kinetic": quantities.kinetic_energy}
     if n > 1:
-        energy["spring"] = equations.spring_energy
+        energy["spring"] = quantities.spring_energy
     if "gravity" in equations.terms:
-        energy["gravity_energy"] = equations.gravity_energy
-    power = {f"power_{term}": e for term, e in equations.power.items() if _acts(term, n)}
+        energy["gravity_energy"] = quantities.gravity_energy
+    power = {f"power_{term}": e for term, e in quantities.power.items() if _acts(term, n)}
     positions = {str(base): (joints, equations.arrays[base].value) for base in (joint_x, joint_y)}
     return {
         "rhs": compiler.compile(mass | rhs),
