@@ -54,7 +54,7 @@ def _bar(
         TextColumn("{task.fields[at]}"),
         clock,
     )
-    bar = Progress(*columns, console=err, transient=True)
+    bar = Progress(*columns, console=err, transient=True, disable=not err.is_terminal)
     task = bar.add_task(what, total=total, at="")
     timer = Timer(PATIENCE, bar.start)
     timer.daemon = True
