@@ -74,6 +74,8 @@ rod_angle, mass_at = IndexedBase("rod_angle", real=True), IndexedBase("joint_mas
 drag_x, drag_y = IndexedBase("drag_x", real=True), IndexedBase("drag_y", real=True)
 joint_moment = IndexedBase("joint_moment", real=True)
 divisor = IndexedBase("drag_divisor", positive=True)
+# Joints from joint 0, and from the centre of gravity.
+reach_x, reach_y = IndexedBase("reach_x", real=True), IndexedBase("reach_y", real=True)
 arm_x, arm_y = IndexedBase("arm_x", real=True), IndexedBase("arm_y", real=True)
 centre_x, centre_y = symbols("centre_x centre_y", real=True)
 
@@ -334,8 +336,10 @@ class Equations:
             joint_y: (zero, sums[1]),
             joint_vx: (first, sums[2]),
             joint_vy: (first, sums[3]),
-            arm_x: (zero, joint_x[joint] - centre_x),
-            arm_y: (zero, joint_y[joint] - centre_y),
+            reach_x: (zero, sums[0] - origin[0]),
+            reach_y: (zero, sums[1] - origin[1]),
+            arm_x: (zero, reach_x[joint] - centre_x),
+            arm_y: (zero, reach_y[joint] - centre_y),
             divisor: (moving, drag_divisor(joint_vx[joint], joint_vy[joint])),
             mass_at: (moving, self._at_joint(joint_mass(1), joint_mass(1), joint_mass(2))),
             rod_angle: (moving, self.rod_angle),

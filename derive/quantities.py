@@ -26,6 +26,8 @@ from .general import (
     joint_vy,
     joint_x,
     joint_y,
+    reach_x,
+    reach_y,
 )
 from .inertia import mean
 from .loads import NON_CONSERVATIVE, damper_moment, follower_force, spring_potential, weight
@@ -88,7 +90,14 @@ class Quantities:
     @cached_property
     def centre(self) -> Vector:
         """Centre of gravity."""
-        origin = (joint_x[i], joint_y[i])
+        return self._centre((joint_x[i], joint_y[i]))
+
+    @cached_property
+    def centre_from_start(self) -> Vector:
+        """Centre of gravity from joint 0, wherever that is: no digits are lost far from home."""
+        return self._centre((reach_x[i], reach_y[i]))
+
+    def _centre(self, origin: Vector) -> Vector:
         x = self._link_mean(origin, phi[i], lambda x, y: x)
         y = self._link_mean(origin, phi[i], lambda x, y: y)
         return Sum(x, (i, 0, n - 1)) / n, Sum(y, (i, 0, n - 1)) / n

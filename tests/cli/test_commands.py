@@ -173,6 +173,24 @@ def test_ctrl_c_keeps_what_was_computed(short: Path, tmp_path: Path) -> None:
     assert np.abs(sol.energy_balance).max() < 1e-3
 
 
+def test_impatient_ctrl_c_loses_no_states(short: Path, tmp_path: Path) -> None:
+    text = short.read_text(encoding="utf-8").replace("0.3]", "5000.0]")
+    short.write_text(text.replace("span", "output_every = 0.05\nspan"), encoding="utf-8")
+    folder = tmp_path / "short"
+    with _started("run", short, "--out", tmp_path) as process:
+        while not folder.is_dir():
+            time.sleep(0.05)
+        time.sleep(2.0)
+        process.send_signal(signal.SIGINT)
+        assert process.stderr is not None
+        assert "writing what was computed" in process.stderr.readline()
+        time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert len(package.load(folder / "solution.nc").t) > 1
+
+
 @pytest.mark.parametrize("after", [0.05, 0.4, 1.5])
 def test_ctrl_c_at_any_time_ends_in_one_line(tmp_path: Path, after: float) -> None:
     """While Python starts, while commands are imported, while equations are derived."""
@@ -221,6 +239,17 @@ def test_check_passes_and_fails(rodgen: Run, tmp_path: Path) -> None:
     assert "above 1e-10" in done.stderr
 
 
+@pytest.mark.parametrize("lines", [5, 40, 150, 200])
+def test_check_refuses_a_module_that_was_cut_off(rodgen: Run, tmp_path: Path, lines: int) -> None:
+    whole = (ROOT / "generated" / "rod_free_n5.py").read_text(encoding="utf-8")
+    cut = tmp_path / "cut.py"
+    cut.write_text("\n".join(whole.splitlines()[:lines]) + "\n", encoding="utf-8")
+    done = rodgen("check", cut)
+    assert done.returncode == 2
+    assert "module" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
 def test_show_says_what_is_left_out_and_why(rodgen: Run, short: Path) -> None:
     done = rodgen("show", short)
     assert done.returncode == 0, done.stderr
@@ -256,6 +285,8 @@ BAD = [
     (("derive", "3", "--inertia", "heavy"), "inertia"),
     (("derive", "3", "--terms", "wind"), "terms"),
     (("derive", "3", "--terms", "gravity,gravity"), "terms"),
+    (("derive", "3", "--terms", "all,none"), "terms"),
+    (("derive", "1_0"), "links"),
     (("derive", "3", "--target", "fortran"), "target"),
     (("derive", "-1"), "links = -1"),
     (("derive", "3", "--out", "/proc/no/such/folder"), "--out"),

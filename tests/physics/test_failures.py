@@ -43,6 +43,13 @@ def test_force_that_is_not_finite_is_stopped_at_its_time(make_scene: Make, metho
     assert np.isfinite(caught.value.solution.y).all()
 
 
+def test_steps_that_go_nowhere_are_stopped(make_scene: Make) -> None:
+    """LSODA creeps up to a pole with steps of 1e-18 s and would do so for ever."""
+    scene = _with_force(make_scene(3, "free", ("follower",)), "1/(t - 0.5)**2", method="lsoda")
+    with pytest.raises(RunError, match=r"stopped at t = 0\.[45].*(no further|finite|gave up)"):
+        rodgen.simulate(scene)
+
+
 def test_division_by_zero_in_a_load_is_stopped(make_scene: Make) -> None:
     scene = _with_force(make_scene(3, "free", ("follower",)), "1/(t - t)")
     with pytest.raises(RunError, match="stopped at t = 0 s"):

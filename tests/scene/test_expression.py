@@ -130,6 +130,13 @@ def test_break_points(text: str, breaks: list[float] | None) -> None:
     assert found == pytest.approx(inside, abs=1e-13)
 
 
+def test_odd_spacing_brings_no_warnings() -> None:
+    """Python itself would warn of 1if; pytest turns warnings into errors."""
+    assert Expression("1if t<1else 2", "t")(3.0) == 2.0
+    with pytest.raises(SceneError, match="foo"):
+        Expression("1if t<1else foo", "t")
+
+
 def test_long_sums_are_fine() -> None:
     assert Expression("+".join(["t"] * 150), "t")(2.0) == 300.0
 

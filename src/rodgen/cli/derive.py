@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated
 
@@ -42,10 +43,9 @@ def derive(
 
 
 def _whole(text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise SceneError("links", text, "a whole number") from None
+    if not re.fullmatch(r"-?[0-9]{1,18}", text):
+        raise SceneError("links", text, "a whole number")
+    return int(text)
 
 
 def _prove(structure: Structure, explicit: bool) -> Proof:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import signal
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 import typer
 
-from rodgen.cli.console import out, progress, working
+from rodgen.cli.console import err, out, progress, working
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
 from rodgen.cli.folders import unwritable, writable
 from rodgen.integrate import Interrupted, RunError, Solution, simulate
@@ -40,7 +41,9 @@ def run(
         except RunError as error:
             solution, status = error.solution, FAILED_RUN
         except Interrupted as error:
+            _hold_back_ctrl_c()
             solution, status = error.solution, INTERRUPTED
+            err.print(f"rodgen: {error.solution.message}; writing what was computed")
     with np.errstate(all="ignore"):  # a run that blew up has energies that overflow
         _write(solution, folder)
     if status:
@@ -58,7 +61,9 @@ def _used(scene: Scene, step: float | None, rtol: float | None) -> None:
 
 
 def _write(solution: Solution, folder: Path) -> None:
-    """States first, since they cost most; everything else can be made from them."""
+    """States first, since they cost most; everything else can be made from them. Ctrl-C can
+    still leave out the pictures."""
+    _hold_back_ctrl_c()
     from rodgen.view.pictures import save_pictures
     from rodgen.view.summary import summary
 
@@ -66,12 +71,22 @@ def _write(solution: Solution, folder: Path) -> None:
     try:
         with working("writing") as step:
             solution.save(folder / "solution.nc")
-            step("solution.nc")
             write_whole(folder / "summary.txt", words)
             write_whole(folder / module, source(solution.scene))
+            _let_ctrl_c_through()
+            step("solution.nc")
             pictures = save_pictures(solution, folder)
     except OSError as error:
         raise unwritable(folder, error) from None
     out.print(words, end="")
     names = ", ".join(picture.name for picture in pictures)
     out.print(f"Written to {folder}: solution.nc, summary.txt, {module}, {names}.")
+
+
+def _hold_back_ctrl_c() -> None:
+    """What was computed is to be written first."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _let_ctrl_c_through() -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -18,6 +18,7 @@ from rodgen.scene import Scene
 from rodgen.scene.tables import Integrate
 
 FINISHED, FAILED, INTERRUPTED = "finished", "failed", "interrupted"
+STRIDE, CREEP = 10_000, 1e-9  # so many steps go at least this share of the way
 TICK = 0.1  # seconds between two calls of the progress callback
 
 
@@ -106,9 +107,13 @@ class _Run:
     def _to(self, end: float, stepper: Stepper) -> None:
         """Step to a break point or to the end of the span."""
         tick = time.perf_counter()
-        done = False
+        done, seen, least = False, self.t, CREEP * (end - self.t)
         while not done:
             done = stepper.step()
+            if stepper.counts.steps % STRIDE == 0:
+                if stepper.t - seen < least:
+                    raise StepError(f"{STRIDE} steps brought it no further than from {seen!r} s")
+                seen = stepper.t
             if not np.isfinite(stepper.y).all():
                 raise StepError("the state stops being finite in the step after this time")
             self.collector.add(self.t, stepper.t, stepper.y, stepper.interpolant)

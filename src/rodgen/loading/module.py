@@ -8,7 +8,10 @@ from types import ModuleType
 
 from rodgen.scene.errors import SceneError
 
-CONTRACT = ("N", "BOUNDARY", "INERTIA", "TERMS", "STATE", "PARAMETERS", "PROVENANCE", "rhs")
+CONTRACT = (
+    *("N", "BOUNDARY", "INERTIA", "TERMS", "STATE", "PARAMETERS", "PROVENANCE"),
+    *("parameters", "rhs", "mass_matrix", "energy", "joints", "centre_of_gravity", "inertia"),
+)
 
 
 def load_module(path: Path) -> ModuleType:

@@ -53,7 +53,7 @@ def _term(scene: Scene, term: str) -> Piece:
     if getattr(scene.loads, term) is None:
         return Piece(name, False, f"no table [loads.{term}]")
     if term == "internal_damping" and scene.rod.links == 1:
-        return Piece(name, False, "one link has no inner joint to damp")
+        return Piece(name, False, "one link has no inner joint; the parameter is taken, not used")
     known = dict(scene.structure.expressions)
     if term == "follower" and "follower_force" in known:
         return Piece(

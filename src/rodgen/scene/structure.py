@@ -103,7 +103,7 @@ def parse_terms(text: str) -> tuple[str, ...]:
         return ()
     names = [name.strip() for name in text.split(",")]
     for name in names:
-        choose("terms", name, (*TERMS, "all", "none"))
+        choose("terms", name, TERMS if "," in text else (*TERMS, "all", "none"))
     if len(set(names)) < len(names):
         raise SceneError("terms", text, "each term once")
     return tuple(term for term in TERMS if term in names)
