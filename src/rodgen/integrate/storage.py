@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from rodgen.integrate.solution import Solution, Stats
+from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 
 FORMAT = "rodgen 1"
@@ -21,11 +24,11 @@ def to_xarray(solution: Solution) -> xr.Dataset:
     """Dataset over time, state, link, joint and axis; work by load as work_<term>."""
     energy, inertia = solution.energy, solution.inertia
 
-    def over(*dimensions: str):  # type: ignore[no-untyped-def]
+    def over(*dimensions: str) -> Callable[[Array, str, str], Any]:
         return lambda values, unit, name: (dimensions, values, {"units": unit, "long_name": name})
 
     in_time, by_link = over("time"), over("time", "link")
-    variables = {
+    variables: dict[str, Any] = {
         "y": (("time", "state"), solution.y, {"long_name": "state"}),
         "phi": by_link(solution.phi, "rad", "angles of the links"),
         "omega": by_link(solution.omega, "rad/s", "rates of the links"),

@@ -243,8 +243,8 @@ def _children(node: ast.AST) -> Iterator[tuple[ast.expr, bool]]:
 def _value(node: ast.AST, variable: str, at: Any) -> Any:
     values = [_value(child, variable, at) for child, _ in _children(node)]
     match node:
-        case ast.Constant(value=value):
-            return np.float64(value)  # type: ignore[arg-type]
+        case ast.Constant(value=int() | float() as value):
+            return np.float64(value)
         case ast.Name(id=name):
             return np.float64(math.pi) if name == "pi" else at
         case ast.BinOp(op=op):

@@ -119,7 +119,7 @@ def choose(field_name: str, value: object, allowed: Iterable[str]) -> None:
 def check_links(links: object, boundary: str, field_name: str = "links") -> None:
     """Raise SceneError unless this many links can move under the boundary."""
     least = BOUNDARIES[boundary].least_links
-    whole = isinstance(links, int) and not isinstance(links, bool)
-    if not whole or not least <= links <= MOST_LINKS:  # type: ignore[operator]
+    whole = links if isinstance(links, int) and not isinstance(links, bool) else -1
+    if not least <= whole <= MOST_LINKS:
         held = "" if least == 1 else f" for boundary {boundary}"
         raise SceneError(field_name, links, f"a whole number from {least} to {MOST_LINKS}{held}")
