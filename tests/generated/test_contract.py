@@ -6,6 +6,7 @@ import math
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -45,8 +46,8 @@ print(sorted(m for m in sys.modules if m.split(".")[0] in ("rodgen", "sympy")))
 """
 
 
-def _values(module: object) -> dict[str, float]:
-    return VALUES | {k: v for k, v in LOADS.items() if k in module.PARAMETERS}  # type: ignore[attr-defined]
+def _values(module: ModuleType) -> dict[str, float]:
+    return VALUES | {k: v for k, v in LOADS.items() if k in module.PARAMETERS}
 
 
 @pytest.mark.parametrize("stem", STEMS)

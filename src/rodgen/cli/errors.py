@@ -31,7 +31,7 @@ def reported() -> Iterator[None]:
         sys.exit(NO_READER)
     except MemoryError:
         fail("not enough memory for this many links and samples", BAD_INPUT)
-    except Exception as error:
+    except Exception as error:  # nothing is silenced: what is not explained is raised again
         _explain(error)
         raise
 
