@@ -1,6 +1,7 @@
 # make demo     the main job, end to end         make test     all tests
-# make derive N=20 [BOUNDARY=free] [INERTIA=uniform] [TERMS=all] [TARGET=numpy] [EXPLICIT=1]
-# make lint, make types, make bench              make reference    regenerate the reference modules
+# make derive N=20 [BOUNDARY=free] [INERTIA=uniform] [TERMS=all] [TARGET=numpy] [FORM=chain]
+#             [EXPLICIT=1]                       make reference    regenerate the reference modules
+# make lint, make types                          make bench, make bench-rhs
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -11,8 +12,9 @@ BOUNDARY ?= free
 INERTIA ?= uniform
 TERMS ?= all
 TARGET ?= numpy
+FORM ?= chain
 
-.PHONY: demo derive test lint types bench reference clean
+.PHONY: demo derive test lint types bench bench-rhs reference clean
 
 demo: .venv/installed
 	@$(BIN)/rodgen derive 20 --out generated
@@ -20,7 +22,7 @@ demo: .venv/installed
 
 derive: .venv/installed
 	@$(BIN)/rodgen derive "$(N)" --boundary "$(BOUNDARY)" --inertia "$(INERTIA)" \
-		--terms "$(TERMS)" --target "$(TARGET)" $(if $(EXPLICIT),--explicit) --out generated
+		--terms "$(TERMS)" --target "$(TARGET)" --form "$(FORM)" $(if $(EXPLICIT),--explicit) --out generated
 
 test: .venv/developing
 	$(BIN)/python -m pytest
@@ -43,6 +45,9 @@ types: $(LAYOUT)
 bench: .venv/installed
 	@$(BIN)/python benchmarks/main_job.py
 
+bench-rhs: .venv/installed
+	@$(BIN)/python benchmarks/rhs.py
+
 reference: .venv/developing
 	$(BIN)/python -m pytest tests/generated/test_reference_modules.py --update
 
@@ -54,7 +59,7 @@ reference: .venv/developing
 
 # What using rodgen needs; working on it needs more, and has this with it.
 .venv/installed: pyproject.toml | .venv/bin/python
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[c]"
 	@touch $@
 
 .venv/developing: pyproject.toml | .venv/bin/python

@@ -27,20 +27,40 @@ class Boundary:
 
     translates: joint 0 moves freely, with coordinates x0, y0.
     first: the first link that moves; links before it are held at clamp_angle.
+    root: stiffness of a spring in joint 0 that holds link 0 at clamp_angle, in springs between
+    links (half a link bends there: twice as stiff).
     """
 
     translates: bool
     first: int
+    root: int = 0
 
     @property
     def first_joint(self) -> int:
         """The first joint that moves."""
         return 0 if self.translates else self.first + 1
 
+    @property
+    def first_force(self) -> int:
+        """The first joint that passes a force on to a moving link."""
+        return 1 if self.translates else self.first
+
+    @property
+    def first_spring(self) -> int:
+        """The first joint with a spring."""
+        return 0 if self.root else 1
+
+    @property
+    def clamped(self) -> bool:
+        """Whether a spring holds the rod at clamp_angle."""
+        return bool(self.first or self.root)
+
 
 BOUNDARIES: dict[str, Boundary] = {
     "free": Boundary(translates=True, first=0),
     "cantilever": Boundary(translates=False, first=1),
+    "clamped": Boundary(translates=False, first=0, root=2),
+    "pinned": Boundary(translates=False, first=0),
 }
 
 # Where a link stands in the chain relative to the link that carries the point.

@@ -36,9 +36,10 @@ class Arithmetic:
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """Entries and matrices of a rod of n `uniform` links of mass m, length l, springs k.
+    """Entries and matrices of a rod of n links of mass m, length l, springs k.
 
-    phi: all angles, held ones included; hold: how the start is held.
+    phi: all angles, held ones included; hold: how the start is held; lumped: half the mass of a
+    link at each of its ends, not spread along it.
     """
 
     n: Num
@@ -48,6 +49,7 @@ class ClosedForm:
     phi: Sequence[Num]
     hold: Boundary
     arithmetic: Arithmetic
+    lumped: bool = False
 
     # Entries -------------------------------------------------------------------------------
 
@@ -71,7 +73,10 @@ class ClosedForm:
         return -factor * self._sin(self.phi[i]), factor * self._cos(self.phi[i])
 
     def M_link(self, i: Num) -> Num:
-        """M_ii = (m/2) 2 l^2 (1/3 + n - i - 1), the third taken out (thesis 2.26)."""
+        """M_ii = (m/2) 2 l^2 (1/3 + n - i - 1), the third taken out (thesis 2.26); with half the
+        mass of link i at its end, a half in place of the third."""
+        if self.lumped:
+            return self.arithmetic.half * self.m * self.l**2 * self.w(i)
         two_thirds = self.arithmetic.half * 4 / 3
         return self.arithmetic.half * self.m * self.l**2 * (1 + 3 * (self.n - i - 1)) * two_thirds
 
@@ -105,6 +110,14 @@ class ClosedForm:
     def F_link(self, i: Num, P: Num, nu: Num) -> Num:
         """P l sin(phi_i - phi_{n-1} - nu) (thesis 2.47, for thrust)."""
         return P * self.l * self._sin(self.phi[i] - (self.phi[self.n - 1] + nu))
+
+    def T_base(self, force: Pair) -> Pair:
+        """The tip load."""
+        return force
+
+    def T_link(self, i: Num, force: Pair) -> Num:
+        """l (cos phi_i F_y - sin phi_i F_x)."""
+        return self.l * (self._cos(self.phi[i]) * force[1] - self._sin(self.phi[i]) * force[0])
 
     def A_base(self, g: Num) -> Pair:
         """(0, -n m g) (thesis 2.64, with gravity downwards)."""
@@ -168,8 +181,14 @@ class ClosedForm:
         return [*map(list, zip(*map(self.Q_base_link, self.links), strict=True)), *rows]
 
     def K(self) -> list[list[Num]]:
-        """Columns are all links: a held angle bends the first spring too."""
-        return self._bending(self.k, range(self.n))
+        """Columns are all links, a held one too; before them clamp_angle, where a root spring
+        holds link 0 at it."""
+        rows, root = self._bending(self.k, range(self.n)), self.hold.root * self.k
+        if not self.hold.root:
+            return rows
+        rows[0][0] = rows[0][0] + root
+        zero = 0 * self.k
+        return [[zero - root if at == 0 else zero, *row] for at, row in enumerate(rows)]
 
     def D_i(self, c_int: Num) -> list[list[Num]]:
         """Columns are the moving links: a held link has no rate."""
@@ -187,6 +206,10 @@ class ClosedForm:
     def F(self, P: Num, nu: Num) -> list[Num]:
         """Follower force."""
         return self._column(self.F_base(P, nu), lambda i: self.F_link(i, P, nu))
+
+    def T(self, force: Pair) -> list[Num]:
+        """Tip load."""
+        return self._column(self.T_base(force), lambda i: self.T_link(i, force))
 
     def A(self, g: Num) -> list[Num]:
         """Gravity."""

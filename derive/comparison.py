@@ -7,6 +7,7 @@ from dataclasses import dataclass
 EXPLICIT = "explicit n"
 ANY_N = "any n"
 POINTS = "rational points"
+JOINTS = "joint forces"
 
 
 class DisagreementError(ArithmeticError):

@@ -19,9 +19,10 @@ from .loads import (
     damper_moment,
     follower_force,
     spring_potential,
+    tip_force,
     weight,
 )
-from .symbols import ALPHA, C_INT, NU, G, P, k, l, m, xi
+from .symbols import ALPHA, C_INT, F_TIP, NU, G, P, k, l, m, xi
 
 PolyMatrix = list[list[PolyElement]]
 
@@ -43,6 +44,8 @@ class ExplicitDerivation:
         hold = BOUNDARIES[self.boundary]
         moving = list(dynamicsymbols(f"phi{hold.first}:{self.n}", real=True))
         self.angles: list[Expr] = [ALPHA] * hold.first + moving
+        # Every angle that a spring knows.
+        self.bent = [ALPHA, *self.angles] if hold.root else self.angles
         self.base: list[Expr] = list(dynamicsymbols("x0 y0", real=True)) if hold.translates else []
         self.coordinates: list[Expr] = self.base + moving
         self.moving = moving
@@ -52,8 +55,8 @@ class ExplicitDerivation:
         ]
         self.first_joint = hold.first_joint
         forces = [component for force in self.drag for component in force]
-        held = [ALPHA] if hold.first else []
-        constants = [m, l, k, xi, P, G, C_INT, *forces]
+        held = [ALPHA] if hold.clamped else []
+        constants = [m, l, k, xi, P, G, C_INT, *F_TIP, *forces]
         self.calculus = Calculus(self.coordinates, [*moving, *held, NU], constants)
 
     def point(self, link: int, fraction: Expr) -> tuple[PolyElement, PolyElement]:
@@ -95,7 +98,8 @@ class ExplicitDerivation:
     @cached_property
     def spring_energy(self) -> PolyElement:
         pairs = zip(self.angles, self.angles[1:], strict=False)
-        return self.calculus.poly(Add(*(spring_potential(a, b) for a, b in pairs)))
+        root = BOUNDARIES[self.boundary].root * spring_potential(ALPHA, self.angles[0])
+        return self.calculus.poly(Add(root, *(spring_potential(a, b) for a, b in pairs)))
 
     @cached_property
     def lagranges_method(self) -> LagrangesMethod:
@@ -126,7 +130,7 @@ class ExplicitDerivation:
 
     @cached_property
     def _all_angles(self) -> list[Expr]:
-        return list(dict.fromkeys(self.angles))
+        return list(dict.fromkeys(self.bent))
 
     def _sort(
         self, split: Mapping[tuple[int, ...], PolyElement], rates: list[Expr]
@@ -154,7 +158,7 @@ class ExplicitDerivation:
     def stiffness_matrix(self) -> PolyMatrix:
         """K: minus the coefficient of phi_j in every row, a clamped angle included."""
         rows = [row["angles"] for row in self._forcing]
-        return [[-row.get(a, self.calculus.zero) for a in self.angles] for row in rows]
+        return [[-row.get(a, self.calculus.zero) for a in self.bent] for row in rows]
 
     @cached_property
     def remainder(self) -> list[dict[Expr, PolyElement]]:
@@ -179,6 +183,12 @@ class ExplicitDerivation:
     def follower(self) -> list[PolyElement]:
         """F: virtual work of the follower force at the tail."""
         fx, fy = (self.calculus.poly(f) for f in follower_force(self.angles[-1]))
+        return self._sum([self.virtual_work(self.joint(self.n), (fx, fy))])
+
+    @cached_property
+    def tip_load(self) -> list[PolyElement]:
+        """T: virtual work of the dead force at the tail."""
+        fx, fy = (self.calculus.poly(f) for f in tip_force())
         return self._sum([self.virtual_work(self.joint(self.n), (fx, fy))])
 
     @cached_property

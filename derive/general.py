@@ -46,9 +46,11 @@ from .loads import (
     joint_angle,
     joint_mass,
     spring_potential,
+    tip_force,
     weight,
 )
 from .symbols import (
+    ALPHA,
     fin_factor,
     i,
     j,
@@ -248,16 +250,25 @@ class Equations:
         return damper_moment(omega[s - 1], omega[s])
 
     @cached_property
+    def root_spring(self) -> Expr:
+        """Moment of the root spring on link 0; zero where there is none."""
+        potential = self.hold.root * spring_potential(ALPHA, phi[0])
+        return factor(-potential.diff(phi[0]))
+
+    @cached_property
     def joint_moment(self) -> Expr:
         """The moments of this scene in joint s on the link after it."""
-        return self.spring + (self.damper if "internal_damping" in self.terms else 0)
+        inner = self.spring + (self.damper if "internal_damping" in self.terms else 0)
+        if not self.hold.root:
+            return inner
+        return Piecewise((self.root_spring, Eq(s, 0)), (inner, True))
 
     @cached_property
     def link_moment(self) -> Expr:
         """What the joints at both ends of link i do to it, by virtual work of their moments."""
         start, end = joint_moment[i], -joint_moment[i + 1]
         cases = [(start, Eq(i, n - 1)), (start + end, True)]
-        if self.hold.first == 0:
+        if self.hold.first < self.hold.first_spring:
             cases.insert(0, (end, Eq(i, 0)))
         return Piecewise(*cases)
 
@@ -284,6 +295,12 @@ class Equations:
         return Work(force, self._reach * self._lean(force))
 
     @cached_property
+    def tip_load(self) -> Work:
+        """T: the dead force at the tail."""
+        force = tip_force()
+        return Work(force, self._reach * self._lean(force))
+
+    @cached_property
     def gravity(self) -> Work:
         """A: gravity on the mass of every link."""
         force = weight(S.One)
@@ -301,7 +318,7 @@ class Equations:
     @cached_property
     def works(self) -> dict[str, Work]:
         """The loads of this scene that act as forces, by term."""
-        forces = ("follower", "gravity", "external_damping")
+        forces = ("follower", "gravity", "external_damping", "tip_load")
         return {term: getattr(self, term) for term in self.terms if term in forces}
 
     # Quantities along the chain ---------------------------------------------------------------
@@ -347,7 +364,8 @@ class Equations:
             drag_y: (moving, drag[1]),
         }
         arrays = {base: Array(base, joint, low, n, value) for base, (low, value) in values.items()}
-        arrays[joint_moment] = Array(joint_moment, s, Integer(1), n - 1, self.joint_moment)
+        low = Integer(hold.first_spring)
+        arrays[joint_moment] = Array(joint_moment, s, low, n - 1, self.joint_moment)
         return arrays
 
     @cached_property

@@ -12,6 +12,8 @@ from .symbols import xi
 INERTIAS: dict[str, Callable[[Expr], Expr]] = {
     # spread evenly: <f> is the integral of f, which gives m l^2/12 about the centre
     "uniform": lambda f: integrate(f, (xi, 0, 1)),
+    # half of it at each end of a massless link, so that m gathers at every inner joint
+    "lumped": lambda f: (f.subs(xi, 0) + f.subs(xi, 1)) / 2,
 }
 
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from sympy import Expr, Piecewise, S, cos, sin, sqrt
 
 from .chain import Vector
-from .symbols import C_EXT, C_INT, NU, G, P, k, m
+from .symbols import C_EXT, C_INT, F_TIP, NU, G, P, k, m
 
 # The terms that a scene may have, in the order in which names list them.
-TERMS = ("follower", "gravity", "internal_damping", "external_damping")
+TERMS = ("follower", "gravity", "internal_damping", "external_damping", "tip_load")
 # Those that take or give energy; gravity has a potential.
-NON_CONSERVATIVE = ("follower", "internal_damping", "external_damping")
+NON_CONSERVATIVE = ("follower", "internal_damping", "external_damping", "tip_load")
 
 
 def spring_potential(before: Expr, after: Expr) -> Expr:
@@ -30,6 +30,11 @@ def damper_moment(before: Expr, after: Expr) -> Expr:
 def follower_force(tail_angle: Expr) -> Vector:
     """Force at the tail [N]: thrust, compressive for P > 0 (thesis 2.46, with its sign)."""
     return -P * cos(tail_angle + NU), -P * sin(tail_angle + NU)
+
+
+def tip_force() -> Vector:
+    """Dead force at the tail [N]: its direction does not follow the rod."""
+    return F_TIP
 
 
 def weight(mass: Expr) -> Vector:

@@ -15,17 +15,22 @@ from typing import Any
 
 from sympy import (
     Add,
+    And,
     Eq,
     Expr,
     Indexed,
     IndexedBase,
     Mul,
+    Or,
+    Piecewise,
     Pow,
     Rational,
+    S,
     Sum,
     Symbol,
     cos,
     sin,
+    true,
 )
 
 from . import angles
@@ -33,8 +38,9 @@ from .closed_form import Arithmetic, ClosedForm
 from .comparison import POINTS, Comparison, DisagreementError
 from .general import Equations, drag_x, drag_y, joint_moment
 from .loads import TERMS
-from .symbols import C_INT, NU, G, P, i, j, k, l, later, m, n, omega, phi, s
+from .symbols import ALPHA, C_INT, F_TIP, NU, G, P, i, j, k, l, later, m, n, omega, phi, s
 
+TURNED = "turned"  # key of what cosine and sine are taken of, where the values hold it apart
 ENTRIES = 10_000  # of M and of Q, at most
 ROWS = 200  # of the vectors and of banded matrices, at most
 REACH = 2_000  # longest sum over joints that is evaluated
@@ -62,14 +68,15 @@ class _Points:
 
     def __init__(self, derived: Equations, links: int, seed: int):
         self.derived, self.draw = derived, random.Random(seed)
-        palette = [_pythagorean(self._rational()) for _ in range(30)]
+        palette = [pythagorean(self._rational()) for _ in range(30)]
         directions = [self.draw.choice(palette) for _ in range(links)]
         self.forces = [[self.draw.randint(-99, 99) for _ in range(links + 1)] for _ in range(2)]
-        self.values: dict[Any, Any] = {x: self._rational() for x in (m, l, k, P, G, C_INT)}
+        self.values: dict[Any, Any] = {x: self._rational() for x in (m, l, k, P, G, C_INT, *F_TIP)}
         self.values |= {n: links, NU: self.draw.choice(palette), phi: directions}
         self.values |= {drag_x: self.forces[0], drag_y: self.forces[1]}
         sizes = (self.values[m], self.values[l], self.values[k])
-        self.closed = ClosedForm(links, *sizes, directions, derived.hold, EXACT)
+        lumped = derived.inertia == "lumped"
+        self.closed = ClosedForm(links, *sizes, directions, derived.hold, EXACT, lumped)
         moving = self.closed.links
         self.rows = sorted(
             {*self.draw.sample(moving, min(len(moving), ROWS)), moving[-1], moving[0]}
@@ -90,12 +97,18 @@ class _Points:
         derived, closed, value = self.derived, self.closed, self.values
         yield self._same("M", self._mass())
         yield self._same("Q", self._velocity())
-        if closed.n > 1:  # a single link has no inner joint
-            yield self._same("K", self._bending(derived.spring, phi, closed.k))
+        if closed.n > 1 or derived.hold.root:  # else there is no spring
+            yield self._same("K", self._bending(derived.spring, phi, closed.k, derived.root_spring))
         if "follower" in derived.terms:
             base = closed.F_base(value[P], value[NU])
             hand = [closed.F_link(a, value[P], value[NU]) for a in self.rows]
             yield self._same("F", self._work(derived.follower, base, hand, self.rows))
+        if "tip_load" in derived.terms:
+            force = (value[F_TIP[0]], value[F_TIP[1]])
+            hand = [closed.T_link(a, force) for a in self.rows]
+            yield self._same(
+                "T", self._work(derived.tip_load, closed.T_base(force), hand, self.rows)
+            )
         if "gravity" in derived.terms:
             hand = [closed.A_link(a, value[G]) for a in self.rows]
             yield self._same(
@@ -103,7 +116,7 @@ class _Points:
             )
         if "internal_damping" in derived.terms and closed.n > 1:
             factor = value[C_INT] * value[m]
-            yield self._same("D_i", self._bending(derived.damper, omega, factor))
+            yield self._same("D_i", self._bending(derived.damper, omega, factor, S.Zero))
         if "external_damping" in derived.terms:
             resisting = ([-f for f in self.forces[0]], [-f for f in self.forces[1]])
             near = [a for a in self.rows if closed.n - a <= REACH]
@@ -159,20 +172,26 @@ class _Points:
         for a, value in zip(rows, hand, strict=True):
             yield f"phi_{a}", work.link, {i: a}, value
 
-    def _bending(self, moment: Expr, of: IndexedBase, factor: Any) -> Iterator[Entry]:
+    def _bending(self, moment: Expr, of: IndexedBase, factor: Any, root: Expr) -> Iterator[Entry]:
         """Coefficients of the three links that bend a link, from the moments at its ends."""
-        start, end = (moment.subs(s, at) for at in (i, i + 1))
+        end = moment.subs(s, i + 1)
+        hold = self.derived.hold
         work = self.derived.link_moment.subs(n, self.closed.n)
-        work = work.xreplace({joint_moment[i]: start, joint_moment[i + 1]: end})
         neighbours = (of[i - 1], of[i], of[i + 1])
         for a in self.rows:
+            at_root = a == 0 and hold.root > 0
+            start = root.subs(phi[0], phi[i]) if at_root else moment.subs(s, i)
             here = work.subs({Eq(i, at): at == a for at in (0, self.closed.n - 1)})
-            row = self.closed.bending_row(factor, a > 0, a < self.closed.n - 1)
+            here = here.xreplace({joint_moment[i]: start, joint_moment[i + 1]: end})
+            row = list(self.closed.bending_row(factor, a > 0, a < self.closed.n - 1))
+            if at_root and root != 0:
+                row[1] += hold.root * factor
+                yield f"phi_{a},clamp_angle", -here.diff(ALPHA), {i: a}, -hold.root * factor
             for neighbour, hand in zip(neighbours, row, strict=True):
                 yield f"phi_{a},{neighbour}", -here.diff(neighbour), {i: a}, hand
 
 
-def _pythagorean(t: Fraction) -> angles.Angle:
+def pythagorean(t: Fraction) -> angles.Angle:
     """The angle 2 atan(t), whose cosine and sine are rational."""
     return angles.Angle((1 - t * t) / (1 + t * t), 2 * t / (1 + t * t))
 
@@ -186,8 +205,10 @@ def evaluate(expression: Expr, values: dict[Any, Any]) -> Any:
             return values[expression]
         case Indexed():
             return values[expression.base][int(evaluate(expression.indices[0], values))]
+        case Piecewise():
+            return evaluate(next(e for e, c in expression.args if _holds(c, values)), values)
         case cos() | sin():
-            angle = evaluate(expression.args[0], values)
+            angle = evaluate(expression.args[0], {**values, **values.get(TURNED, {})})
             return angle.c if isinstance(expression, cos) else angle.s
         case Add():
             return reduce(add, (evaluate(a, values) for a in expression.args))
@@ -201,3 +222,15 @@ def evaluate(expression: Expr, values: dict[Any, Any]) -> Any:
             terms = (evaluate(expression.function, {**values, index: q}) for q in span)
             return sum(terms, start=Fraction(0))
     raise TypeError(f"no exact value for {expression}")
+
+
+def _holds(condition: Any, values: dict[Any, Any]) -> bool:
+    """Whether an equality of indices, or several of them, holds."""
+    match condition:
+        case Eq():
+            return bool(evaluate(condition.lhs, values) == evaluate(condition.rhs, values))
+        case And():
+            return all(_holds(part, values) for part in condition.args)
+        case Or():
+            return any(_holds(part, values) for part in condition.args)
+    return condition == true

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 import sympy
-from sympy import Expr, IndexedBase, Integer, Sum, Symbol, expand, expand_trig
+from sympy import Expr, IndexedBase, Integer, S, Sum, Symbol, expand, expand_trig
 
 from .closed_form import Arithmetic, ClosedForm, joint_drag
 from .comparison import ANY_N, Comparison, DisagreementError
@@ -26,8 +26,10 @@ from .general import (
 )
 from .loads import TERMS
 from .symbols import (
+    ALPHA,
     C_EXT,
     C_INT,
+    F_TIP,
     HALF,
     NU,
     G,
@@ -56,7 +58,7 @@ SYMBOLIC = Arithmetic(
 def prove_any_n(boundary: str, inertia: str, terms: Sequence[str] = TERMS) -> Iterator[Comparison]:
     """Every kind of entry of M, Q, K and the loads; raises DisagreementError."""
     derived = Equations(boundary, inertia, tuple(terms))
-    closed = ClosedForm(n, m, l, k, phi, derived.hold, SYMBOLIC)
+    closed = ClosedForm(n, m, l, k, phi, derived.hold, SYMBOLIC, inertia == "lumped")
     for name, pairs in _matrices(derived, closed).items():
         yield _same(name, pairs)
     loads = _loads(derived, closed)
@@ -78,7 +80,7 @@ def _matrices(derived: Equations, closed: ClosedForm) -> dict[str, Pairs]:
         M.append((derived.mass_base, closed.M_base()))
         M += zip(derived.mass_base_link, closed.M_base_link(i), strict=True)
         Q += zip(derived.velocity_base_link, closed.Q_base_link(i), strict=True)
-    K = _bending(derived, derived.spring, phi, closed, closed.k)
+    K = _bending(derived, derived.spring, phi, closed, closed.k, derived.root_spring)
     steps: Pairs = []
     by_hand = (*closed.joint_step(i), *closed.velocity_step(i, omega[i]))
     for quantity, hand in zip((joint_x, joint_y, joint_vx, joint_vy), by_hand, strict=True):
@@ -91,6 +93,7 @@ def _loads(derived: Equations, closed: ClosedForm) -> dict[str, dict[str, Pairs]
     resisting = (_Opposite(drag_x), _Opposite(drag_y))
     works = {
         "follower": ("F", derived.follower, closed.F_base(P, NU), closed.F_link(i, P, NU)),
+        "tip_load": ("T", derived.tip_load, closed.T_base(F_TIP), closed.T_link(i, F_TIP)),
         "gravity": ("A", derived.gravity, closed.A_base(G), closed.A_link(i, G)),
         "external_damping": (
             "D_e",
@@ -105,7 +108,8 @@ def _loads(derived: Equations, closed: ClosedForm) -> dict[str, dict[str, Pairs]
         if derived.hold.translates:
             pairs += zip(work.base, base, strict=True)
         loads[term] = {name: pairs}
-    loads["internal_damping"] = {"D_i": _bending(derived, derived.damper, omega, closed, C_INT * m)}
+    D_i = _bending(derived, derived.damper, omega, closed, C_INT * m, S.Zero)
+    loads["internal_damping"] = {"D_i": D_i}
     return loads
 
 
@@ -120,10 +124,15 @@ class _Opposite:
 
 
 def _bending(
-    derived: Equations, moment: Expr, of: IndexedBase, closed: ClosedForm, factor: Expr
+    derived: Equations,
+    moment: Expr,
+    of: IndexedBase,
+    closed: ClosedForm,
+    factor: Expr,
+    root_moment: Expr,
 ) -> Pairs:
     """What the joints at its ends do to a link, against its row of K or D_i: for a link inside,
-    for the first of a free rod, and for the last."""
+    for the first of all, and for the last."""
     pairs = []
     for where, (before, after) in {
         "inside": (True, True),
@@ -133,9 +142,14 @@ def _bending(
         if where == "start" and derived.hold.first:
             continue
         work = _case(derived.link_moment, i, where)
-        work = work.xreplace({joint_moment[at]: moment.subs(s, at) for at in (i, i + 1)})
+        moments = {joint_moment[at]: moment.subs(s, at) for at in (i, i + 1)}
+        if where == "start":
+            moments[joint_moment[i]] = root_moment.subs(phi[0], phi[i])
+        work = work.xreplace(moments)
         row = closed.bending_row(factor, before, after)
         by_hand = sum(c * of[at] for c, at in zip(row, (i - 1, i, i + 1), strict=True))
+        if where == "start" and root_moment != 0:
+            by_hand += derived.hold.root * factor * (of[i] - ALPHA)
         pairs.append((work, -by_hand))
     return pairs
 

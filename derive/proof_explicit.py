@@ -17,7 +17,7 @@ from .comparison import EXPLICIT, Comparison, DisagreementError
 from .explicit import ExplicitDerivation
 from .general import Equations, joint, joint_vx, joint_vy, joint_x, joint_y
 from .loads import TERMS
-from .symbols import C_INT, HALF, NU, G, P, i, k, l, m, n, omega, phi
+from .symbols import C_INT, F_TIP, HALF, NU, G, P, i, k, l, m, n, omega, phi
 
 
 def prove_explicit(
@@ -39,6 +39,9 @@ def prove_explicit(
     if "follower" in terms:
         nu = angles.Angle(poly(sympy.cos(NU)), poly(sympy.sin(NU)))
         yield compare("F", _column(derived.follower), _column(closed.F(poly(P), nu)))
+    if "tip_load" in terms:
+        force = (poly(F_TIP[0]), poly(F_TIP[1]))
+        yield compare("T", _column(derived.tip_load), _column(closed.T(force)))
     if "gravity" in terms:
         yield compare("A", _column(derived.gravity), _column(closed.A(poly(G))))
     if "internal_damping" in terms:
@@ -59,7 +62,9 @@ def _closed_form(derived: ExplicitDerivation) -> ClosedForm:
 
     polynomials = Arithmetic(angles.cos, angles.sin, poly(HALF), total)
     hold = BOUNDARIES[derived.boundary]
-    return ClosedForm(derived.n, poly(m), poly(l), poly(k), known, hold, polynomials)
+    sizes = (poly(m), poly(l), poly(k))
+    lumped = derived.inertia == "lumped"
+    return ClosedForm(derived.n, *sizes, known, hold, polynomials, lumped)
 
 
 def _column(entries: Sequence[Any]) -> list[list[Any]]:

@@ -30,8 +30,15 @@ from .general import (
     reach_y,
 )
 from .inertia import mean
-from .loads import NON_CONSERVATIVE, damper_moment, follower_force, spring_potential, weight
-from .symbols import i, m, n, omega, phi, s, xi
+from .loads import (
+    NON_CONSERVATIVE,
+    damper_moment,
+    follower_force,
+    spring_potential,
+    tip_force,
+    weight,
+)
+from .symbols import ALPHA, i, m, n, omega, phi, s, xi
 
 
 @dataclass(frozen=True)
@@ -61,7 +68,8 @@ class Quantities:
     @cached_property
     def spring_energy(self) -> Expr:
         """Energy of all springs [J]."""
-        return Sum(spring_potential(phi[s - 1], phi[s]), (s, 1, n - 1))
+        root = self.equations.hold.root * spring_potential(ALPHA, phi[0])
+        return root + Sum(spring_potential(phi[s - 1], phi[s]), (s, 1, n - 1))
 
     @cached_property
     def gravity_energy(self) -> Expr:
@@ -74,12 +82,13 @@ class Quantities:
     @cached_property
     def power(self) -> dict[str, Expr]:
         """Power of each load that is not a potential [W]: force times velocity of its point."""
-        force = follower_force(phi[n - 1])
+        force, dead = follower_force(phi[n - 1]), tip_force()
         opening = omega[s] - omega[s - 1]
         moment = damper_moment(omega[s - 1], omega[s])
         low = self.equations.hold.first_joint
         powers = {
             "follower": force[0] * joint_vx[n] + force[1] * joint_vy[n],
+            "tip_load": dead[0] * joint_vx[n] + dead[1] * joint_vy[n],
             "internal_damping": Sum(moment * opening, (s, 1, n - 1)),
             "external_damping": Sum(
                 drag_x[joint] * joint_vx[joint] + drag_y[joint] * joint_vy[joint], (joint, low, n)

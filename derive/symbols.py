@@ -15,6 +15,8 @@ PARAMETERS: dict[str, Symbol] = {
         "internal_damping",
         "external_damping",
         "clamp_angle",
+        "tip_force_x",
+        "tip_force_y",
     )
 }
 P = PARAMETERS["follower_force"]
@@ -23,6 +25,7 @@ G = PARAMETERS["gravity"]
 C_INT = PARAMETERS["internal_damping"]
 C_EXT = PARAMETERS["external_damping"]
 ALPHA = PARAMETERS["clamp_angle"]
+F_TIP = PARAMETERS["tip_force_x"], PARAMETERS["tip_force_y"]
 
 # Of one link: mass [kg], length [m]; stiffness of one rotary spring [N m/rad].
 m, l, k = symbols("m l k", positive=True)

@@ -50,10 +50,63 @@ def test_steps_that_go_nowhere_are_stopped(make_scene: Make) -> None:
         rodgen.simulate(scene)
 
 
-def test_division_by_zero_in_a_load_is_stopped(make_scene: Make) -> None:
-    scene = _with_force(make_scene(3, "free", ("follower",)), "1/(t - t)")
-    with pytest.raises(RunError, match="stopped at t = 0 s"):
+METHODS = ["euler", "rk4", "rk45", "dop853", "radau", "bdf", "lsoda"]
+
+
+@pytest.mark.parametrize("method", ["rk4", "rk45", "lsoda"])
+@pytest.mark.parametrize(
+    ("force", "at"),
+    [
+        ("1/t", 0.0),
+        ("1/sin(t)", 0.0),
+        ("1/(t - t)", 0.0),
+        ("1/(t - 0.5)", 0.5),  # the end of a step
+        ("1/(t - 0.2505)", 0.2505),  # the middle of a step
+        ("1/(t - 0.30013)", 0.30013),  # nowhere that a step of fixed length would see
+        ("40 if t < 0.2 else 1/abs(t - 0.4)", 0.4),
+        ("1/(t - 0.3) if t > 0.3 else 0", 0.3),  # a break point, finite before
+    ],
+)
+def test_division_by_zero_in_a_load_is_reported_with_its_time(
+    make_scene: Make, method: str, force: str, at: float
+) -> None:
+    scene = make_scene(3, "free", ("follower",))
+    scene = _with_force(scene, force, method=method, step=1e-3)
+    with pytest.raises(RunError) as caught:
         rodgen.simulate(scene)
+    message = str(caught.value)
+    assert f"loads.follower.force = {force!r} is not finite at t = {at:.9g} s" in message
+    assert message.startswith("stopped at t = ")
+    assert caught.value.solution.t[-1] <= at
+    assert np.isfinite(caught.value.solution.y).all()
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_load_that_is_no_number_is_named(make_scene: Make, method: str) -> None:
+    scene = make_scene(3, "free", ("follower",))
+    scene = _with_force(scene, "sqrt(0.5 - t)", method=method, step=1e-3)
+    with pytest.raises(
+        RunError, match=r"force = 'sqrt\(0.5 - t\)' is not finite at t = 0\.50?"
+    ) as e:
+        rodgen.simulate(scene)
+    assert 0.45 < e.value.solution.t[-1] <= 0.5
+
+
+def test_pole_far_ahead_is_not_blamed(make_scene: Make) -> None:
+    """Euler's method leaves its stability limit long before the force is not finite."""
+    scene = make_scene(6, "free", ("follower",), span=[0.0, 500.0])
+    scene = _with_force(scene, "40 + 1/(t - 499.3)", method="euler", step=0.05)
+    with pytest.raises(RunError, match="stopped at t = ") as caught:
+        rodgen.simulate(scene)
+    assert "loads." not in str(caught.value)
+
+
+def test_zero_that_divides_nothing_in_the_end_stops_no_run(make_scene: Make) -> None:
+    scene = make_scene(3, "free", ("follower",))
+    for force in ("min(1/(t - 0.5)**2, 100)", "1/(t - 0.5) if t < 0.3 else 0"):
+        sol = rodgen.simulate(_with_force(scene, force))
+        assert sol.status == "finished"
+        assert abs(sol.energy_balance).max() < 1e-6
 
 
 def test_interrupt_keeps_what_was_computed(make_scene: Make) -> None:

@@ -130,6 +130,32 @@ def test_break_points(text: str, breaks: list[float] | None) -> None:
     assert found == pytest.approx(inside, abs=1e-13)
 
 
+@pytest.mark.parametrize(
+    ("text", "poles"),
+    [
+        ("1/t", [0.0]),
+        ("1/(t - 5)", [5.0]),
+        ("1/(t - 0.50013)", [0.50013]),
+        ("3 - 1e-3/(t - 0.50013)**2", [0.50013]),
+        ("1/abs(t - 0.50013) + (t - 2)**-1", [0.50013, 2.0]),
+        ("tan(t)", [math.pi / 2, 1.5 * math.pi]),
+        ("exp(1/(t - 1))", [1.0]),
+        ("1/(t - 1) if t > 1 else 0", [1.0]),
+        ("1/sqrt(t - 1)", [1.0]),
+        # finite after all
+        ("sin(t - 1)/(t - 1)", []),
+        ("exp(-1/t**2)", []),
+        ("min(1/(t - 1)**2, 1e9)", []),
+        ("1/(t - 1) if t < 0.9 else 0", []),
+        ("1/(t + 0.1)", []),
+        ("log(t)", []),
+        ("1e9*t**3", []),
+    ],
+)
+def test_poles(text: str, poles: list[float]) -> None:
+    assert Expression(text, "t").poles(0.0, 5.0) == pytest.approx(poles, abs=1e-13)
+
+
 def test_odd_spacing_brings_no_warnings() -> None:
     """Python itself would warn of 1if; pytest turns warnings into errors."""
     assert Expression("1if t<1else 2", "t")(3.0) == 2.0

@@ -12,19 +12,28 @@ from rich.table import Table
 from rodgen.cli.console import out, working
 from rodgen.cli.errors import DISPROVEN, fail
 from rodgen.cli.folders import writable
-from rodgen.loading import source
+from rodgen.loading import sources
 from rodgen.loading.cache import write_whole
-from rodgen.loading.proofs import MOST_EXPLICIT, Proof, prove
+from rodgen.loading.proofs import MOST_EXPLICIT, MOST_JOINTS, Proof, prove
 from rodgen.scene import SceneError, Structure
-from rodgen.scene.structure import TARGETS, choose, parse_terms
+from rodgen.scene.structure import (
+    BOUNDARIES,
+    FORMS,
+    INERTIAS,
+    TARGETS,
+    check_output,
+    choose,
+    parse_terms,
+)
 
 
 def derive(
     links: Annotated[str, typer.Argument(help="Number of links, N.")],
-    boundary: Annotated[str, typer.Option(help="free or cantilever")] = "free",
-    inertia: Annotated[str, typer.Option(help="uniform")] = "uniform",
+    boundary: Annotated[str, typer.Option(help=", ".join(BOUNDARIES))] = "free",
+    inertia: Annotated[str, typer.Option(help=", ".join(INERTIAS))] = "uniform",
     terms: Annotated[str, typer.Option(help="all, none, or a list with commas")] = "all",
-    target: Annotated[str, typer.Option(help="numpy")] = "numpy",
+    target: Annotated[str, typer.Option(help=f"{', '.join(TARGETS)} or both")] = "numpy",
+    form: Annotated[str, typer.Option(help=", ".join(FORMS))] = "chain",
     out_folder: Annotated[Path, typer.Option("--out", help="Folder for the module.")] = Path(),
     explicit: Annotated[
         bool, typer.Option(help=f"Run LagrangesMethod with all links beyond {MOST_EXPLICIT} too.")
@@ -32,14 +41,17 @@ def derive(
 ) -> None:
     """Derive the equations of N links, prove them, and write the generated module."""
     structure = Structure(_whole(links), boundary, inertia, parse_terms(terms))
-    choose("target", target, TARGETS)
+    choose("target", target, (*TARGETS, "both"))
+    targets = TARGETS if target == "both" else (target,)
+    for one in targets:
+        check_output(one, form)
     writable(out_folder)
     proof = _prove(structure, explicit)
     out.print(_table(structure, proof))
-    path = out_folder / f"{structure.stem}.py"
     with working("generating"):
-        text = source(structure, target)
-    out.print(_write(path, text))
+        texts = {name: t for one in targets for name, t in sources(structure, one, form).items()}
+    for name, text in texts.items():
+        out.print(_write(out_folder / name, text))
 
 
 def _whole(text: str) -> int:
@@ -79,6 +91,7 @@ def _heading(way: str, links: int) -> str:
         "any n": "any n (symbolic)",
         "explicit n": f"n = {links} (LagrangesMethod)",
         "rational points": f"n = {links} (exact, at random rational points)",
+        "joint forces": f"n = {min(links, MOST_JOINTS)} (from the joint forces, exact)",
     }[way]
 
 

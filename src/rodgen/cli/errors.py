@@ -38,9 +38,12 @@ def reported() -> Iterator[None]:
 
 def _explain(error: Exception) -> None:
     """End with one line for what the user can mend."""
+    from rodgen.loading import BuildError
     from rodgen.scene import SceneError
 
     if isinstance(error, SceneError):
+        fail(str(error), BAD_INPUT)
+    if isinstance(error, BuildError):
         fail(str(error), BAD_INPUT)
     if isinstance(error, OSError) and error.strerror:
         fail(f"cannot read or write: {error.strerror}", BAD_INPUT)

@@ -13,7 +13,7 @@ from rodgen.cli.console import err, out, progress, working
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
 from rodgen.cli.folders import unwritable, writable
 from rodgen.integrate import Interrupted, RunError, Solution, simulate
-from rodgen.loading import build, source
+from rodgen.loading import build, build_fastest, sources
 from rodgen.loading.cache import write_whole
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.tables import FIXED_STEP
@@ -24,6 +24,9 @@ def run(
     method: Annotated[str | None, typer.Option(help="Instead of the scene's method.")] = None,
     step: Annotated[float | None, typer.Option(help="Step of a fixed-step method [s].")] = None,
     rtol: Annotated[float | None, typer.Option(help="Relative tolerance.")] = None,
+    target: Annotated[
+        str | None, typer.Option(help="numpy or c; if not given, c where it can be built.")
+    ] = None,
     out_folder: Annotated[
         Path, typer.Option("--out", help="Folder in which a folder of the scene's name is made.")
     ] = Path("results"),
@@ -32,7 +35,7 @@ def run(
     scene = Scene.from_toml(scene_file).with_integrate(method=method, step=step, rtol=rtol)
     _used(scene, step, rtol)
     with working("generating"):
-        model = build(scene)
+        model = build(scene, target) if target else build_fastest(scene)
     folder = writable(out_folder / scene.name)
     start, end = scene.integrate.span
     with progress(scene.name, start, end) as update:
@@ -67,12 +70,14 @@ def _write(solution: Solution, folder: Path) -> None:
     from rodgen.view.pictures import save_pictures
     from rodgen.view.summary import summary
 
-    words, module = summary(solution), f"{solution.scene.structure.stem}.py"
+    words = summary(solution)
+    texts = sources(solution.scene, solution.model.PROVENANCE["target"])
     try:
         with working("writing") as step:
             solution.save(folder / "solution.nc")
             write_whole(folder / "summary.txt", words)
-            write_whole(folder / module, source(solution.scene))
+            for name, text in texts.items():
+                write_whole(folder / name, text)
             _let_ctrl_c_through()
             step("solution.nc")
             pictures = save_pictures(solution, folder)
@@ -80,7 +85,7 @@ def _write(solution: Solution, folder: Path) -> None:
         raise unwritable(folder, error) from None
     out.print(words, end="")
     names = ", ".join(picture.name for picture in pictures)
-    out.print(f"Written to {folder}: solution.nc, summary.txt, {module}, {names}.")
+    out.print(f"Written to {folder}: solution.nc, summary.txt, {', '.join(texts)}, {names}.")
 
 
 def _hold_back_ctrl_c() -> None:

@@ -28,9 +28,10 @@ from sympy import (
 from rodgen.derive.general import Array, joint
 from rodgen.derive.symbols import discretisation, i, j, later, n, phi, s
 from rodgen.emit.elements import Element, Elements
-from rodgen.emit.printer import NumpyPrinter
+from rodgen.emit.printer import NUMPY, Printer
 from rodgen.emit.statements import (
     CASES,
+    DIRECTION,
     PAIR,
     PREFIX,
     SCALAR,
@@ -41,8 +42,9 @@ from rodgen.emit.statements import (
     Domain,
     Statement,
 )
+from rodgen.emit.tangents import Tangents
 
-INDICES = (i, j, joint, s)
+INDICES = (i, j, joint, s, DIRECTION)
 # Cosine and sine of every angle are computed once, whoever uses them.
 TRIGONOMETRY = {
     IndexedBase("cos_phi", real=True): cos,
@@ -72,13 +74,25 @@ class Analysis:
         self._sums: dict[Sum, Expr] = {}
         self._names: list[str] = []
 
-    def run(self, outputs: Mapping[str, tuple[Domain, Expr]]) -> list[Statement]:
-        """The statements that compute the outputs, in order."""
+    def run(
+        self,
+        outputs: Mapping[str, tuple[Domain, Expr]],
+        tangents: Mapping[str, frozenset[str]],
+        values: Iterable[str],
+    ) -> list[Statement]:
+        """The statements that compute the values of some outputs, then the tangents of some.
+
+        tangents: outputs whose tangent is wanted, each with what it is not differentiated by.
+        """
         for name, (domain, expr) in outputs.items():
             self._add(name, domain, expr)
         self._define_links()
-        self._share()
-        return self._in_order(outputs)
+        wanted = list(values)
+        differentiate = Tangents(self.statements, self.elements)
+        for name, fixed in tangents.items():
+            wanted += [d for d in (differentiate(name, fixed),) if d is not None]
+        self._share(wanted)
+        return self._in_order(wanted)
 
     def constant(self, name: str) -> Constant | None:
         """A constant of the module by name."""
@@ -188,7 +202,7 @@ class Analysis:
         pairwise = later in expr.free_symbols
         over = Domain(PAIR, self.moving.low, self.moving.high) if pairwise else domain
         if (expr, over) not in self.constants:
-            code = NumpyPrinter(str, lambda _: 1)(expr)
+            code = Printer(NUMPY, str, lambda _: 1)(expr)
             constant = Constant(f"WEIGHT_{len(self.constants)}", over, code)
             self.constants[expr, over] = constant
         name = self.constants[expr, over].name
@@ -198,9 +212,14 @@ class Analysis:
 
     # Sharing ----------------------------------------------------------------------------------
 
-    def _share(self) -> None:
-        """Take common subexpressions out of all statements together."""
-        statements = list(self.statements.values())
+    def _share(self, wanted: Iterable[str]) -> None:
+        """Take common subexpressions out of all statements that are needed, together."""
+        statements = self._in_order(wanted)
+        self.statements = {st.name: st for st in self.statements.values() if st in statements}
+        for st in [st.terms for st in statements if st.terms is not None]:
+            self.statements[st.name] = st
+            if st not in statements:
+                statements.append(st)
         exprs = [e for st in statements for e in (st.expr, *st.ends.values())]
         names = (Symbol(f"{SHARED}{at}", real=True) for at in range(10**6))
         shared, reduced = cse(exprs, symbols=names, order="canonical", list=False)
@@ -239,7 +258,7 @@ class Analysis:
 
     def _grow(self) -> None:
         """Ranges of shared quantities and of trigonometry: all that their users read."""
-        growing = {st.name for st in self.statements.values() if st.domain.indices and st.count < 1}
+        growing = {st.name for st in self.statements.values() if st.domain.along and st.count < 1}
         for statement in reversed(self._in_order(self.statements)):
             for expr, over in statement.parts():
                 for symbol in expr.free_symbols:

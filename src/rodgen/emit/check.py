@@ -129,14 +129,19 @@ class _Exact:
         self.origin = (q[0], q[1]) if base else (mpf(0), mpf(0))
         self.v0 = (u[0], u[1]) if base else (mpf(0), mpf(0))
         self.phi = [number["clamp_angle"]] * held + q[base:] if held else q[base:]
+        # Every angle that a spring knows, with the stiffness between it and the next.
+        root = [number["clamp_angle"]] if hold.root else []
+        self.bent = root + self.phi
+        self.stiffness = [hold.root * self.k] * len(root) + [self.k] * (self.n - 1)
         self.omega = [mpf(0)] * held + u[base:]
         sizes = (self.m, self.l, self.k)
-        self.closed = ClosedForm(self.n, *sizes, self.phi, hold, FIFTY_DIGITS)
+        self.lumped = module.INERTIA == "lumped"
+        self.closed = ClosedForm(self.n, *sizes, self.phi, hold, FIFTY_DIGITS, self.lumped)
 
     def rhs(self) -> list[Any]:
         closed, moving = self.closed, self.omega[self.hold.first :]
         total = _times(closed.Q(), [w**2 for w in moving])
-        total = _add(total, _times(closed.K(), self.phi), -1)
+        total = _add(total, _times(closed.K(), self.bent), -1)
         for load in self.loads().values():
             total = _add(total, load)
         rates = mp.lu_solve(mp.matrix(closed.M()), mp.matrix(total))
@@ -148,6 +153,8 @@ class _Exact:
         out: dict[str, list[Any]] = {}
         if "follower" in self.terms:
             out["follower"] = closed.F(number["follower_force"], number["follower_angle"])
+        if "tip_load" in self.terms:
+            out["tip_load"] = closed.T((number["tip_force_x"], number["tip_force_y"]))
         if "gravity" in self.terms:
             out["gravity"] = closed.A(number["gravity"])
         if "internal_damping" in self.terms:
@@ -172,8 +179,8 @@ class _Exact:
 
     def energy(self) -> list[Any]:
         kinetic = _dot(self.u, _times(self.closed.M(), self.u)) / 2
-        bends = [b - a for a, b in pairwise(self.phi)]
-        spring = mp.fsum(self.k * b**2 / 2 for b in bends)
+        bends = [b - a for a, b in pairwise(self.bent)]
+        spring = mp.fsum(k * b**2 / 2 for k, b in zip(self.stiffness, bends, strict=True))
         heavy = "gravity" in self.terms
         height = self.centre_of_gravity()[1]
         gravity = self.n * self.m * self.number["gravity"] * height if heavy else mpf(0)
@@ -189,9 +196,10 @@ class _Exact:
         return mp.fsum(x) / self.n, mp.fsum(y) / self.n
 
     def inertia(self) -> list[Any]:
-        """Moments and product of inertia: those of thin links, and of their middles (Steiner)."""
+        """Moments and product of inertia: those of thin links or of two halves at the ends of
+        massless ones, and of their middles (Steiner)."""
         X, Y = self.centre_of_gravity()
-        own = self.m * self.l**2 / 12
+        own = self.m * self.l**2 / (4 if self.lumped else 12)
         x, y, xy = mpf(0), mpf(0), mpf(0)
         for (a, b), angle in zip(self._middles(), self.phi, strict=True):
             c, s = mp.cos(angle), mp.sin(angle)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from sympy import Expr, Symbol
 
-from rodgen.emit.statements import Domain
+from rodgen.emit.statements import DIRECTION, Domain
 
 
 @dataclass(frozen=True)
@@ -21,9 +21,19 @@ class Element:
     indices: tuple[Symbol, ...]
     offset: int
 
+    @property
+    def along(self) -> tuple[Symbol, ...]:
+        """The indices without that of the directions."""
+        return tuple(index for index in self.indices if index != DIRECTION)
+
+    @property
+    def tangent(self) -> bool:
+        """Whether an element has directions."""
+        return DIRECTION in self.indices
+
     def span(self, over: Domain) -> tuple[int, int]:
         """First and last index that are read when a statement runs over a domain."""
-        if not self.indices:
+        if not self.along:
             return self.offset, self.offset
         return over.low + self.offset, over.high + self.offset
 
@@ -39,6 +49,12 @@ class Elements:
         indices = tuple(at.free_symbols)
         offset = int(at - sum(indices)) if indices else int(at)
         return self._register(f"{base}[{at}]", Element(base, indices, offset))
+
+    def tangent(self, symbol: Symbol, base: str) -> Symbol:
+        """The symbol of the tangent of an element, in an array of its own."""
+        of = self._of[symbol]
+        tangent = Element(base, (*of.indices, DIRECTION), of.offset)
+        return self._register(f"d_{symbol}", tangent)
 
     def matrix(self, base: str, pair: tuple[Symbol, Symbol]) -> Symbol:
         """The symbol of an entry of a matrix over all pairs."""

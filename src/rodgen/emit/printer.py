@@ -1,4 +1,4 @@
-"""SymPy to NumPy text, with the cheap factors of a product first.
+"""SymPy to text in a dialect, with the cheap factors of a product first.
 
 Scalars multiply before arrays and arrays along one axis before whole matrices, so that a
 product touches as few numbers as it can.
@@ -7,21 +7,60 @@ product touches as few numbers as it can.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
-from sympy import Abs, Add, Expr, Mul, Piecewise, Pow, Rational, Symbol, cos, sin
+from sympy import Abs, Add, Expr, Mul, Piecewise, Pow, Rational, Symbol, cos, sign, sin
 from sympy.core.relational import Relational
 from sympy.logic.boolalg import BooleanTrue
 
 SUM, PRODUCT, POWER, ATOM = range(4)
-FUNCTIONS = {sin: "np.sin", cos: "np.cos", Abs: "np.abs"}
 
 
-class NumpyPrinter:
+@dataclass(frozen=True)
+class Dialect:
+    """How functions, choices, powers and rationals are written."""
+
+    functions: dict[type, str]
+    root: str
+    choice: str
+    power: Callable[[str, str, int], tuple[str, int]]
+    fraction: str
+
+
+def _numpy_power(base: str, exponent: str, strength: int) -> tuple[str, int]:
+    return f"{base if strength == ATOM else f'({base})'}**{exponent}", POWER
+
+
+def _c_power(base: str, exponent: str, strength: int) -> tuple[str, int]:
+    if exponent == "2":
+        return f"square({base})", ATOM
+    return f"pow({base}, {exponent})", ATOM
+
+
+NUMPY = Dialect(
+    functions={sin: "np.sin", cos: "np.cos", Abs: "np.abs", sign: "np.sign"},
+    root="np.sqrt",
+    choice="np.where({condition}, {value}, {other})",
+    power=_numpy_power,
+    fraction="{p}/{q}",
+)
+C = Dialect(
+    functions={sin: "sine", cos: "cosine", Abs: "fabs", sign: "sign"},
+    root="sqrt",
+    choice="({condition} ? {value} : {other})",
+    power=_c_power,
+    fraction="{p}.0/{q}",
+)
+
+
+class Printer:
     """Prints an expression; ``name`` says how a symbol is written, ``rank`` how large it is
     (0 for a number, 1 for an array along one axis, 2 for a matrix)."""
 
-    def __init__(self, name: Callable[[Symbol], str], rank: Callable[[Symbol], int]):
-        self._name, self._rank = name, rank
+    def __init__(
+        self, dialect: Dialect, name: Callable[[Symbol], str], rank: Callable[[Symbol], int]
+    ):
+        self._dialect, self._name, self._rank = dialect, name, rank
 
     def __call__(self, expression: Expr) -> str:
         return self._print(expression)[0]
@@ -39,7 +78,7 @@ class NumpyPrinter:
             case Symbol():
                 return self._name(e), ATOM
             case Rational():
-                text = str(e.p) if e.q == 1 else f"{e.p}/{e.q}"
+                text = str(e.p) if e.q == 1 else self._dialect.fraction.format(p=e.p, q=e.q)
                 return text, ATOM if e.q == 1 and e.p >= 0 else PRODUCT if e.p >= 0 else SUM
             case Add():
                 content, rest = e.primitive()
@@ -54,9 +93,9 @@ class NumpyPrinter:
                 return self._piecewise(e), ATOM
             case Relational():
                 return f"{self(e.lhs)} {e.rel_op} {self(e.rhs)}", SUM
-        if type(e) in FUNCTIONS:
-            return f"{FUNCTIONS[type(e)]}({self(e.args[0])})", ATOM
-        raise TypeError(f"no NumPy text for {type(e).__name__}: {e}")
+        if type(e) in self._dialect.functions:
+            return f"{self._dialect.functions[type(e)]}({self(e.args[0])})", ATOM
+        raise TypeError(f"no text for {type(e).__name__}: {e}")
 
     def _add(self, e: Add) -> str:
         terms = sorted(e.args, key=lambda a: (self._negative(a), a.sort_key()))
@@ -88,8 +127,13 @@ class NumpyPrinter:
         parts.sort(key=lambda part: (part[0], part[1], not part[2].is_Rational, part[2].sort_key()))
         if parts[0][1]:
             parts.insert(0, (0, False, Rational(1)))
-        text = self._wrapped(parts[0][2], PRODUCT)
-        for _, inverse, factor in parts[1:]:
+        if parts[0][2].is_Rational and parts[1][2].is_Rational and parts[1][1]:
+            _, _, top = parts.pop(0)
+            bottom = parts.pop(0)[2]
+            text = self._dialect.fraction.format(p=top, q=bottom)
+        else:
+            text = self._wrapped(parts.pop(0)[2], PRODUCT)
+        for _, inverse, factor in parts:
             if inverse:
                 shown = factor if factor.is_Rational else 1 / factor
                 text += f"/{self._wrapped(shown, POWER)}"
@@ -102,10 +146,11 @@ class NumpyPrinter:
 
     def _pow(self, e: Pow) -> tuple[str, int]:
         if e.exp == Rational(1, 2):
-            return f"np.sqrt({self(e.base)})", ATOM
+            return f"{self._dialect.root}({self(e.base)})", ATOM
         if e.exp < 0:
             return f"1/{self._wrapped(1 / e, POWER)}", PRODUCT
-        return f"{self._wrapped(e.base, ATOM)}**{self._wrapped(e.exp, ATOM)}", POWER
+        base, strength = self._print(e.base)
+        return self._dialect.power(base, self._wrapped(e.exp, ATOM), strength)
 
     def _piecewise(self, e: Piecewise) -> str:
         text = None
@@ -113,6 +158,8 @@ class NumpyPrinter:
             if text is None and isinstance(condition, BooleanTrue):
                 text = self(value)
             else:
-                text = f"np.where({self(condition)}, {self(value)}, {text})"
+                text = self._dialect.choice.format(
+                    condition=self(condition), value=self(value), other=text
+                )
         assert text is not None
         return text

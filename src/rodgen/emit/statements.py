@@ -11,17 +11,30 @@ from rodgen.derive.symbols import i, j
 
 # Every pair of links, for a matrix.
 PAIR = (i, j)
+# The axis of a tangent: the directions in which is differentiated.
+DIRECTION = Symbol("direction", integer=True)
 VALUE, CASES, PREFIX, SUFFIX, TOTAL = "value", "cases", "prefix", "suffix", "total"
 SUMS = (PREFIX, SUFFIX, TOTAL)
 
 
 @dataclass(frozen=True)
 class Domain:
-    """Over which indices a quantity is computed: none, one with its range, or all pairs."""
+    """Over which indices a quantity is computed: none, one with its range, or all pairs; a
+    tangent has its directions as a last axis."""
 
     indices: tuple[Symbol, ...] = ()
     low: int = 0
     high: int = -1
+
+    @property
+    def along(self) -> tuple[Symbol, ...]:
+        """The indices without that of the directions."""
+        return tuple(index for index in self.indices if index != DIRECTION)
+
+    @property
+    def tangent(self) -> bool:
+        """Whether a value has directions."""
+        return DIRECTION in self.indices
 
     @property
     def count(self) -> int:
@@ -32,7 +45,7 @@ class Domain:
         """Whether both run over equally many axes from the same first to the same last index."""
         if len(self.indices) != len(other.indices):
             return False
-        return not self.indices or (self.low, self.high) == (other.low, other.high)
+        return not self.along or (self.low, self.high) == (other.low, other.high)
 
     def including(self, low: int, high: int) -> Domain:
         """The same axes over a range that includes another."""
@@ -85,7 +98,7 @@ class Statement:
         """Operations over all indices: sums, products, powers and functions."""
         each = 1 if self.kind in SUMS else int(self.expr.count_ops())
         over = self.inner if self.kind == CASES else self.domain
-        values: int = max(over.count, 0) ** len(over.indices)
+        values: int = max(over.count, 0) ** len(over.along)
         return values * each + sum(int(e.count_ops()) for e in self.ends.values())
 
 
@@ -100,12 +113,17 @@ class Constant:
 
 @dataclass(frozen=True)
 class Program:
-    """Statements of a function in order, its outputs, and the names that it reads."""
+    """Statements of a function in order, its outputs, and the names that it reads.
+
+    phases: the statements again, cut where a system has to be solved before the next can be
+    computed; a function that solves none has one phase.
+    """
 
     statements: list[Statement]
     outputs: tuple[str, ...]
     reads: frozenset[str]
     operations: int
+    phases: tuple[tuple[Statement, ...], ...] = ()
 
-    def __contains__(self, output: str) -> bool:
-        return output in self.outputs
+    def __contains__(self, name: str) -> bool:
+        return any(st.name == name for st in self.statements)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable
 from types import ModuleType
 from typing import Any
@@ -13,13 +14,16 @@ from rodgen.integrate import fixed_step, scipy_methods
 from rodgen.integrate.collect import Collector
 from rodgen.integrate.solution import Solution, Stats
 from rodgen.integrate.stepper import Array, Counts, Rhs, StepError, Stepper
-from rodgen.loading import build
+from rodgen.loading import build, build_fastest
 from rodgen.scene import Scene
+from rodgen.scene.expression import Expression
 from rodgen.scene.tables import Integrate
 
 FINISHED, FAILED, INTERRUPTED = "finished", "failed", "interrupted"
 STRIDE, CREEP = 10_000, 1e-9  # so many steps go at least this share of the way
 TICK = 0.1  # seconds between two calls of the progress callback
+RECENT = 100  # evaluations that are looked at when a run stops, more than a step tries at once
+NEAR = 1e-3  # share of the way to a pole within which it is what stops a run
 
 
 class RunError(ArithmeticError):
@@ -41,14 +45,14 @@ class Interrupted(KeyboardInterrupt):
 def simulate(
     scene: Scene,
     *,
-    target: str = "numpy",
+    target: str | None = None,
     model: ModuleType | None = None,
     progress: Callable[[float], None] | None = None,
     **overrides: Any,
 ) -> Solution:
     """Integrate a scene.
 
-    overrides: values for the scene's [integrate] (method, span, step, rtol, atol, output_every);
+    target: "c" or "numpy"; if not given, C where it can be built. overrides: values for the scene's [integrate] (method, span, step, rtol, atol, output_every);
     model: a module built before; progress: called with the time [s] some ten times a second.
 
     Raises SceneError for values that cannot be used, RunError where the state stops being finite
@@ -57,7 +61,8 @@ def simulate(
     if not isinstance(scene, Scene):
         raise TypeError(f"scene must be a Scene (see Scene.from_toml), not {type(scene).__name__}")
     scene = scene.with_integrate(**overrides)
-    model = model or build(scene, target)
+    if model is None:
+        model = build(scene, target) if target else build_fastest(scene)
     return _Run(scene, model, progress).go()
 
 
@@ -70,6 +75,8 @@ class _Run:
         self.collector = Collector(self.settings.samples, y0, model, self.p)
         self.t, self.y = self.settings.span[0], y0
         self.window = (-np.inf, np.inf)
+        self.asked: deque[float] = deque(maxlen=RECENT)
+        self.pole: tuple[float, Expression] | None = None
         self.counts = Counts()
         self.start = time.perf_counter()
 
@@ -77,16 +84,18 @@ class _Run:
         stepper: Stepper | None = None
         try:
             with np.errstate(all="ignore"):
-                breaks = self.scene.breaks()
-                for end in [*breaks, self.settings.span[1]]:
+                breaks, self.pole = self.scene.breaks(), self.scene.pole()
+                for end in self._ends(breaks):
                     self.window = _inside(self.t, end, breaks)
                     stepper = _stepper(self.settings, self.rhs, self.t, self.y, end)
                     self._to(end, stepper)
                     self.counts += stepper.counts
                     stepper = None
+                if self.pole:  # a step across it would be finite, and wrong
+                    raise StepError("a load grows beyond all bounds")
         except (StepError, OverflowError) as error:
             self._count(stepper)
-            message = f"stopped at t = {self.t:.9g} s: {error}"
+            message = f"stopped at t = {self.t:.9g} s: {error}{self._cause()}"
             raise RunError(message, self.solution(FAILED, message)) from None
         except KeyboardInterrupt:
             self._count(stepper)
@@ -97,8 +106,29 @@ class _Run:
     def rhs(self, t: float, y: Array) -> Array:
         """Rates at a time that is held inside the stretch between two break points."""
         low, high = self.window
-        rates: Array = self.model.rhs(min(max(t, low), high), y, self.p)
+        at = min(max(t, low), high)
+        self.asked.append(at)
+        rates: Array = self.model.rhs(at, y, self.p)
         return rates
+
+    def _ends(self, breaks: list[float]) -> list[float]:
+        """Times to step to, one after the other: break points, and the end or the first pole."""
+        start, end = self.settings.span
+        last = self.pole[0] if self.pole else end
+        return [*(at for at in breaks if at < last), *([last] if last > start else [])]
+
+    def _cause(self) -> str:
+        """The load, if any, that is not finite where the run stopped, and when."""
+        for force in self.scene.timed.values():
+            broken = [at for at in self.asked if not np.isfinite(force(at))]
+            if broken:
+                return f"; {force.not_finite(min(broken))} s"
+        if self.pole:
+            at, force = self.pole
+            near = at - self.t <= NEAR * (at - self.settings.span[0])
+            if near or max(self.asked, default=at) >= at:
+                return f"; {force.not_finite(at)} s"
+        return ""
 
     def _count(self, stepper: Stepper | None) -> None:
         if stepper is not None:

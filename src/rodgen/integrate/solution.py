@@ -88,7 +88,7 @@ class Solution:
 
     @cached_property
     def _model(self) -> ModuleType:
-        return self.model or build(self.scene)
+        return self.model or build(self.scene, "numpy")
 
     @cached_property
     def _p(self) -> Array:

@@ -1,6 +1,6 @@
 """Text of generated modules to callables, through a cache."""
 
-from rodgen.loading.build import build, source
-from rodgen.loading.module import load_module, load_text
+from rodgen.loading.build import build, build_fastest, sources
+from rodgen.loading.module import BuildError, load_files, load_module, load_text
 
-__all__ = ["build", "load_module", "load_text", "source"]
+__all__ = ["BuildError", "build", "build_fastest", "load_files", "load_module", "load_text", "sources"]

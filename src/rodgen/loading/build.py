@@ -2,41 +2,58 @@
 
 from __future__ import annotations
 
+import json
 from types import ModuleType
 
 from rodgen.loading import cache
-from rodgen.loading.module import load_text
+from rodgen.loading.module import BuildError, load_files
 from rodgen.scene import Scene, SceneError, Structure
-from rodgen.scene.structure import TARGETS, choose
+from rodgen.scene.structure import check_output
 
 # The dense form holds a few matrices of this many links squared.
 MOST_DENSE_LINKS = 5000
 
 
-def build(scene: Scene | Structure, target: str = "numpy") -> ModuleType:
+def build(scene: Scene | Structure, target: str = "numpy", form: str = "chain") -> ModuleType:
     """The generated module of a scene (rhs, energy, ... as in its docstrings).
 
-    Raises SceneError for a target that is not offered and for more links than the dense form
-    can hold.
+    target: "numpy" or "c"; form: "chain", O(n), or for NumPy "dense". Raises SceneError for what
+    is not offered and for more links than the dense form can hold, BuildError where a C module
+    cannot be compiled or loaded.
     """
     structure = scene.structure if isinstance(scene, Scene) else scene
-    if structure.links > MOST_DENSE_LINKS:
-        allowed = (
-            f"at most {MOST_DENSE_LINKS} to compute with: the dense form holds links^2 numbers"
-        )
+    if form == "dense" and structure.links > MOST_DENSE_LINKS:
+        allowed = f"at most {MOST_DENSE_LINKS} in the dense form: it holds links^2 numbers"
         raise SceneError("rod.links", structure.links, allowed)
-    return load_text(source(structure, target), structure.stem)
+    return load_files(sources(structure, target, form))
 
 
-def source(scene: Scene | Structure, target: str = "numpy") -> str:
-    """Text of the generated module of a scene; from the cache where it is there."""
+def build_fastest(scene: Scene | Structure) -> ModuleType:
+    """The C module of a scene where it can be built, else its NumPy module."""
+    try:
+        return build(scene, "c")
+    except BuildError:
+        return build(scene, "numpy")
+
+
+def sources(
+    scene: Scene | Structure, target: str = "numpy", form: str = "chain"
+) -> dict[str, str]:
+    """Texts of the generated module of a scene by file name, the Python module first; from the
+    cache where they are there."""
     structure = scene.structure if isinstance(scene, Scene) else scene
-    choose("target", target, TARGETS)
-    entry = ("modules", cache.key(target, structure.hash), f"{structure.stem}.py")
-    text = cache.read_text(*entry)
-    if text is None:
-        from rodgen.emit import module_text  # SymPy is imported only where it is needed
+    check_output(target, form)
+    stem = structure.module_stem(target, form)
+    entry = ("modules", cache.key(target, form, structure.hash), f"{stem}.json")
+    texts = _recall(cache.read_text(*entry))
+    if texts is None:
+        from rodgen.emit import module_files  # SymPy is imported only where it is needed
 
-        text = module_text(structure, target)
-        cache.store_text(text, *entry)
-    return text
+        texts = module_files(structure, target, form)
+        cache.store_text(json.dumps(texts), *entry)
+    return texts
+
+
+def _recall(text: str | None) -> dict[str, str] | None:
+    """Texts as they were stored, or None where there are none."""
+    return {str(name): str(value) for name, value in json.loads(text).items()} if text else None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import linecache
+import tempfile
 from pathlib import Path
 from types import ModuleType
 
@@ -10,8 +11,24 @@ from rodgen.scene.errors import SceneError
 
 CONTRACT = (
     *("N", "BOUNDARY", "INERTIA", "TERMS", "STATE", "PARAMETERS", "PROVENANCE"),
-    *("parameters", "rhs", "mass_matrix", "energy", "joints", "centre_of_gravity", "inertia"),
+    *("parameters", "rhs", "jac", "mass_matrix", "energy"),
+    *("joints", "centre_of_gravity", "inertia"),
 )
+
+
+class BuildError(RuntimeError):
+    """A C module that cannot be compiled or loaded; the message says why, and what else there is."""
+
+
+def load_files(texts: dict[str, str]) -> ModuleType:
+    """Load a generated module from its texts by file name, the Python module first."""
+    (name, text), *beside = texts.items()
+    if not beside:
+        return load_text(text, Path(name).stem)
+    with tempfile.TemporaryDirectory(prefix="rodgen-", ignore_cleanup_errors=True) as folder:
+        for other, content in beside:
+            Path(folder, other).write_text(content, encoding="utf-8", newline="\n")
+        return load_text(text, Path(name).stem, str(Path(folder, name)))
 
 
 def load_module(path: Path) -> ModuleType:
@@ -36,6 +53,10 @@ def load_text(text: str, name: str, origin: str | None = None) -> ModuleType:
         exec(compile(text, origin, "exec"), module.__dict__)
     except MemoryError:
         raise
+    except RuntimeError as error:
+        if type(error).__name__ == "BuildError":  # of the module's own
+            raise BuildError(str(error)) from error
+        raise SceneError("module", origin, f"a module that loads ({error!r})") from error
     except (Exception, SystemExit) as error:
         raise SceneError("module", origin, f"a module that loads ({error!r})") from error
     missing = [needed for needed in CONTRACT if not hasattr(module, needed)]

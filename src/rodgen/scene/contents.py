@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rodgen.scene.scene import Scene
-from rodgen.scene.structure import TERMS
+from rodgen.scene.structure import TERM_PARAMETERS, TERMS
+from rodgen.scene.tables import PLACES, TABLES
 
 
 @dataclass(frozen=True)
@@ -15,6 +16,13 @@ class Piece:
     piece: str
     present: bool
     reason: str
+
+
+ROOTLESS = "no spring at joint 0"
+MASSES = {
+    "uniform": "inertia uniform: mass spread along each link",
+    "lumped": "inertia lumped: massless links, m at inner joints, m/2 at joints 0 and n",
+}
 
 
 def contents(scene: Scene) -> list[Piece]:
@@ -44,19 +52,27 @@ def contents(scene: Scene) -> list[Piece]:
             rod.links > 1,
             f"{rod.links - 1} inner joints" if rod.links > 1 else "one link has no inner joint",
         ),
+        Piece(
+            "root spring",
+            scene.hold.root_spring,
+            f"boundary {rod.boundary}: "
+            + ("2 EI/l at joint 0, against clamp_angle" if scene.hold.root_spring else ROOTLESS),
+        ),
+        Piece("rotary inertia of links", rod.inertia == "uniform", MASSES[rod.inertia]),
     ]
     return pieces + [_term(scene, term) for term in TERMS]
 
 
 def _term(scene: Scene, term: str) -> Piece:
-    name = term.replace("_", " ")
-    if getattr(scene.loads, term) is None:
-        return Piece(name, False, f"no table [loads.{term}]")
+    name, table = term.replace("_", " "), f"table [loads.{TABLES[term]}]"
+    if term not in scene.structure.terms:
+        return Piece(name, False, f"no {table}")
     if term == "internal_damping" and scene.rod.links == 1:
         return Piece(name, False, "one link has no inner joint; the parameter is taken, not used")
-    known = dict(scene.structure.expressions)
-    if term == "follower" and "follower_force" in known:
-        return Piece(
-            name, True, f"force is a function of t, part of the code: {known['follower_force']}"
-        )
-    return Piece(name, True, f"table [loads.{term}]")
+    timed = scene.timed
+    functions = [
+        f"{PLACES[known][1]} is a function of t, part of the code: {timed[known].canonical}"
+        for known in TERM_PARAMETERS[term]
+        if known in timed
+    ]
+    return Piece(name, True, "; ".join(functions) or table)

@@ -8,10 +8,11 @@ class SceneError(ValueError):
 
     def __init__(self, field: str, value: object, allowed: str):
         self.field, self.value, self.allowed = field, value, allowed
-        super().__init__(_one_line(f"{field} = {_short(value)}: must be {allowed}"))
+        super().__init__(_one_line(f"{field} = {short(value)}: must be {allowed}"))
 
 
-def _short(value: object, longest: int = 80) -> str:
+def short(value: object, longest: int = 80) -> str:
+    """A value as it is shown in a message."""
     try:
         text = repr(value)
     except ValueError:  # Python does not write whole numbers of thousands of digits

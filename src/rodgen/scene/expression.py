@@ -12,17 +12,21 @@ from __future__ import annotations
 import ast
 import math
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from rodgen.scene.errors import SceneError
+from rodgen.scene.errors import SceneError, short
 
 LONGEST = 1000  # characters
 DEEPEST = 200  # nested operations, of which a sum of as many terms is one
+
+# Towards a pole: shares of the time scale, and how much more from each to the next. A power of
+# -1/4 grows as much; what min or max bounds, and a logarithm, do not.
+NEARER, LARGER = 2.0 ** np.array([-20, -32, -44]), 7.9
 
 FUNCTIONS: dict[str, tuple[int, int | None, Callable[..., Any]]] = {
     "sin": (1, 1, np.sin),
@@ -52,6 +56,33 @@ COMPARE: dict[type[ast.cmpop], tuple[str, Callable[..., Any]]] = {
     ast.LtE: ("<=", np.less_equal),
     ast.Gt: (">", np.greater),
     ast.GtE: (">=", np.greater_equal),
+}
+
+
+@dataclass(frozen=True)
+class Language:
+    """How code is written: prefix of functions, those with another name, a choice by condition,
+    value and other value, and a power."""
+
+    prefix: str
+    names: dict[str, str]
+    choice: str
+    power: str
+
+
+LANGUAGES = {
+    "numpy": Language(
+        "np.",
+        {"min": "np.minimum", "max": "np.maximum"},
+        "np.where({0}, {1}, {2})",
+        "({0} ** {1})",
+    ),
+    "c": Language(
+        "",
+        {"min": "least", "max": "greatest", "abs": "fabs"},
+        "({0} ? {1} : {2})",
+        "pow({0}, {1})",
+    ),
 }
 ALLOWED = (
     "an expression of numbers, {variable}, pi, + - * / **, < <= > >=, `a if c else b` and "
@@ -115,9 +146,10 @@ class Expression:
         with np.errstate(all="ignore"):
             return _value(self._tree, self.variable, np.asarray(at, dtype=float))
 
-    def source(self, numpy: str = "np") -> str:
-        """The expression as NumPy code in the variable; canonical, so equal for equal trees."""
-        return _source(self._tree, numpy, self.variable)
+    def source(self, language: str = "numpy") -> str:
+        """The expression as code in the variable, for NumPy or C (with ``least`` and ``greatest``
+        of two numbers); canonical, so equal for equal trees."""
+        return _source(self._tree, LANGUAGES[language], self.variable)
 
     def kinks(self) -> list[Callable[[Any], Any]]:
         """Functions of the variable in whose zeros the expression is not smooth."""
@@ -138,17 +170,43 @@ class Expression:
         Found where the sign changes between two of the samples, and on both sides of an extremum
         between samples that reaches beyond zero. Of two zeros closer than that nothing is known.
         """
-        grid = np.linspace(start, end, samples)
-        found: set[float] = set()
-        for kink in self.kinks():
-            values = np.broadcast_to(kink(grid), grid.shape)
-            points = np.concatenate((grid, _extrema(kink, grid, values)))
-            points.sort()
-            signs = np.sign(np.broadcast_to(kink(points), points.shape))
-            found.update(float(x) for x in points[signs == 0] if not _flat(signs, points, x))
-            for at in np.flatnonzero(signs[:-1] * signs[1:] < 0):
-                found.add(_bisect(kink, points[at], points[at + 1]))
-        return sorted(x for x in found if start < x < end)
+        found = _zeros(self.kinks(), np.linspace(start, end, samples))
+        return [x for x in found if start < x < end]
+
+    def poles(self, start: float, end: float, samples: int = 4001) -> list[float]:
+        """Places from start to end towards which it grows beyond all bounds, ascending.
+
+        They are looked for where it divides by zero, in the way of the break points.
+        """
+        divisors = [self._difference(node, None) for node in _divisors(self._tree)]
+        scale = max(abs(start), abs(end))
+
+        def grows(x: float, side: int) -> bool:
+            points = x + side * scale * NEARER
+            sizes = np.abs(self(points))
+            larger = bool((sizes[1:] > LARGER * sizes[:-1]).all()) or np.isinf(sizes[-1])
+            return bool(start <= points[0] <= end and larger)
+
+        found = _zeros([*self.kinks(), *divisors], np.linspace(start, end, samples))
+        return [x for x in found if grows(x, 1) or grows(x, -1)]
+
+    def not_finite(self, at: float) -> str:
+        """What is said of it at a place where it is no number."""
+        return f"{self.field} = {short(self.text)} is not finite at {self.variable} = {at:.9g}"
+
+
+def _zeros(functions: Iterable[Callable[[Any], Any]], grid: Any) -> list[float]:
+    """Where functions are zero from the first to the last of the samples, ascending."""
+    found: set[float] = set()
+    for function in functions:
+        values = np.broadcast_to(function(grid), grid.shape)
+        points = np.concatenate((grid, _extrema(function, grid, values)))
+        points.sort()
+        signs = np.sign(np.broadcast_to(function(points), points.shape))
+        found.update(float(x) for x in points[signs == 0] if not _flat(signs, points, x))
+        for at in np.flatnonzero(signs[:-1] * signs[1:] < 0):
+            found.add(_bisect(function, points[at], points[at + 1]))
+    return sorted(found)
 
 
 def _extrema(kink: Callable[[Any], Any], grid: Any, values: Any) -> Any:
@@ -270,14 +328,16 @@ def _constants(node: ast.AST, variable: str) -> Iterator[ast.AST]:
         yield from _constants(child, variable)
 
 
-def _source(node: ast.AST, np_: str, variable: str) -> str:
+def _source(node: ast.AST, language: Language, variable: str) -> str:
     # Numbers are worked out here: Python's own 1.0/0.0 or (-1.0)**0.5 are not those of NumPy.
     if node in _constants(node, variable):
         return repr(float(_value(node, variable, None)))
-    parts = [_source(child, np_, variable) for child, _ in _children(node)]
+    parts = [_source(child, language, variable) for child, _ in _children(node)]
     match node:
         case ast.Name(id=name):
             return name
+        case ast.BinOp(op=ast.Pow()):
+            return language.power.format(*parts)
         case ast.BinOp(op=op):
             return f"({parts[0]} {BINARY[type(op)][0]} {parts[1]})"
         case ast.UnaryOp(op=op):
@@ -285,14 +345,14 @@ def _source(node: ast.AST, np_: str, variable: str) -> str:
         case ast.Compare(ops=[op]):
             return f"({parts[0]} {COMPARE[type(op)][0]} {parts[1]})"
         case ast.IfExp():
-            return f"{np_}.where({', '.join(parts)})"
+            return language.choice.format(*parts)
         case ast.Call(func=ast.Name(id=name)):
-            pair = {"min": "minimum", "max": "maximum"}.get(name)
-            if pair is None:
-                return f"{np_}.{name}({parts[0]})"
+            function = language.names.get(name, f"{language.prefix}{name}")
             total = parts[0]
+            if FUNCTIONS[name][1] == 1:
+                return f"{function}({total})"
             for part in parts[1:]:
-                total = f"{np_}.{pair}({total}, {part})"
+                total = f"{function}({total}, {part})"
             return total
     raise AssertionError(f"unchecked node {node!r}")
 
@@ -307,3 +367,14 @@ def _kinks(node: ast.AST) -> Iterator[tuple[ast.expr, ast.expr | None]]:
             yield from ((a, b) for at, a in enumerate(args) for b in args[at + 1 :])
     for child, _ in _children(node):
         yield from _kinks(child)
+
+
+def _divisors(node: ast.AST) -> Iterator[ast.expr]:
+    """What is divided by; the base of a power stands for its negative exponents."""
+    match node:
+        case ast.BinOp(op=ast.Div(), right=divisor) | ast.BinOp(op=ast.Pow(), left=divisor):
+            yield divisor
+        case ast.Call(func=ast.Name(id="tan"), args=args):
+            yield ast.Call(ast.Name("cos"), args, [])
+    for child, _ in _children(node):
+        yield from _divisors(child)

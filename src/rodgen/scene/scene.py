@@ -15,7 +15,7 @@ from rodgen.scene import structure as st
 from rodgen.scene.errors import SceneError
 from rodgen.scene.explain import explain
 from rodgen.scene.expression import Expression
-from rodgen.scene.tables import Initial, Integrate, Loads, Rod, Table
+from rodgen.scene.tables import FinFactor, Initial, Integrate, Loads, Rod, Table
 
 
 class Scene(Table):
@@ -103,44 +103,32 @@ class Scene(Table):
     @property
     def structure(self) -> st.Structure:
         """What its module is specialised to."""
-        terms = tuple(term for term in st.TERMS if getattr(self.loads, term) is not None)
-        force, rod = self._timed_force, self.rod
-        expressions = (("follower_force", force.canonical),) if force else ()
-        return st.Structure(rod.links, rod.boundary, rod.inertia, terms, expressions)
+        rod = self.rod
+        timed = tuple((name, force.canonical) for name, force in self.timed.items())
+        return st.Structure(rod.links, rod.boundary, rod.inertia, self.loads.terms, timed)
 
     @property
-    def _timed_force(self) -> Expression | None:
-        """The follower force, where it changes with time."""
-        follower = self.loads.follower
-        if follower is None or not isinstance(follower.force, str):
-            return None
-        force = Expression(follower.force, "t", "loads.follower.force")
-        return None if force.constant else force
+    def timed(self) -> dict[str, Expression]:
+        """Parameters that change with time, by name."""
+        found = {name: self.loads.expression(name) for name in self.loads.parameters}
+        return {name: e for name, e in found.items() if e and not e.constant}
 
     @property
     def parameters(self) -> dict[str, Any]:
         """Values of the parameters of its module, by name."""
-        loads, rod = self.loads, self.rod
+        rod = self.rod
         values: dict[str, Any] = {
             "mass": rod.mass,
             "length": rod.length,
             "bending_stiffness": rod.bending_stiffness,
             "clamp_angle": rod.clamp_angle or 0.0,
         }
-        if loads.follower:
-            force = loads.follower.force
+        for name in self.loads.parameters:
+            value, text = self.loads.value(name), self.loads.expression(name)
             # A text without t is a number like any other.
-            number = isinstance(force, str) and self._timed_force is None
-            values["follower_force"] = float(Expression(str(force), "t")(0.0)) if number else force
-            values["follower_angle"] = loads.follower.angle
-        if loads.gravity:
-            values["gravity"] = loads.gravity.g
-        if loads.internal_damping:
-            values["internal_damping"] = loads.internal_damping.coefficient
-        if loads.external_damping:
-            fins = loads.external_damping.fin_factor
-            values["external_damping"] = loads.external_damping.coefficient
-            values["fin_factor"] = fins if isinstance(fins, list) else fins.values(rod.links)
+            values[name] = float(text(0.0)) if text and text.constant else value
+            if isinstance(value, FinFactor):
+                values[name] = value.values(rod.links)
         return {name: values[name] for name in self.structure.parameters}
 
     def initial_state(self) -> NDArray[np.float64]:
@@ -157,10 +145,20 @@ class Scene(Table):
         )
 
     def breaks(self) -> list[float]:
-        """Times inside the span at which a load is not smooth."""
-        force = self._timed_force
+        """Times inside the span at which a load is not smooth, ascending."""
         start, end = self.integrate.span
-        return force.breaks(start, end) if force else []
+        found: list[float] = []
+        for at in sorted(at for e in self.timed.values() for at in e.breaks(start, end)):
+            # What two expressions compare may meet zero a rounding apart.
+            if not found or at - found[-1] > 4 * np.spacing(abs(at)):
+                found.append(at)
+        return found
+
+    def pole(self) -> tuple[float, Expression] | None:
+        """The first time in the span at which a load grows beyond all bounds, and that load."""
+        start, end = self.integrate.span
+        found = [(at, e) for e in self.timed.values() for at in e.poles(start, end)]
+        return min(found, key=lambda pair: pair[0], default=None)
 
     def with_integrate(self, **changes: Any) -> Scene:
         """The same scene with other values in [integrate]; those that are None are left."""

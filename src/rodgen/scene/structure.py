@@ -12,10 +12,12 @@ from rodgen.scene.errors import SceneError
 
 @dataclass(frozen=True)
 class Hold:
-    """How the start of a rod is held: whether joint 0 moves, and the first link that moves."""
+    """How the start of a rod is held: whether joint 0 moves, the first link that moves, and
+    whether a spring at joint 0 holds that link against clamp_angle."""
 
     translates: bool
     first: int
+    root_spring: bool = False
 
     @property
     def least_links(self) -> int:
@@ -24,21 +26,43 @@ class Hold:
 
 
 # What this release offers, in the order in which names list it.
-BOUNDARIES = {"free": Hold(True, 0), "cantilever": Hold(False, 1)}
-INERTIAS = ("uniform",)
-TERMS = ("follower", "gravity", "internal_damping", "external_damping")
-TARGETS = ("numpy",)
+BOUNDARIES = {
+    "free": Hold(True, 0),
+    "cantilever": Hold(False, 1),
+    "clamped": Hold(False, 0, root_spring=True),
+    "pinned": Hold(False, 0),
+}
+INERTIAS = ("uniform", "lumped")
+THESIS_TERMS = ("follower", "gravity", "internal_damping", "external_damping")
+TERMS = (*THESIS_TERMS, "tip_load")
+TARGETS = ("numpy", "c")
+FORMS = ("chain", "dense")
 MOST_LINKS = 10**6
 
-# Parameters of a term, and of a boundary, in the order in which p holds them.
+# Parameters of a term, and of a boundary.
 ROD_PARAMETERS = ("mass", "length", "bending_stiffness")
 TERM_PARAMETERS = {
     "follower": ("follower_force", "follower_angle"),
     "gravity": ("gravity",),
     "internal_damping": ("internal_damping",),
     "external_damping": ("external_damping", "fin_factor"),
+    "tip_load": ("tip_force_x", "tip_force_y"),
 }
-BOUNDARY_PARAMETERS: dict[str, tuple[str, ...]] = {"free": (), "cantilever": ("clamp_angle",)}
+BOUNDARY_PARAMETERS: dict[str, tuple[str, ...]] = {
+    "free": (),
+    "cantilever": ("clamp_angle",),
+    "clamped": ("clamp_angle",),
+    "pinned": (),
+}
+
+# All of them in the order in which p holds them; fin_factor last, since it is many numbers.
+PARAMETERS = (
+    *ROD_PARAMETERS,
+    *("follower_force", "follower_angle", "gravity", "internal_damping", "external_damping"),
+    *("clamp_angle", "tip_force_x", "tip_force_y", "fin_factor"),
+)
+# Those that may be functions of time.
+TIMED = ("follower_force", "tip_force_x", "tip_force_y")
 
 
 @dataclass(frozen=True)
@@ -52,7 +76,7 @@ class Structure:
     links: int
     boundary: str = "free"
     inertia: str = "uniform"
-    terms: tuple[str, ...] = TERMS
+    terms: tuple[str, ...] = THESIS_TERMS
     expressions: tuple[tuple[str, str], ...] = field(default=())
 
     def __post_init__(self) -> None:
@@ -64,6 +88,11 @@ class Structure:
         ordered = tuple(term for term in TERMS if term in self.terms)
         if ordered != self.terms:
             object.__setattr__(self, "terms", ordered)
+        timed = [name for name in TIMED if name in self._names]
+        for name, _ in self.expressions:
+            choose("expressions", name, timed or ["none: no term may change with time"])
+        by_name = sorted(self.expressions, key=lambda pair: TIMED.index(pair[0]))
+        object.__setattr__(self, "expressions", tuple(by_name))
 
     @property
     def hold(self) -> Hold:
@@ -71,22 +100,30 @@ class Structure:
         return BOUNDARIES[self.boundary]
 
     @property
+    def _names(self) -> set[str]:
+        """Parameters of the rod, its boundary and its terms, whether functions of time or not."""
+        terms = {name for term in self.terms for name in TERM_PARAMETERS[term]}
+        return terms.union(ROD_PARAMETERS, BOUNDARY_PARAMETERS[self.boundary])
+
+    @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the parameters, in the order in which p holds them; fin_factor last."""
-        names = [*ROD_PARAMETERS]
-        for term in self.terms:
-            names += TERM_PARAMETERS[term]
-        names += BOUNDARY_PARAMETERS[self.boundary]
-        known = dict(self.expressions)
-        names.sort(key=lambda name: name == "fin_factor")
-        return tuple(name for name in names if name not in known)
+        names = self._names - dict(self.expressions).keys()
+        return tuple(name for name in PARAMETERS if name in names)
 
     @property
     def stem(self) -> str:
-        """File name of the module, without its ending."""
-        terms = "" if self.terms == TERMS else "_" + ("_".join(self.terms) or "conservative")
+        """File name of the module in its default form and target, without its ending."""
+        names = "_".join(self.terms) or "conservative"
+        terms = "" if self.terms == THESIS_TERMS else f"_{names}"
         inertia = "" if self.inertia == "uniform" else f"_{self.inertia}"
         return f"rod_{self.boundary}_n{self.links}{terms}{inertia}"
+
+    def module_stem(self, target: str = "numpy", form: str = "chain") -> str:
+        """File name of a module of this structure, without its ending."""
+        check_output(target, form)
+        how = "" if form == "chain" else f"_{form}"
+        return self.stem + how + ("" if target == "numpy" else f"_{target}")
 
     @property
     def hash(self) -> str:
@@ -96,9 +133,9 @@ class Structure:
 
 
 def parse_terms(text: str) -> tuple[str, ...]:
-    """Terms from `all`, `none` or a list with commas; raises SceneError."""
+    """Terms from `all` (the thesis's four), `none` or a list with commas; raises SceneError."""
     if text == "all":
-        return TERMS
+        return THESIS_TERMS
     if text in ("none", "conservative"):
         return ()
     names = [name.strip() for name in text.split(",")]
@@ -114,6 +151,14 @@ def choose(field_name: str, value: object, allowed: Iterable[str]) -> None:
     allowed = tuple(allowed)
     if value not in allowed:
         raise SceneError(field_name, value, "one of " + ", ".join(allowed))
+
+
+def check_output(target: object, form: object) -> None:
+    """Raise SceneError unless a module can be written for this target in this form."""
+    choose("target", target, TARGETS)
+    choose("form", form, FORMS)
+    if target == "c" and form == "dense":
+        raise SceneError("form", form, "chain for target c (target numpy has both)")
 
 
 def check_links(links: object, boundary: str, field_name: str = "links") -> None:

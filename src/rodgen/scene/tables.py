@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,21 @@ Finite = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=LARGEST)]
 NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0, le=LARGEST)]
 Pair = Annotated[list[Finite], Field(min_length=2, max_length=2)]
+Timed = Finite | str  # a number, or an expression in t
+
+# Where in [loads] a scene has a parameter of its module: table and key.
+PLACES = {
+    "follower_force": ("follower", "force"),
+    "follower_angle": ("follower", "angle"),
+    "gravity": ("gravity", "g"),
+    "internal_damping": ("internal_damping", "coefficient"),
+    "external_damping": ("external_damping", "coefficient"),
+    "fin_factor": ("external_damping", "fin_factor"),
+    "tip_force_x": ("tip", "x"),
+    "tip_force_y": ("tip", "y"),
+}
+# The table of a term is that of its parameters.
+TABLES = {term: PLACES[names[0]][0] for term, names in st.TERM_PARAMETERS.items()}
 
 
 class Table(BaseModel):
@@ -35,7 +50,8 @@ class Table(BaseModel):
 
 
 class Rod(Table):
-    """The rod: links, length [m], bending stiffness [N m^2], mass [kg]."""
+    """The rod: links, length [m], bending stiffness [N m^2], mass [kg]; how its mass lies and its
+    start is held; the angle of its clamp [rad], for boundaries that have one."""
 
     links: int
     length: Positive
@@ -60,14 +76,8 @@ class Rod(Table):
 class Follower(Table):
     """Follower force [N], a number or an expression in t, and its angle to the last link [rad]."""
 
-    force: Finite | str
+    force: Timed
     angle: Finite = 0.0
-
-    @model_validator(mode="after")
-    def _expression(self) -> Self:
-        if isinstance(self.force, str):
-            Expression(self.force, "t", "loads.follower.force")
-        return self
 
 
 class Gravity(Table):
@@ -100,6 +110,13 @@ class ExternalDamping(Table):
     fin_factor: FinFactor | list[NotNegative] = FinFactor()
 
 
+class Tip(Table):
+    """Dead force at the tail [N], each component a number or an expression in t."""
+
+    x: Timed = 0.0
+    y: Timed = 0.0
+
+
 class Loads(Table):
     """The loads that the scene has; those that are absent are not in its equations."""
 
@@ -107,6 +124,34 @@ class Loads(Table):
     gravity: Gravity | None = None
     internal_damping: InternalDamping | None = None
     external_damping: ExternalDamping | None = None
+    tip: Tip | None = None
+
+    @model_validator(mode="after")
+    def _expressions(self) -> Self:
+        for name in self.parameters:
+            self.expression(name)
+        return self
+
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """Terms whose tables are there."""
+        return tuple(term for term in st.TERMS if getattr(self, TABLES[term]) is not None)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Parameters of these terms."""
+        return tuple(name for term in self.terms for name in st.TERM_PARAMETERS[term])
+
+    def value(self, name: str) -> Any:
+        """Value of one of these parameters, as the scene has it."""
+        table, key = PLACES[name]
+        return getattr(getattr(self, table), key)
+
+    def expression(self, name: str) -> Expression | None:
+        """The expression in t that a parameter is given by, where it is given by text."""
+        value = self.value(name)
+        place = ".".join(("loads", *PLACES[name]))
+        return Expression(value, "t", place) if isinstance(value, str) else None
 
 
 class Initial(Table):

@@ -1,0 +1,131 @@
+"""Derivation 3, what its two forms share: the system that the constraints of a chain lead to.
+
+Links (or, where all mass sits at their ends, joints) move freely and are held together by
+constraints. LagrangesMethod with ``hol_coneqs`` on a generic cell gives the equations of motion
+with multipliers and the constraints on the accelerations; putting the first into the second
+leaves a symmetric positive definite block-tridiagonal system for the multipliers, so that
+accelerations cost O(n).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sympy import (
+    Add,
+    Eq,
+    Expr,
+    IndexedBase,
+    Integer,
+    Matrix,
+    Piecewise,
+    S,
+    Symbol,
+    expand,
+    factor_terms,
+)
+from sympy.physics.mechanics import LagrangesMethod
+
+from .chain import Vector
+from .general import Array, Equations, drag_x, drag_y
+from .loads import follower_force, tip_force, weight
+from .symbols import i, n, phi, s
+
+# Multipliers: the force in joint s over the mass of a link [m/s^2], with which it pulls the link
+# before it; the tension in link i over the mass of a link.
+lambda_x, lambda_y = IndexedBase("lambda_x", real=True), IndexedBase("lambda_y", real=True)
+tension = IndexedBase("tension", real=True)
+# Moment of springs and dampers on link i, and its angular acceleration.
+link_moment = IndexedBase("link_moment", real=True)
+alpha = IndexedBase("alpha", real=True)
+# Without joint forces: angular acceleration of link i, and the acceleration of its ends towards
+# its middle.
+free_alpha = IndexedBase("free_alpha", real=True)
+pull_x, pull_y = IndexedBase("pull_x", real=True), IndexedBase("pull_y", real=True)
+# Acceleration of a joint, without tensions and with them.
+free_ax, free_ay = IndexedBase("free_ax", real=True), IndexedBase("free_ay", real=True)
+joint_ax, joint_ay = IndexedBase("joint_ax", real=True), IndexedBase("joint_ay", real=True)
+
+
+@dataclass(frozen=True)
+class System:
+    """A symmetric block-tridiagonal system and what follows from its solution.
+
+    unknowns: arrays over ``index`` from low to high; diagonal, coupling: blocks of position index
+    with itself and with the next; right: right-hand side; start, end: what the unknowns are one
+    before low and one after high, where these are given; arrays: what the expressions refer to;
+    angular: acceleration of link i; base: that of joint 0, where it moves.
+    """
+
+    unknowns: tuple[IndexedBase, ...]
+    index: Symbol
+    low: Expr
+    high: Expr
+    diagonal: Matrix
+    coupling: Matrix
+    right: Matrix
+    start: tuple[Expr, ...]
+    end: tuple[Expr, ...]
+    arrays: dict[IndexedBase, Array]
+    angular: Expr
+    base: tuple[Expr, ...]
+
+
+def lagrange(energy: Expr, coordinates: list[Expr], gap: list[Expr]) -> tuple[Matrix, Matrix]:
+    """LagrangesMethod with constraints: M and the Jacobian of the constraints below it, and
+    what stands on the right of the constraints on the accelerations."""
+    method = LagrangesMethod(energy, coordinates, hol_coneqs=gap)
+    method.form_lagranges_equations()
+    size = len(coordinates)
+    full, right = method.mass_matrix_full, method.forcing_full
+    accelerations, multipliers = full[size:, size : 2 * size], full[size:, 2 * size :]
+    if multipliers[:size, :] != -accelerations[size:, :].T:
+        raise ArithmeticError(f"multipliers {multipliers} do not act along the constraints")
+    return accelerations, right[2 * size :, :]
+
+
+def weight_on(equations: Equations, mass: Expr) -> Vector:
+    """Gravity on a mass, where the scene has it."""
+    return weight(mass) if "gravity" in equations.terms else (S.Zero, S.Zero)
+
+
+def drag_at(equations: Equations, at: Expr, unit: Expr) -> Vector:
+    """External damping at a joint, where the scene has it, over a unit."""
+    if "external_damping" not in equations.terms:
+        return S.Zero, S.Zero
+    return drag_x[at] / unit, drag_y[at] / unit
+
+
+def tail_load(equations: Equations, unit: Expr) -> Vector:
+    """Loads at the tail over a unit."""
+    forces = [(S.Zero, S.Zero)]
+    if "follower" in equations.terms:
+        forces.append(follower_force(phi[n - 1]))
+    if "tip_load" in equations.terms:
+        forces.append(tip_force())
+    x, y = (Add(*parts) / unit for parts in zip(*forces, strict=True))
+    return x, y
+
+
+def arrays_of(equations: Equations) -> dict[IndexedBase, Array]:
+    low = Integer(equations.hold.first)
+    return {
+        **equations.arrays,
+        link_moment: Array(link_moment, i, low, n - 1, equations.link_moment),
+    }
+
+
+def at_first(position: Expr, there: Matrix, inside: Matrix) -> Matrix:
+    """Blocks that differ at the first position."""
+    pairs = zip(there, inside, strict=True)
+    return Matrix(*inside.shape, [Piecewise((a, Eq(s, position)), (b, True)) for a, b in pairs])
+
+
+def in_every_case(cases: Piecewise, term: Expr) -> Expr:
+    """A term added in every case."""
+    return Piecewise(*((e + term, c) for e, c in cases.args))
+
+
+def short(expression: Expr) -> Expr:
+    """Sums of like terms, common factors in front."""
+    return factor_terms(expand(expression))

@@ -1,0 +1,211 @@
+"""Derivation 3 for mass at the ends of the links: tensions as unknowns.
+
+The moment on a massless link fixes the force across it; what is left to find is its tension.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from typing import Any
+
+from sympy import (
+    Add,
+    And,
+    Eq,
+    Expr,
+    Integer,
+    Matrix,
+    Piecewise,
+    S,
+    Symbol,
+    expand,
+    eye,
+    solve,
+    symbols,
+    trigsimp,
+    zeros,
+)
+from sympy.physics.mechanics import dynamicsymbols
+
+from .calculus import TIME
+from .chain import BEFORE, combine, direction, lever
+from .general import Array, Equations, joint
+from .inertia import mean
+from .joint_system import (
+    System,
+    arrays_of,
+    drag_at,
+    free_ax,
+    free_ay,
+    in_every_case,
+    joint_ax,
+    joint_ay,
+    lagrange,
+    link_moment,
+    short,
+    tail_load,
+    tension,
+    weight_on,
+)
+from .symbols import i, m, n, omega, phi, xi
+
+
+@dataclass(frozen=True)
+class _Bar:
+    """A massless link at the angle phi with the rate omega between two masses, and the force in
+    it, with which it pulls the mass before it and pushes the mass after it.
+
+    along: direction of the tension; across: the part of the force across the link, by ``moment``
+    on it; stretch: along times the acceleration of the mass before it less that of the mass after
+    it; lean: times the opposite difference, the angular acceleration.
+    """
+
+    phi: Symbol
+    omega: Symbol
+    moment: Symbol
+    along: Matrix
+    across: Matrix
+    stretch: Expr
+    lean: Matrix
+
+
+@cache
+def _two_masses() -> _Bar:
+    """LagrangesMethod on two masses and a massless link that reaches from one to the other."""
+    x_a, y_a, turned, x_b, y_b = q = dynamicsymbols("x_a y_a phi x_b y_b", real=True)
+    masses = symbols("m_a m_b", positive=True)
+    ends = ((x_a, y_a), (x_b, y_b))
+    squares = [sum(c.diff(TIME) ** 2 for c in end) for end in ends]
+    energy = Add(*(mass / 2 * square for mass, square in zip(masses, squares, strict=True)))
+    reach = combine(ends[0], [lever(BEFORE, xi)], [turned])
+    rows, right = lagrange(energy, list(q), [a - b for a, b in zip(reach, ends[1], strict=True)])
+    jacobian = rows[5:, :]
+    if jacobian[:, :2] != eye(2) or jacobian[:, 3:] != -eye(2) or not rows[2, :5].is_zero_matrix:
+        raise ArithmeticError(f"two masses are not held as assumed: {rows}")
+    along = Matrix(direction(turned))
+    normal = along.diff(turned)
+    tau, T, V = symbols("tau T V", real=True)
+
+    def product(a: Matrix, b: Matrix) -> Expr:
+        return trigsimp(expand((a.T * b)[0]))
+
+    # A link without inertia: what the force in it does to its angle balances the moment on it.
+    (across,) = solve(product(jacobian[:, 2], T * along + V * normal) + tau, V)
+    reach_rate = product(normal, jacobian[:, 2])
+    if product(along, jacobian[:, 2]) != 0 or product(normal, right) != 0:
+        raise ArithmeticError(f"turning a link changes its length: {jacobian}, {right}")
+    angle, rate = symbols("phi omega", real=True)
+    names = {turned.diff(TIME): rate, turned: angle}
+    return _Bar(
+        phi=angle,
+        omega=rate,
+        moment=tau,
+        along=along.subs(names),
+        across=(across * normal).subs(names),
+        stretch=product(along, right).subs(names),
+        lean=(normal / reach_rate).subs(names),
+    )
+
+
+@dataclass(frozen=True)
+class Tensions:
+    """The system of a chain of massless links between masses in the joints."""
+
+    equations: Equations
+
+    def _at(self, expression: Any, link: Expr) -> Any:
+        bar = _two_masses()
+        return expression.subs({bar.phi: phi[link], bar.omega: omega[link]})
+
+    @property
+    def _masses(self) -> tuple[Expr, Expr]:
+        """What a link adds to the mass of the joint before it and of that after it."""
+        after = m * mean(self.equations.inertia, xi)
+        return m - after, after
+
+    def _at_joint(
+        self, link: Callable[[Expr], Matrix], other: Callable[[Expr], Matrix], held: Matrix
+    ) -> Matrix:
+        """Acceleration of a joint by forces in the links at it and by other forces, both over m,
+        with its cases; ``held``: that of a joint that is held."""
+        hold, (starting, ending) = self.equations.hold, self._masses
+
+        def share(mass: Expr, force: Matrix) -> Matrix:
+            return (force * (m / mass)).applyfunc(short)
+
+        inner = share(starting + ending, link(joint) - link(joint - 1) + other(joint))
+        tail = share(ending, other(n) - link(n - 1))
+        start = share(starting, link(Integer(0)) + other(Integer(0)))
+        first, last = Eq(joint, hold.first), Eq(joint, n)
+        rows = zip(start if hold.translates else held, tail, inner, strict=True)
+        return Matrix([Piecewise((a, first), (b, last), (c, True)) for a, b, c in rows])
+
+    def _load(self, at: Expr) -> Matrix:
+        """Forces on a joint over m, without its weight."""
+        tail = Matrix(tail_load(self.equations, m)) if at == n else zeros(2, 1)
+        return Matrix(drag_at(self.equations, at, m)) + tail
+
+    def _falling(self) -> Matrix:
+        """Acceleration of free fall; that of joints below is less this, so that gravity is only
+        seen where a joint is held."""
+        return Matrix(weight_on(self.equations, S.One))
+
+    def _free(self) -> Matrix:
+        """Acceleration of a joint without tensions."""
+        bar = _two_masses()
+
+        def across(link: Expr) -> Matrix:
+            return self._at(bar.across.subs(bar.moment, link_moment[link]), link) / m
+
+        return self._at_joint(across, self._load, -self._falling())
+
+    @cached_property
+    def system(self) -> System:
+        """One equation for every moving link."""
+        bar, hold, (starting, ending) = _two_masses(), self.equations.hold, self._masses
+        first = Integer(hold.first)
+        along = self._at(bar.along, i)
+        free = Matrix([free_ax[i] - free_ax[i + 1], free_ay[i] - free_ay[i + 1]])
+        right = self._at(bar.stretch, i) - (along.T * free)[0]
+        near, inner, far = m / starting, m / (starting + ending), m / ending
+        near = near if hold.translates else S.Zero
+        diagonal = Piecewise(
+            (near + far, And(Eq(i, first), Eq(i, n - 1))),
+            (near + inner, Eq(i, first)),
+            (inner + far, Eq(i, n - 1)),
+            (inner + inner, True),
+        )
+        coupling = -inner * (along.T * self._at(bar.along, i + 1))[0]
+
+        def pull(link: Expr) -> Matrix:
+            return self._at(bar.along, link) * tension[link]
+
+        moves = self._at_joint(pull, lambda _: zeros(2, 1), zeros(2, 1))
+        moves = [
+            in_every_case(e, base[joint]) for e, base in zip(moves, (free_ax, free_ay), strict=True)
+        ]
+        over = Array(joint_ax, joint, first, n, S.Zero)
+        arrays = {
+            base: replace(over, base=base, value=value)
+            for base, value in zip(
+                (free_ax, free_ay, joint_ax, joint_ay), (*self._free(), *moves), strict=True
+            )
+        }
+        base = Matrix([joint_ax[0], joint_ay[0]]) + self._falling()
+        opening = Matrix([joint_ax[i + 1] - joint_ax[i], joint_ay[i + 1] - joint_ay[i]])
+        return System(
+            unknowns=(tension,),
+            index=i,
+            low=first,
+            high=n - 1,
+            diagonal=Matrix([diagonal]),
+            coupling=Matrix([short(coupling)]),
+            right=Matrix([right]),
+            start=(),
+            end=(),
+            arrays=arrays_of(self.equations) | arrays,
+            angular=short((self._at(bar.lean, i).T * opening)[0]),
+            base=tuple(base) if hold.translates else (),
+        )
