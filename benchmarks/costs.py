@@ -27,6 +27,12 @@ assert numpy.isfinite(module.rhs(0.0, numpy.ones(len(module.STATE)), p)).all()
 PEAK = "import sys, costs; print(costs.peak(sys.argv[1], int(sys.argv[2])))"
 
 
+def costs(report: Report) -> None:
+    """Set-up from cold, and memory."""
+    cold(report)
+    memory(report)
+
+
 def cold(report: Report, links: int = 1000) -> None:
     """Derive, emit and compile with an empty cache, in processes of their own."""
     what = f"derive, emit, compile, load, cold, n={links}, all loads, C"
@@ -34,9 +40,9 @@ def cold(report: Report, links: int = 1000) -> None:
         out, env = Path(folder, "out"), {"RODGEN_CACHE": str(Path(folder, "cache"))}
         try:
             arguments = ["derive", str(links), "--target", "c", "--out", str(out)]
-            written, _ = _process(RODGEN, arguments, **env)
+            written, _ = process(RODGEN, arguments, **env)
             module = next(out.glob("rod_*.py"))
-            compiled, _ = _process(LOAD, [str(module)], **env)
+            compiled, _ = process(LOAD, [str(module)], **env)
         except (RuntimeError, StopIteration) as error:
             report.note(what, "-", "at most 15 s", f"cannot be had: {error}")
             return
@@ -49,7 +55,7 @@ def memory(report: Report, links: int = 100_000) -> None:
     for target in ("c", "numpy"):
         what = f"memory of one evaluation, {target}, n={links}"
         try:
-            few, many = (int(_process(PEAK, [target, str(n)])[1]) for n in (links // 10, links))
+            few, many = (int(process(PEAK, [target, str(n)])[1]) for n in (links // 10, links))
         except RuntimeError as error:
             report.note(what, "-", "works, O(n)", f"cannot be had: {error}")
             continue
@@ -83,8 +89,8 @@ def _peak() -> int:
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
-def _process(code: str, arguments: list[str], **env: str) -> tuple[float, str]:
-    """Wall time and output of a Python process; RuntimeError with its last line if it fails."""
+def process(code: str, arguments: list[str], **env: str) -> tuple[float, str]:
+    """Wall time and output of a Python process; RuntimeError with its error if it fails."""
     start = time.perf_counter()
     made = subprocess.run(
         [sys.executable, "-c", code, *arguments],
@@ -98,6 +104,7 @@ def _process(code: str, arguments: list[str], **env: str) -> tuple[float, str]:
         },
     )
     if made.returncode:
-        lines = [line for line in made.stderr.splitlines() if line.strip()]
-        raise RuntimeError(lines[-1] if lines else f"exit status {made.returncode}")
+        told = made.stderr.rpartition("Traceback")[2].splitlines()  # all of it where there is none
+        lines = [line for line in told if line.strip() and not line.startswith(" ")]
+        raise RuntimeError(lines[0] if lines else f"exit status {made.returncode}")
     return time.perf_counter() - start, made.stdout

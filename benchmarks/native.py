@@ -7,6 +7,7 @@ import os
 import shlex
 import subprocess
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -17,8 +18,11 @@ import numpy as np
 from problem import Vector
 from timing import Batch
 
+import rodgen
+from rodgen.loading import BuildError, sources
+
 HERE = Path(__file__).parent
-FLAGS = ("-O3", "-march=native", "-fno-math-errno")  # where no module names its own
+_SHARED = ("-std=c99", "-fPIC", "-shared")  # as the C target is built
 _POINTER = ctypes.POINTER(ctypes.c_double)
 
 
@@ -41,61 +45,60 @@ class Native:
         return lambda number: float(loop(*arguments, ctypes.c_long(number)))
 
 
-def compiled(source: Path, name: str, flags: tuple[str, ...] = FLAGS) -> Native:
-    """A function of a C file, compiled with these flags and loaded."""
-    folder = Path(tempfile.mkdtemp(prefix="rodgen-bench-", dir=_scratch()))
-    path = folder / f"{source.stem}.so"
+def compiled(texts: Mapping[str, str], name: str, flags: tuple[str, ...]) -> Native:
+    """A function of C files, of which the first is compiled with these flags, and loaded."""
+    folder = Path(tempfile.mkdtemp(dir=_scratch().name))
+    for file, text in texts.items():
+        (folder / file).write_text(text)
     compiler = shlex.split(os.environ.get("CC", "cc"))
-    command = [*compiler, "-std=c99", "-fPIC", "-shared", *flags, str(source), "-o", str(path)]
-    made = subprocess.run([*command, "-lm"], capture_output=True, text=True)
+    command = [*compiler, *_SHARED, *flags, next(iter(texts)), "-o", "library.so", "-lm"]
+    try:
+        made = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    except OSError as error:
+        raise BuildError(f"{shlex.join(command)}: {error.strerror}") from error
     if made.returncode:
-        raise RuntimeError(f"{' '.join(command)} failed:\n{made.stderr}")
-    return loaded(path, name)
-
-
-def loaded(path: Path, name: str) -> Native:
-    """A function of a library."""
-    library = ctypes.CDLL(str(path))
+        raise BuildError(f"{shlex.join(command)} failed:\n{made.stderr}")
+    library = ctypes.CDLL(str(folder / "library.so"))
     function = library[name]
     function.restype = None
     return Native(function, library)
 
 
 def of_module(module: ModuleType) -> Native:
-    """The right-hand side of a module of the C target: in the library that it has loaded, or
-    else compiled from its C file with its flags."""
-    source = Path(str(module.__file__)).with_suffix(".c")
-    name = f"{source.stem}_rhs"
-    library = getattr(module, "LIBRARY", None)
-    return loaded(Path(library), name) if library else compiled(source, name, flags_of(module))
+    """The right-hand side of a module of the C target, its C file compiled as it is there."""
+    structure = rodgen.Structure(module.N, module.BOUNDARY, module.INERTIA, module.TERMS)
+    texts = sources(structure, "c")
+    source = next(name for name in texts if name.endswith(".c"))
+    files = {source: texts[source]} | {name: texts[name] for name in texts if name.endswith(".h")}
+    return compiled(files, f"{Path(source).stem}_rhs", flags_of(module))
 
 
-def yardstick(links: int, flags: tuple[str, ...] = FLAGS) -> Native:
+def yardstick(links: int, flags: tuple[str, ...]) -> Native:
     """The plain elimination for so many links."""
-    return compiled(HERE / "yardstick.c", "yardstick_rhs", (*flags, f"-DN={links}"))
+    file = HERE / "yardstick.c"
+    return compiled({file.name: file.read_text()}, "yardstick_rhs", (*flags, f"-DN={links}"))
 
 
 def flags_of(module: ModuleType) -> tuple[str, ...]:
-    """The flags of a module of the C target."""
-    flags = module.FLAGS
-    return tuple(flags.split() if isinstance(flags, str) else flags)
+    """The flags that a module of the C target is compiled with on this machine."""
+    if hasattr(module, "_flag_sets"):
+        first: tuple[str, ...] = module._flag_sets(module._processor())[0]
+        return first
+    return tuple(module.FLAGS)
 
 
 @lru_cache(maxsize=1)
 def _loop() -> Any:
-    loop = compiled(HERE / "loop.c", "loop").function
+    file = HERE / "loop.c"
+    loop = compiled({file.name: file.read_text()}, "loop", ("-O2",)).function
     loop.restype = ctypes.c_double
     return loop
 
 
 @lru_cache(maxsize=1)
-def _folder() -> tempfile.TemporaryDirectory[str]:
-    return tempfile.TemporaryDirectory(prefix="rodgen-bench-")
-
-
-def _scratch() -> str:
+def _scratch() -> tempfile.TemporaryDirectory[str]:
     """Removed when the benchmark ends."""
-    return _folder().name
+    return tempfile.TemporaryDirectory(prefix="rodgen-bench-")
 
 
 def _pointer(values: Vector) -> ctypes._Pointer[ctypes.c_double]:

@@ -1,4 +1,4 @@
-"""The rod that is timed: values of its parameters, and random states of it."""
+"""The rods that are timed: values of their parameters, and random states of them."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ Vector = NDArray[np.float64]
 
 FOLLOWER = ("follower",)
 ALL = ("follower", "gravity", "internal_damping", "external_damping")  # the thesis's
+LOADS = ((FOLLOWER, "follower"), (ALL, "all loads"))
 
 VALUES = {
     "mass": 50.0,
@@ -24,17 +25,21 @@ VALUES = {
     "gravity": 9.81,
     "internal_damping": 0.1,
     "external_damping": 0.5,
+    "clamp_angle": 0.2,
 }
 # As the yardstick and the peers hold them.
 P = np.array([VALUES[name] for name in list(VALUES)[:5]])
 
 
 def built(
-    links: int, terms: tuple[str, ...] = FOLLOWER, target: str = "numpy", form: str = "chain"
+    links: int,
+    terms: tuple[str, ...] = FOLLOWER,
+    target: str = "numpy",
+    form: str = "chain",
+    kind: tuple[str, str] = ("free", "uniform"),
 ) -> ModuleType:
-    """The module of a free uniform rod. Raises rodgen.SceneError where there is none."""
-    how = {"target": target} | ({} if form == "chain" else {"form": form})
-    module: ModuleType = rodgen.build(rodgen.Structure(links, terms=terms), **how)
+    """The module of a rod. Raises BuildError where there is none."""
+    module: ModuleType = rodgen.build(rodgen.Structure(links, *kind, terms), target, form)
     return module
 
 
@@ -45,10 +50,12 @@ def packed(module: ModuleType, **other: Any) -> Vector:
     return p
 
 
-def state(links: int, spread: float = 0.1, speed: float = 0.1, seed: int = 1) -> Vector:
-    """A random state of a free rod."""
+def state(
+    links: int, spread: float = 0.1, speed: float = 0.1, seed: int = 1, base: int = 2
+) -> Vector:
+    """A random state of a free rod, or with a base of 0 of one whose start does not move."""
     draw = np.random.default_rng(seed)
-    half = links + 2
+    half = links + base
     return np.concatenate([spread * draw.normal(size=half), speed * draw.normal(size=half)])
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from rich.table import Table
 
-MISSING = (RuntimeError, ValueError, TypeError)  # refused, not compiled, not offered yet
+from rodgen.loading import BuildError
 
 
 class Report:
@@ -26,13 +26,22 @@ class Report:
             what, shown, asked, f"met, {ratio}" if value <= limit else f"NOT: {ratio}"
         )
 
-    def time(self, what: str, seconds: float, limit: float) -> None:
-        """A time that has a limit."""
-        self.row(what, seconds, limit, duration(seconds), f"at most {duration(limit)}")
+    def time(self, what: str, seconds: float, limit: float | None = None) -> None:
+        """A time that may have a limit."""
+        if limit is None:
+            self.note(what, duration(seconds))
+        else:
+            self.row(what, seconds, limit, duration(seconds), f"at most {duration(limit)}")
 
     def note(self, what: str, shown: str, asked: str = "", verdict: str = "") -> None:
         """A row without a verdict of its own."""
         self.table.add_row(what, shown, asked, verdict)
+
+    def agree(self, what: str, off: float, limit: float, other: str) -> bool:
+        """Whether a result differs by less than the limit; a row says so where it does not."""
+        if not off < limit:
+            self.note(what, "not timed", verdict=f"NOT: differs from {other} by {off:.1e}")
+        return off < limit
 
     def module(
         self, what: str, make: Callable[..., ModuleType], *arguments: Any, **named: Any
@@ -40,7 +49,7 @@ class Report:
         """A module, or None with a row that says why there is none."""
         try:
             return make(*arguments, **named)
-        except MISSING as error:
+        except BuildError as error:
             self.note(what, "-", verdict=f"cannot be had: {str(error).splitlines()[0]}")
             return None
 

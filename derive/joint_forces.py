@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
-from sympy import Expr, Integer, Matrix, S, Symbol, expand, symbols, trigsimp
+from sympy import Expr, Integer, Matrix, S, Symbol, expand, simplify, symbols, trigsimp
 from sympy.physics.mechanics import dynamicsymbols
 
 from .calculus import TIME
@@ -17,6 +17,9 @@ from .joint_system import (
     alpha,
     arrays_of,
     at_first,
+    block_xx,
+    block_xy,
+    block_yy,
     drag_at,
     free_alpha,
     lagrange,
@@ -33,6 +36,7 @@ from .symbols import i, m, n, omega, phi, s, xi
 from .tensions import Tensions
 
 
+@cache
 def joint_system(equations: Equations) -> System:
     """The system of a chain: 2x2 blocks of joint forces or, where all mass of a link sits at its
     ends, a scalar one of tensions."""
@@ -120,6 +124,31 @@ class JointForces:
         drag = Matrix(drag_at(self.equations, link + 1, m))
         return cell.inverse * own + self._of(drag, cell.end, link)
 
+    def accelerations(self, link: Expr) -> Matrix:
+        """Accelerations of a link, of its centre of gravity and of its angle, by all forces."""
+        cell = self._cell
+        start, end = (Matrix([lambda_x[at], lambda_y[at]]) for at in (link, link + 1))
+        return self._free(link) + self._of(start, cell.start, link) + self._of(end, cell.end, link)
+
+    @property
+    def unit(self) -> Expr:
+        """What the multipliers are forces over."""
+        return m
+
+    def ends(self, link: Expr) -> Matrix:
+        """Part of a link in the constraint of the joint after it, its angular acceleration as it
+        is."""
+        return self._constraint(self._cell.end, self._cell.end_rate, link)
+
+    def starts(self, link: Expr) -> Matrix:
+        """Part of a link in the constraint of the joint before it."""
+        return self._constraint(self._cell.start, self._cell.start_rate, link)
+
+    def _constraint(self, jacobian: Matrix, rate: Matrix, link: Expr) -> Matrix:
+        moving = self.accelerations(link)
+        moving[2] = alpha[link]
+        return self._at(jacobian, link) * moving - self._at(rate, link)
+
     def _right(self, jacobian: Matrix, rate: Matrix, link: Expr) -> tuple[Matrix, Matrix]:
         """What a link adds to the right-hand side of a joint: by turning, and by moving."""
         jacobian, free = self._at(jacobian, link), self._free(link)
@@ -143,15 +172,23 @@ class JointForces:
         if pull.subs(s, s + 1) != other:
             raise ArithmeticError(f"a link does not pull at both ends alike: {pull}, {other}")
         pulls = Matrix([pull_x[s - 1] + pull_x[s], pull_y[s - 1] + pull_y[s]])
-        diagonal = (before + after).applyfunc(short)
+        if before.subs(s, s + 1) != after:
+            raise ArithmeticError(f"a link is not alike at both ends: {before}, {after}")
+        own = Matrix(2, 2, [block_xx[s], block_xy[s], block_xy[s], block_yy[s]])
+        diagonal = own.subs(s, s - 1) + own
         right = pulls + (end_moves + start_moves).applyfunc(short)
         if not hold.translates:
             first = Integer(hold.first)
             alone = Matrix([pull_x[first], pull_y[first]]) + start_moves.subs(s, first)
-            diagonal = at_first(first, after.subs(s, first), diagonal)
+            diagonal = at_first(first, own.subs(s, first), diagonal)
             right = at_first(first, alone.applyfunc(short), right)
         link = Array(alpha, i, Integer(hold.first), n - 1, S.Zero)
+        entries = [after.subs(s, i)[at] for at in (0, 1, 3)]
         arrays = {
+            base: replace(link, base=base, value=value)
+            for base, value in zip((block_xx, block_xy, block_yy), entries, strict=True)
+        }
+        arrays |= {
             free_alpha: replace(link, base=free_alpha, value=short(self._free(i)[2])),
             pull_x: replace(link, base=pull_x, value=short(other[0].subs(s, i))),
             pull_y: replace(link, base=pull_y, value=short(other[1].subs(s, i))),
@@ -165,7 +202,7 @@ class JointForces:
             low=Integer(hold.first_force),
             high=n - 1,
             diagonal=diagonal,
-            coupling=self._block(cell.start, cell.end, s),
+            coupling=_by_block(self._block(cell.start, cell.end, s), after, own),
             right=right,
             start=start if hold.translates else (),
             end=tail_load(self.equations, m),
@@ -183,3 +220,12 @@ class JointForces:
         there = sign * (self._at(cell.start, i) * moving - self._at(cell.start_rate, i))
         given = dict(zip((lambda_x[0], lambda_y[0]), start, strict=True))
         return tuple(short(e.subs(i, 0).xreplace(given)) for e in there)
+
+
+def _by_block(coupling: Matrix, after: Matrix, own: Matrix) -> Matrix:
+    """The coupling of two joints by what their link adds to the diagonal, from which it differs by
+    numbers alone."""
+    difference = (coupling - after).applyfunc(simplify)
+    if difference.free_symbols:
+        return coupling
+    return own + difference

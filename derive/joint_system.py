@@ -42,6 +42,9 @@ alpha = IndexedBase("alpha", real=True)
 # its middle.
 free_alpha = IndexedBase("free_alpha", real=True)
 pull_x, pull_y = IndexedBase("pull_x", real=True), IndexedBase("pull_y", real=True)
+# What link i adds to the diagonal block of the joints at its ends.
+block_xx, block_xy = IndexedBase("block_xx", real=True), IndexedBase("block_xy", real=True)
+block_yy = IndexedBase("block_yy", real=True)
 # Acceleration of a joint, without tensions and with them.
 free_ax, free_ay = IndexedBase("free_ax", real=True), IndexedBase("free_ay", real=True)
 joint_ax, joint_ay = IndexedBase("joint_ax", real=True), IndexedBase("joint_ay", real=True)

@@ -26,6 +26,7 @@ from .loads import TERMS
 from .points import TURNED, evaluate, pythagorean
 from .symbols import ALPHA, C_INT, F_TIP, NU, G, P, i, k, l, m, n, omega, phi
 
+
 def prove_joint_forces(
     links: int, boundary: str, inertia: str, terms: Sequence[str] = TERMS, seed: int = 1
 ) -> Iterator[Comparison]:

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from rodgen.scene import Scene
+from rodgen.scene.tables import TABLES
 
 ROOT = Path(__file__).parents[1]
 
@@ -32,6 +33,7 @@ LOADS: dict[str, dict[str, Any]] = {
     "gravity": {"g": 9.81},
     "internal_damping": {"coefficient": 0.2},
     "external_damping": {"coefficient": 0.7, "fin_factor": {"tail": 5.0}},
+    "tip_load": {"x": 6.0, "y": "-4*cos(3*t)"},
 }
 
 
@@ -57,7 +59,7 @@ def make_scene() -> Callable[..., Scene]:
                 "boundary": boundary,
                 **(rod or {}),
             },
-            "loads": {term: copy.deepcopy(LOADS[term]) for term in terms},
+            "loads": {TABLES[term]: copy.deepcopy(LOADS[term]) for term in terms},
             "initial": {"phi": "0.4*cos(pi*s)", "omega": "0.5*s", **(initial or {})},
             "integrate": {"span": [0.0, 1.0], "rtol": 1e-10, "atol": 1e-12, **integrate},
         }

@@ -29,7 +29,7 @@ def prepare(n: int) -> Prepared:
     return Prepared(rhs, calls(partial(_rhs, 0.0, y, P, dy, work)))
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", fastmath={"contract"})  # as the flags of the C target
 def _rhs(t, y, p, dy, work):  # type: ignore[no-untyped-def]
     c, s, torque, wx, wy, g11, g12, g21, g22, q = work[:10]
     n = len(c)

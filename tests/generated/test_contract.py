@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -13,9 +14,21 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rodgen.loading import load_module
+from rodgen.scene.structure import BOUNDARIES, INERTIAS, TERMS, Structure
 
+Built = Callable[..., ModuleType]
 GENERATED = Path(__file__).parents[2] / "generated"
-STEMS = ("rod_free_n5", "rod_free_n5_conservative", "rod_cantilever_n5")
+STEMS = (
+    "rod_free_n5",
+    "rod_free_n5_conservative",
+    "rod_free_n5_dense",
+    "rod_free_n5_c",
+    "rod_cantilever_n5",
+    "rod_clamped_n5_tip_load_lumped",
+)
+EVERY_TARGET = pytest.mark.parametrize(
+    "target", [("numpy", "chain"), ("numpy", "dense"), ("c", "chain")], ids="-".join
+)
 VALUES = {"mass": 3.0, "length": 2.0, "bending_stiffness": 30.0}
 LOADS = {"follower_force": 20.0, "internal_damping": 0.1, "external_damping": 0.5}
 
@@ -41,6 +54,7 @@ values = dict({values!r})
 p = rod.parameters(**values)
 y = np.linspace(0.1, 0.4, len(rod.STATE))
 assert np.isfinite(rod.rhs(0.0, y, p)).all()
+assert np.isfinite(rod.jac(0.0, y, p)).all()
 assert all(np.isfinite(e) for e in rod.energy(y, p))
 print(sorted(m for m in sys.modules if m.split(".")[0] in ("rodgen", "sympy")))
 """
@@ -66,8 +80,10 @@ def test_names_and_shapes(stem: str) -> None:
     rod = load_module(GENERATED / f"{stem}.py")
     p = rod.parameters(**_values(rod))
     states = len(rod.STATE)
-    assert (rod.N, rod.INERTIA) == (5, "uniform")
+    assert (rod.N, rod.INERTIA == "lumped") == (5, stem.endswith("lumped"))
     assert rod.BOUNDARY in stem
+    assert rod.PROVENANCE["target"] == ("c" if stem.endswith("_c") else "numpy")
+    assert rod.PROVENANCE["form"] == ("dense" if stem.endswith("_dense") else "chain")
     assert len(p) == len(rod.PARAMETERS)
     y = np.random.default_rng(2).normal(size=states)
     assert rod.rhs(0.0, y, p).shape == (states,)
@@ -75,7 +91,8 @@ def test_names_and_shapes(stem: str) -> None:
     mass = rod.mass_matrix(y, p)
     np.testing.assert_array_equal(mass, mass.T)
     assert np.linalg.eigvalsh(mass).min() > 0
-    solution = solve_ivp(rod.rhs, (0.0, 0.1), y, args=(p,))
+    assert rod.jac(0.0, y, p).shape == (states, states)
+    solution = solve_ivp(rod.rhs, (0.0, 0.1), y, "Radau", args=(p,), jac=rod.jac)
     assert solution.success
 
 
@@ -149,43 +166,136 @@ def test_defaults() -> None:
     assert all(p[f"fin_factor_{k}"] == 1.0 for k in range(6))
 
 
+# States and parameters, by target -----------------------------------------------------------------
+
+
+def _rod(built: Built, target: tuple[str, str]) -> tuple[ModuleType, np.ndarray]:
+    rod = built(Structure(5), *target)
+    return rod, rod.parameters(**VALUES, **LOADS)
+
+
+@EVERY_TARGET
+@pytest.mark.parametrize("function", ["rhs", "jac"])
 @pytest.mark.parametrize(
     ("y", "error"),
     [
         (np.zeros(13), ValueError),
+        (np.zeros(15), ValueError),
         (np.zeros((2, 14)), ValueError),
+        (np.zeros((1, 14)), ValueError),
+        (np.float64(1.0), ValueError),
         (np.zeros(14, dtype=complex), TypeError),
+        (np.zeros(14, dtype=bool), TypeError),
         (np.array(["a"] * 14), TypeError),
+        (np.array([None] * 14), TypeError),
     ],
 )
-def test_states_that_are_none_are_refused(y: np.ndarray, error: type[Exception]) -> None:
-    rod = load_module(GENERATED / "rod_free_n5.py")
+def test_states_that_are_none_are_refused(
+    built: Built, target: tuple[str, str], function: str, y: np.ndarray, error: type[Exception]
+) -> None:
+    rod, p = _rod(built, target)
     with pytest.raises(error, match="y has"):
-        rod.rhs(0.0, y, rod.parameters(**VALUES, **LOADS))
+        getattr(rod, function)(0.0, y, p)
 
 
-def test_parameters_of_another_module_are_refused() -> None:
-    rod = load_module(GENERATED / "rod_free_n5.py")
-    p = rod.parameters(**VALUES, **LOADS)
-    for function in (lambda q: rod.rhs(0.0, np.zeros(14), q), lambda q: rod.energy(np.zeros(14), q)):
-        with pytest.raises(ValueError, match=r"p has 3 values: must be the 14"):
-            function(p[:3])
+@EVERY_TARGET
+@pytest.mark.parametrize("function", ["rhs", "jac", "energy"])
+def test_parameters_of_another_module_are_refused(
+    built: Built, target: tuple[str, str], function: str
+) -> None:
+    rod, p = _rod(built, target)
+    time = () if function == "energy" else (0.0,)
+    for wrong in (p[:3], np.append(p, 1.0)):
+        with pytest.raises(ValueError, match=rf"p has {len(wrong)} values: must be the 14"):
+            getattr(rod, function)(*time, np.zeros(14), wrong)
+    for wrong, error in ((p.astype(complex), TypeError), (p.astype(str), TypeError)):
+        with pytest.raises(error, match="p has"):
+            getattr(rod, function)(*time, np.zeros(14), wrong)
 
 
-def test_states_of_other_make_give_the_same() -> None:
-    rod = load_module(GENERATED / "rod_free_n5.py")
-    p = rod.parameters(**VALUES, **LOADS)
-    y = np.arange(14.0)
-    expected = rod.rhs(0.0, y, p)
-    spread = np.zeros(28)
-    spread[::2] = y
-    for other in (list(range(14)), np.arange(14), spread[::2], y.astype(np.float32)):
-        np.testing.assert_array_equal(rod.rhs(0.0, other, p), expected)
+OTHER_MAKES: dict[str, Callable[[np.ndarray], object]] = {
+    "list": lambda x: [float(v) for v in x],
+    "tuple": tuple,
+    "integers": lambda x: x.astype(int),
+    "floats": lambda x: x.astype(np.float32),
+    "long doubles": lambda x: x.astype(np.longdouble),
+    "big-endian": lambda x: x.astype(">f8"),
+    "every second": lambda x: np.repeat(x, 2)[::2],
+    "backwards": lambda x: x[::-1].copy()[::-1],
+    "column": lambda x: np.tile(x, (2, 1)).T.copy()[:, 1],
+    "read-only": lambda x: np.frombuffer(x.tobytes()),
+    "not aligned": lambda x: np.frombuffer(b"x" + x.tobytes(), np.uint8)[1:].view(float),
+    "subclass": lambda x: x.view(type("Other", (np.ndarray,), {})),
+}
 
 
-def test_state_that_is_not_finite_gives_rates_that_are_not() -> None:
-    rod = load_module(GENERATED / "rod_free_n5.py")
-    y = np.zeros(14)
-    y[4] = math.nan
+@EVERY_TARGET
+@pytest.mark.parametrize("make", OTHER_MAKES)
+@pytest.mark.parametrize("function", ["rhs", "jac"])
+def test_states_and_parameters_of_other_make_give_the_same(
+    built: Built, target: tuple[str, str], function: str, make: str
+) -> None:
+    rod, p = _rod(built, target)
+    y, p = np.arange(14.0), np.ceil(p)
+    call, other = getattr(rod, function), OTHER_MAKES[make]
+    expected = call(0.0, y, p)
+    np.testing.assert_array_equal(call(0.0, other(y), p), expected)
+    np.testing.assert_array_equal(call(0.0, y, other(p)), expected)
+    assert y.tolist() == list(range(14))  # nothing writes into what it is given
+
+
+@pytest.mark.parametrize("target", ["numpy", "c"])
+@pytest.mark.parametrize(
+    ("boundary", "inertia"), [("free", "uniform"), ("cantilever", "lumped"), ("clamped", "uniform")]
+)
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_what_is_not_finite_is_seen_in_the_rates(
+    built: Built, point: type, target: str, boundary: str, inertia: str, value: float
+) -> None:
+    at = point(built(Structure(3, boundary, inertia, TERMS), target))
+    rod, half = at.module, len(at.y) // 2
     with np.errstate(all="ignore"):
-        assert np.isnan(rod.rhs(0.0, y, rod.parameters(**VALUES, **LOADS))[7:]).any()
+        for place, name in enumerate(rod.STATE):
+            y = at.y.copy()
+            y[place] = value
+            rates = rod.rhs(0.0, y, at.p)
+            # Rates do not depend on where joint 0 is; what its angles do is in the accelerations.
+            seen = rates[half:] if name.startswith("phi") else rates
+            assert name in ("x0", "y0") or not np.isfinite(seen).all(), name
+        for place, name in enumerate(rod.PARAMETERS):
+            p = at.p.copy()
+            p[place] = value
+            held = boundary != "free" and name == "fin_factor_0"  # of a joint that never moves
+            finite = np.isfinite(rod.rhs(0.0, at.y, p)).all()
+            # Infinite mass or length only make a rod slow: parameters() refuses them.
+            slow = math.isinf(value) and name in ("mass", "length")
+            assert held or slow or not finite, name
+
+
+@pytest.mark.parametrize("target", ["numpy", "c"])
+@pytest.mark.parametrize("inertia", INERTIAS)
+@pytest.mark.parametrize("angle", [1e4, 1e6, 1e9, -1e12])
+def test_many_turns_cost_only_the_digits_of_the_angles(
+    built: Built, point: type, target: str, inertia: str, angle: float
+) -> None:
+    at = point(built(Structure(3, "free", inertia, TERMS), target))
+    at.y[2:5] += angle
+    exact = np.array(at.exact_rhs(at.y), float)
+    off = np.abs(at.module.rhs(at.t, at.y, at.p) - exact)
+    # A unit in the last place of every angle, and of the sums of two that loads are taken at.
+    J = np.abs(at.module.jac(at.t, at.y, at.p)[:, 2:5]).sum(axis=1)
+    assert np.all(off <= 2 * np.spacing(abs(angle)) * J + 1e-13 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+@pytest.mark.parametrize("inertia", INERTIAS)
+def test_a_full_turn_changes_nothing(built: Built, point: type, boundary: str, inertia: str) -> None:
+    """Of angles that springs see only by their differences."""
+    at = point(built(Structure(3, boundary, inertia, TERMS)))
+    y, p = at.y.copy(), at.p.copy()
+    angles = [place for place, name in enumerate(at.module.STATE) if name.startswith("phi")]
+    y[angles] += 2 * np.pi
+    if "clamp_angle" in at.module.PARAMETERS:
+        p[at.module.PARAMETERS.index("clamp_angle")] += 2 * np.pi
+    one, two = at.module.rhs(0.0, at.y, at.p), at.module.rhs(0.0, y, p)
+    np.testing.assert_allclose(one, two, rtol=0, atol=1e-12 * np.abs(one).max())

@@ -24,33 +24,66 @@ from sympy.physics.mechanics import LagrangesMethod
 from rodgen.scene import structure
 
 CHAINS = [(b, links) for b in BOUNDARIES for links in range(1, 6) if links > BOUNDARIES[b].first]
+EVERY = pytest.mark.parametrize("inertia", inertia.INERTIAS)
 
 
+@EVERY
 @pytest.mark.parametrize(("boundary", "links"), CHAINS)
-def test_explicit_derivation_equals_the_closed_form(boundary: str, links: int) -> None:
-    held = {c.name: c.entries for c in prove_explicit(links, boundary, "uniform")}
-    moving = links - BOUNDARIES[boundary].first
-    size = moving + 2 * BOUNDARIES[boundary].translates
+def test_explicit_derivation_equals_the_closed_form(
+    boundary: str, links: int, inertia: str
+) -> None:
+    hold = BOUNDARIES[boundary]
+    held = {c.name: c.entries for c in prove_explicit(links, boundary, inertia)}
+    moving = links - hold.first
+    size = moving + 2 * hold.translates
     assert held["M"] == size**2
     assert held["Q"] == held["D_i"] == size * moving
-    assert held["K"] == size * links
-    assert held["F"] == held["A"] == held["D_e"] == size
+    assert held["K"] == size * (links + (hold.root > 0))
+    assert held["F"] == held["A"] == held["D_e"] == held["T"] == size
 
 
+@EVERY
 @pytest.mark.parametrize("boundary", BOUNDARIES)
-def test_any_n_equals_the_closed_form(boundary: str) -> None:
-    names = {c.name for c in prove_any_n(boundary, "uniform")}
-    assert names == {"M", "Q", "K", "joints", "F", "A", "D_i", "D_e", "D_e force law"}
+def test_any_n_equals_the_closed_form(boundary: str, inertia: str) -> None:
+    names = {c.name for c in prove_any_n(boundary, inertia)}
+    assert names == {"M", "Q", "K", "joints", "F", "T", "A", "D_i", "D_e", "D_e force law"}
 
 
-@pytest.mark.parametrize(("boundary", "links"), [("free", 61), ("cantilever", 200), ("free", 1)])
-def test_rational_points_equal_the_closed_form(boundary: str, links: int) -> None:
-    assert sum(c.entries for c in prove_at_points(links, boundary, "uniform")) >= 8
-
-
+@pytest.mark.parametrize("term", TERMS)
 @pytest.mark.parametrize("boundary", BOUNDARIES)
-def test_polynomial_matrices_give_what_plain_lagranges_method_gives(boundary: str) -> None:
-    derived = ExplicitDerivation(3, boundary)
+def test_every_term_is_proven_where_it_is_alone(boundary: str, term: str) -> None:
+    name = {"follower": "F", "tip_load": "T", "gravity": "A"}.get(term, f"D_{term[0]}")
+    for proof in (prove_any_n(boundary, "lumped", (term,)), prove_explicit(2, boundary, "lumped", (term,))):
+        names = {c.name for c in proof} - {"D_e force law"}
+        assert names == {"M", "Q", "K", "joints", name}
+
+
+@pytest.mark.parametrize(
+    ("boundary", "links", "inertia"),
+    [
+        ("free", 1, "uniform"),
+        ("free", 61, "uniform"),
+        ("cantilever", 200, "lumped"),
+        ("clamped", 1, "lumped"),
+        ("clamped", 80, "uniform"),
+        ("pinned", 1, "uniform"),
+        ("pinned", 100, "lumped"),
+    ],
+)
+def test_rational_points_equal_the_closed_form(boundary: str, links: int, inertia: str) -> None:
+    held = {c.name: c.entries for c in prove_at_points(links, boundary, inertia)}
+    assert set(held) >= {"M", "Q", "F", "T", "A", "D_e"}
+    assert ("K" in held) == (links > 1 or boundary == "clamped")
+    # Two of its links are drawn for an entry of Q.
+    assert all(count or (name, links) == ("Q", 1) for name, count in held.items())
+
+
+@EVERY
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+def test_polynomial_matrices_give_what_plain_lagranges_method_gives(
+    boundary: str, inertia: str
+) -> None:
+    derived = ExplicitDerivation(3, boundary, inertia)
     expr = derived.calculus.expr
     lagrangian = expr(derived.kinetic_energy - derived.spring_energy)
     plain = LagrangesMethod(lagrangian, derived.coordinates)
@@ -62,22 +95,38 @@ def test_polynomial_matrices_give_what_plain_lagranges_method_gives(boundary: st
     assert (forcing - plain.forcing).applyfunc(simplify).is_zero_matrix
 
 
+@EVERY
 @pytest.mark.parametrize("links", [1, 2, 3])
-def test_kinetic_energy_is_that_of_points_along_the_links(links: int) -> None:
-    """Energy by integrating over each link directly, without Calculus or collecting."""
-    derived = ExplicitDerivation(links, "free")
-    total = 0
-    for link in range(links):
-        x, y = (derived.calculus.expr(c) for c in derived.point(link, xi))
-        squared = expand(x.diff(TIME) ** 2 + y.diff(TIME) ** 2)
-        total += m / 2 * squared.integrate((xi, 0, 1))
+def test_kinetic_energy_is_that_of_points_along_the_links(links: int, inertia: str) -> None:
+    """Energy by integrating over each link directly, or by summing over the masses in the
+    joints, without Calculus or collecting."""
+    derived = ExplicitDerivation(links, "free", inertia)
+
+    def squared(point: Any) -> Any:
+        x, y = (derived.calculus.expr(c) for c in point)
+        return expand(x.diff(TIME) ** 2 + y.diff(TIME) ** 2)
+
+    if inertia == "uniform":
+        along = (squared(derived.point(link, xi)) for link in range(links))
+        total = sum(m / 2 * energy.integrate((xi, 0, 1)) for energy in along)
+    else:
+        masses = [m / 2, *[m] * (links - 1), m / 2]
+        total = sum(mass / 2 * squared(derived.joint(s)) for s, mass in enumerate(masses))
     assert simplify(total - derived.calculus.expr(derived.kinetic_energy)) == 0
 
 
-@pytest.mark.parametrize(("boundary", "links"), [("free", 4), ("cantilever", 5)])
-def test_general_entries_are_the_explicit_ones(boundary: str, links: int) -> None:
+@pytest.mark.parametrize(
+    ("boundary", "links", "inertia"),
+    [
+        ("free", 4, "uniform"),
+        ("cantilever", 5, "uniform"),
+        ("clamped", 3, "lumped"),
+        ("pinned", 4, "uniform"),
+    ],
+)
+def test_general_entries_are_the_explicit_ones(boundary: str, links: int, inertia: str) -> None:
     """Derivation 2 at a given n against derivation 1, entry by entry, without the closed form."""
-    one, two = ExplicitDerivation(links, boundary), Equations(boundary, "uniform", TERMS)
+    one, two = ExplicitDerivation(links, boundary, inertia), Equations(boundary, inertia, TERMS)
     first, base = BOUNDARIES[boundary].first, 2 * BOUNDARIES[boundary].translates
     angles = {phi[q]: angle for q, angle in enumerate(one.angles)}
     drag = {general.drag_x[q]: -x for q, (x, _) in enumerate(one.drag, start=one.first_joint)} | {
@@ -96,7 +145,7 @@ def test_general_entries_are_the_explicit_ones(boundary: str, links: int) -> Non
             velocity = two.velocity_link_link if a != b else mass * 0
             assert same(mass, at, one.mass_matrix[row][base + b - first])
             assert same(velocity, at, one.velocity_matrix[row][b - first])
-        for term in ("follower", "gravity"):
+        for term in ("follower", "gravity", "tip_load"):
             assert same(getattr(two, term).link, {i: a}, getattr(one, term)[row])
         assert same(two.external_damping.link, {i: a}, -one.external_damping[row])
     for axis in range(base):
@@ -131,6 +180,8 @@ WRONG = {
     "bending_row": "K",
     "F_base": "F",
     "F_link": "F",
+    "T_base": "T",
+    "T_link": "T",
     "A_base": "A",
     "A_link": "A",
     "D_e_base": "D_e",
@@ -152,6 +203,42 @@ def test_every_proof_catches_every_wrong_entry(
     with pytest.raises(DisagreementError) as error:
         list(PROOFS[proof](TERMS))
     assert re.match(rf"{WRONG[method]}\b", error.value.entry)
+
+
+HELD = {
+    "explicit": lambda: prove_explicit(4, "clamped", "lumped"),
+    "any n": lambda: prove_any_n("clamped", "lumped"),
+    "points": lambda: prove_at_points(70, "clamped", "lumped"),
+}
+
+
+def _wrong_root_spring(patch: pytest.MonkeyPatch) -> None:
+    right, by_hand = Equations.root_spring.func, ClosedForm.K
+    patch.setattr(Equations, "root_spring", property(lambda s: 3 * right(s)))
+    patch.setattr(ClosedForm, "K", lambda s: by_hand(replace(s, hold=replace(s.hold, root=6))))
+
+
+def _wrong_mass(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(ClosedForm, "M_link", _times(3)(ClosedForm.M_link))
+
+
+def _wrong_inertia(patch: pytest.MonkeyPatch) -> None:
+    patch.setitem(inertia.INERTIAS, "lumped", inertia.INERTIAS["uniform"])
+
+
+@pytest.mark.parametrize("proof", HELD)
+@pytest.mark.parametrize(
+    ("wrong", "entry"), [(_wrong_root_spring, "K"), (_wrong_mass, "M"), (_wrong_inertia, "M")]
+)
+def test_every_proof_catches_a_wrong_clamp_and_wrong_masses(
+    proof: str,
+    wrong: Callable[[pytest.MonkeyPatch], None],
+    entry: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    wrong(monkeypatch)
+    with pytest.raises(DisagreementError, match=rf"^{entry}\b"):
+        list(HELD[proof]())
 
 
 @pytest.mark.parametrize("proof", PROOFS)
@@ -212,6 +299,8 @@ def test_scene_and_derivation_offer_the_same() -> None:
     for boundary, hold in BOUNDARIES.items():
         offered = structure.BOUNDARIES[boundary]
         assert (hold.translates, hold.first) == (offered.translates, offered.first)
+        assert bool(hold.root) == offered.root_spring
+        assert hold.clamped == ("clamp_angle" in structure.BOUNDARY_PARAMETERS[boundary])
     offered_names = {*structure.ROD_PARAMETERS}
     for names in (structure.TERM_PARAMETERS | structure.BOUNDARY_PARAMETERS).values():
         offered_names |= set(names)

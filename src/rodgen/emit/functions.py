@@ -10,6 +10,7 @@ import sympy
 from sympy import Eq, Expr, Indexed, IndexedBase, Piecewise, S, Symbol
 
 from rodgen.derive.general import Equations, joint, joint_x, joint_y
+from rodgen.derive.implicit_form import UNKNOWNS, implicit_form
 from rodgen.derive.joint_forces import joint_system
 from rodgen.derive.joint_system import System, alpha, link_moment
 from rodgen.derive.quantities import Quantities
@@ -103,8 +104,8 @@ class Functions:
             return out
         rows = Domain((system.index,), self.low, self.high)
         starts = any(name.startswith("start") for name in self.ends)
-        ends = any(name.startswith("end") for name in self.ends)
-        low, high = self.low - starts, self.high - (not ends)
+        # Beyond the last row stands what is given there, be it zero.
+        low, high = self.low - starts, self.high - (not system.end)
         for r, c in self.pairs:
             out[f"diag_{axes[r]}{axes[c]}"] = rows, system.diagonal[r, c]
             if system.coupling[r, c] != system.coupling[c, r]:
@@ -194,6 +195,27 @@ class Functions:
         """The Jacobian by tangents of the chain form."""
         outputs, tangents, values = self.derivatives
         return self.compiler.compile(outputs, tangents=tangents, values=values)
+
+    def implicit(self) -> Program:
+        """Residual with joint forces as unknowns, and its blocks, by the names that the template
+        puts together."""
+        form, link = implicit_form(self.equations), self.compiler.link
+        outputs: Outputs = {f"residual_{r}": (link, e) for r, e in enumerate(form.residual)}
+        blocks = {
+            "angle": form.by_angle,
+            "rate": form.by_rate,
+            "unknown": form.by_unknown,
+            "velocity": form.by_velocity,
+        }
+        for name, matrices in blocks.items():
+            for at, matrix in enumerate(matrices.values()):
+                for r in range(matrix.rows):
+                    for c in range(matrix.cols):
+                        value = matrix[r, c].subs(n, self.links)
+                        if value != 0:
+                            outputs[f"by_{name}_{at}_{r}_{c}"] = link, value
+        cells = dict.fromkeys(map(str, UNKNOWNS), link)
+        return self.compiler.compile(outputs, given=cells)
 
     def mass(self) -> Program:
         """Entries of the mass matrix."""

@@ -106,6 +106,7 @@ def _context(structure: Structure, target: str, form: str, template: str) -> dic
         "rhs": functions.dense() if form == "dense" else functions.chain(),
         "jac": functions.jac(),
         "mass": functions.mass(),
+        "implicit": functions.implicit(),
         **functions.quantities(),
     }
     provenance = {

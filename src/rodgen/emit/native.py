@@ -15,7 +15,8 @@ def native(functions: Functions) -> dict[str, Any]:
     """Code of the functions, and what the templates need of the system."""
     width = functions.axes
     pivots = [f"pivot_{width[r]}{width[c]}" for r, c in functions.pairs]
-    codes = {"rhs": _rhs(functions, pivots), "batch": _batch(functions, pivots)}
+    ratios = [f"ratio_{r}{c}" for r in width for c in width]
+    codes = {"rhs": _rhs(functions, ratios), "batch": _batch(functions, ratios)}
     codes["jac"], tangents = _jac(functions, pivots)
     return {
         **{f"{name}_code": code for name, code in codes.items()},
@@ -76,7 +77,10 @@ def _rhs(functions: Functions, pivots: Iterable[str]) -> Code:
         length = cut["segments"] * cut["rows"] + 1
         padding |= dict.fromkeys(functions.solve.unknowns, (0, length))
     keep = [*functions.chain_outputs]
-    writer = LoopWriter(program.analysis, program.phases[:2], given, lambda _: False, keep, padding)
+    system = [] if padding else [*functions.matrix, *functions.right]
+    writer = LoopWriter(
+        program.analysis, program.phases[:2], given, lambda _: False, keep, padding, system
+    )
     return writer.code()
 
 
@@ -88,7 +92,12 @@ def _batch(functions: Functions, pivots: Iterable[str]) -> Code:
         given["fin_factor"] = Domain((i,), 0, functions.links)
     keep = [*functions.chain_outputs]
     writer = LoopWriter(
-        program.analysis, program.phases[:2], given, lambda name: name not in common, keep
+        program.analysis,
+        program.phases[:2],
+        given,
+        lambda name: name not in common,
+        keep,
+        system=[*functions.matrix, *functions.right],
     )
     return writer.code()
 

@@ -70,7 +70,8 @@ class Compiler:
         statements = analysis.run(outputs, tangents or {}, wanted)
         summed = {st.terms.name for st in statements if st.terms}
         kept = [st for st in statements if st.name not in summed]
-        return Analysed(analysis, statements, self._phases(analysis, kept))
+        known = [*wanted, *(f"d_{name}" for name in tangents or ())]
+        return Analysed(analysis, statements, self._phases(analysis, kept, known))
 
     def compile(
         self,
@@ -78,11 +79,13 @@ class Compiler:
         batch: bool = False,
         tangents: Mapping[str, frozenset[str]] | None = None,
         values: Iterable[str] | None = None,
+        given: Mapping[str, Domain] | None = None,
     ) -> Program:
-        """The same, written for NumPy; batch: for states along leading axes."""
+        """The same, written for NumPy; batch: for states along leading axes; given: arrays from
+        outside that do not start at link 0, in place of the unknowns."""
         analysed = self.analyse(outputs, tangents, values)
         analysis, statements = analysed.analysis, analysed.statements
-        given = dict.fromkeys(self.solve.unknowns, self.solve.domain)
+        given = given or dict.fromkeys(self.solve.unknowns, self.solve.domain)
         writer = Writer(analysis, statements, batch, given)
         for statement in statements:
             writer.write(statement)
@@ -93,9 +96,10 @@ class Compiler:
         return Program(kept, tuple(outputs), frozenset(reads - made), cost, analysed.phases)
 
     def _phases(
-        self, analysis: Analysis, statements: Iterable[Statement]
+        self, analysis: Analysis, statements: list[Statement], outputs: Iterable[str]
     ) -> tuple[tuple[Statement, ...], ...]:
         """Statements before any solution, after the first, and after that of the tangents."""
+        used: dict[str, set[str]] = {}
         phases: list[list[Statement]] = [[] for _ in range(3)]
         phase_of: dict[str, int] = {}
         for at, names in enumerate(self.solve.names, start=1):
@@ -105,5 +109,13 @@ class Compiler:
             if st.terms is not None:
                 uses |= analysis.uses(st.terms)
             phase_of[st.name] = max((phase_of.get(name, 0) for name in uses), default=0)
+            used[st.name] = uses
+        # As late as what reads it allows: less is kept over a solution.
+        needed = {name: phase_of[name] for name in outputs if name in used}
+        for st in reversed(statements):
+            phase = phase_of[st.name] = needed.get(st.name, phase_of[st.name])
+            for name in used[st.name] & used.keys():
+                needed[name] = min(needed.get(name, phase), phase)
+        for st in statements:
             phases[phase_of[st.name]].append(st)
         return tuple(map(tuple, phases))

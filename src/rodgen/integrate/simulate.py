@@ -52,8 +52,9 @@ def simulate(
 ) -> Solution:
     """Integrate a scene.
 
-    target: "c" or "numpy"; if not given, C where it can be built. overrides: values for the scene's [integrate] (method, span, step, rtol, atol, output_every);
-    model: a module built before; progress: called with the time [s] some ten times a second.
+    target: "c" or "numpy"; if not given, C where it can be built. overrides: values for the
+    scene's [integrate] (method, span, step, rtol, atol, output_every); model: a module built
+    before; progress: called with the time [s] some ten times a second.
 
     Raises SceneError for values that cannot be used, RunError where the state stops being finite
     or the method gives up, Interrupted on Ctrl-C; the last two carry the samples so far.

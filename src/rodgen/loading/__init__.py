@@ -3,4 +3,12 @@
 from rodgen.loading.build import build, build_fastest, sources
 from rodgen.loading.module import BuildError, load_files, load_module, load_text
 
-__all__ = ["BuildError", "build", "build_fastest", "load_files", "load_module", "load_text", "sources"]
+__all__ = [
+    "BuildError",
+    "build",
+    "build_fastest",
+    "load_files",
+    "load_module",
+    "load_text",
+    "sources",
+]

@@ -36,9 +36,7 @@ def build_fastest(scene: Scene | Structure) -> ModuleType:
         return build(scene, "numpy")
 
 
-def sources(
-    scene: Scene | Structure, target: str = "numpy", form: str = "chain"
-) -> dict[str, str]:
+def sources(scene: Scene | Structure, target: str = "numpy", form: str = "chain") -> dict[str, str]:
     """Texts of the generated module of a scene by file name, the Python module first; from the
     cache where they are there."""
     structure = scene.structure if isinstance(scene, Scene) else scene

@@ -17,7 +17,7 @@ CONTRACT = (
 
 
 class BuildError(RuntimeError):
-    """A C module that cannot be compiled or loaded; the message says why, and what else there is."""
+    """A C module that cannot be compiled or loaded: why, and what there is instead."""
 
 
 def load_files(texts: dict[str, str]) -> ModuleType:

@@ -1,0 +1,172 @@
+"""Derivation 3 with the joint forces kept as unknowns: what an implicit method needs.
+
+Every moving link is a cell of three unknowns: its angular acceleration and the force in the joint
+before it, over the mass of a link. The residual of a cell follows from the angles, rates and
+unknowns of its own and of the cells before and after it, so that its derivatives are
+block-tridiagonal: an index-1 differential-algebraic equation whose Newton steps cost O(n).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+from sympy import And, Eq, Expr, Indexed, Matrix, Piecewise, S
+
+from .general import (
+    Equations,
+    divisor,
+    drag_x,
+    drag_y,
+    joint,
+    joint_vx,
+    joint_vy,
+    rod_angle,
+)
+from .joint_forces import JointForces
+from .joint_system import alpha, drag_at, lambda_x, lambda_y, link_moment, short, tail_load
+from .loads import joint_angle
+from .symbols import i, n, omega, phi, s
+
+UNKNOWNS = (alpha, lambda_x, lambda_y)
+# Cells before, own and after; joints at the start and at the end of a link.
+NEIGHBOURS, JOINTS = (-1, 0, 1), (0, 1)
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Whether a link is the first of the moving ones, or the last."""
+
+    first: bool
+    last: bool
+
+
+@cache
+def implicit_form(equations: Equations) -> ImplicitForm:
+    """The implicit form of a chain, once for any number of links."""
+    return ImplicitForm(equations)
+
+
+@dataclass(frozen=True)
+class ImplicitForm:
+    """Residual of the cell of link i (rows: turning, and the joint before it in x and y), and its
+    derivatives by offset of the cell or joint: columns of angles and rates (3x1), of unknowns
+    (3x3), and of joint velocities (3x2, by which only external damping changes)."""
+
+    equations: Equations
+
+    @cached_property
+    def residual(self) -> Matrix:
+        """Zero for the accelerations and joint forces of the chain."""
+        return self._cases([self._residual(place) for place in self._places])
+
+    @cached_property
+    def by_angle(self) -> dict[int, Matrix]:
+        return {d: self._derivative([phi[i + d]], d) for d in NEIGHBOURS}
+
+    @cached_property
+    def by_rate(self) -> dict[int, Matrix]:
+        return {d: self._derivative([omega[i + d]], d) for d in NEIGHBOURS}
+
+    @cached_property
+    def by_unknown(self) -> dict[int, Matrix]:
+        return {d: self._derivative([u[i + d] for u in UNKNOWNS], d) for d in NEIGHBOURS}
+
+    @cached_property
+    def by_velocity(self) -> dict[int, Matrix]:
+        """By the velocities of joints i and i + 1."""
+        return {d: self._derivative([joint_vx[i + d], joint_vy[i + d]], 0) for d in JOINTS}
+
+    # Cases ------------------------------------------------------------------------------------
+
+    @property
+    def _places(self) -> tuple[_Place, ...]:
+        return _Place(True, True), _Place(True, False), _Place(False, True), _Place(False, False)
+
+    def _cases(self, values: Sequence[Matrix]) -> Matrix:
+        """A matrix by place, as one of Piecewise."""
+        first, last = Eq(i, self.equations.hold.first), Eq(i, n - 1)
+        conditions = (And(first, last), first, last, S.true)
+        entries = zip(*values, strict=True)
+        cases = [Piecewise(*zip(entry, conditions, strict=True)) for entry in entries]
+        return Matrix(*values[0].shape, cases)
+
+    def _derivative(self, variables: Sequence[Expr], offset: int) -> Matrix:
+        """Derivative of the residual by variables at an offset; none beyond the ends."""
+        values = []
+        for place in self._places:
+            beyond = (place.first and offset < 0) or (place.last and offset > 0)
+            residual = self._residual(place)
+            columns = [
+                [S.Zero if beyond else self._partial(e, x) for x in variables] for e in residual
+            ]
+            values.append(Matrix(columns))
+        return self._cases(values)
+
+    def _partial(self, expression: Expr, variable: Expr) -> Expr:
+        """Partial derivative; the speed that external damping divides by follows the velocity (at
+        rest, where it is one, what it is a factor of vanishes)."""
+        total = expression.diff(variable)
+        if isinstance(variable, Indexed) and variable.base in (joint_vx, joint_vy):
+            speed = divisor[variable.indices[0]]
+            total += expression.diff(speed) * variable / speed
+        return short(total)
+
+    # The residual -----------------------------------------------------------------------------
+
+    def _residual(self, place: _Place) -> Matrix:
+        chain = JointForces(self.equations)
+        turning = alpha[i] - chain.accelerations(i)[2]
+        joint_rows = self._joint(chain, place)
+        rows = Matrix([turning, *joint_rows]).xreplace({link_moment[i]: self._moment(place)})
+        if place.last:
+            tail = tail_load(self.equations, chain.unit)
+            given = dict(zip((lambda_x[i + 1], lambda_y[i + 1]), tail, strict=True))
+            rows = rows.xreplace(given).subs(phi[n - 1], phi[i])
+        return self._with_drag(rows, place)
+
+    def _joint(self, chain: JointForces, place: _Place) -> Sequence[Expr]:
+        """What the joint before link i asks for; where that moves with no link before it, the
+        force in it is given."""
+        hold = self.equations.hold
+        if place.first and hold.translates:
+            given = drag_at(self.equations, i, chain.unit)
+            return lambda_x[i] + given[0], lambda_y[i] + given[1]
+        total = chain.starts(i)
+        if not place.first:
+            total += chain.ends(i - 1)
+        return tuple(total)
+
+    def _moment(self, place: _Place) -> Expr:
+        """The moments of the joints at both ends of link i."""
+        equations = self.equations
+        inner = equations.joint_moment
+        if equations.hold.root:
+            inner = inner.subs(Eq(s, 0), S.false)
+        start, end = inner.subs(s, i), -inner.subs(s, i + 1)
+        if place.first and equations.hold.root:
+            start = equations.root_spring.subs(phi[0], phi[i])
+        elif place.first and equations.hold.first < equations.hold.first_spring:
+            start = S.Zero
+        return start + (S.Zero if place.last else end)
+
+    def _with_drag(self, rows: Matrix, place: _Place) -> Matrix:
+        """The law of external damping in place of its forces."""
+        if "external_damping" not in self.equations.terms:
+            return rows
+        for at, value in self._drag(place):
+            rows = rows.xreplace({at: value})
+        return rows
+
+    def _drag(self, place: _Place) -> Iterator[tuple[Expr, Expr]]:
+        arrays = self.equations.arrays
+        starts = place.first and self.equations.hold.translates
+        angles = {
+            i: joint_angle([phi[i]]) if starts else joint_angle([phi[i - 1], phi[i]]),
+            i + 1: joint_angle([phi[i]]) if place.last else joint_angle([phi[i], phi[i + 1]]),
+        }
+        for index, angle in angles.items():
+            for base in (drag_x, drag_y):
+                law = arrays[base].value.subs(joint, index)
+                yield base[index], law.xreplace({rod_angle[index]: angle})

@@ -1,0 +1,162 @@
+"""Derivation 3 against derivation 1, exactly; and that the comparison sees what is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+from rodgen.derive import joint_forces, proof_joint_forces, tensions
+from rodgen.derive.chain import BOUNDARIES
+from rodgen.derive.comparison import DisagreementError
+from rodgen.derive.general import Array, Equations
+from rodgen.derive.inertia import INERTIAS
+from rodgen.derive.joint_forces import JointForces, joint_system
+from rodgen.derive.joint_system import System, joint_ax, pull_x
+from rodgen.derive.loads import TERMS
+from rodgen.derive.proof_joint_forces import prove_joint_forces
+from rodgen.derive.symbols import m, n, omega
+from rodgen.derive.tensions import Tensions
+from sympy import S, diff, zeros
+
+CHAINS = [(b, links) for b in BOUNDARIES for links in range(1, 7) if links > BOUNDARIES[b].first]
+EVERY = pytest.mark.parametrize("inertia", INERTIAS)
+
+
+@EVERY
+@pytest.mark.parametrize(("boundary", "links"), CHAINS)
+def test_accelerations_are_those_of_derivation_1(
+    boundary: str, links: int, inertia: str
+) -> None:
+    hold = BOUNDARIES[boundary]
+    # Loads enter joint by joint: one alone is seen with one link (both ends at once) and with
+    # three (an inner link between two), the links beyond repeat it.
+    single = [(term,) for term in TERMS if links in (1, 3)]
+    for terms in ((), *single, TERMS):
+        (held,) = prove_joint_forces(links, boundary, inertia, terms)
+        assert held.entries == links - hold.first + 2 * hold.translates
+
+
+@EVERY
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+def test_system_is_block_tridiagonal_of_the_size_that_is_promised(
+    boundary: str, inertia: str
+) -> None:
+    hold = BOUNDARIES[boundary]
+    system = joint_system(Equations(boundary, inertia, TERMS))
+    width = {"uniform": 2, "lumped": 1}[inertia]
+    assert len(system.unknowns) == width
+    assert system.diagonal.shape == system.coupling.shape == (width, width)
+    assert system.diagonal.is_symmetric()
+    first = hold.first if inertia == "lumped" or not hold.translates else 1
+    assert (system.low, system.high) == (first, n - 1)
+    assert len(system.base) == 2 * hold.translates
+    # Scaled by the mass of a link: blocks hold directions alone, and do not change with speed.
+    assert not (system.diagonal.free_symbols | system.coupling.free_symbols) & {m, omega}
+
+
+Change = Callable[[System], System]
+
+
+def _half_of(base: object) -> Change:
+    def change(system: System) -> System:
+        array: Array = system.arrays[base]
+        return replace(system, arrays={**system.arrays, base: replace(array, value=array.value / 2)})
+
+    return change
+
+
+WRONG_SYSTEMS: dict[str, tuple[str, Change]] = {
+    "coupling turned round": ("uniform", lambda s: replace(s, coupling=-s.coupling)),
+    "coupling of tensions": ("lumped", lambda s: replace(s, coupling=-s.coupling)),
+    "no right-hand side": ("uniform", lambda s: replace(s, right=zeros(2, 1))),
+    "diagonal": ("uniform", lambda s: replace(s, diagonal=2 * s.diagonal)),
+    "diagonal of tensions": ("lumped", lambda s: replace(s, diagonal=2 * s.diagonal)),
+    "tail not pulled": ("uniform", lambda s: replace(s, end=(S.Zero, S.Zero))),
+    "start not pulled": ("uniform", lambda s: replace(s, start=(S.Zero, S.Zero))),
+    "pull of the links": ("uniform", _half_of(pull_x)),
+    "acceleration of joints": ("lumped", _half_of(joint_ax)),
+    "turning": ("lumped", lambda s: replace(s, angular=-s.angular)),
+    "base": ("uniform", lambda s: replace(s, base=tuple(2 * e for e in s.base))),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG_SYSTEMS)
+def test_wrong_system_is_caught(wrong: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    inertia, change = WRONG_SYSTEMS[wrong]
+    monkeypatch.setattr(proof_joint_forces, "joint_system", lambda e: change(joint_system(e)))
+    with pytest.raises(DisagreementError, match=r"accelerations\[\d\].*joint forces"):
+        list(prove_joint_forces(4, "free", inertia))
+
+
+def _without_drag(patch: pytest.MonkeyPatch) -> None:
+    for module in (joint_forces, tensions):
+        patch.setattr(module, "drag_at", lambda *_: (S.Zero, S.Zero))
+
+
+def _tail_twice(patch: pytest.MonkeyPatch) -> None:
+    for module in (joint_forces, tensions):
+        right = module.tail_load
+        patch.setattr(module, "tail_load", lambda *a, r=right: tuple(2 * e for e in r(*a)))
+
+
+def _gravity_upwards(patch: pytest.MonkeyPatch) -> None:
+    for module in (joint_forces, tensions):
+        right = module.weight_on
+        patch.setattr(module, "weight_on", lambda *a, r=right: tuple(-e for e in r(*a)))
+
+
+WRONG_LAWS = {
+    _without_drag: "external_damping",
+    _tail_twice: "tip_load",
+    _gravity_upwards: "gravity",
+}
+
+
+@EVERY
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+@pytest.mark.parametrize("wrong", WRONG_LAWS, ids=lambda wrong: wrong.__name__[1:])
+def test_wrong_load_is_caught_where_the_scene_has_it(
+    wrong: Callable[[pytest.MonkeyPatch], None],
+    boundary: str,
+    inertia: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    wrong(monkeypatch)
+    assert list(prove_joint_forces(2, boundary, inertia, ()))
+    with pytest.raises(DisagreementError, match="joint forces"):
+        list(prove_joint_forces(2, boundary, inertia, (WRONG_LAWS[wrong],)))
+
+
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+def test_wrong_mass_of_a_joint_is_caught(boundary: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A third of a link's mass at its start."""
+    monkeypatch.setattr(Tensions, "_masses", property(lambda self: (m / 3, m / 2)))
+    with pytest.raises(DisagreementError, match="joint forces"):
+        list(prove_joint_forces(3, boundary, "lumped", ()))
+
+
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+def test_wrong_centrifugal_terms_are_caught(
+    boundary: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The rates of a cell without its squared velocity, in both forms."""
+    link, bar = joint_forces._two_links, tensions._two_masses
+    still = replace(link("uniform"), end_rate=zeros(2, 1), start_rate=zeros(2, 1))
+    monkeypatch.setattr(joint_forces, "_two_links", lambda _: still)
+    monkeypatch.setattr(tensions, "_two_masses", lambda: replace(bar(), stretch=S.Zero))
+    assert diff(bar().stretch, bar().omega) != 0
+    for inertia in INERTIAS:
+        with pytest.raises(DisagreementError, match="joint forces"):
+            list(prove_joint_forces(3, boundary, inertia, ()))
+
+
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+def test_lumped_links_have_joint_forces_too(
+    boundary: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Tensions are the shorter way, 2x2 blocks a third one to the same accelerations."""
+    equations = Equations(boundary, "lumped", TERMS)
+    assert joint_system(equations).unknowns == Tensions(equations).system.unknowns
+    monkeypatch.setattr(proof_joint_forces, "joint_system", lambda e: JointForces(e).system)
+    assert list(prove_joint_forces(3, boundary, "lumped"))
