@@ -239,8 +239,10 @@ def test_states_and_parameters_of_other_make_give_the_same(
     y, p = np.arange(14.0), np.ceil(p)
     call, other = getattr(rod, function), OTHER_MAKES[make]
     expected = call(0.0, y, p)
-    np.testing.assert_array_equal(call(0.0, other(y), p), expected)
-    np.testing.assert_array_equal(call(0.0, y, other(p)), expected)
+    # To rounding: long doubles may stay what they are for a part of the way.
+    limit = 1e-12 * np.abs(expected).max()
+    np.testing.assert_allclose(call(0.0, other(y), p), expected, rtol=0, atol=limit)
+    np.testing.assert_allclose(call(0.0, y, other(p)), expected, rtol=0, atol=limit)
     assert y.tolist() == list(range(14))  # nothing writes into what it is given
 
 
@@ -254,6 +256,8 @@ def test_what_is_not_finite_is_seen_in_the_rates(
 ) -> None:
     at = point(built(Structure(3, boundary, inertia, TERMS), target))
     rod, half = at.module, len(at.y) // 2
+    # Joints that never move have no use for their fin factor.
+    held = [f"fin_factor_{s}" for s in range({"free": 0, "cantilever": 2}.get(boundary, 1))]
     with np.errstate(all="ignore"):
         for place, name in enumerate(rod.STATE):
             y = at.y.copy()
@@ -265,11 +269,10 @@ def test_what_is_not_finite_is_seen_in_the_rates(
         for place, name in enumerate(rod.PARAMETERS):
             p = at.p.copy()
             p[place] = value
-            held = boundary != "free" and name == "fin_factor_0"  # of a joint that never moves
             finite = np.isfinite(rod.rhs(0.0, at.y, p)).all()
             # Infinite mass or length only make a rod slow: parameters() refuses them.
             slow = math.isinf(value) and name in ("mass", "length")
-            assert held or slow or not finite, name
+            assert name in held or slow or not finite, name
 
 
 @pytest.mark.parametrize("target", ["numpy", "c"])

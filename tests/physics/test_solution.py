@@ -10,15 +10,18 @@ import pytest
 
 import rodgen
 from rodgen.scene import Scene
-from rodgen.scene.structure import TERMS
+from rodgen.scene.structure import BOUNDARIES, INERTIAS, TERMS
 
 Make = Callable[..., Scene]
+HELD = ("cantilever", "clamped")  # at a clamp_angle
 
 
-@pytest.mark.parametrize("boundary", ["free", "cantilever"])
-def test_geometry_is_that_of_many_points(make_scene: Make, boundary: str) -> None:
-    rod = {"clamp_angle": 0.4} if boundary == "cantilever" else {}
-    sol = rodgen.simulate(make_scene(4, boundary, rod=rod), output_every=0.5)
+@pytest.mark.parametrize("inertia", INERTIAS)
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+def test_geometry_is_that_of_many_points(make_scene: Make, boundary: str, inertia: str) -> None:
+    rod = {"clamp_angle": 0.4} if boundary in HELD else {}
+    scene = make_scene(4, boundary, rod={**rod, "inertia": inertia})
+    sol = rodgen.simulate(scene, output_every=0.5, target="numpy")
     n, l, m = 4, 0.5, 0.75
     e = np.stack((np.cos(sol.phi), np.sin(sol.phi)), axis=-1)
     start = sol.y[:, :2] if boundary == "free" else np.zeros((len(sol.t), 2))
@@ -26,8 +29,10 @@ def test_geometry_is_that_of_many_points(make_scene: Make, boundary: str) -> Non
     np.testing.assert_allclose(sol.joints, joints + start[:, None], atol=1e-14)
     np.testing.assert_array_equal(sol.tip, sol.joints[:, -1])
     x, w = np.polynomial.legendre.leggauss(3)
+    if inertia == "lumped":
+        x, w = np.array([-1.0, 1.0]), np.ones(2)
     points = sol.joints[:, :-1, None] + l * e[:, :, None] * ((x + 1) / 2)[:, None]
-    share = np.broadcast_to(m * w / 2, (len(sol.t), n, 3))[..., None]
+    share = np.broadcast_to(m * w / 2, (len(sol.t), n, len(w)))[..., None]
     centre = (points * share).sum(axis=(1, 2)) / (n * m)
     np.testing.assert_allclose(sol.centre_of_gravity, centre, atol=1e-13)
     off = points - centre[:, None, None]
@@ -59,12 +64,12 @@ def test_principal_axes_of_a_straight_rod_run_along_it(make_scene: Make) -> None
         np.testing.assert_allclose(sol.principal_axes.moments[0], [0.0, 3.0 * 4.0 / 12], atol=1e-14)
 
 
-@pytest.mark.parametrize("boundary", ["free", "cantilever"])
+@pytest.mark.parametrize("boundary", BOUNDARIES)
 def test_shapes_include_held_links(make_scene: Make, boundary: str) -> None:
-    rod = {"clamp_angle": 0.4} if boundary == "cantilever" else {}
+    rod = {"clamp_angle": 0.4} if boundary in HELD else {}
     sol = rodgen.simulate(make_scene(4, boundary, TERMS, rod=rod), output_every=0.1)
     assert sol.t.shape == (11,)
-    assert sol.y.shape == (11, 12 if boundary == "free" else 6)
+    assert sol.y.shape == (11, {"free": 12, "cantilever": 6}.get(boundary, 8))
     assert sol.phi.shape == sol.omega.shape == (11, 4)
     if boundary == "cantilever":
         assert np.all(sol.phi[:, 0] == 0.4)

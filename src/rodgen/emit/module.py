@@ -14,6 +14,7 @@ from jinja2 import DictLoader, Environment, StrictUndefined
 
 from rodgen.emit.functions import Functions
 from rodgen.emit.native import native, segments
+from rodgen.emit.statements import PAIR
 from rodgen.scene.expression import Expression
 from rodgen.scene.structure import TERM_PARAMETERS, Structure, check_output
 
@@ -141,7 +142,8 @@ def _context(structure: Structure, target: str, form: str, template: str) -> dic
         "slot": _slots(hold.translates, moving),
         "provenance": provenance,
         "constants": functions.compiler.constants,
-        "constants_text": " ".join(c.code for c in functions.compiler.constants),
+        "pairs": [c for c in functions.compiler.constants if c.domain.indices == PAIR],
+        "dense": form == "dense",
         "energy_names": [
             "kinetic",
             "spring" if functions.springs else NO_ENERGY,

@@ -1,0 +1,66 @@
+"""The elastic beam of the IVP test set: scenes/ivp_beam.toml against its published solution.
+
+ivp_beam_t5.json: problem Beam of the Test Set for IVP Solvers (Bari), revision 1.2 of 2006, n = 40,
+computed there with RADAU at rtol = atol = 1.1e-18.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.scene import Scene
+
+PUBLISHED = json.loads((Path(__file__).parent / "ivp_beam_t5.json").read_text(encoding="utf-8"))
+EXACT = np.array(PUBLISHED["y"])
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return Scene.from_toml(Path(__file__).parents[2] / "scenes" / "ivp_beam.toml")
+
+
+def test_published_solution_is_reproduced(scene: Scene) -> None:
+    sol = rodgen.simulate(
+        scene, target="c", method="dop853", rtol=1e-13, atol=1e-16, output_every=5.0
+    )
+    # theta_i is phi_{i-1}: angles, then rates, as in the state.
+    assert sol.t[-1] == 5.0
+    np.testing.assert_allclose(sol.y[-1], EXACT, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("method", "rtol", "limit"), [("dop853", 1e-7, 1e-6), ("radau", 1e-5, 1e-3)])
+def test_other_target_and_method_come_near(
+    scene: Scene, method: str, rtol: float, limit: float
+) -> None:
+    """Rates are the worse half: the fastest modes, near 6400 rad/s, multiply errors of angles."""
+    settings = {"method": method, "rtol": rtol, "atol": rtol / 100, "output_every": 5.0}
+    sol = rodgen.simulate(scene, target="numpy", **settings)
+    np.testing.assert_allclose(sol.y[-1], EXACT, rtol=0, atol=limit)
+    np.testing.assert_allclose(sol.y[-1, :40], EXACT[:40], rtol=0, atol=limit / 100)
+
+
+@pytest.mark.parametrize("target", ["numpy", "c"])
+def test_equations_are_those_of_the_problem(scene: Scene, target: str) -> None:
+    """A theta'' = v - B theta'^2 as the test set states it, assembled by hand."""
+    n = 40
+    model = rodgen.build(scene, target)
+    p = model.parameters(**scene.parameters)
+    draw = np.random.default_rng(1)
+    theta, rate = 0.3 * draw.standard_normal(n), draw.standard_normal(n)
+    weight = n + 0.5 - np.maximum.outer(np.arange(1, n + 1), np.arange(1, n + 1))
+    between = theta[:, None] - theta[None, :]
+    A, B = weight * np.cos(between), weight * np.sin(between)
+    around = np.concatenate(([-theta[0]], theta, [theta[-1]]))
+    for t in (0.0, 1.0, 3.0, 4.0):
+        phi = 1.5 * np.sin(t) ** 2 if t <= np.pi else 0.0
+        v = n**4 * (around[:-2] - 2 * theta + around[2:])
+        v += n**2 * phi * (np.cos(theta) + np.sin(theta))
+        expected = np.linalg.solve(A, v - B @ rate**2)
+        got = model.rhs(t, np.concatenate((theta, rate)), p)[n:]
+        # Rounding times the condition of A, some n^2.
+        np.testing.assert_allclose(got, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
