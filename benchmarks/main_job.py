@@ -14,15 +14,10 @@ import subprocess
 import sys
 import tempfile
 import timeit
-from collections.abc import Callable
 from importlib.metadata import version
 
-import numpy as np
 from rich.console import Console
 from rich.table import Table
-from scipy.linalg.lapack import dposv
-
-import rodgen
 
 RODGEN = [sys.executable, "-c", "from rodgen.cli import main; main()"]
 
@@ -34,13 +29,6 @@ def process(command: list[str], runs: int, **env: str) -> float:
         subprocess.run(command, check=True, capture_output=True, env={**os.environ, **env})
 
     return statistics.median(timeit.repeat(once, number=1, repeat=runs))
-
-
-def call(function: Callable[[], object], seconds: float = 0.5) -> float:
-    """Median time of a call [s]."""
-    timer = timeit.Timer(function)
-    number = max(1, int(seconds / 7 / (timer.timeit(10) / 10)))
-    return statistics.median(timer.repeat(7, number)) / number
 
 
 def imports(table: Table) -> None:
@@ -84,24 +72,6 @@ def derivations(table: Table) -> None:
         row(table, f"derive N={links}, cold", statistics.median(cold), "unchanged", kept)
 
 
-def right_hand_sides(table: Table) -> None:
-    """Against the factorisation alone, which the dense form cannot do without."""
-    for links in (5, 20, 50, 200):
-        for terms in ((), rodgen.Structure(links).terms):
-            model = rodgen.build(rodgen.Structure(links, terms=terms))
-            given = {"mass": 50.0, "length": 5.0, "bending_stiffness": 100.0}
-            loads = {"follower_force": 300.0, "internal_damping": 0.1, "external_damping": 0.5}
-            given |= {name: value for name, value in loads.items() if name in model.PARAMETERS}
-            p = model.parameters(**given)
-            y = 0.1 * np.random.default_rng(1).normal(size=len(model.STATE))
-            mass = np.asfortranarray(model.mass_matrix(y, p))
-            force = np.ones(len(mass))
-            ours = call(lambda m=model, y=y, p=p: m.rhs(0.0, y, p))
-            limit = call(lambda a=mass, b=force: dposv(a, b))
-            what = f"rhs n={links}, {'all loads' if terms else 'no loads'}"
-            row(table, what, ours, "Cholesky solve alone", limit)
-
-
 def row(table: Table, what: str, time: float, yardstick: str, other: float) -> None:
     table.add_row(what, _shown(time), yardstick, _shown(other), f"{time / other:.2f}")
 
@@ -116,7 +86,6 @@ def main() -> None:
         table.add_column(column, justify="left" if column in ("what", "yardstick") else "right")
     imports(table)
     derivations(table)
-    right_hand_sides(table)
     console = Console()
     console.print(table)
     versions = ", ".join(f"{p} {version(p)}" for p in ("rodgen", "sympy", "numpy", "scipy"))

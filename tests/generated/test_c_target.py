@@ -67,7 +67,9 @@ def _id(structure: Structure) -> str:
 
 
 def test_every_choice_is_among_the_structures() -> None:
-    assert {(s.boundary, s.inertia) for s in SMALL} == {(b, i) for b in BOUNDARIES for i in INERTIAS}
+    assert {(s.boundary, s.inertia) for s in SMALL} == {
+        (b, i) for b in BOUNDARIES for i in INERTIAS
+    }
     assert {s.links for s in SMALL} >= {1, 2, 3}
     assert {s.boundary for s in LONG} == set(BOUNDARIES)
 
@@ -125,7 +127,9 @@ def test_batch_is_row_by_row(
     one = [rod.rhs(0.3, y, p if shared else P[row]) for row, y in enumerate(Y)]
     expected = np.reshape(one, Y.shape)
     # One rod at a time is eliminated in another order: rounding times the condition of M.
-    np.testing.assert_allclose(rates, expected, rtol=0, atol=1e-11 * np.abs(expected).max(initial=0))
+    np.testing.assert_allclose(
+        rates, expected, rtol=0, atol=1e-11 * np.abs(expected).max(initial=0)
+    )
     out = np.full_like(Y, np.nan)
     assert rod.rhs_batch(0.3, Y, P, out) is out
     np.testing.assert_array_equal(out, rates)
@@ -218,9 +222,7 @@ def test_threads_do_not_disturb_each_other(rod: ModuleType, point: type) -> None
 
     def work(which: int) -> bool:
         y = states[which]
-        same = all(
-            np.array_equal(rod.rhs(0.0, y, at.p), expected[which]) for _ in range(5000)
-        )
+        same = all(np.array_equal(rod.rhs(0.0, y, at.p), expected[which]) for _ in range(5000))
         return same and all(
             np.array_equal(rod.jac(0.0, y, at.p), jacobians[which]) for _ in range(100)
         )
@@ -332,7 +334,9 @@ def test_any_c_program_can_use_it(
     command = [str(tmp_path / "main")]
     done = subprocess.run(command, input=numbers, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    printed = {line.split()[0]: np.array(line.split()[1:], float) for line in done.stdout.splitlines()}
+    printed = {
+        line.split()[0]: np.array(line.split()[1:], float) for line in done.stdout.splitlines()
+    }
     expected = {
         "rhs": at.module.rhs(0.25, Y[0], at.p),
         "rhs_in": at.module.rhs(0.25, Y[0], at.p),
@@ -388,7 +392,9 @@ def test_compiler_that_fails_is_one_error(written: Written, tmp_path: Path) -> N
     stem = _write(written, SMALL[0], tmp_path)
     env = {**os.environ, "CC": "false", "PYTHONDONTWRITEBYTECODE": "1"}
     command = [sys.executable, "-c", f"import {stem}"]
-    done = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, cwd=tmp_path, env=env, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 1
     assert "BuildError" in done.stderr.splitlines()[-1] or "BuildError" in done.stderr
     assert "target numpy" in done.stderr

@@ -292,7 +292,9 @@ def test_many_turns_cost_only_the_digits_of_the_angles(
 
 @pytest.mark.parametrize("boundary", BOUNDARIES)
 @pytest.mark.parametrize("inertia", INERTIAS)
-def test_a_full_turn_changes_nothing(built: Built, point: type, boundary: str, inertia: str) -> None:
+def test_a_full_turn_changes_nothing(
+    built: Built, point: type, boundary: str, inertia: str
+) -> None:
     """Of angles that springs see only by their differences."""
     at = point(built(Structure(3, boundary, inertia, TERMS)))
     y, p = at.y.copy(), at.p.copy()

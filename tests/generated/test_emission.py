@@ -12,9 +12,9 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-
 from rodgen.derive import inertia
 from rodgen.derive.symbols import xi
+
 from rodgen.emit import module_files, module_text
 from rodgen.emit.check import LIMIT, check_module
 from rodgen.loading import load_text
@@ -55,7 +55,9 @@ SMALL = [
     *((b, n, terms) for b, n in _chains(2, 5) for terms in ((), TERMS)),
 ]
 SMALL_CHAINS = pytest.mark.parametrize(
-    ("boundary", "links", "terms"), SMALL, ids=lambda x: ("+".join(x) or "none") if isinstance(x, tuple) else str(x)
+    ("boundary", "links", "terms"),
+    SMALL,
+    ids=lambda x: ("+".join(x) or "none") if isinstance(x, tuple) else str(x),
 )
 
 
@@ -77,9 +79,7 @@ def test_dense_form_equals_fifty_digit_arithmetic(
 
 @pytest.mark.parametrize("boundary", BOUNDARIES)
 @pytest.mark.parametrize("terms", SUBSETS[:-1], ids=lambda terms: "+".join(terms) or "none")
-def test_dense_form_of_every_load(
-    built: Built, boundary: str, terms: tuple[str, ...]
-) -> None:
+def test_dense_form_of_every_load(built: Built, boundary: str, terms: tuple[str, ...]) -> None:
     _check(built(Structure(3, boundary, terms=terms), "numpy", "dense"))
 
 
@@ -292,7 +292,8 @@ from rodgen.scene.structure import Structure
 timed = (("tip_force_x", "sin(t)*min(t, 1, 2)"),)
 one = Structure(7, "clamped", "lumped", ("internal_damping", "tip_load"), timed)
 two = Structure(12, "free", "uniform", ("follower", "external_damping"))
-for structure, target, form in ((one, "numpy", "chain"), (one, "numpy", "dense"), (two, "c", "chain")):
+made = ((one, "numpy", "chain"), (one, "numpy", "dense"), (two, "c", "chain"))
+for structure, target, form in made:
     for name, text in module_files(structure, target, form).items():
         print(name, hashlib.sha256(text.encode()).hexdigest())
 """

@@ -86,4 +86,6 @@ def test_cells_give_the_accelerations_and_their_jacobian(
             by_state[3 * cell : 3 * cell + 3] += solved[4][at, cell] @ velocities[cell + at]
     jacobian = -np.linalg.solve(matrix, by_state)[::3]
     expected = rod.jac(0.0, y, p)[half + base :]
-    np.testing.assert_allclose(jacobian, expected, rtol=0, atol=1e-11 * (np.abs(expected).max() + 1))
+    np.testing.assert_allclose(
+        jacobian, expected, rtol=0, atol=1e-11 * (np.abs(expected).max() + 1)
+    )

@@ -44,7 +44,7 @@ def test_reference_module_is_fresh(stem: str, pytestconfig: pytest.Config) -> No
 def _for_this_sympy(text: str) -> str:
     """A newer SymPy may be installed than the one that wrote the module: only its number may
     differ."""
-    (written,) = set(re.findall(r'with SymPy (\S+) from', text))
+    (written,) = set(re.findall(r"with SymPy (\S+) from", text))
     return text.replace(f"SymPy {written} ", f"SymPy {sympy.__version__} ").replace(
         f'"sympy": "{written}"', f'"sympy": "{sympy.__version__}"'
     )

@@ -47,7 +47,9 @@ def test_wheel_holds_the_tree(wheel: Path) -> None:
             if path.suffix in (".py", ".jinja", ".typed") and "__pycache__" not in path.parts:
                 expected.add(f"{package}/{path.relative_to(ROOT / folder).as_posix()}")
     assert packed == expected
-    assert "rodgen/templates/numpy_dense.py.jinja" in packed
+    for name in ("numpy_dense.py.jinja", "numpy_chain.py.jinja", "c.c.jinja", "c.h.jinja"):
+        assert f"rodgen/templates/{name}" in packed
+    assert {"rodgen/templates/c.py.jinja", "rodgen/templates/c_build.py"} <= packed
     assert "rodgen/derive/general.py" in packed
 
 
@@ -58,6 +60,12 @@ from rodgen.scene.structure import Structure
 home = pathlib.Path(rodgen.__file__).resolve()
 assert home.is_relative_to({home!r}), home
 model = rodgen.build(Structure(3))
+native = rodgen.build(Structure(3), "c")
+y, p = [0.1]*10, model.parameters(
+    mass=1.0, length=1.0, bending_stiffness=1.0,
+    follower_force=1.0, internal_damping=1.0, external_damping=1.0,
+)
+assert abs(native.rhs(0.0, y, p) - model.rhs(0.0, y, p)).max() < 1e-12
 import rodgen.derive
 assert pathlib.Path(rodgen.derive.__file__).resolve().is_relative_to({home!r})
 print(model.N)

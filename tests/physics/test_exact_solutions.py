@@ -120,10 +120,12 @@ BEAMS = {
 @pytest.mark.parametrize("inertia", ["uniform", "lumped"])
 @pytest.mark.parametrize("boundary", BEAMS)
 def test_frequencies_converge_to_the_held_beam(boundary: str, inertia: str) -> None:
-    """Of second order in 1/n, the clamp too: half a link bends at a root spring of 2 EI/l."""
+    """Of second order in 1/n, the clamp too: half a link bends at a root spring of 2 EI/l. For
+    uniform links without a clamp the errors of stiffness and rotary inertia cancel."""
     equation, brackets = BEAMS[boundary]
     exact = np.square([brentq(equation, *bracket) for bracket in brackets])
-    np.testing.assert_allclose(_order(boundary, inertia, exact), 2.0, atol=0.2)
+    order = 4.0 if (boundary, inertia) == ("pinned", "uniform") else 2.0
+    np.testing.assert_allclose(_order(boundary, inertia, exact), order, atol=0.2)
 
 
 def test_frequencies_converge_to_the_free_beam() -> None:
@@ -169,9 +171,7 @@ def test_clamped_rod_bends_under_a_force_at_its_tip(n: int, inertia: str) -> Non
     (1/3 + 1/(6 n^2)) F L^3/EI, of second order in 1/n; Euler and Bernoulli have F L^3/(3 EI)."""
     model = rodgen.build(rodgen.Structure(n, "clamped", inertia, ("tip_load",)))
     force, length, stiffness = 1e-5, 2.0, 30.0
-    p = model.parameters(
-        mass=3.0, length=length, bending_stiffness=stiffness, tip_force_y=force
-    )
+    p = model.parameters(mass=3.0, length=length, bending_stiffness=stiffness, tip_force_y=force)
     tip = model.joints(_statics(model, p), p)[-1, 1]
     expected = (1 / 3 + 1 / (6 * n**2)) * force * length**3 / stiffness
     # Linear theory: off by the square of angles of 1e-6; Newton's steps by the condition of M.
@@ -213,9 +213,7 @@ def test_one_pinned_link_is_a_pendulum(make_scene: Make, inertia: str, factor: f
     initial = {"phi": start - np.pi / 2, "omega": 0.0}
     scene = make_scene(1, "pinned", ("gravity",), {"inertia": inertia}, initial)
     sol = rodgen.simulate(scene, span=[0.0, period], output_every=period / 2, rtol=1e-11)
-    np.testing.assert_allclose(
-        sol.phi[:, 0] + np.pi / 2, [start, -start, start], rtol=0, atol=1e-8
-    )
+    np.testing.assert_allclose(sol.phi[:, 0] + np.pi / 2, [start, -start, start], rtol=0, atol=1e-8)
     hanging = np.array([-np.pi / 2, 0.0])
     J = sol.model.jac(0.0, hanging, sol.model.parameters(**scene.parameters))
     np.testing.assert_allclose(J, [[0.0, 1.0], [-(omega**2), 0.0]], atol=1e-14)
@@ -231,7 +229,7 @@ def test_hanging_chain_swings_as_a_rope() -> None:
         hanging = np.concatenate((np.full(n, -np.pi / 2), np.zeros(n)))
         squares = -np.linalg.eigvals(model.jac(0.0, hanging, p)[n:, :n]).real
         errors.append(np.sqrt(np.sort(squares)[:2]) / exact - 1)
-    assert np.abs(errors[1]).max() < 2e-3
+    assert np.abs(errors[1]).max() < 3e-3
     np.testing.assert_allclose(np.log2(errors[0] / errors[1]), 2.0, atol=0.2)
 
 

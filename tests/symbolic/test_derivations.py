@@ -53,7 +53,10 @@ def test_any_n_equals_the_closed_form(boundary: str, inertia: str) -> None:
 @pytest.mark.parametrize("boundary", BOUNDARIES)
 def test_every_term_is_proven_where_it_is_alone(boundary: str, term: str) -> None:
     name = {"follower": "F", "tip_load": "T", "gravity": "A"}.get(term, f"D_{term[0]}")
-    for proof in (prove_any_n(boundary, "lumped", (term,)), prove_explicit(2, boundary, "lumped", (term,))):
+    for proof in (
+        prove_any_n(boundary, "lumped", (term,)),
+        prove_explicit(2, boundary, "lumped", (term,)),
+    ):
         names = {c.name for c in proof} - {"D_e force law"}
         assert names == {"M", "Q", "K", "joints", name}
 

@@ -25,9 +25,7 @@ EVERY = pytest.mark.parametrize("inertia", INERTIAS)
 
 @EVERY
 @pytest.mark.parametrize(("boundary", "links"), CHAINS)
-def test_accelerations_are_those_of_derivation_1(
-    boundary: str, links: int, inertia: str
-) -> None:
+def test_accelerations_are_those_of_derivation_1(boundary: str, links: int, inertia: str) -> None:
     hold = BOUNDARIES[boundary]
     # Loads enter joint by joint: one alone is seen with one link (both ends at once) and with
     # three (an inner link between two), the links beyond repeat it.
@@ -61,7 +59,9 @@ Change = Callable[[System], System]
 def _half_of(base: object) -> Change:
     def change(system: System) -> System:
         array: Array = system.arrays[base]
-        return replace(system, arrays={**system.arrays, base: replace(array, value=array.value / 2)})
+        return replace(
+            system, arrays={**system.arrays, base: replace(array, value=array.value / 2)}
+        )
 
     return change
 
@@ -137,9 +137,7 @@ def test_wrong_mass_of_a_joint_is_caught(boundary: str, monkeypatch: pytest.Monk
 
 
 @pytest.mark.parametrize("boundary", BOUNDARIES)
-def test_wrong_centrifugal_terms_are_caught(
-    boundary: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_wrong_centrifugal_terms_are_caught(boundary: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The rates of a cell without its squared velocity, in both forms."""
     link, bar = joint_forces._two_links, tensions._two_masses
     still = replace(link("uniform"), end_rate=zeros(2, 1), start_rate=zeros(2, 1))
@@ -152,9 +150,7 @@ def test_wrong_centrifugal_terms_are_caught(
 
 
 @pytest.mark.parametrize("boundary", BOUNDARIES)
-def test_lumped_links_have_joint_forces_too(
-    boundary: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_lumped_links_have_joint_forces_too(boundary: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Tensions are the shorter way, 2x2 blocks a third one to the same accelerations."""
     equations = Equations(boundary, "lumped", TERMS)
     assert joint_system(equations).unknowns == Tensions(equations).system.unknowns

@@ -18,6 +18,7 @@ METHODS: dict[str, type[OdeSolver]] = {
     "lsoda": LSODA,
 }
 RUNGE_KUTTA = ("rk23", "rk45", "dop853")  # explicit: every try costs as many evaluations
+IMPLICIT = ("radau", "bdf", "lsoda")  # these are given the exact Jacobian
 PATIENCE = 1000  # evaluations in a row that are not finite, before a method is stopped
 
 
@@ -25,7 +26,15 @@ class ScipyStep:
     """A SciPy method between two break points (see stepper.Stepper)."""
 
     def __init__(
-        self, name: str, rhs: Rhs, t: float, y: Array, end: float, rtol: float, atol: float
+        self,
+        name: str,
+        rhs: Rhs,
+        jac: Rhs,
+        t: float,
+        y: Array,
+        end: float,
+        rtol: float,
+        atol: float,
     ):
         self._rhs, self._broken, self._broken_in_a_row = rhs, False, 0
         # Evaluations of one try, where the method is of Runge-Kutta type.
@@ -37,9 +46,10 @@ class ScipyStep:
         if self._broken:  # SciPy would look for a first step for ever
             raise self._failure("")
         # A first step into infinity is judged by the run, not by a warning.
+        exact = {"jac": jac} if name in IMPLICIT else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            self._solver = METHODS[name](self._watched, t, y, end, rtol=rtol, atol=atol)
+            self._solver = METHODS[name](self._watched, t, y, end, rtol=rtol, atol=atol, **exact)
 
     def _watched(self, t: float, y: Array) -> Array:
         rate = self._rhs(t, y)

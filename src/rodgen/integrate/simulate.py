@@ -88,7 +88,7 @@ class _Run:
                 breaks, self.pole = self.scene.breaks(), self.scene.pole()
                 for end in self._ends(breaks):
                     self.window = _inside(self.t, end, breaks)
-                    stepper = _stepper(self.settings, self.rhs, self.t, self.y, end)
+                    stepper = _stepper(self.settings, self.rhs, self.jac, self.t, self.y, end)
                     self._to(end, stepper)
                     self.counts += stepper.counts
                     stepper = None
@@ -111,6 +111,12 @@ class _Run:
         self.asked.append(at)
         rates: Array = self.model.rhs(at, y, self.p)
         return rates
+
+    def jac(self, t: float, y: Array) -> Array:
+        """The Jacobian of the rates, at a time held likewise."""
+        low, high = self.window
+        jacobian: Array = self.model.jac(min(max(t, low), high), y, self.p)
+        return jacobian
 
     def _ends(self, breaks: list[float]) -> list[float]:
         """Times to step to, one after the other: break points, and the end or the first pole."""
@@ -182,9 +188,9 @@ def _inside(start: float, end: float, breaks: list[float]) -> tuple[float, float
     return float(low), float(high)
 
 
-def _stepper(settings: Integrate, rhs: Rhs, t: float, y: Array, end: float) -> Stepper:
+def _stepper(settings: Integrate, rhs: Rhs, jac: Rhs, t: float, y: Array, end: float) -> Stepper:
     if settings.method in fixed_step.METHODS:
         assert settings.step is not None
         return fixed_step.FixedStep(settings.method, rhs, t, y, end, settings.step)
     tolerances = (settings.rtol, settings.atol)
-    return scipy_methods.ScipyStep(settings.method, rhs, t, y, end, *tolerances)
+    return scipy_methods.ScipyStep(settings.method, rhs, jac, t, y, end, *tolerances)
