@@ -233,4 +233,4 @@ def _holds(condition: Any, values: dict[Any, Any]) -> bool:
             return all(_holds(part, values) for part in condition.args)
         case Or():
             return any(_holds(part, values) for part in condition.args)
-    return condition == true
+    return bool(condition == true)

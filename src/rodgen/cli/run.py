@@ -48,7 +48,7 @@ def run(
             solution, status = error.solution, INTERRUPTED
             err.print(f"rodgen: {error.solution.message}; writing what was computed")
     with np.errstate(all="ignore"):  # a run that blew up has energies that overflow
-        _write(solution, folder)
+        _write(solution, folder, model.PROVENANCE["target"])
     if status:
         kept = f"samples up to t = {solution.t[-1]:.9g} s are in {folder}"
         fail(f"{solution.message}; {kept}", status)
@@ -63,7 +63,7 @@ def _used(scene: Scene, step: float | None, rtol: float | None) -> None:
         raise SceneError("--rtol", rtol, f"absent: {method} has a fixed step")
 
 
-def _write(solution: Solution, folder: Path) -> None:
+def _write(solution: Solution, folder: Path, target: str) -> None:
     """States first, since they cost most; everything else can be made from them. Ctrl-C can
     still leave out the pictures."""
     _hold_back_ctrl_c()
@@ -71,7 +71,7 @@ def _write(solution: Solution, folder: Path) -> None:
     from rodgen.view.summary import summary
 
     words = summary(solution)
-    texts = sources(solution.scene, solution.model.PROVENANCE["target"])
+    texts = sources(solution.scene, target)
     try:
         with working("writing") as step:
             solution.save(folder / "solution.nc")

@@ -205,7 +205,8 @@ def _state(structure: Structure, translates: bool, first: int) -> dict[str, Any]
     """Names of the state, as code and in words."""
     last = structure.links - 1
     links = f"range({first}, {last + 1})" if first else f"range({last + 1})"
-    groups, words = [], []
+    groups: list[str] = []
+    words: list[str] = []
     for base, name in ((("x0", "y0"), "phi"), (("vx0", "vy0"), "omega")):
         groups += [", ".join(f'"{b}"' for b in base)] if translates else []
         groups.append(f'*(f"{name}_{{at}}" for at in {links})')
