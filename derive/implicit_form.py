@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 
 from sympy import And, Eq, Expr, Indexed, Matrix, Piecewise, S
 
@@ -40,12 +40,6 @@ class _Place:
 
     first: bool
     last: bool
-
-
-@cache
-def implicit_form(equations: Equations) -> ImplicitForm:
-    """The implicit form of a chain, once for any number of links."""
-    return ImplicitForm(equations)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
@@ -11,7 +12,7 @@ from sympy.physics.mechanics import dynamicsymbols
 from .calculus import TIME
 from .chain import OWN, Vector, combine, lever
 from .general import Array, Equations
-from .inertia import mean
+from .inertia import INERTIAS, mean
 from .joint_system import (
     System,
     alpha,
@@ -36,7 +37,6 @@ from .symbols import i, m, n, omega, phi, s, xi
 from .tensions import Tensions
 
 
-@cache
 def joint_system(equations: Equations) -> System:
     """The system of a chain: 2x2 blocks of joint forces or, where all mass of a link sits at its
     ends, a scalar one of tensions."""
@@ -64,8 +64,9 @@ class _Link:
 
 
 @cache
-def _two_links(inertia: str) -> _Link:
-    """LagrangesMethod on two links, the end of the first held to the start of the second."""
+def _two_links(inertia: str, law: Callable[[Expr], Expr]) -> _Link:
+    """LagrangesMethod on two links, the end of the first held to the start of the second; law:
+    that of the inertia, so that another one is derived anew."""
     coordinates = dynamicsymbols("x_p y_p phi_p x_q y_q phi_q", real=True)
     p, q = coordinates[:3], coordinates[3:]
     middle = lever(OWN, mean(inertia, xi))
@@ -107,7 +108,8 @@ class JointForces:
 
     @property
     def _cell(self) -> _Link:
-        return _two_links(self.equations.inertia)
+        inertia = self.equations.inertia
+        return _two_links(inertia, INERTIAS[inertia])
 
     def _at(self, expression: Matrix, link: Expr) -> Matrix:
         cell = self._cell

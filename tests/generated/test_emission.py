@@ -49,10 +49,10 @@ def _check(module: ModuleType) -> None:
     assert max(d.error for d in deviations) < 1e-13
 
 
-# Loads alone with one link (both ends at once) and with three (one of them inside).
+# Loads alone with three links, of which one is inside; all of them with few and with more.
 SMALL = [
-    *((b, n, terms) for b, n in _chains(1, 3) for terms in SUBSETS),
-    *((b, n, terms) for b, n in _chains(2, 5) for terms in ((), TERMS)),
+    *((b, n, terms) for b, n in _chains(3) for terms in SUBSETS),
+    *((b, n, terms) for b, n in _chains(1, 2, 5) for terms in ((), TERMS)),
 ]
 SMALL_CHAINS = pytest.mark.parametrize(
     ("boundary", "links", "terms"),
@@ -77,7 +77,7 @@ def test_dense_form_equals_fifty_digit_arithmetic(
     _check(built(Structure(links, boundary, inertia, TERMS), "numpy", "dense"))
 
 
-@pytest.mark.parametrize("boundary", BOUNDARIES)
+@pytest.mark.parametrize("boundary", ["free", "clamped"])
 @pytest.mark.parametrize("terms", SUBSETS[:-1], ids=lambda terms: "+".join(terms) or "none")
 def test_dense_form_of_every_load(built: Built, boundary: str, terms: tuple[str, ...]) -> None:
     _check(built(Structure(3, boundary, terms=terms), "numpy", "dense"))
@@ -94,7 +94,7 @@ def test_longer_modules_pass_the_check(
 
 
 @EVERY
-@pytest.mark.parametrize("links", [100, 1000])
+@pytest.mark.parametrize("links", [1000])
 @pytest.mark.parametrize("boundary", BOUNDARIES)
 def test_forms_agree_however_long_the_chain(
     built: Built, boundary: str, inertia: str, links: int
@@ -190,7 +190,7 @@ def test_nothing_in_a_module_is_unused(
     _all_used(text)
 
 
-@pytest.mark.parametrize("boundary", BOUNDARIES)
+@pytest.mark.parametrize("boundary", ["free", "clamped"])
 @pytest.mark.parametrize("terms", SUBSETS, ids=lambda terms: "+".join(terms) or "none")
 def test_nothing_in_a_dense_module_is_unused(
     written: Written, boundary: str, terms: tuple[str, ...]

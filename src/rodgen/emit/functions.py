@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import sympy
 from sympy import Eq, Expr, Indexed, IndexedBase, Piecewise, S, Symbol
 
 from rodgen.derive.general import Equations, joint, joint_x, joint_y
-from rodgen.derive.implicit_form import UNKNOWNS, implicit_form
+from rodgen.derive.implicit_form import UNKNOWNS, ImplicitForm
+from rodgen.derive.inertia import INERTIAS
 from rodgen.derive.joint_forces import joint_system
 from rodgen.derive.joint_system import System, alpha, link_moment
 from rodgen.derive.quantities import Quantities
@@ -38,6 +39,10 @@ class Functions:
         return self.structure.links
 
     @property
+    def _derived(self) -> tuple[System, ImplicitForm]:
+        return _derive(self.equations, INERTIAS[self.equations.inertia])
+
+    @property
     def springs(self) -> bool:
         """Whether any joint has a spring: a single link that is not clamped has none."""
         return self.links > self.equations.hold.first_spring
@@ -45,7 +50,7 @@ class Functions:
     @cached_property
     def system(self) -> System:
         """Derivation 3, without what this many links do not have."""
-        return _pruned(joint_system(self.equations), set() if self.springs else {link_moment})
+        return _pruned(self._derived[0], set() if self.springs else {link_moment})
 
     @cached_property
     def compiler(self) -> Compiler:
@@ -199,7 +204,7 @@ class Functions:
     def implicit(self) -> Program:
         """Residual with joint forces as unknowns, and its blocks, by the names that the template
         puts together."""
-        form, link = implicit_form(self.equations), self.compiler.link
+        form, link = self._derived[1], self.compiler.link
         outputs: Outputs = {f"residual_{r}": (link, e) for r, e in enumerate(form.residual)}
         blocks = {
             "angle": form.by_angle,
@@ -286,6 +291,12 @@ class Functions:
     def _acts(self, term: str) -> bool:
         """Internal damping acts across inner joints: a single link has none."""
         return term != "internal_damping" or self.links > 1
+
+
+@cache
+def _derive(equations: Equations, law: object) -> tuple[System, ImplicitForm]:
+    """Derivation 3, once for any number of links and for one law of inertia."""
+    return joint_system(equations), ImplicitForm(equations)
 
 
 def _element(name: str, at: Expr) -> Indexed:
