@@ -140,8 +140,9 @@ def test_wrong_mass_of_a_joint_is_caught(boundary: str, monkeypatch: pytest.Monk
 def test_wrong_centrifugal_terms_are_caught(boundary: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The rates of a cell without its squared velocity, in both forms."""
     link, bar = joint_forces._two_links, tensions._two_masses
-    still = replace(link("uniform"), end_rate=zeros(2, 1), start_rate=zeros(2, 1))
-    monkeypatch.setattr(joint_forces, "_two_links", lambda _: still)
+    uniform = link("uniform", INERTIAS["uniform"])
+    still = replace(uniform, end_rate=zeros(2, 1), start_rate=zeros(2, 1))
+    monkeypatch.setattr(joint_forces, "_two_links", lambda *_: still)
     monkeypatch.setattr(tensions, "_two_masses", lambda: replace(bar(), stretch=S.Zero))
     assert diff(bar().stretch, bar().omega) != 0
     for inertia in INERTIAS:
