@@ -25,7 +25,7 @@ derive: .venv/installed
 		--terms "$(TERMS)" --target "$(TARGET)" --form "$(FORM)" $(if $(EXPLICIT),--explicit) --out generated
 
 test: .venv/developing
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto
 
 # The packages as they lie in a wheel: derive/ and templates/ inside rodgen/.
 $(LAYOUT): .venv/developing

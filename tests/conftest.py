@@ -24,8 +24,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Tests neither read nor fill the cache of whoever runs them."""
-    os.environ["RODGEN_CACHE"] = str(tmp_path_factory.mktemp("cache"))
+    """Tests neither read nor fill the cache of whoever runs them; those that run side by side
+    share one."""
+    together = "PYTEST_XDIST_WORKER" in os.environ
+    base = tmp_path_factory.getbasetemp()
+    os.environ["RODGEN_CACHE"] = str((base.parent if together else base) / "cache")
 
 
 LOADS: dict[str, dict[str, Any]] = {

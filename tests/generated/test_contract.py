@@ -206,7 +206,7 @@ def test_parameters_of_another_module_are_refused(
     rod, p = _rod(built, target)
     time = () if function == "energy" else (0.0,)
     for wrong in (p[:3], np.append(p, 1.0)):
-        with pytest.raises(ValueError, match=rf"p has {len(wrong)} values: must be the 14"):
+        with pytest.raises(ValueError, match=rf"p has \D*{len(wrong)}\b.*: must be the 14"):
             getattr(rod, function)(*time, np.zeros(14), wrong)
     for wrong, error in ((p.astype(complex), TypeError), (p.astype(str), TypeError)):
         with pytest.raises(error, match="p has"):

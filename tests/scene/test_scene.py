@@ -153,17 +153,20 @@ def test_bad_input_names_field_value_and_what_is_allowed(
     assert "\n" not in message
 
 
-def test_files_that_are_no_scenes_are_refused(tmp_path: Path) -> None:
-    broken, binary = tmp_path / "broken.toml", tmp_path / "binary.toml"
+def test_files_that_are_no_scenes_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # a long path is shown shortened
+    broken, binary = Path("broken.toml"), Path("binary.toml")
     broken.write_text("name = \n", encoding="utf-8")
-    huge, deep = tmp_path / "huge.toml", tmp_path / "deep.toml"
+    huge, deep = Path("huge.toml"), Path("deep.toml")
     huge.write_text("name = " + "9" * 5000, encoding="utf-8")
     deep.write_text("name = " + "[" * 5000, encoding="utf-8")
     for path in (huge, deep):
         with pytest.raises(SceneError, match="valid TOML"):
             Scene.from_toml(path)
     binary.write_bytes(b"\xff\xfe\x00")
-    for path, reason in ((broken, "line 1"), (binary, "UTF-8"), (tmp_path / "no.toml", "No such")):
+    for path, reason in ((broken, "line 1"), (binary, "UTF-8"), (Path("no.toml"), "No such")):
         with pytest.raises(SceneError, match=reason) as error:
             Scene.from_toml(path)
         assert path.name in str(error.value)
