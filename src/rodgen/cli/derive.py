@@ -31,7 +31,9 @@ def derive(
     links: Annotated[str, typer.Argument(help="Number of links, N.")],
     boundary: Annotated[str, typer.Option(help=", ".join(BOUNDARIES))] = "free",
     inertia: Annotated[str, typer.Option(help=", ".join(INERTIAS))] = "uniform",
-    terms: Annotated[str, typer.Option(help="all (but tip_load), none, or a list with commas")] = "all",
+    terms: Annotated[
+        str, typer.Option(help="all (but tip_load), none, or a list with commas")
+    ] = "all",
     target: Annotated[str, typer.Option(help=f"{', '.join(TARGETS)} or both")] = "numpy",
     form: Annotated[str, typer.Option(help=", ".join(FORMS))] = "chain",
     out_folder: Annotated[Path, typer.Option("--out", help="Folder for the module.")] = Path(),

@@ -115,7 +115,7 @@ class Functions:
             out[f"diag_{axes[r]}{axes[c]}"] = rows, system.diagonal[r, c]
             if system.coupling[r, c] != system.coupling[c, r]:
                 raise ArithmeticError(f"coupling is not symmetric: {system.coupling}")
-            if low <= high:
+            if low <= high and (self.low < self.high or self.ends):
                 over = Domain((system.index,), low, high)
                 out[f"next_{axes[r]}{axes[c]}"] = over, system.coupling[r, c]
         return out
