@@ -33,9 +33,10 @@ int is_nan(double x) { return x != x; }
 double inverse(double x, double y) { return 1.0/(x + y); }
 """
 LOAD = f"""
-import sys
+import signal, sys
 from pathlib import Path
 from rodgen.templates.c_build import load_library
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a background shell has it ignored
 _, lib = load_library("rod", Path(sys.argv[1]), {DECLARATIONS!r})
 print(lib.twice(21.0))
 """
