@@ -30,7 +30,7 @@ def prepare(n: int) -> Prepared:
 
 
 @njit(error_model="numpy", fastmath={"contract"})  # as the flags of the C target
-def _rhs(t, y, p, dy, work):  # type: ignore[no-untyped-def]
+def _rhs(t, y, p, dy, work):  # type: ignore[no-untyped-def]  # numba types it
     c, s, torque, wx, wy, g11, g12, g21, g22, q = work[:10]
     n = len(c)
     m, l = p[0] / n, p[1] / n
