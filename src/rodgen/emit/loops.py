@@ -186,6 +186,7 @@ class LoopWriter:
         elif st.kind == PREFIX:
             self._place[st.name] = self._into(st)
         elif st.kind in SUMS:
+            # Only the dense form and the energies have them, which are NumPy's.
             raise NotImplementedError(f"no loop for {st.kind} sums")
         else:
             self._place[st.name] = self._into(st)
