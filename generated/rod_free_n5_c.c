@@ -102,16 +102,21 @@ struct rhs {
     double drag_x[6];
     double drag_y[6];
     double block_xx[5];
+    double diag_xx[4];
     double next_xx[5];
     double block_xy[5];
+    double diag_xy[4];
     double next_xy[5];
     double block_yy[5];
+    double diag_yy[4];
     double next_yy[5];
     double joint_moment[4];
     double link_moment[5];
     double free_alpha[5];
     double pull_x[5];
+    double right_x[4];
     double pull_y[5];
+    double right_y[4];
     double alpha[5];
     double lambda_x[6];
     double lambda_y[6];
@@ -186,6 +191,9 @@ static void rhs(double t, const double *y, const double *p, double *dy, struct r
     for (ptrdiff_t i = 1; i <= 4; ++i) {
         x->joint_mass[i] = m;
         x->rod_angle[i] = 1.0/2*(phi[i - 1] + phi[i]);
+        x->diag_xx[i - 1] = x->block_xx[i - 1] + x->block_xx[i];
+        x->diag_xy[i - 1] = x->block_xy[i - 1] + x->block_xy[i];
+        x->diag_yy[i - 1] = x->block_yy[i - 1] + x->block_yy[i];
         x->joint_moment[i - 1] = b0*(omega[i] - omega[i - 1]) + k*(phi[i - 1] - phi[i]);
     }
     for (ptrdiff_t i = 0; i <= 5; ++i) {
@@ -208,6 +216,10 @@ static void rhs(double t, const double *y, const double *p, double *dy, struct r
         x->pull_x[i] = a12*(a11*x->cos_phi[i] + x->free_alpha[i]*x->sin_phi[i]);
         x->pull_y[i] = a12*(a11*x->sin_phi[i] - x->cos_phi[i]*x->free_alpha[i]);
     }
+    for (ptrdiff_t i = 1; i <= 4; ++i) {
+        x->right_x[i - 1] = x->pull_x[i - 1] + x->pull_x[i] + a4*(x->drag_x[i + 1] - x->drag_x[i]);
+        x->right_y[i - 1] = x->pull_y[i - 1] + x->pull_y[i] + a4*(x->drag_y[i + 1] - x->drag_y[i]);
+    }
     double c11 = 0.0;
     double c12 = 0.0;
     double c22 = 0.0;
@@ -226,16 +238,11 @@ static void rhs(double t, const double *y, const double *p, double *dy, struct r
     }
     for (ptrdiff_t i = 1; i <= 4; ++i) {
         {
-            const double diag_xx = x->block_xx[i - 1] + x->block_xx[i];
-            const double diag_xy = x->block_xy[i - 1] + x->block_xy[i];
-            const double diag_yy = x->block_yy[i - 1] + x->block_yy[i];
-            const double right_x = x->pull_x[i - 1] + x->pull_x[i] + a4*(x->drag_x[i + 1] - x->drag_x[i]);
-            const double right_y = x->pull_y[i - 1] + x->pull_y[i] + a4*(x->drag_y[i + 1] - x->drag_y[i]);
-            const double a = diag_xx - (c11 * w11 + c12 * w21);
-            const double b = diag_xy - (c11 * w12 + c12 * w22);
-            const double d = diag_yy - (c12 * w12 + c22 * w22);
-            const double u = right_x - (c11 * z1 + c12 * z2);
-            const double v = right_y - (c12 * z1 + c22 * z2);
+            const double a = x->diag_xx[i - 1] - (c11 * w11 + c12 * w21);
+            const double b = x->diag_xy[i - 1] - (c11 * w12 + c12 * w22);
+            const double d = x->diag_yy[i - 1] - (c12 * w12 + c22 * w22);
+            const double u = x->right_x[i - 1] - (c11 * z1 + c12 * z2);
+            const double v = x->right_y[i - 1] - (c12 * z1 + c22 * z2);
             const double inverse = 1.0 / (a * d - b * b);
             z1 = (d * u - b * v) * inverse;
             z2 = (a * v - b * u) * inverse;

@@ -235,9 +235,8 @@ class LoopWriter:
             return set()
         low = max(self._span(st)[0] for st in wanted)
         rows = {st.name for st in wanted if self._span(st)[0] == low}
-        if any(self._span(made[name]) != self._span(wanted[0]) for name in rows) and not all(
-            self._lanes(name) for name in names
-        ):
+        alike = len({self._span(st) for st in wanted}) == 1
+        if not alike and not all(self._lanes(name) for name in names):
             return set()
         span = self._span(made[min(rows)])
         for st in reversed(phase):
