@@ -35,7 +35,7 @@ SECTIONS: dict[str, tuple[str, Callable[[Report], None]]] = {
 }
 VERSIONS = (
     *("rodgen", "sympy", "numpy", "scipy", "cffi"),
-    *("numba", "casadi", "pin", "mujoco", "pydy", "cython"),
+    *("numba", "casadi", "pin", "mujoco", "pydy", "cython", "heyoka", "scikit-sundae"),
 )
 
 

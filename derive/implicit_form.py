@@ -13,7 +13,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from sympy import And, Eq, Expr, Indexed, Matrix, Piecewise, S
+from sympy.physics.mechanics import dynamicsymbols
 
+from .calculus import TIME
+from .chain import OWN, combine, lever
 from .general import (
     Equations,
     divisor,
@@ -72,6 +75,39 @@ class ImplicitForm:
         """By the velocities of joints i and i + 1."""
         return {d: self._derivative([joint_vx[i + d], joint_vy[i + d]], 0) for d in JOINTS}
 
+    @cached_property
+    def lever_by(self) -> tuple[Matrix, Matrix]:
+        """Velocity of the end of link i less that of its start, by its angle and by its rate."""
+        angle = dynamicsymbols("phi", real=True)
+        gained = Matrix(combine((S.Zero, S.Zero), [lever(OWN, S.One)], [angle])).diff(TIME)
+        named = gained.subs(angle.diff(TIME), omega[i]).subs(angle, phi[i])
+        return named.diff(phi[i]), named.diff(omega[i])
+
+    def base(self, links: int) -> Matrix:
+        """Acceleration of joint 0 of a chain that translates."""
+        place = _Place(first=True, last=links == 1)
+        chain = JointForces(self.equations)
+        rows = self._with_tail(-chain.starts(i), chain, place)
+        return self._with_drag(rows, place)
+
+    def base_by(self, links: int) -> dict[str, dict[int, Matrix]]:
+        """Its derivatives by angles, rates and unknowns of the cells 0 and 1 and by the velocities
+        of joints 0 and 1, each by offset."""
+        rows = self.base(links)
+        kinds = {
+            "angle": (phi,),
+            "rate": (omega,),
+            "unknown": UNKNOWNS,
+            "velocity": (joint_vx, joint_vy),
+        }
+        return {
+            kind: {
+                d: Matrix([[self._partial(e, base[i + d]) for base in bases] for e in rows])
+                for d in (0, 1)
+            }
+            for kind, bases in kinds.items()
+        }
+
     # Cases ------------------------------------------------------------------------------------
 
     @property
@@ -114,11 +150,15 @@ class ImplicitForm:
         turning = alpha[i] - chain.accelerations(i)[2]
         joint_rows = self._joint(chain, place)
         rows = Matrix([turning, *joint_rows]).xreplace({link_moment[i]: self._moment(place)})
-        if place.last:
-            tail = tail_load(self.equations, chain.unit)
-            given = dict(zip((lambda_x[i + 1], lambda_y[i + 1]), tail, strict=True))
-            rows = rows.xreplace(given).subs(phi[n - 1], phi[i])
-        return self._with_drag(rows, place)
+        return self._with_drag(self._with_tail(rows, chain, place), place)
+
+    def _with_tail(self, rows: Matrix, chain: JointForces, place: _Place) -> Matrix:
+        """The load at the tail in place of a force in the joint there."""
+        if not place.last:
+            return rows
+        tail = tail_load(self.equations, chain.unit)
+        given = dict(zip((lambda_x[i + 1], lambda_y[i + 1]), tail, strict=True))
+        return rows.xreplace(given).subs(phi[n - 1], phi[i])
 
     def _joint(self, chain: JointForces, place: _Place) -> Sequence[Expr]:
         """What the joint before link i asks for; where that moves with no link before it, the

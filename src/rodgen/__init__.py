@@ -11,8 +11,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rodgen.integrate import Interrupted, RunError, Solution, simulate
-    from rodgen.integrate.storage import load
+    from rodgen.integrate import (
+        Event,
+        Interrupted,
+        RunError,
+        Solution,
+        StepWarning,
+        choose,
+        resume,
+        simulate,
+    )
+    from rodgen.integrate.results.storage import load
     from rodgen.loading import build
     from rodgen.scene import Scene, SceneError, Structure
 
@@ -22,21 +31,29 @@ _HOMES = {
     "Structure": "rodgen.scene",
     "build": "rodgen.loading.build",
     "simulate": "rodgen.integrate.simulate",
+    "resume": "rodgen.integrate.simulate",
+    "choose": "rodgen.integrate.methods.choose",
     "Solution": "rodgen.integrate.solution",
-    "RunError": "rodgen.integrate.simulate",
-    "Interrupted": "rodgen.integrate.simulate",
-    "load": "rodgen.integrate.storage",
+    "Event": "rodgen.integrate.solution",
+    "RunError": "rodgen.integrate.outcome",
+    "Interrupted": "rodgen.integrate.outcome",
+    "StepWarning": "rodgen.integrate.outcome",
+    "load": "rodgen.integrate.results.storage",
 }
 
 __all__ = [
+    "Event",
     "Interrupted",
     "RunError",
     "Scene",
     "SceneError",
     "Solution",
+    "StepWarning",
     "Structure",
     "build",
+    "choose",
     "load",
+    "resume",
     "simulate",
 ]
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.integrate import Interrupted, RunError
-from rodgen.integrate.scipy_methods import ScipyStep
+from rodgen.integrate import Interrupted, RunError, StepWarning
+from rodgen.integrate.methods.scipy_methods import ScipyStep
 from rodgen.scene import Scene
 
 Make = Callable[..., Scene]
@@ -24,7 +24,10 @@ def _with_force(scene: Scene, force: str, **integrate: object) -> Scene:
 
 def test_explicit_method_beyond_its_stability_limit_is_stopped(make_scene: Make) -> None:
     scene = make_scene(6, "free", ("follower",), span=[0.0, 5.0])
-    with pytest.raises(RunError, match=r"stopped at t = \d") as caught:
+    with (
+        pytest.warns(StepWarning, match="euler is unstable with every step"),
+        pytest.raises(RunError, match=r"stopped at t = \d.*try a smaller step") as caught,
+    ):
         rodgen.simulate(scene, method="euler", step=0.05)
     sol = caught.value.solution
     assert sol.status == "failed"
@@ -96,7 +99,7 @@ def test_pole_far_ahead_is_not_blamed(make_scene: Make) -> None:
     """Euler's method leaves its stability limit long before the force is not finite."""
     scene = make_scene(6, "free", ("follower",), span=[0.0, 500.0])
     scene = _with_force(scene, "40 + 1/(t - 499.3)", method="euler", step=0.05)
-    with pytest.raises(RunError, match="stopped at t = ") as caught:
+    with pytest.warns(StepWarning), pytest.raises(RunError, match="stopped at t = ") as caught:
         rodgen.simulate(scene)
     assert "loads." not in str(caught.value)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import Timer
+from time import perf_counter
 
 from rich.console import Console
 from rich.progress import (
@@ -24,9 +25,16 @@ PATIENCE = 1.0  # seconds without a bar
 
 @contextmanager
 def progress(what: str, start: float, end: float) -> Iterator[Callable[[float], None]]:
-    """A callback that shows how far a run from start to end has come."""
+    """A callback that shows how far a run from start to end has come, how fast it goes against
+    real time, and what time is left."""
+    begun, first = perf_counter(), start
+
+    def speed(at: float) -> str:
+        seconds = perf_counter() - begun
+        return f"{(at - first) / seconds:.3g} s/s" if seconds > 0 else ""
+
     with _bar(what, end - start, TimeRemainingColumn()) as show:
-        yield lambda at: show(at - start, f"t = {at:.3f} s of {end:g} s")
+        yield lambda at: show(at - start, f"t = {at:.3f} s of {end:g} s, {speed(at)}")
 
 
 @contextmanager

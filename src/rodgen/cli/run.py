@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import signal
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -12,11 +15,14 @@ import typer
 from rodgen.cli.console import err, out, progress, working
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
 from rodgen.cli.folders import unwritable, writable
-from rodgen.integrate import Interrupted, RunError, Solution, simulate
+from rodgen.integrate import Interrupted, RunError, Solution, StepWarning, resume, simulate
+from rodgen.integrate.results.storage import load
 from rodgen.loading import build, build_fastest, sources
 from rodgen.loading.cache import write_whole
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.tables import FIXED_STEP
+from rodgen.scene.tables import AUTO, FIXED_STEP
+
+RESULT = "solution.nc"
 
 
 def run(
@@ -30,28 +36,46 @@ def run(
     out_folder: Annotated[
         Path, typer.Option("--out", help="Folder in which a folder of the scene's name is made.")
     ] = Path("results"),
+    checkpoint: Annotated[
+        float, typer.Option(help="Seconds between two states from which --resume can go on.")
+    ] = 30.0,
+    resumed: Annotated[
+        bool, typer.Option("--resume", help="Go on with the run of SCENE that was stopped.")
+    ] = False,
 ) -> None:
     """Integrate SCENE; write states, pictures and a summary, and say what came out."""
-    scene = Scene.from_toml(scene_file).with_integrate(method=method, step=step, rtol=rtol)
+    given = Scene.from_toml(scene_file)
+    scene = given.with_integrate(method=method, step=step, rtol=rtol)
     _used(scene, step, rtol)
-    with working("generating"):
-        model = build(scene, target) if target else build_fastest(scene)
-    folder = writable(out_folder / scene.name)
     start, end = scene.integrate.span
-    with progress(scene.name, start, end) as update:
+    if resumed:
+        folder = out_folder / scene.name
+        _same(scene, folder / RESULT)
+    else:
+        with working("generating"):
+            model = build(scene, target) if target else build_fastest(scene)
+        folder = writable(out_folder / scene.name)
+    file = folder / RESULT
+    with progress(scene.name, start, end) as update, _warned():
         try:
-            solution, status = simulate(scene, model=model, progress=update), 0
+            if resumed:
+                solution = resume(file, progress=update, checkpoint=checkpoint)
+            else:
+                solution = simulate(
+                    scene, model=model, progress=update, out=file, checkpoint=checkpoint
+                )
+            status = 0
         except RunError as error:
             solution, status = error.solution, FAILED_RUN
         except Interrupted as error:
             _hold_back_ctrl_c()
             solution, status = error.solution, INTERRUPTED
-            err.print(f"rodgen: {error.solution.message}; writing what was computed")
     with np.errstate(all="ignore"):  # a run that blew up has energies that overflow
-        _write(solution, folder, model.PROVENANCE["target"])
+        _write(solution, folder, pictured=status != INTERRUPTED)
     if status:
+        again = "; --resume goes on with it" if status == INTERRUPTED else ""
         kept = f"samples up to t = {solution.t[-1]:.9g} s are in {folder}"
-        fail(f"{solution.message}; {kept}", status)
+        fail(f"{solution.message}; {kept}{again}", status)
 
 
 def _used(scene: Scene, step: float | None, rtol: float | None) -> None:
@@ -63,29 +87,55 @@ def _used(scene: Scene, step: float | None, rtol: float | None) -> None:
         raise SceneError("--rtol", rtol, f"absent: {method} has a fixed step")
 
 
-def _write(solution: Solution, folder: Path, target: str) -> None:
-    """States first, since they cost most; everything else can be made from them. Ctrl-C can
-    still leave out the pictures."""
+def _same(scene: Scene, file: Path) -> None:
+    """Refuse to go on with the run of another scene."""
+    begun = load(file, most=1).scene
+    method = scene.integrate.method
+    if method == AUTO:
+        method = begun.integrate.method
+    if scene.with_integrate(method=method) != begun:
+        raise SceneError("--resume", str(file), "the run of this scene, which has changed since")
+
+
+@contextmanager
+def _warned() -> Iterator[None]:
+    """Warnings of a run as lines of their own."""
+
+    def show(message: Warning | str, *_: object, **__: object) -> None:
+        err.print(f"rodgen: warning: {message}")
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", StepWarning)
+        warnings.showwarning = show
+        yield
+
+
+def _write(solution: Solution, folder: Path, pictured: bool) -> None:
+    """What is made from the states, which are there already. Ctrl-C can still leave out the
+    pictures; where the run itself was stopped by it, there are none."""
     _hold_back_ctrl_c()
-    from rodgen.view.pictures import save_pictures
     from rodgen.view.summary import summary
 
     words = summary(solution)
-    texts = sources(solution.scene, target)
+    model = solution.model
+    assert model is not None
+    texts = sources(solution.scene, model.PROVENANCE["target"])
+    written = [RESULT, "summary.txt", *texts]
     try:
         with working("writing") as step:
-            solution.save(folder / "solution.nc")
             write_whole(folder / "summary.txt", words)
             for name, text in texts.items():
                 write_whole(folder / name, text)
-            _let_ctrl_c_through()
-            step("solution.nc")
-            pictures = save_pictures(solution, folder)
+            step(RESULT)
+            if pictured:
+                _let_ctrl_c_through()
+                from rodgen.view.pictures import save_pictures
+
+                written += [picture.name for picture in save_pictures(solution, folder)]
     except OSError as error:
         raise unwritable(folder, error) from None
     out.print(words, end="")
-    names = ", ".join(picture.name for picture in pictures)
-    out.print(f"Written to {folder}: solution.nc, summary.txt, {', '.join(texts)}, {names}.")
+    out.print(f"Written to {folder}: {', '.join(written)}.")
 
 
 def _hold_back_ctrl_c() -> None:

@@ -8,7 +8,9 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from rodgen.cli.console import out
+from rodgen.cli.console import out, working
+from rodgen.integrate import choose
+from rodgen.loading import build_fastest
 from rodgen.scene import Scene
 from rodgen.scene.contents import contents
 
@@ -30,4 +32,9 @@ def show(
     out.print(f"parameters p: {', '.join(structure.parameters)}")
     settings = scene.integrate
     breaks = ", ".join(f"{t:g}" for t in scene.breaks()) or "none"
-    out.print(f"integrated by {settings.method} over {settings.span} s; break points: {breaks}")
+    with working("generating"):
+        choice = choose(scene, build_fastest(scene))
+    out.print(f"integrated by {choice.method}: {choice.reason}")
+    out.print(f"over {settings.span} s; break points: {breaks}")
+    for event in scene.events:
+        out.print(f"event {event.name!r}: {event.quantity} {event.direction}, {event.action}")

@@ -9,13 +9,13 @@ from functools import cache, cached_property
 import sympy
 from sympy import Eq, Expr, Indexed, IndexedBase, Piecewise, S, Symbol
 
-from rodgen.derive.general import Equations, joint, joint_x, joint_y
+from rodgen.derive.general import Equations, joint, joint_vx, joint_vy, joint_x, joint_y
 from rodgen.derive.implicit_form import UNKNOWNS, ImplicitForm
 from rodgen.derive.inertia import INERTIAS
 from rodgen.derive.joint_forces import joint_system
 from rodgen.derive.joint_system import System, alpha, link_moment
 from rodgen.derive.quantities import Quantities
-from rodgen.derive.symbols import n
+from rodgen.derive.symbols import i, n
 from rodgen.emit.program import Compiler, Solve
 from rodgen.emit.statements import SCALAR, Domain, Program
 from rodgen.scene.structure import Structure
@@ -202,8 +202,13 @@ class Functions:
         return self.compiler.compile(outputs, tangents=tangents, values=values)
 
     def implicit(self) -> Program:
-        """Residual with joint forces as unknowns, and its blocks, by the names that the template
-        puts together."""
+        """Residual with joint forces as unknowns, and its blocks."""
+        cells = dict.fromkeys(map(str, UNKNOWNS), self.compiler.link)
+        return self.compiler.compile(self.cells, given=cells)
+
+    @cached_property
+    def cells(self) -> Outputs:
+        """What implicit gives, by the names that the templates put together."""
         form, link = self._derived[1], self.compiler.link
         outputs: Outputs = {f"residual_{r}": (link, e) for r, e in enumerate(form.residual)}
         blocks = {
@@ -219,8 +224,26 @@ class Functions:
                         value = matrix[r, c].subs(n, self.links)
                         if value != 0:
                             outputs[f"by_{name}_{at}_{r}_{c}"] = link, value
-        cells = dict.fromkeys(map(str, UNKNOWNS), link)
-        return self.compiler.compile(outputs, given=cells)
+        return outputs
+
+    @cached_property
+    def motion(self) -> Outputs:
+        """What takes the place of prefix sums in a Newton matrix: derivatives of the velocity that
+        a link adds, and of the acceleration of joint 0 where it moves."""
+        form, out = self._derived[1], Outputs()
+        if "external_damping" in self.equations.terms:
+            for kind, gained in zip(("angle", "rate"), form.lever_by, strict=True):
+                for r in range(2):
+                    out[f"lever_{kind}_{r}"] = self.compiler.link, gained[r]
+        if self.equations.hold.translates:
+            for kind, matrices in form.base_by(self.links).items():
+                for at, matrix in matrices.items():
+                    for r in range(matrix.rows):
+                        for c in range(matrix.cols):
+                            value = matrix[r, c].subs({i: 0, n: self.links})
+                            if value != 0 and (at == 0 or self.links > 1 or kind == "velocity"):
+                                out[f"base_{kind}_{at}_{r}_{c}"] = SCALAR, value
+        return out
 
     def mass(self) -> Program:
         """Entries of the mass matrix."""
@@ -271,7 +294,6 @@ class Functions:
             energy["spring"] = quantities.spring_energy
         if "gravity" in self.equations.terms:
             energy["gravity_energy"] = quantities.gravity_energy
-        power = {f"power_{term}": e for term, e in quantities.power.items() if self._acts(term)}
         arrays = self.equations.arrays
         positions = {str(base): (joints, arrays[base].value) for base in (joint_x, joint_y)}
         centre = ("centre_x", "centre_y")
@@ -281,12 +303,24 @@ class Functions:
         near = dict(zip(centre, quantities.centre_from_start, strict=True))
         outputs = {
             "energy": _scalars(energy),
-            "power": _scalars(power),
+            "power": self.power,
             "joints": positions,
             "centre": _scalars(dict(zip(centre, quantities.centre, strict=True))),
             "inertia_moments": _scalars(near | moments),
         }
         return {name: self.compiler.compile(o, batch=True) for name, o in outputs.items()}
+
+    @cached_property
+    def power(self) -> Outputs:
+        """Power of every load without potential."""
+        power = Quantities(self.equations).power
+        acting = {f"power_{term}": e for term, e in power.items() if self._acts(term)}
+        if "external_damping" not in self.equations.terms:
+            # Of all joints, only the tail's velocity is asked for: a sum, not one for every joint.
+            values = {base: self.equations.arrays[base].value for base in (joint_vx, joint_vy)}
+            tail = {base[n]: value.subs(joint, n) for base, value in values.items()}
+            acting = {name: e.xreplace(tail) for name, e in acting.items()}
+        return _scalars(acting)
 
     def _acts(self, term: str) -> bool:
         """Internal damping acts across inner joints: a single link has none."""

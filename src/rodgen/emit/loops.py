@@ -15,7 +15,7 @@ from sympy import Expr, Mul, Symbol
 
 from rodgen.emit.analysis import Analysis
 from rodgen.emit.printer import C, Printer
-from rodgen.emit.statements import CASES, PREFIX, SCALAR, SUMS, Domain, Statement
+from rodgen.emit.statements import CASES, PREFIX, SCALAR, SUMS, TOTAL, Domain, Statement
 
 LANES = 8
 # Element of an array of the function, of one that is read through a pointer, or of a lane.
@@ -94,6 +94,7 @@ class LoopWriter:
         self._floor = 0
         rows: set[str] = set()
         self._factors: dict[Expr, Symbol] = {}
+        self._reads: dict[Expr, dict[str, list[int | None]]] = {}
         for given_phase in phases:
             phase = [part for st in given_phase for part in self._hoisted(st)]
             self._first.append(len(self._groups))
@@ -185,8 +186,15 @@ class LoopWriter:
             self._place[st.name] = max(places)
         elif st.kind == PREFIX:
             self._place[st.name] = self._into(st)
+        elif st.kind == TOTAL:
+            # Terms first, as an array: added up in lanes, they need not wait for one another.
+            assert st.terms is not None
+            terms = st.terms
+            self._place[terms.name] = self._into(terms)
+            added = Statement(st.name, TOTAL, SCALAR, Symbol(terms.name, real=True))
+            self._place[st.name] = self._into(added)
         elif st.kind in SUMS:
-            # Only the dense form and the energies have them, which are NumPy's.
+            # Only the dense form has them, which is NumPy's.
             raise NotImplementedError(f"no loop for {st.kind} sums")
         else:
             self._place[st.name] = self._into(st)
@@ -265,9 +273,18 @@ class LoopWriter:
         for place, group in enumerate(self._groups):
             for st in (*group.ahead, *group.members):
                 expr = st.terms.expr if st.terms is not None else st.expr
-                bases = map(self._base, expr.free_symbols)
-                found += [(place, offset) for base, offset in bases if base == name]
+                found += [(place, offset) for offset in self._read(expr).get(name, ())]
         return found
+
+    def _read(self, expr: Expr) -> dict[str, list[int | None]]:
+        """Quantities that an expression reads, each with its offsets."""
+        known = self._reads.get(expr)
+        if known is None:
+            known = self._reads[expr] = {}
+            for symbol in expr.free_symbols:
+                name, offset = self._base(symbol)
+                known.setdefault(name, []).append(offset)
+        return known
 
     def _sink(self) -> None:
         """Move what only one later loop reads into that loop, where it costs no array; not what
@@ -355,6 +372,11 @@ class LoopWriter:
             text = self._text(st.terms.expr, st.terms.domain)
             lines.append((f"{total}{lane} += {text};", laned))
             lines.append((f"x->{st.name}[i{offset}]{lane} = {total}{lane};", laned))
+            return
+        if st.kind == TOTAL:
+            terms = str(st.expr)
+            count = self._arrays[terms][0]
+            lines.append((f"const double {st.name} = total(x->{terms}, {count});", laned))
             return
         over = st.domain if group.loops else SCALAR
         text = self._text(st.expr, over)

@@ -15,6 +15,7 @@ from jinja2 import DictLoader, Environment, StrictUndefined
 from rodgen.emit.functions import Functions
 from rodgen.emit.native import native, segments
 from rodgen.emit.statements import PAIR
+from rodgen.emit.tableaux import tableaux
 from rodgen.scene.expression import Expression
 from rodgen.scene.structure import TERM_PARAMETERS, Structure, check_output
 
@@ -151,7 +152,8 @@ def _context(structure: Structure, target: str, form: str, template: str) -> dic
         ],
         "power_names": {name.removeprefix("power_"): name for name in programs["power"].outputs},
         "chain": _chain(functions),
-        **(native(functions) if target == "c" else {}),
+        **({**native(functions), "tableaux": tableaux()} if target == "c" else {}),
+        "works": list(programs["power"].outputs),
         **_parameters(structure),
         **_state(structure, hold.translates, hold.first),
         **programs,

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
+from rodgen.derive.implicit_form import UNKNOWNS
 from rodgen.derive.symbols import i
-from rodgen.emit.functions import Functions
+from rodgen.emit.functions import Functions, Outputs
 from rodgen.emit.loops import Code, LoopWriter
 from rodgen.emit.statements import Domain, Statement
 
@@ -16,17 +18,35 @@ def native(functions: Functions) -> dict[str, Any]:
     width = functions.axes
     pivots = [f"pivot_{width[r]}{width[c]}" for r, c in functions.pairs]
     ratios = [f"ratio_{r}{c}" for r in width for c in width]
-    codes = {"rhs": _rhs(functions, ratios), "batch": _batch(functions, ratios)}
+    rhs = _rhs(functions, functions.chain_outputs, ratios)
+    flow = _rhs(functions, functions.chain_outputs | functions.power, ratios)
+    codes = {
+        "rhs": replace(rhs, fields=_united(rhs, flow)),
+        "flow": flow,
+        "batch": _batch(functions, ratios),
+        "newton": _newton(functions),
+    }
     codes["jac"], tangents = _jac(functions, pivots)
     return {
         **{f"{name}_code": code for name, code in codes.items()},
         "code_of": codes,
         "jac_tangents": tangents,
+        "newton_made": {*functions.cells, *functions.motion},
         "ends_of": {
             "": list(functions.ends),
             "d_": [name for name in functions.ends if name in tangents],
         },
     }
+
+
+def _united(*codes: Code) -> tuple[tuple[str, int, bool], ...]:
+    """Arrays for several functions in one memory."""
+    fields: dict[str, tuple[str, int, bool]] = {}
+    for code in codes:
+        for name, count, laned in code.fields:
+            before = fields.get(name, (name, 0, laned))
+            fields[name] = name, max(count, before[1]), laned
+    return tuple(fields.values())
 
 
 def segments(functions: Functions) -> dict[str, int]:
@@ -65,8 +85,8 @@ def _links(functions: Functions, names: Iterable[str]) -> dict[str, Domain]:
     return dict.fromkeys(names, Domain((i,), 0, functions.links - 1))
 
 
-def _rhs(functions: Functions, pivots: Iterable[str]) -> Code:
-    program = functions.compiler.analyse(functions.chain_outputs)
+def _rhs(functions: Functions, outputs: Outputs, pivots: Iterable[str]) -> Code:
+    program = functions.compiler.analyse(outputs)
     given = _given(functions, pivots)
     if functions.equations.hold.first:
         given |= _links(functions, ("phi", "omega"))
@@ -76,7 +96,7 @@ def _rhs(functions: Functions, pivots: Iterable[str]) -> Code:
         given = {name: domain for name, domain in given.items() if name not in set(pivots)}
         length = cut["segments"] * cut["rows"] + 1
         padding |= dict.fromkeys(functions.solve.unknowns, (0, length))
-    keep = [*functions.chain_outputs]
+    keep = [*outputs]
     system = [] if padding else [*functions.matrix, *functions.right]
     writer = LoopWriter(
         program.analysis, program.phases[:2], given, lambda _: False, keep, padding, system
@@ -100,6 +120,18 @@ def _batch(functions: Functions, pivots: Iterable[str]) -> Code:
         system=[*functions.matrix, *functions.right],
     )
     return writer.code()
+
+
+def _newton(functions: Functions) -> Code:
+    """Blocks of the Newton matrix, for given accelerations and joint forces."""
+    outputs = functions.cells | functions.motion
+    program = functions.compiler.analyse(outputs)
+    link = functions.compiler.link
+    given = dict.fromkeys(map(str, UNKNOWNS), link)
+    if functions.equations.hold.first:
+        given |= _links(functions, ("phi", "omega"))
+    statements = [st for phase in program.phases for st in phase]
+    return LoopWriter(program.analysis, [statements], given, lambda _: False, outputs).code()
 
 
 def _jac(functions: Functions, pivots: Iterable[str]) -> tuple[Code, list[str]]:

@@ -1,6 +1,18 @@
-"""Callables to Solutions: one method a file, sampling, work, storage."""
+"""Callables to Solutions: methods, samples, events, work, storage."""
 
-from rodgen.integrate.simulate import Interrupted, RunError, simulate
-from rodgen.integrate.solution import Solution
+from rodgen.integrate.methods.choose import Choice, choose
+from rodgen.integrate.outcome import Interrupted, RunError, StepWarning
+from rodgen.integrate.simulate import resume, simulate
+from rodgen.integrate.solution import Event, Solution
 
-__all__ = ["Interrupted", "RunError", "Solution", "simulate"]
+__all__ = [
+    "Choice",
+    "Event",
+    "Interrupted",
+    "RunError",
+    "Solution",
+    "StepWarning",
+    "choose",
+    "resume",
+    "simulate",
+]

@@ -3,43 +3,37 @@
 from __future__ import annotations
 
 import time
-from collections import deque
+import warnings
 from collections.abc import Callable
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from rodgen.integrate import fixed_step, scipy_methods
-from rodgen.integrate.collect import Collector
-from rodgen.integrate.solution import Solution, Stats
-from rodgen.integrate.stepper import Array, Counts, Rhs, StepError, Stepper
+from rodgen.integrate.events import Watch
+from rodgen.integrate.methods.choose import choose, machine
+from rodgen.integrate.outcome import (
+    CREEP,
+    FAILED,
+    FINISHED,
+    INTERRUPTED,
+    STRIDE,
+    Interrupted,
+    RunError,
+    StepWarning,
+    advice,
+    cause,
+)
+from rodgen.integrate.results.recorder import Recorder
+from rodgen.integrate.results.saver import Saver
+from rodgen.integrate.solution import Event, Solution, Stats
+from rodgen.integrate.stability import warn_of_step
+from rodgen.integrate.stepper import Happened, StepError
 from rodgen.loading import build, build_fastest
 from rodgen.scene import Scene
-from rodgen.scene.expression import Expression
-from rodgen.scene.tables import Integrate
 
-FINISHED, FAILED, INTERRUPTED = "finished", "failed", "interrupted"
-STRIDE, CREEP = 10_000, 1e-9  # so many steps go at least this share of the way
 TICK = 0.1  # seconds between two calls of the progress callback
-RECENT = 100  # evaluations that are looked at when a run stops, more than a step tries at once
-NEAR = 1e-3  # share of the way to a pole within which it is what stops a run
-
-
-class RunError(ArithmeticError):
-    """A run that could not be finished. solution: all samples up to there."""
-
-    def __init__(self, message: str, solution: Solution):
-        super().__init__(message)
-        self.solution = solution
-
-
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a run. solution: all samples up to there."""
-
-    def __init__(self, solution: Solution):
-        super().__init__(solution.message)
-        self.solution = solution
 
 
 def simulate(
@@ -48,75 +42,120 @@ def simulate(
     target: str | None = None,
     model: ModuleType | None = None,
     progress: Callable[[float], None] | None = None,
+    out: str | Path | None = None,
+    checkpoint: float | None = None,
     **overrides: Any,
 ) -> Solution:
     """Integrate a scene.
 
     target: "c" or "numpy"; if not given, C where it can be built. overrides: values for the
-    scene's [integrate] (method, span, step, rtol, atol, output_every); model: a module built
-    before; progress: called with the time [s] some ten times a second.
+    scene's [integrate] (method, span, step, rtol, atol, output_every, max_steps); model: a module
+    built before; progress: called with the time [s] some ten times a second. out: a NetCDF file
+    into which samples are written as they come, so that memory does not grow with the span; the
+    Solution then has at most MOST_SAMPLES of them. checkpoint: seconds between two states of the
+    run beside that file, from which `resume` goes on to the same bits.
 
     Raises SceneError for values that cannot be used, RunError where the state stops being finite
-    or the method gives up, Interrupted on Ctrl-C; the last two carry the samples so far.
+    or the method gives up, Interrupted on Ctrl-C; the last two carry the samples so far. Warns
+    (StepWarning) of a fixed step beyond the method's stability limit.
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene must be a Scene (see Scene.from_toml), not {type(scene).__name__}")
     scene = scene.with_integrate(**overrides)
     if model is None:
         model = build(scene, target) if target else build_fastest(scene)
-    return _Run(scene, model, progress).go()
+    scene = scene.with_integrate(method=choose(scene, model).method)
+    saver = Saver.begin(scene, model, out, checkpoint)
+    return _Run(scene, model, saver, progress).go()
+
+
+def resume(
+    path: str | Path,
+    *,
+    progress: Callable[[float], None] | None = None,
+    checkpoint: float | None = None,
+) -> Solution:
+    """Go on with a run that was killed, from the last checkpoint beside its file.
+
+    What comes out is bitwise what the run would have given. Raises SceneError where there is no
+    checkpoint, or one of another machine's module.
+    """
+    saver = Saver.resume(Path(path), checkpoint)
+    return _Run(saver.scene, saver.model, saver, progress).go()
 
 
 class _Run:
-    def __init__(self, scene: Scene, model: ModuleType, progress: Callable[[float], None] | None):
+    def __init__(
+        self,
+        scene: Scene,
+        model: ModuleType,
+        saver: Saver,
+        progress: Callable[[float], None] | None,
+    ):
         self.scene, self.model, self.settings = scene, model, scene.integrate
-        self.progress = progress or (lambda _: None)
+        self.saver, self.progress = saver, progress or (lambda _: None)
         self.p = model.parameters(**scene.parameters)
-        y0 = scene.initial_state()
-        self.collector = Collector(self.settings.samples, y0, model, self.p)
-        self.t, self.y = self.settings.span[0], y0
-        self.window = (-np.inf, np.inf)
-        self.asked: deque[float] = deque(maxlen=RECENT)
-        self.pole: tuple[float, Expression] | None = None
-        self.counts = Counts()
+        self.watch = Watch(scene.events, model, self.p)
         self.start = time.perf_counter()
+        start, y0 = self.settings.span[0], scene.initial_state()
+        with np.errstate(all="ignore"):  # of a state that cannot be integrated
+            self.works = tuple(model.power(start, y0, self.p)) if hasattr(model, "power") else ()
+            self.machine = machine(model, self.p, self.settings, start, y0)
+        times = self.settings.samples
+        self.pole: Any = None
+        self.recorder = Recorder(times, len(y0), self.works, saver.stream, saver.samples)
+        self.seconds_before = saver.seconds
 
     def go(self) -> Solution:
-        stepper: Stepper | None = None
         try:
             with np.errstate(all="ignore"):
-                breaks, self.pole = self.scene.breaks(), self.scene.pole()
-                for end in self._ends(breaks):
-                    self.window = _inside(self.t, end, breaks)
-                    stepper = _stepper(self.settings, self.rhs, self.jac, self.t, self.y, end)
-                    self._to(end, stepper)
-                    self.counts += stepper.counts
-                    stepper = None
-                if self.pole:  # a step across it would be finite, and wrong
-                    raise StepError("a load grows beyond all bounds")
+                self._check_step()
+                message = self._walk()
         except (StepError, OverflowError) as error:
-            self._count(stepper)
-            message = f"stopped at t = {self.t:.9g} s: {error}{self._cause()}"
+            at = self.machine.t
+            why = cause(self.scene, self.machine, self.pole)
+            tip = advice(str(error), self.settings, bool(why))
+            message = f"stopped at t = {at:.9g} s: {error}{why}; {tip}"
             raise RunError(message, self.solution(FAILED, message)) from None
         except KeyboardInterrupt:
-            self._count(stepper)
-            message = f"interrupted at t = {self.t:.9g} s"
+            message = f"interrupted at t = {self.machine.t:.9g} s"
             raise Interrupted(self.solution(INTERRUPTED, message)) from None
-        return self.solution(FINISHED, "")
+        return self.solution(FINISHED, message)
 
-    def rhs(self, t: float, y: Array) -> Array:
-        """Rates at a time that is held inside the stretch between two break points."""
-        low, high = self.window
-        at = min(max(t, low), high)
-        self.asked.append(at)
-        rates: Array = self.model.rhs(at, y, self.p)
-        return rates
+    def _check_step(self) -> None:
+        """Warn of a step that is too long before it is taken."""
+        if self.settings.step is None or not self.settings.fixed or self.saver.resumed:
+            return
+        (start, end), y0 = self.settings.span, self.scene.initial_state()
+        method, step = self.settings.method, self.settings.step
+        text = warn_of_step(method, step, end - start, self.model, start, y0, self.p)
+        if text:
+            warnings.warn(text, StepWarning, stacklevel=4)
 
-    def jac(self, t: float, y: Array) -> Array:
-        """The Jacobian of the rates, at a time held likewise."""
-        low, high = self.window
-        jacobian: Array = self.model.jac(min(max(t, low), high), y, self.p)
-        return jacobian
+    def _walk(self) -> str:
+        """All stretches; what there is to say of the end."""
+        breaks, self.pole = self.scene.breaks(), self.scene.pole()
+        taken_up = self.saver.restore(self.machine, self.watch)
+        if not taken_up:
+            _, rows = self.recorder.room()
+            rows[0] = 0.0
+            rows[0, : self.recorder.states] = self.machine.y
+            self.recorder.took(1)
+        self.saver.keep_safe(self.recorder, self.machine, self.watch, lambda: self.counts)
+        try:
+            for end in self._ends(breaks):
+                if end <= self.machine.t:
+                    continue
+                if not (taken_up and self.machine.end == end):
+                    self.machine.begin(end, *_inside(self.machine.t, end, breaks))
+                taken_up = False
+                self._to(end)
+        except Happened as event:
+            name = self.scene.events[self.watch.happened[-1][0]].name
+            return f"ended at t = {event.t:.12g} s by the event {name!r}"
+        if self.pole:  # a step across it would be finite, and wrong
+            raise StepError("a load grows beyond all bounds")
+        return ""
 
     def _ends(self, breaks: list[float]) -> list[float]:
         """Times to step to, one after the other: break points, and the end or the first pole."""
@@ -124,57 +163,54 @@ class _Run:
         last = self.pole[0] if self.pole else end
         return [*(at for at in breaks if at < last), *([last] if last > start else [])]
 
-    def _cause(self) -> str:
-        """The load, if any, that is not finite where the run stopped, and when."""
-        for force in self.scene.timed.values():
-            broken = [at for at in self.asked if not np.isfinite(force(at))]
-            if broken:
-                return f"; {force.not_finite(min(broken))} s"
-        if self.pole:
-            at, force = self.pole
-            near = at - self.t <= NEAR * (at - self.settings.span[0])
-            if near or max(self.asked, default=at) >= at:
-                return f"; {force.not_finite(at)} s"
-        return ""
-
-    def _count(self, stepper: Stepper | None) -> None:
-        if stepper is not None:
-            self.counts += stepper.counts
-
-    def _to(self, end: float, stepper: Stepper) -> None:
+    def _to(self, end: float) -> None:
         """Step to a break point or to the end of the span."""
         tick = time.perf_counter()
-        done, seen, least = False, self.t, CREEP * (end - self.t)
+        seen, least = self.machine.t, CREEP * (end - self.machine.t)
+        look = self.machine.counts.steps + STRIDE
+        done = False
         while not done:
-            done = stepper.step()
-            if stepper.counts.steps % STRIDE == 0:
-                if stepper.t - seen < least:
+            most = self.settings.max_steps - self.machine.counts.steps
+            if most <= 0:
+                raise StepError(f"the budget of {self.settings.max_steps} steps is used up")
+            most = min(most, look - self.machine.counts.steps)
+            done = self.machine.advance(self.recorder, self.watch, most)
+            if self.machine.counts.steps >= look:
+                look = self.machine.counts.steps + STRIDE
+                if not done and self.machine.t - seen < least:
                     raise StepError(f"{STRIDE} steps brought it no further than from {seen!r} s")
-                seen = stepper.t
-            if not np.isfinite(stepper.y).all():
-                raise StepError("the state stops being finite in the step after this time")
-            self.collector.add(self.t, stepper.t, stepper.y, stepper.interpolant)
-            self.t, self.y = stepper.t, stepper.y
+                seen = self.machine.t
             now = time.perf_counter()
+            self.saver.tick(now)
             if now - tick > TICK:
                 tick = now
-                self.progress(self.t)
+                self.progress(self.machine.t)
+
+    @property
+    def counts(self) -> Stats:
+        """What the run has cost so far."""
+        seconds = self.seconds_before + time.perf_counter() - self.start
+        return Stats.of(self.machine.counts, seconds)
 
     def solution(self, status: str, message: str) -> Solution:
-        collector = self.collector
+        """What there is, from memory or from the file."""
+        names = [event.name for event in self.scene.events]
         with np.errstate(all="ignore"):
-            collector.flush()
-        count = collector.count
-        seconds = time.perf_counter() - self.start
+            t, y, work = self.recorder.kept()
+            stats = self.counts
+            if self.saver.stream is not None:
+                return self.saver.finish(status, message, stats)
+        happened = tuple(Event(names[number], t, y) for number, t, y in self.watch.happened)
         return Solution(
             scene=self.scene,
-            t=collector.times[:count],
-            y=collector.states[:count],
-            work={term: values[:count] for term, values in collector.work.items()},
-            stats=Stats.of(self.counts, seconds),
+            t=t,
+            y=y,
+            work=work,
+            stats=stats,
             status=status,
             message=message,
             model=self.model,
+            events=happened,
         )
 
 
@@ -186,11 +222,3 @@ def _inside(start: float, end: float, breaks: list[float]) -> tuple[float, float
     low = start + 8 * np.spacing(abs(start)) if start in breaks else -np.inf
     high = end - 8 * np.spacing(abs(end)) if end in breaks else np.inf
     return float(low), float(high)
-
-
-def _stepper(settings: Integrate, rhs: Rhs, jac: Rhs, t: float, y: Array, end: float) -> Stepper:
-    if settings.method in fixed_step.METHODS:
-        assert settings.step is not None
-        return fixed_step.FixedStep(settings.method, rhs, t, y, end, settings.step)
-    tolerances = (settings.rtol, settings.atol)
-    return scipy_methods.ScipyStep(settings.method, rhs, jac, t, y, end, *tolerances)

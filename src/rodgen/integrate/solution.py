@@ -48,6 +48,15 @@ class PrincipalAxes(NamedTuple):
     moments: Array
 
 
+class Event(NamedTuple):
+    """Something that a scene looks out for has happened: its name, when [s], and the state then,
+    (states,)."""
+
+    name: str
+    t: float
+    y: Array
+
+
 @dataclass(frozen=True)
 class Stats:
     """Cost of a run; rejected is None where the method does not tell."""
@@ -74,7 +83,8 @@ class Solution:
 
     t: times [s], (T,); y: states in the order of the module's STATE, (T, states); work: work done
     by each load without potential since the start [J], by term, each (T,); status: finished,
-    failed or interrupted, with a message where it is not finished; model: the generated module.
+    failed or interrupted, with a message where there is something to say; model: the generated
+    module; events: those of the scene that happened.
     """
 
     scene: Scene
@@ -85,6 +95,7 @@ class Solution:
     status: str = "finished"
     message: str = ""
     model: ModuleType | None = None
+    events: tuple[Event, ...] = ()
 
     @cached_property
     def _model(self) -> ModuleType:
@@ -140,6 +151,11 @@ class Solution:
         balance: Array = total - total[0] - self.total_work
         return balance
 
+    @property
+    def energy_error(self) -> float:
+        """Largest error of the energy balance [J]."""
+        return float(np.abs(self.energy_balance).max(initial=0.0))
+
     @cached_property
     def centre_of_gravity(self) -> Array:
         """Centre of gravity [m], (T, 2)."""
@@ -166,16 +182,18 @@ class Solution:
     def until(self, count: int) -> Solution:
         """The same run with its first ``count`` samples alone."""
         work = {term: values[:count] for term, values in self.work.items()}
-        return replace(self, t=self.t[:count], y=self.y[:count], work=work)
+        t = self.t[:count]
+        events = tuple(event for event in self.events if len(t) and event.t <= t[-1])
+        return replace(self, t=t, y=self.y[:count], work=work, events=events)
 
     def to_xarray(self) -> xarray.Dataset:
         """All quantities with names, dimensions and units."""
-        from rodgen.integrate.storage import to_xarray
+        from rodgen.integrate.results.storage import to_xarray
 
         return to_xarray(self)
 
     def save(self, path: str | Path) -> None:
         """Write everything to a NetCDF file, whole or not at all."""
-        from rodgen.integrate.storage import save
+        from rodgen.integrate.results.storage import save
 
         save(self, Path(path))

@@ -1,17 +1,22 @@
-"""What every method gives to the run: steps, each with an interpolant."""
+"""What every method gives to the run: stretches of steps, with samples and events between them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+if TYPE_CHECKING:
+    from rodgen.integrate.events import Watch
+    from rodgen.integrate.results.recorder import Recorder
+
 Array = NDArray[np.float64]
 Rhs = Callable[[float, Array], Array]
 Interpolant = Callable[[Array], Array]
+State = dict[str, NDArray[Any]]
 
 
 @dataclass
@@ -38,8 +43,63 @@ class StepError(ArithmeticError):
     """A method cannot go on; the message says why."""
 
 
+class Happened(Exception):  # noqa: N818, an event is no error
+    """An event ends the run, at a time [s]."""
+
+    def __init__(self, t: float):
+        super().__init__(t)
+        self.t = t
+
+
+class Machine(Protocol):
+    """A method on its way through a run, wherever its steps are taken."""
+
+    @property
+    def t(self) -> float:
+        """How far it is [s]."""
+        ...
+
+    @property
+    def y(self) -> Array:
+        """The state there."""
+        ...
+
+    @property
+    def end(self) -> float:
+        """End of the stretch that it is in [s]."""
+        ...
+
+    @property
+    def asked(self) -> list[float]:
+        """Times [s] at which loads were asked for their values of late."""
+        ...
+
+    @property
+    def counts(self) -> Counts:
+        """Cost so far."""
+        ...
+
+    def begin(self, end: float, low: float, high: float) -> None:
+        """A stretch up to end [s]; loads are asked for their values between low and high. Raises
+        StepError."""
+        ...
+
+    def advance(self, recorder: Recorder, watch: Watch, most: int) -> bool:
+        """Some steps, at most so many, for a few hundredths of a second; True at the end of the
+        stretch. Raises StepError, and Happened where an event ends the run."""
+        ...
+
+    def state(self) -> State:
+        """All that is needed to go on to the same bits; ValueError where that cannot be told."""
+        ...
+
+    def restore(self, state: State) -> None:
+        """Take up such a state, before `begin` or in the stretch that it was of."""
+        ...
+
+
 class Stepper(Protocol):
-    """A method on its way from one break point to the next."""
+    """A method in Python on its way from one break point to the next."""
 
     t: float
     y: Array

@@ -214,7 +214,8 @@ def _extrema(kink: Callable[[Any], Any], grid: Any, values: Any) -> Any:
     from scipy.optimize import minimize_scalar
 
     size = np.abs(values)
-    dips = np.flatnonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:])) + 1
+    left, right = size[1:-1] - size[:-2], size[1:-1] - size[2:]
+    dips = np.flatnonzero((left <= 0) & (right <= 0) & (left + right < 0)) + 1
     places = []
     for at in dips[size[dips] > 0][:1000]:
         sign = np.sign(values[at])

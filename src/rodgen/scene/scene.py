@@ -9,13 +9,22 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError, model_validator
+from pydantic import ValidationError, field_validator, model_validator
 
 from rodgen.scene import structure as st
 from rodgen.scene.errors import SceneError
 from rodgen.scene.explain import explain
 from rodgen.scene.expression import Expression
-from rodgen.scene.tables import FinFactor, Initial, Integrate, Loads, Rod, Table
+from rodgen.scene.tables import (
+    Event,
+    FinFactor,
+    Initial,
+    Integrate,
+    Loads,
+    Rod,
+    Table,
+    check_events,
+)
 
 
 class Scene(Table):
@@ -25,6 +34,7 @@ class Scene(Table):
     rod: Rod
     loads: Loads = Loads()
     initial: Initial = Initial()
+    events: list[Event] = []
     integrate: Integrate = Integrate()
 
     @classmethod
@@ -49,6 +59,23 @@ class Scene(Table):
         except ValidationError as error:
             raise explain(error, table, cls) from None
 
+    @field_validator("events", mode="before")
+    @classmethod
+    def _events(cls, tables: Any) -> list[Event]:
+        """Each by itself, so that what is wrong is named by its place in the array."""
+        if not isinstance(tables, list):
+            raise SceneError("events", tables, "an array of tables, [[events]]")
+        events = []
+        for i, table in enumerate(tables):
+            if not isinstance(table, dict | Event):
+                raise SceneError(f"events[{i}]", table, "a table")
+            try:
+                events.append(Event.model_validate(table))
+            except ValidationError as error:
+                found = explain(error, dict(table), Event)
+                raise SceneError(f"events[{i}].{found.field}", found.value, found.allowed) from None
+        return events
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", self.name):
@@ -65,6 +92,7 @@ class Scene(Table):
                 raise SceneError(f"initial.{name}", value, allowed)
         self._links("phi")
         self._links("omega")
+        check_events(self.events, self.rod)
         return self
 
     def _links(self, name: str) -> NDArray[np.float64]:

@@ -37,6 +37,7 @@ THESIS_TERMS = ("follower", "gravity", "internal_damping", "external_damping")
 TERMS = (*THESIS_TERMS, "tip_load")
 TARGETS = ("numpy", "c")
 FORMS = ("chain", "dense")
+COLLOCATION = ("gauss", "radau")  # implicit methods that are compiled
 MOST_LINKS = 10**6
 
 # Parameters of a term, and of a boundary.

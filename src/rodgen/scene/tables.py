@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Iterator
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -13,9 +15,10 @@ from rodgen.scene import structure as st
 from rodgen.scene.errors import SceneError
 from rodgen.scene.expression import Expression
 
-FIXED_STEP = ("euler", "semi_implicit_euler", "rk4")
-ADAPTIVE = ("rk23", "rk45", "dop853", "radau", "bdf", "lsoda")
-METHODS = (*FIXED_STEP, *ADAPTIVE)
+AUTO = "auto"
+FIXED_STEP = ("euler", "semi_implicit_euler", "rk4", "thesis_runge_kutta")
+ADAPTIVE = ("dop853", "gauss", "radau", "rk23", "rk45", "bdf", "lsoda", "cvode")
+METHODS = (AUTO, *FIXED_STEP, *ADAPTIVE)
 MOST_SAMPLES = 10**6
 MOST_STEPS = 10**9
 LEAST_RTOL = 2.3e-14  # a hundred times the rounding of a double, below which SciPy clips
@@ -39,6 +42,13 @@ PLACES = {
     "tip_force_x": ("tip", "x"),
     "tip_force_y": ("tip", "y"),
 }
+DIRECTIONS, ACTIONS = ("rising", "falling", "either"), ("record", "stop")
+# What an event can watch beside the states and the joints.
+DERIVED = (
+    *("tip_x", "tip_y", "centre_of_gravity_x", "centre_of_gravity_y"),
+    *("kinetic_energy", "spring_energy", "gravity_energy", "total_energy"),
+    *("inertia_x", "inertia_y", "product_xy"),
+)
 # The table of a term is that of its parameters.
 TABLES = {term: PLACES[names[0]][0] for term, names in st.TERM_PARAMETERS.items()}
 
@@ -173,15 +183,73 @@ class Initial(Table):
         return self
 
 
-class Integrate(Table):
-    """How the scene is integrated."""
+class Event(Table):
+    """A state or a derived quantity that crosses a value: the run stops, or it is recorded."""
 
-    method: str = "dop853"
+    quantity: str
+    value: Finite
+    direction: str = "either"
+    action: str = "record"
+    name: str = Field(default_factory=lambda it: f"{it.get('quantity')} = {it.get('value')!r}")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        st.choose("direction", self.direction, DIRECTIONS)
+        st.choose("action", self.action, ACTIONS)
+        return self
+
+
+def check_events(events: list[Event], rod: Rod) -> None:
+    """Raise SceneError unless this rod has all quantities and every event a name of its own."""
+    known = list(_quantities(rod))
+    first: dict[str, int] = {}
+    for i, event in enumerate(events):
+        if not any(_is_one(event.quantity, *some) for some in known):
+            ends = [(name.format(span[0]), name.format(span[-1])) for name, span in known]
+            shown = ", ".join(" to ".join(dict.fromkeys(pair)) for pair in ends)
+            raise SceneError(f"events[{i}].quantity", event.quantity, f"one of {shown}")
+        name, place = event.name, f"events[{i}].name"
+        if not (0 < len(name) <= 64 and name.isprintable() and name.strip()):
+            raise SceneError(place, name, "1 to 64 printable characters")
+        if first.setdefault(name, i) != i:
+            raise SceneError(place, name, f"unlike that of events[{first[name]}]")
+
+
+def _quantities(rod: Rod) -> Iterator[tuple[str, range]]:
+    """Names of all quantities that move, with the numbers of those that have one."""
+    hold, once = st.BOUNDARIES[rod.boundary], range(1)
+    links = range(hold.first, rod.links)
+    joints = range(0 if hold.translates else hold.first + 1, rod.links + 1)
+    place, speed = (("x0", "y0"), ("vx0", "vy0")) if hold.translates else ((), ())
+    yield from ((name, once) for name in place)
+    yield "phi_{}", links
+    yield from ((name, once) for name in speed)
+    yield "omega_{}", links
+    yield from ((name, joints) for name in ("joint_{}_x", "joint_{}_y"))
+    yield from ((name, once) for name in DERIVED)
+
+
+def _is_one(quantity: str, name: str, numbers: range) -> bool:
+    found = re.search(r"[0-9]{1,7}", quantity) if "{}" in name else None
+    number = int(found[0]) if found else 0
+    return quantity == name.format(number) and number in numbers
+
+
+class Integrate(Table):
+    """How the scene is integrated; max_steps: after so many, a run is stopped."""
+
+    method: str = AUTO
     span: Pair = [0.0, 10.0]
     step: Positive | None = None
     rtol: Positive = 1e-8
     atol: Positive = 1e-10
     output_every: Positive = 0.01
+    max_steps: Annotated[int, Field(gt=0)] = MOST_STEPS
+
+    @property
+    def fixed(self) -> bool:
+        """Whether the method has a fixed step."""
+        return self.method in FIXED_STEP
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

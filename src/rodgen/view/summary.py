@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from rodgen.integrate import Solution
-from rodgen.scene.tables import FIXED_STEP
+
+SHOWN = 10  # events
 
 
 def summary(solution: Solution) -> str:
     """Some lines of text: the scene, the run, the motion, and how well energy balances."""
     lines = [_scene(solution), _run(solution)]
+    if solution.events:
+        lines.append(_events(solution))
     if len(solution.t) > 1:
         lines += [*_motion(solution), *_energy(solution)]
     return "\n".join(lines) + "\n"
@@ -29,15 +32,20 @@ def _scene(solution: Solution) -> str:
 
 def _run(solution: Solution) -> str:
     stats, settings = solution.stats, solution.scene.integrate
-    how = "Finished" if solution.status == "finished" else solution.message.capitalize()
+    how = solution.message[:1].upper() + solution.message[1:] or "Finished"
     rejected = "" if stats.rejected is None else f" ({stats.rejected} rejected)"
-    fixed = settings.method in FIXED_STEP
     tolerances = f"rtol {settings.rtol:g}, atol {settings.atol:g}"
-    accuracy = f"step {settings.step:g} s" if fixed else tolerances
+    accuracy = f"step {settings.step:g} s" if settings.fixed else tolerances
     return (
         f"{how}: {solution.t[-1] - solution.t[0]:g} s of motion by {settings.method} ({accuracy}) "
         f"in {stats.wall_seconds:.2f} s, {stats.steps} steps{rejected}, {stats.rhs} evaluations."
     )
+
+
+def _events(solution: Solution) -> str:
+    shown = [f"{event.name} at t = {event.t:.9g} s" for event in solution.events[:SHOWN]]
+    rest = len(solution.events) - len(shown)
+    return f"Events: {'; '.join(shown)}{f'; and {rest} more' * bool(rest)}."
 
 
 def _motion(solution: Solution) -> list[str]:
@@ -68,7 +76,7 @@ def _energy(solution: Solution) -> list[str]:
     if solution.work:
         parts = ", ".join(f"{t.replace('_', ' ')} {w[-1]:.6g} J" for t, w in solution.work.items())
         lines.append(f"Work done on the rod: {parts}.")
-    error = float(np.abs(solution.energy_balance).max())
+    error = solution.energy_error
     moved = [np.ptp(part) for part in solution.energy] + [np.ptp(w) for w in solution.work.values()]
     scale = float(max(moved))
     share = f", {error / scale:.1e} of the largest exchange" if scale > 0 else ""

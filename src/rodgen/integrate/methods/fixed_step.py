@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rodgen.integrate import euler, rk4, semi_implicit_euler
+from rodgen.integrate.methods import euler, rk4, semi_implicit_euler, thesis_runge_kutta
 from rodgen.integrate.stepper import Array, Counts, Interpolant, Rhs, StepError, hermite
 
 Advance = Callable[[Rhs, float, Array, Array, float], Array]
@@ -15,6 +15,7 @@ METHODS: dict[str, Advance] = {
     "euler": euler.advance,
     "semi_implicit_euler": semi_implicit_euler.advance,
     "rk4": rk4.advance,
+    "thesis_runge_kutta": thesis_runge_kutta.advance,
 }
 
 

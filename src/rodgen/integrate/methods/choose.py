@@ -1,0 +1,93 @@
+"""The method for a scene: the one it asks for, or by `auto`'s rule; and what runs it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import ModuleType
+
+from rodgen.integrate.methods import fixed_step, scipy_methods
+from rodgen.integrate.methods.compiled import Compiled
+from rodgen.integrate.methods.cvode import CvodeStep
+from rodgen.integrate.methods.gauss import GaussStep
+from rodgen.integrate.methods.walk import Walk
+from rodgen.integrate.stability import Dominant, spectrum
+from rodgen.integrate.stepper import Array, Machine, Rhs, StepError, Stepper
+from rodgen.scene import Scene
+from rodgen.scene.tables import AUTO, Integrate
+
+# Measured on rods of 5 to 200 links, see docs/methods.md.
+FEW = 2e4  # radians or decays of the fastest motion that explicit steps follow in no time
+DECAYS = 0.3  # damping ratio from which the fastest motion dies out instead of going on
+LOOSE = 1e-4  # tolerance above which the fastest oscillations are noise
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A method, and why."""
+
+    method: str
+    reason: str
+
+
+def choose(scene: Scene, model: ModuleType) -> Choice:
+    """The method of a scene: its own, or what `auto` takes it to need.
+
+    What counts is the fastest motion at the start, its frequency and damping, against the span
+    and the tolerance; with the number of links, the frequency grows as n^2.
+    """
+    settings = scene.integrate
+    if settings.method != AUTO:
+        return Choice(settings.method, "the scene asks for it")
+    start, end = settings.span
+    try:
+        p = model.parameters(**scene.parameters)
+        fastest = spectrum(model, _inside(scene), scene.initial_state(), p)
+    except StepError:
+        return Choice("dop853", "the rates at the start are not finite, of which the run will tell")
+    return by_rule(fastest, end - start, settings.rtol)
+
+
+def by_rule(fastest: Dominant, span: float, rtol: float) -> Choice:
+    """The rule: fastest motion, span [s] and tolerance to a method."""
+    cycles = fastest.rate * span
+    motion = (
+        f"the fastest motion ({fastest.rate:.3g} rad/s, {100 * fastest.damping:.2g} % of critical "
+        f"damping) makes {cycles:.2g} radians in the span"
+    )
+    if cycles < FEW:
+        return Choice("dop853", f"{motion}, few enough to follow")
+    if fastest.damping > DECAYS:
+        return Choice("radau", f"{motion}; it decays, and need not be followed")
+    if rtol >= LOOSE:
+        return Choice("gauss", f"{motion}, and at rtol {rtol:g} it is noise")
+    return Choice("dop853", f"{motion}, and at rtol {rtol:g} it has to be followed")
+
+
+def _inside(scene: Scene) -> float:
+    """A time just after the start of the span."""
+    start, end = scene.integrate.span
+    return start + 1e-9 * (end - start)
+
+
+def machine(model: ModuleType, p: Array, settings: Integrate, t: float, y: Array) -> Machine:
+    """What runs a method: compiled steps where the module has them, else steps in Python."""
+    if settings.method in getattr(model, "COMPILED", ()):
+        return Compiled(model, p, settings, t, y)
+    return Walk(_maker(settings), model, p, t, y)
+
+
+def _maker(settings: Integrate) -> Callable[[Rhs, Rhs, float, Array, float], Stepper]:
+    tolerances = settings.rtol, settings.atol
+
+    def make(rhs: Rhs, jac: Rhs, t: float, y: Array, end: float) -> Stepper:
+        if settings.fixed:
+            assert settings.step is not None
+            return fixed_step.FixedStep(settings.method, rhs, t, y, end, settings.step)
+        if settings.method == "cvode":
+            return CvodeStep(rhs, jac, t, y, end, *tolerances)
+        if settings.method == "gauss":
+            return GaussStep(rhs, jac, t, y, end, *tolerances)
+        return scipy_methods.ScipyStep(settings.method, rhs, jac, t, y, end, *tolerances)
+
+    return make

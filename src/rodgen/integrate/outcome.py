@@ -1,0 +1,68 @@
+"""How a run ends, and what is said of it: what stopped it, and what to try."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rodgen.integrate.solution import Solution
+from rodgen.integrate.stepper import Machine
+from rodgen.scene import Scene
+from rodgen.scene.expression import Expression
+from rodgen.scene.tables import Integrate
+
+FINISHED, FAILED, INTERRUPTED = "finished", "failed", "interrupted"
+STRIDE, CREEP = 10_000, 1e-9  # so many steps go at least this share of the way
+NEAR = 1e-3  # share of the way to a pole within which it is what stops a run
+
+
+class RunError(ArithmeticError):
+    """A run that could not be finished. solution: all samples up to there."""
+
+    def __init__(self, message: str, solution: Solution):
+        super().__init__(message)
+        self.solution = solution
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a run. solution: all samples up to there."""
+
+    def __init__(self, solution: Solution):
+        super().__init__(solution.message)
+        self.solution = solution
+
+
+class StepWarning(UserWarning):
+    """A fixed step is beyond the stability limit of its method."""
+
+
+def cause(scene: Scene, machine: Machine, pole: tuple[float, Expression] | None) -> str:
+    """The load, if any, that is not finite where a run stopped, and when."""
+    asked = machine.asked
+    for force in scene.timed.values():
+        broken = [at for at in asked if not np.isfinite(force(at))]
+        if broken:
+            return f"; {force.not_finite(min(broken))} s"
+    if pole:
+        at, force = pole
+        near = at - machine.t <= NEAR * (at - scene.integrate.span[0])
+        if near or max(asked, default=at) >= at:
+            return f"; {force.not_finite(at)} s"
+    return ""
+
+
+def advice(reason: str, settings: Integrate, load: bool) -> str:
+    """What to try, for a reason why a run stopped; load: a load was the cause."""
+    if load:
+        return "end the span before that time, or give the load another expression"
+    if "budget" in reason:
+        return "raise max_steps, loosen the tolerance, or take an implicit method (radau, gauss)"
+    if settings.fixed:
+        return (
+            "try a smaller step, or a method with error control (auto); if it stops there too, the "
+            "motion itself grows without bound"
+        )
+    if "Newton" in reason:
+        return "try a looser tolerance, or the explicit dop853"
+    if "too small" in reason or "no further" in reason or "gave up" in reason:
+        return "try a looser tolerance, another method (auto, radau, dop853), or a shorter span"
+    return "look at the last samples: the motion itself may grow without bound; check the loads"

@@ -1,0 +1,60 @@
+"""What a result file and a Dataset hold: names, dimensions, units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
+
+from rodgen.integrate.solution import Solution
+from rodgen.integrate.stepper import Array
+
+WORK = "work_"  # and the name of the term
+
+
+class Quantity(NamedTuple):
+    """Values over dimensions, with their attributes: units, long_name."""
+
+    dimensions: tuple[str, ...]
+    values: NDArray[Any]
+    attributes: Mapping[str, str]
+
+
+def quantities(solution: Solution) -> dict[str, Quantity]:
+    """All of a solution that changes with time, by name; work by load as work_<term>."""
+    energy, inertia = solution.energy, solution.inertia
+
+    def over(*dimensions: str) -> Callable[[Array, str, str], Quantity]:
+        return lambda values, unit, name: Quantity(
+            ("time", *dimensions), values, {"units": unit, "long_name": name}
+        )
+
+    in_time, by_link = over(), over("link")
+    found = {
+        "time": Quantity(("time",), solution.t, {"units": "s"}),
+        "y": Quantity(("time", "state"), solution.y, {"long_name": "state"}),
+        "phi": by_link(solution.phi, "rad", "angles of the links"),
+        "omega": by_link(solution.omega, "rad/s", "rates of the links"),
+        "joints": over("joint", "axis")(solution.joints, "m", "positions of the joints"),
+        "centre_of_gravity": over("axis")(solution.centre_of_gravity, "m", "centre"),
+        "kinetic_energy": in_time(energy.kinetic, "J", "kinetic energy"),
+        "spring_energy": in_time(energy.spring, "J", "energy of the springs"),
+        "gravity_energy": in_time(energy.gravity, "J", "energy in gravity"),
+        "energy_balance": in_time(solution.energy_balance, "J", "energy gained less work done"),
+        "inertia_x": in_time(inertia.x, "kg m2", "moment of inertia about x"),
+        "inertia_y": in_time(inertia.y, "kg m2", "moment of inertia about y"),
+        "product_xy": in_time(inertia.xy, "kg m2", "product of inertia"),
+    }
+    for term, values in solution.work.items():
+        found[WORK + term] = in_time(values, "J", f"work of {term.replace('_', ' ')}")
+    return found
+
+
+def event_variables(number: NDArray[Any], t: Array, y: Array) -> dict[str, Quantity]:
+    """Events by number of their kind in the scene, (E,), times, (E,), and states, (E, S)."""
+    return {
+        "event_number": Quantity(("event",), number.astype("i4"), {"long_name": "kind of event"}),
+        "event_time": Quantity(("event",), t, {"units": "s", "long_name": "time of event"}),
+        "event_y": Quantity(("event", "state"), y, {"long_name": "state at event"}),
+    }

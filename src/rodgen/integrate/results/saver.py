@@ -1,0 +1,190 @@
+"""A run on the disk: samples as they come, and states from which it can go on."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+from rodgen.integrate.results import checkpoint as files
+from rodgen.integrate.events import Watch
+from rodgen.integrate.results.layout import RUNNING
+from rodgen.integrate.outcome import FAILED, FINISHED
+from rodgen.integrate.results.recorder import Recorder
+from rodgen.integrate.solution import Solution, Stats
+from rodgen.integrate.stepper import Array, Machine, State
+from rodgen.integrate.results.storage import load
+from rodgen.integrate.results.stream import Stream
+from rodgen.scene import Scene, SceneError
+
+IN_MEMORY = 20_000  # samples of a file that a Solution has at most
+ROOM = 4096  # events that a file has room for
+PATIENCE = 2.0  # seconds after which samples are written, whether a block is full or not
+EVENT = "event_"
+
+
+class Saver:
+    """What is written of a run; nothing if it has no file.
+
+    samples, seconds: what a run that is taken up has behind it.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        model: ModuleType,
+        stream: Stream | None = None,
+        every: float | None = None,
+    ):
+        self.scene, self.model, self.stream, self._every = scene, model, stream, every
+        self.samples, self.seconds, self.resumed = 0, 0.0, False
+        self._state: State = {}
+        self._written = self._saved = time.perf_counter()
+        self._events = 0
+
+    @classmethod
+    def begin(
+        cls, scene: Scene, model: ModuleType, out: str | Path | None, every: float | None
+    ) -> Saver:
+        """A new file, if one is asked for. Raises SceneError where it cannot be."""
+        if every is not None and not (math.isfinite(every) and every > 0):
+            raise SceneError("checkpoint", every, "a positive number of seconds")
+        if out is None:
+            if every is not None:
+                raise SceneError("checkpoint", every, "given with out, beside which it is kept")
+            return cls(scene, model)
+        p = model.parameters(**scene.parameters)
+        start, y0 = scene.integrate.span[0], scene.initial_state()
+        works = list(model.power(start, y0, p)) if hasattr(model, "power") else []
+        room = ROOM if scene.events else 0
+        stream = Stream.create(Path(out), scene, model, p, works, room)
+        files.beside(Path(out)).unlink(missing_ok=True)
+        return cls(scene, model, stream, every)
+
+    @classmethod
+    def resume(cls, path: Path, every: float | None) -> Saver:
+        """A file to go on with, from its last checkpoint; from its start if it has none.
+
+        Raises SceneError for a run that has ended, and for a checkpoint that is not of this file
+        or of another module.
+        """
+        unfinished = load(path, most=1)
+        if unfinished.status in (FINISHED, FAILED):
+            raise SceneError(
+                "file", str(path), f"of a run to go on with; this one {_ended(unfinished)}"
+            )
+        stream = Stream.reopen(path)
+        saver = cls(stream.scene, stream.model, stream, every)
+        saver.resumed = True
+        at = files.beside(path)
+        if not at.exists():
+            stream.truncate(0, 0)
+            return saver
+        try:
+            saver._state, numbers = files.read(at)
+            if numbers["module"] != _module(stream.model):
+                raise SceneError("checkpoint", str(at), "of this version of rodgen")
+            saver.samples, saver.seconds = int(numbers["samples"]), float(numbers["seconds"])
+            stream.truncate(saver.samples, int(numbers["events"]))
+        except (KeyError, ValueError) as error:
+            stream.close()
+            if isinstance(error, SceneError):
+                raise
+            raise SceneError("checkpoint", str(at), f"of {path.name} ({error})") from None
+        return saver
+
+    def restore(self, machine: Machine, watch: Watch) -> bool:
+        """Take a machine to where the checkpoint was; False where there is none."""
+        if not self._state:
+            return False
+        events = {name: values for name, values in self._state.items() if name.startswith(EVENT)}
+        try:
+            machine.restore({k: v for k, v in self._state.items() if k not in events})
+        except (KeyError, ValueError) as error:
+            raise SceneError(
+                "checkpoint", str(self.stream and self.stream.path), str(error)
+            ) from None
+        parts = (events[EVENT + part] for part in ("number", "time", "y"))
+        watch.happened = [(int(k), float(t), y) for k, t, y in zip(*parts, strict=True)]
+        self._events = len(watch.happened)
+        return True
+
+    def keep_safe(
+        self, recorder: Recorder, machine: Machine, watch: Watch, stats: Callable[[], Stats]
+    ) -> None:
+        """What is to be written from now on."""
+        self._recorder, self._machine, self._watch, self._stats = recorder, machine, watch, stats
+
+    def tick(self, now: float) -> None:
+        """Write what is due."""
+        if self.stream is None:
+            return
+        if self._every is not None and now - self._saved >= self._every:
+            self._checkpoint()
+            self._saved = self._written = time.perf_counter()
+        elif now - self._written >= PATIENCE:
+            self._write()
+            self._written = time.perf_counter()
+
+    def _write(self) -> None:
+        assert self.stream is not None
+        self._recorder.write()
+        for number, t, y in self._watch.happened[self._events :]:
+            self.stream.add_event(number, t, y)
+            self._events += 1
+        self.stream.note(RUNNING, "", self._stats())
+
+    def _checkpoint(self) -> None:
+        assert self.stream is not None
+        try:
+            state = self._machine.state()
+        except ValueError:  # it starts again where it is resumed
+            self._write()
+            return
+        self._write()
+        happened = self._watch.happened
+        width = len(self._machine.y)
+        state |= {
+            EVENT + "number": _array([n for n, _, _ in happened]),
+            EVENT + "time": _array([t for _, t, _ in happened]),
+            EVENT + "y": _array([y for _, _, y in happened]).reshape(len(happened), width),
+        }
+        numbers: dict[str, float | int | str] = {
+            "samples": self.stream.count,
+            "events": self.stream.events,
+            "seconds": self._stats().wall_seconds,
+            "module": _module(self.model),
+        }
+        files.write(files.beside(self.stream.path), state, numbers)
+
+    def finish(self, status: str, message: str, stats: Stats) -> Solution:
+        """The last samples, how the run ended, and the Solution, thinned if it is long."""
+        assert self.stream is not None
+        path = self.stream.path
+        if status not in (FINISHED, FAILED) and self._every is not None:
+            self._checkpoint()
+        self._write()
+        self.stream.finish(status, message, stats)
+        if status in (FINISHED, FAILED):
+            files.beside(path).unlink(missing_ok=True)
+        solution = load(path, most=IN_MEMORY)
+        solution.model = self.model
+        return solution
+
+
+def _ended(solution: Solution) -> str:
+    return "is finished" if solution.status == FINISHED else solution.message
+
+
+def _module(model: ModuleType) -> str:
+    """What a state belongs to: another text of the module has another memory."""
+    p = model.PROVENANCE
+    return f"{p['rodgen']} {p['structure_hash']} {p['template_hash']}"
+
+
+def _array(values: list[float] | list[int] | list[Array]) -> Array:
+    return np.array(values, dtype=float)

@@ -1,0 +1,120 @@
+"""Solutions as xarray's Datasets, and in NetCDF files (see stream.py)."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.integrate.results.files import replaced
+from rodgen.integrate.results.layout import NO_STATS, RUNNING, Run, attributes, open_header
+from rodgen.integrate.results.netcdf import RecordFile
+from rodgen.integrate.results.quantities import WORK, event_variables, quantities
+from rodgen.integrate.solution import Event, Solution
+from rodgen.integrate.stepper import Array
+from rodgen.integrate.results.stream import Stream
+from rodgen.scene import Scene, SceneError
+
+if TYPE_CHECKING:
+    import xarray
+
+INTERRUPTED = "interrupted"
+
+
+def to_xarray(solution: Solution) -> xarray.Dataset:
+    """Dataset over time, state, link, joint and axis; work by load as work_<term>; events, where
+    there are any, by the number of their kind in the scene."""
+    import xarray  # only where it is needed: it takes longer to import than to load a file
+
+    n = solution.scene.rod.links
+    coordinates = {
+        "state": list(solution._model.STATE),
+        "link": np.arange(n),
+        "joint": np.arange(n + 1),
+        "axis": ["x", "y"],
+    }
+    notes = {
+        **attributes(solution.scene),
+        "stats": json.dumps(asdict(solution.stats)),
+        "status": solution.status,
+        "message": solution.message,
+    }
+    variables = quantities(solution)
+    if solution.events:
+        times, y = zip(*((event.t, event.y) for event in solution.events), strict=True)
+        number = np.array(_event_numbers(solution))
+        variables |= event_variables(number, np.array(times), np.array(y))
+    return xarray.Dataset(variables, coordinates, notes)
+
+
+def _event_numbers(solution: Solution) -> list[int]:
+    """Number in the scene of the kind of every event."""
+    names = [event.name for event in solution.scene.events]
+    return [names.index(event.name) for event in solution.events]
+
+
+def save(solution: Solution, path: Path) -> None:
+    """Write a NetCDF file, whole or not at all; raises SceneError where there is no folder."""
+    parts = (solution.scene, solution._model, solution._p, list(solution.work))
+    room = len(solution.events)
+    with replaced(path) as part, Stream.create(part, *parts, events=room) as stream:
+        stream.append(solution.t, solution.y, solution.work)
+        for number, event in zip(_event_numbers(solution), solution.events, strict=True):
+            stream.add_event(number, event.t, event.y)
+        stream.finish(solution.status, solution.message, solution.stats)
+
+
+def load(path: str | Path, most: int | None = None) -> Solution:
+    """Read a Solution from a NetCDF file that rodgen wrote; raises SceneError for others.
+
+    most: samples to be read, evenly spaced and the last among them (all, if not given). The run
+    of a file that has not been ended counts as interrupted.
+    """
+    path = Path(path)
+    header, scene = open_header(path)
+    try:
+        with RecordFile(path, header, "r") as file:  # not through xarray: the file may be growing
+            text = file.fixed("run").tobytes()
+            records, events = _thinned(file.records(), most), _events(file, scene)
+            terms = [name for name in header.record.names or () if name.startswith(WORK)]
+            work = {name[len(WORK) :]: _plain(records[name]) for name in terms}
+            t, y = _plain(records["time"]), _plain(records["y"])
+    except (LookupError, OSError, TypeError, ValueError) as error:
+        raise SceneError("file", str(path), f"written by rodgen ({error})") from None
+    run = Run.of(text, path)
+    status, message = run.status, run.message
+    if status == RUNNING:
+        status, message = INTERRUPTED, _how_far(t, scene)
+    stats = run.stats or NO_STATS
+    return Solution(scene, t, y, work, stats, status, message, events=events)
+
+
+def _thinned(records: NDArray[Any], most: int | None) -> NDArray[Any]:
+    if most is None or len(records) <= most:
+        return records
+    every = -(-len(records) // most)
+    return records[(len(records) - 1) % every :: every]
+
+
+def _how_far(t: Array, scene: Scene) -> str:
+    """What is said of a run that did not come to say it itself."""
+    at = f"killed after t = {t[-1]:.9g} s" if len(t) else "killed before its first sample"
+    return f"{at} of {scene.integrate.span[1]:.9g} s; rodgen run --resume continues it"
+
+
+def _plain(values: NDArray[Any]) -> Array:
+    """A copy, C-contiguous and in the byte order of this machine."""
+    return np.array(values, dtype=float, order="C")
+
+
+def _events(file: RecordFile, scene: Scene) -> tuple[Event, ...]:
+    if "event_number" not in file.header.variables:
+        return ()
+    number, t, y = (file.fixed(f"event_{what}") for what in ("number", "time", "y"))
+    kept = np.flatnonzero(number >= 0)
+    names = (scene.events[k].name for k in number[kept])
+    return tuple(map(Event, names, map(float, t[kept]), _plain(y[kept])))

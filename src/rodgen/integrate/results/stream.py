@@ -1,0 +1,188 @@
+"""A result file that grows while a run goes on, and that is whole at every moment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+from typing import Self
+
+import numpy as np
+
+from rodgen.integrate.results.files import replaced
+from rodgen.integrate.results.header import Header
+from rodgen.integrate.results.layout import NO_STATS, RUNNING, Run, check_layout, contents, open_header
+from rodgen.integrate.results.netcdf import MOST, RecordFile, empty_file
+from rodgen.integrate.results.quantities import WORK, quantities
+from rodgen.integrate.solution import Solution, Stats
+from rodgen.integrate.stepper import Array
+from rodgen.loading import build
+from rodgen.scene import Scene, SceneError
+
+BLOCK = 2**20  # bytes of records that are made at once
+
+
+class Stream:
+    """Samples of a run and what follows from them, in a NetCDF file that grows.
+
+    Samples, events and the text of the run are in the file as soon as the method that writes them
+    returns, and a process that is killed leaves each whole or not at all. (A power failure may
+    cost all that `finish` has not made sure of.) As a context manager it closes the file, its
+    status as it was.
+    """
+
+    def __init__(self, path: Path, header: Header, scene: Scene, model: ModuleType, p: Array):
+        """Open a file that is there; use `create` or `reopen`."""
+        self.path, self.scene, self.model, self._p = path, scene, model, p
+        self._file = RecordFile(path, header)
+        try:
+            self._run = Run.of(self._file.fixed("run").tobytes(), path)
+        except SceneError:
+            self.close()
+            raise
+        has_events = "event_number" in header.variables
+        kept = self._file.fixed("event_number") >= 0 if has_events else np.empty(0)
+        self._capacity, self._kept = len(kept), int(kept.sum())
+        self._first: float | None = None  # energy [J] of the first sample
+        for record in self._file.records()[:1]:
+            energies = (record[f"{kind}_energy"] for kind in ("kinetic", "spring", "gravity"))
+            self._first = sum(energies, start=0.0)
+
+    @classmethod
+    def create(
+        cls,
+        path: Path,
+        scene: Scene,
+        model: ModuleType,
+        p: Array,
+        work_terms: Sequence[str],
+        events: int = 0,
+    ) -> Self:
+        """A file without samples; p: parameters of the model; events: room for so many.
+
+        Raises SceneError where there is no such folder, or for more than the format can hold.
+        """
+        with replaced(path) as part:
+            parts = contents(scene, model, p, work_terms, events)
+            part.write_bytes(empty_file(*parts, aligned="run"))
+        return cls(path, *open_header(path), model, p)
+
+    @classmethod
+    def reopen(cls, path: Path, model: ModuleType | None = None) -> Self:
+        """A file to go on with: its status is running again, half a record at its end is cut off.
+
+        model: the module it was made with, built if it is not given. Raises SceneError for files
+        that are not rodgen's, BuildError where the module cannot be built.
+        """
+        header, scene = open_header(path)
+        if model is None:
+            model = build(scene, *(header.attributes.get(key, "") for key in ("target", "form")))
+        p = model.parameters(**scene.parameters)
+        check_layout(header, scene, model, p, path)
+        stream = cls(path, header, scene, model, p)
+        stream.truncate(stream.count)
+        stream.note(RUNNING, "", stream._run.stats)
+        return stream
+
+    @property
+    def count(self) -> int:
+        """Samples in the file."""
+        return self._file.count
+
+    @property
+    def events(self) -> int:
+        """Events added so far, with those for which there was no room."""
+        return self._kept + self._run.lost
+
+    def append(self, t: Array, y: Array, work: Mapping[str, Array]) -> None:
+        """Samples at times t (K,) [s]: states y (K, S), work [J] by term, each (K,).
+
+        Raises ValueError for other shapes or terms, SceneError where no more samples fit in.
+        """
+        record, count = self._file.header.record, len(t)
+        given = {"time": t, "y": y, **{WORK + term: values for term, values in work.items()}}
+        shapes = {name: values.shape for name, values in given.items()}
+        names = [name for name in record.names or () if name in given or name.startswith(WORK)]
+        due = {name: (count, *record[name].shape) for name in names}
+        if shapes != due:
+            raise ValueError(f"samples of shapes {shapes}, not {due}")
+        if self.count + count > MOST:
+            raise SceneError("samples", self.count + count, f"at most {MOST} in a file")
+        whole = Solution(self.scene, t, y, dict(work), NO_STATS, model=self.model)
+        at_once = max(1, BLOCK // record.itemsize)
+        for at in range(0, count, at_once):
+            part = slice(at, at + at_once)
+            terms = {term: values[part] for term, values in work.items()}
+            self._append(replace(whole, t=t[part], y=y[part], work=terms))
+
+    def _append(self, block: Solution) -> None:
+        block._p = self._p
+        with np.errstate(all="ignore"):  # of a run that blew up
+            total = block.energy.total
+            if self._first is None:
+                self._first = total[0]
+            block.energy_balance = total - self._first - block.total_work
+            found = quantities(block)
+        records = np.zeros(len(block.t), self._file.header.record)
+        for name, quantity in found.items():
+            records[name] = quantity.values
+        self._file.append(records)
+
+    def add_event(self, number: int, t: float, y: Array) -> None:
+        """An event of the kind that has this number in the scene, at time t [s] in state y (S,).
+
+        One for which there is no room is counted in the text of the run, and lost.
+        """
+        if self._kept == self._capacity:
+            self._tell(self._run._replace(lost=self._run.lost + 1))
+            return
+        self._put_event(self._kept, number, t, y)
+        self._kept += 1
+
+    def _put_event(self, at: int, number: int, t: float, y: Array) -> None:
+        """The number is there only while all that belongs to it is."""
+        self._file.put("event_number", at, -1)
+        self._file.put("event_time", at, t)
+        self._file.put("event_y", at, y)
+        self._file.put("event_number", at, number)
+
+    def truncate(self, count: int, events: int | None = None) -> None:
+        """Go back to so many samples, and to so many events as `events` counts them, if given.
+
+        Raises ValueError where there are fewer.
+        """
+        events = self.events if events is None else events
+        if not (0 <= count <= self.count and 0 <= events <= self.events):
+            there = f"{self.count} samples and {self.events} events"
+            raise ValueError(f"cannot go back from {there} to {count} and {events}")
+        self._file.truncate(count)
+        self._first = self._first if count else None
+        while self._kept > events:
+            self._kept -= 1
+            self._put_event(self._kept, -1, np.nan, np.full(len(self.model.STATE), np.nan))
+        self._tell(self._run._replace(lost=events - self._kept))
+
+    def note(self, status: str, message: str, stats: Stats | None) -> None:
+        """Say how the run goes; a message of more than some 4000 letters is cut."""
+        self._tell(self._run._replace(status=status, message=message, stats=stats))
+
+    def _tell(self, run: Run) -> None:
+        self._file.put_text("run", run.text())
+        self._run = run
+
+    def finish(self, status: str, message: str, stats: Stats) -> None:
+        """Say how the run ended, wait until all of it is on the disk, and close the file."""
+        self.note(status, message, stats)
+        self._file.sync()
+        self.close()
+
+    def close(self) -> None:
+        """Close the file; what is in it stays as it is."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -1,0 +1,372 @@
+"""Events against motions whose crossings are known: parabola, pendulum, polynomials."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import DOP853
+from scipy.special import ellipk, ellipkinc
+
+from rodgen.integrate.events import DERIVED, Watch
+from rodgen.integrate.stepper import Interpolant
+from rodgen.loading import build
+from rodgen.scene import Scene
+
+Array = NDArray[np.float64]
+Make = Callable[..., Scene]
+G = 9.81
+
+
+def _with(scene: Scene, *events: dict[str, Any]) -> Scene:
+    named = [{"name": str(i), **event} for i, event in enumerate(events)]
+    return Scene.from_dict(scene.model_dump(exclude_none=True) | {"events": named})
+
+
+class _Drive:
+    """DOP853 over a span as a run does it: blocks of step ends, then the steps with crossings."""
+
+    def __init__(self, scene: Scene, end: float, model: ModuleType | None = None):
+        self.model = model or build(scene, "numpy")
+        self.p = self.model.parameters(**scene.parameters)
+        self.watch = Watch(scene.events, self.model, self.p)
+        solver = DOP853(self._rhs, 0.0, scene.initial_state(), end, rtol=3e-14, atol=1e-15)
+        rows = [(0.0, solver.y, solver.f)]
+        self.dense: list[Interpolant] = []
+        while solver.status == "running":
+            solver.step()
+            assert solver.status != "failed"
+            rows.append((solver.t, solver.y, solver.f))
+            output = solver.dense_output()
+            self.dense.append(lambda times, output=output: output(times).T)
+        self.t, self.y, self.f = (np.array(part) for part in zip(*rows, strict=True))
+
+    def _rhs(self, t: float, y: Array) -> Array:
+        rates: Array = self.model.rhs(t, y, self.p)
+        return rates
+
+    def times(self, block: int = 256) -> list[tuple[int, float]]:
+        """Events and their times, with blocks that share a row."""
+        found = []
+        for a in range(0, len(self.t) - 1, block):
+            rows = slice(a, a + block + 1)
+            for k, number, bracket in self.watch.crossings(
+                self.t[rows], self.y[rows], self.f[rows]
+            ):
+                found.append((number, self.watch.locate(number, *bracket, self.dense[a + k])))
+        return found
+
+
+def test_a_thrown_rod_falls_on_a_parabola(make_scene: Make) -> None:
+    """Springs and turning do not move the centre of gravity: y = c + v t - g t^2/2."""
+    scene = make_scene(4, "free", ("gravity",), initial={"velocity": [1.0, 6.0]})
+    model = build(scene, "numpy")
+    p, y0 = model.parameters(**scene.parameters), scene.initial_state()
+    c = model.centre_of_gravity(y0, p)
+    # Of its velocity: link i carries the share (n - i - 1/2)/n of the mass beyond its start.
+    weights = (4 - np.arange(4) - 0.5) / 4 * 0.5
+    phi, omega = y0[2:6], y0[8:]
+    v = y0[6:8] + np.array([-np.sin(phi), np.cos(phi)]) @ (weights * omega)
+    nudged = model.centre_of_gravity(y0 + 1e-6 * model.rhs(0.0, y0, p), p)
+    np.testing.assert_allclose((nudged - c) / 1e-6, v, atol=1e-5)
+    height = 1.0
+    roots = (v[1] + np.array([-1, 1]) * math.sqrt(v[1] ** 2 - 2 * G * height)) / G
+    across = 0.5
+    scene = _with(
+        scene,
+        {"quantity": "centre_of_gravity_y", "value": c[1] + height},
+        {"quantity": "centre_of_gravity_y", "value": c[1] + height, "direction": "falling"},
+        {"quantity": "centre_of_gravity_x", "value": c[0] + across, "direction": "rising"},
+        {"quantity": "centre_of_gravity_x", "value": c[0] + across, "direction": "falling"},
+    )
+    found = sorted(_Drive(scene, 1.3).times(), key=lambda pair: (pair[0], pair[1]))
+    assert [number for number, _ in found] == [0, 0, 1, 2]
+    exact = [roots[0], roots[1], roots[1], across / v[0]]
+    np.testing.assert_allclose([time for _, time in found], exact, atol=1e-12, rtol=0)
+
+
+def _pendulum(make_scene: Make, **initial: float) -> Scene:
+    return make_scene(1, "pinned", ("gravity",), initial={"omega": 0.0, **initial})
+
+
+# A uniform link of length L about its end: J = m L^2/3, m g L/2, so w0^2 = 3 g/(2 L), L = 2.
+W0 = math.sqrt(3 * G / (2 * 2.0))
+
+
+@pytest.mark.parametrize("block", [1, 2, 7, 256])
+def test_a_pendulum_passes_the_vertical(make_scene: Make, block: int) -> None:
+    """Released at the angle a from the vertical it passes at K(sin^2(a/2))/w0 and odd multiples."""
+    a = 2.5
+    scene = _pendulum(make_scene, phi=-math.pi / 2 + a)
+    bottom = {"quantity": "phi_0", "value": -math.pi / 2}
+    scene = _with(
+        scene,
+        bottom,
+        bottom | {"direction": "rising"},
+        bottom | {"direction": "falling"},
+        {"quantity": "tip_x", "value": 0.0},
+        {"quantity": "omega_0", "value": 0.0},
+    )
+    quarter = float(ellipk(math.sin(a / 2) ** 2)) / W0
+    found = _Drive(scene, 7.5 * quarter).times(block)
+    times = [[time for number, time in found if number == e] for e in range(5)]
+    close = {"atol": 1e-12, "rtol": 0}
+    np.testing.assert_allclose(times[0], quarter * np.array([1, 3, 5, 7]), **close)
+    np.testing.assert_allclose(times[1], quarter * np.array([3, 7]), **close)
+    np.testing.assert_allclose(times[2], quarter * np.array([1, 5]), **close)
+    # Beyond the horizontal the tip is above the pivot; it crosses x = 0 at the bottom alone.
+    np.testing.assert_allclose(times[3], times[0], **close)
+    # It starts at rest: that is no crossing.
+    np.testing.assert_allclose(times[4], quarter * np.array([2, 4, 6]), **close)
+
+
+def test_a_pendulum_reaches_an_energy(make_scene: Make) -> None:
+    """Kinetic energy m g (L/2)(cos u - cos a): the time to u is that of the incomplete integral."""
+    a, u = 1.2, 0.5
+    energy = 3.0 * G * 1.0 * (math.cos(u) - math.cos(a))
+    scene = _with(
+        _pendulum(make_scene, phi=-math.pi / 2 + a),
+        {"quantity": "kinetic_energy", "value": energy, "direction": "rising"},
+        {"quantity": "gravity_energy", "value": -3.0 * G * math.cos(u), "direction": "falling"},
+    )
+    m = math.sin(a / 2) ** 2
+    below = float(ellipkinc(math.asin(math.sin(u / 2) / math.sin(a / 2)), m))
+    exact = (float(ellipk(m)) - below) / W0
+    found = _Drive(scene, 0.6).times()
+    assert sorted(number for number, _ in found) == [0, 1]
+    np.testing.assert_allclose([time for _, time in found], exact, atol=1e-12, rtol=0)
+
+
+def test_a_run_goes_on_from_an_event_without_meeting_it_again(make_scene: Make) -> None:
+    """The located state is on or past the value, so the crossing is not seen a second time."""
+    scene = _with(
+        _pendulum(make_scene, phi=-math.pi / 2 + 2.0), {"quantity": "phi_0", "value": -math.pi / 2}
+    )
+    drive = _Drive(scene, 2.0)
+    ((k, number, bracket),) = drive.watch.crossings(drive.t, drive.y, drive.f)[:1]
+    time = drive.watch.locate(number, *bracket, drive.dense[k])
+    y = drive.dense[k](np.array([time]))[0]
+    assert y[0] <= -math.pi / 2
+    rows = np.array([time, drive.t[k + 1]])
+    states = np.array([y, drive.y[k + 1]])
+    rates = np.array([drive._rhs(0.0, state) for state in states])
+    assert drive.watch.crossings(rows, states, rates) == []
+
+
+# Motions that are polynomials of degree 3 at most in phi: the cubic through the ends is exact.
+
+
+class _Curve:
+    """phi_0 of one pinned link along a polynomial, watched at the given times."""
+
+    def __init__(self, make_scene: Make, coefficients: list[float], *events: dict[str, Any]):
+        scene = _with(make_scene(1, "pinned"), *({"quantity": "phi_0", **e} for e in events))
+        model = build(scene, "numpy")
+        self.curve = np.polynomial.Polynomial(coefficients)
+        self.watch = Watch(scene.events, model, model.parameters(**scene.parameters))
+
+    def at(self, times: Array) -> Array:
+        return np.stack((self.curve(times), self.curve.deriv()(times)), axis=1)
+
+    def rates(self, times: Array) -> Array:
+        return np.stack((self.curve.deriv()(times), self.curve.deriv(2)(times)), axis=1)
+
+    def seen(self, times: Any, *, rates: bool = True) -> list[tuple[int, int]]:
+        t = np.array(times, dtype=float)
+        found = self.watch.crossings(t, self.at(t), self.rates(t) if rates else None)
+        return [(k, number) for k, number, _ in found]
+
+    def located(self, times: Any) -> list[float]:
+        t = np.array(times, dtype=float)
+        found = self.watch.crossings(t, self.at(t), self.rates(t))
+        assert all(t[k] <= low < high <= t[k + 1] for k, _, (low, high) in found)
+        return [self.watch.locate(number, *bracket, self.at) for _, number, bracket in found]
+
+
+RISING, FALLING = {"direction": "rising"}, {"direction": "falling"}
+
+
+def test_double_crossing_inside_a_step(make_scene: Make) -> None:
+    """(x - 0.3)(x - 0.7) = 0.21 - x + x^2 is positive at both ends of the step from 0 to 1."""
+    zero = {"value": 0.0}
+    curve = _Curve(make_scene, [0.21, -1.0, 1.0], zero, zero | RISING, zero | FALLING)
+    assert curve.seen([0, 1]) == [(0, 0), (0, 2), (0, 0), (0, 1)]
+    np.testing.assert_allclose(curve.located([0, 1]), [0.3, 0.3, 0.7, 0.7], atol=1e-14)
+    assert curve.seen([0, 1], rates=False) == []
+    assert curve.seen([0, 0.5, 1], rates=False) == [(0, 0), (0, 2), (1, 0), (1, 1)]
+
+
+def test_three_crossings_inside_a_step(make_scene: Make) -> None:
+    roots = [0.2, 0.55, 0.8]
+    coefficients = np.polynomial.Polynomial.fromroots(roots).coef.tolist()
+    for direction, expected in (
+        ("either", roots),
+        ("rising", [0.2, 0.8]),
+        ("falling", [0.55]),
+    ):
+        curve = _Curve(make_scene, coefficients, {"value": 0.0, "direction": direction})
+        np.testing.assert_allclose(curve.located([0, 1]), expected, atol=1e-14)
+        assert len(curve.seen([0, 1], rates=False)) == (direction != "falling")
+
+
+def test_pairs_closer_than_the_points_between_are_not_seen(make_scene: Make) -> None:
+    """As it is documented: 0.51 and 0.61 lie between four and five eighths of the step."""
+    coefficients = np.polynomial.Polynomial.fromroots([0.51, 0.61]).coef.tolist()
+    curve = _Curve(make_scene, coefficients, {"value": 0.0})
+    assert curve.seen([0, 1]) == []
+    np.testing.assert_allclose(curve.located([0, 0.56, 1]), [0.51, 0.61], atol=1e-14)
+
+
+def test_grazing(make_scene: Make) -> None:
+    """x^2 + e near 0: what stays clear of the value has not reached it, what touches it has."""
+    for e, rows, expected in (
+        (1e-9, [-1, 1], []),
+        (1e-9, [-1, 0, 1], []),
+        (0.0, [-1, 0, 1], [0.0]),
+        (0.0, [-1, 1], [0.0]),
+        (-1e-4, [-1, 1], [-0.01, 0.01]),
+    ):
+        curve = _Curve(make_scene, [e, 0.0, 1.0], {"value": 0.0})
+        np.testing.assert_allclose(curve.located(rows), expected, atol=1e-12)
+    touch = _Curve(make_scene, [0.0, 0.0, 1.0], {"value": 0.0} | FALLING, {"value": 0.0} | RISING)
+    assert touch.seen([-1, 0, 1]) == [(0, 0)]
+
+
+def test_start_on_the_value(make_scene: Make) -> None:
+    """x (0.6 - x): it leaves 0 and comes back at 0.6; after that start it is not met again."""
+    curve = _Curve(make_scene, [0.0, 0.6, -1.0], {"value": 0.0})
+    for rows in ([0, 0.3], [0, 0.1, 0.2]):
+        assert curve.seen(rows) == []
+    for rows in ([0, 1], [0, 0.3, 1], [0, 0.5, 0.7]):
+        np.testing.assert_allclose(curve.located(rows), [0.6], atol=1e-15)
+    assert curve.seen([0, 1], rates=False) == []
+    assert curve.seen([0.6, 1.0]) == []
+
+
+def test_a_step_end_on_the_value_counts_once(make_scene: Make) -> None:
+    line = _Curve(make_scene, [-1.0, 1.0], {"value": 0.0}, {"value": 0.0} | RISING)
+    rows = [0.0, 0.5, 1.0, 1.5, 2.0]
+    for rates in (True, False):
+        assert line.seen(rows, rates=rates) == [(1, 0), (1, 1)]
+        # The same in two blocks that share the row on the value.
+        assert line.seen(rows[:3], rates=rates) == [(1, 0), (1, 1)]
+        assert line.seen(rows[2:], rates=rates) == []
+    assert line.located(rows) == [1.0, 1.0]
+
+
+def test_rest_on_the_value_is_no_crossing(make_scene: Make) -> None:
+    """A constant 0.1, which has no exact binary fraction, stays on 0.1 inside the steps too."""
+    curve = _Curve(make_scene, [0.1], {"value": 0.1})
+    assert curve.seen(np.linspace(0, 7, 50)) == []
+
+
+def test_not_a_number_is_no_crossing(make_scene: Make) -> None:
+    curve = _Curve(make_scene, [-1.0, 1.0], {"value": 0.0}, {"value": 0.0, "quantity": "tip_y"})
+    t = np.array([0.0, 0.75, 1.25, 2.0])
+    y, f = curve.at(t), curve.rates(t)
+    broken = y.copy()
+    broken[2] = np.nan
+    assert curve.watch.crossings(t, broken, f) == []
+    broken[2] = np.inf
+    assert curve.watch.crossings(t, broken, f) == []
+    # Rates that are not a number hide nothing that the step ends show.
+    found = curve.watch.crossings(t, y, np.full_like(f, np.nan))
+    assert [(k, number) for k, number, _ in found] == [(1, 0), (1, 1)]
+    nothing = curve.watch.locate(0, 0.0, 2.0, lambda times: np.full((len(times), 2), np.nan))
+    assert math.isnan(nothing)
+
+
+def test_a_row_given_twice_at_a_break_point(make_scene: Make) -> None:
+    line = _Curve(make_scene, [-1.0, 1.0], {"value": 0.0})
+    assert line.seen([0.0, 1.0, 1.0, 2.0]) == [(0, 0)]
+    assert line.seen([0.0, 0.5, 0.5, 2.0]) == [(2, 0)]
+
+
+def test_dense_output_decides(make_scene: Make) -> None:
+    """Crossings that only the cubic has are located nowhere; those it has elsewhere are found."""
+    zero = {"value": 0.0}
+    curve = _Curve(make_scene, [0.21, -1.0, 1.0], zero)
+    t = np.array([0.0, 1.0])
+    brackets = [b for _, _, b in curve.watch.crossings(t, curve.at(t), curve.rates(t))]
+
+    def clear(times: Array) -> Array:
+        return curve.at(times) + 0.1
+
+    assert all(math.isnan(curve.watch.locate(0, *b, clear)) for b in brackets)
+
+    def later(times: Array) -> Array:  # the same motion 0.1 later in the middle of the step
+        return curve.at(times - 0.1 * np.sin(np.pi * times))
+
+    found = [curve.watch.locate(0, *b, later) for b in brackets]
+    np.testing.assert_allclose(
+        curve.curve(np.array(found) - 0.1 * np.sin(np.pi * np.array(found))), 0, atol=1e-15
+    )
+
+
+def test_an_end_on_the_value_but_for_rounding(make_scene: Make) -> None:
+    line = _Curve(make_scene, [-1.0, 1.0], {"value": 0.0} | RISING, {"value": 0.0} | FALLING)
+
+    def short(times: Array) -> Array:
+        return line.at(times) - 1e-16
+
+    def ahead(times: Array) -> Array:
+        return line.at(times) + 1e-16
+
+    assert line.watch.locate(0, 0.0, 1.0, short) == 1.0
+    assert line.watch.locate(0, 1.0, 2.0, ahead) == 1.0
+    assert math.isnan(line.watch.locate(1, 0.0, 1.0, short))
+    assert math.isnan(line.watch.locate(1, 1.0, 2.0, ahead))
+
+
+def test_every_quantity_is_the_module_s_own(make_scene: Make) -> None:
+    scene = make_scene(3, "free", ("gravity",))
+    model = build(scene, "numpy")
+    names = [*model.STATE, *DERIVED, "joint_0_x", "joint_2_y", "joint_3_x"]
+    scene = _with(scene, *({"quantity": name, "value": 0.0} for name in names))
+    p = model.parameters(**scene.parameters)
+    y = np.random.default_rng(1).normal(size=(4, 2, len(model.STATE)))
+    values = dict(
+        zip(names, np.moveaxis(Watch(scene.events, model, p).values(y), -1, 0), strict=True)
+    )
+    joints, centre = model.joints(y, p), model.centre_of_gravity(y, p)
+    energy, inertia = model.energy(y, p), model.inertia(y, p)
+    expected = {
+        **{name: y[..., i] for i, name in enumerate(model.STATE)},
+        **{f"tip_{axis}": joints[..., 3, i] for i, axis in enumerate("xy")},
+        **{f"centre_of_gravity_{axis}": centre[..., i] for i, axis in enumerate("xy")},
+        **{f"{kind}_energy": energy[i] for i, kind in enumerate(("kinetic", "spring", "gravity"))},
+        "total_energy": sum(energy),
+        **{name: inertia[i] for i, name in enumerate(("inertia_x", "inertia_y", "product_xy"))},
+        "joint_0_x": y[..., 0],
+        "joint_2_y": joints[..., 2, 1],
+        "joint_3_x": joints[..., 3, 0],
+    }
+    assert expected.keys() == values.keys()
+    for name, value in expected.items():
+        np.testing.assert_allclose(values[name], value, rtol=1e-15, err_msg=name)
+
+
+def test_only_what_is_asked_for_is_computed(make_scene: Make) -> None:
+    scene = make_scene(3, "free")
+    called: list[str] = []
+
+    def counted(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda *a: called.append(name) or function(*a)
+
+    real = build(scene, "numpy")
+    model: Any = ModuleType("counted")
+    model.STATE = real.STATE
+    for name in ("joints", "centre_of_gravity", "energy", "inertia"):
+        setattr(model, name, counted(name, getattr(real, name)))
+    scene = _with(scene, *({"quantity": q, "value": 0.0} for q in ("tip_x", "tip_y", "phi_1")))
+    p, y = real.parameters(**scene.parameters), np.ones((5, len(real.STATE)))
+    Watch(scene.events, model, p).values(y)
+    assert called == ["joints"]
+    Watch(scene.events[2:], model, p).crossings(np.arange(5.0), y, y)
+    Watch([], model, p).crossings(np.arange(5.0), y, y)
+    assert called == ["joints"]

@@ -1,0 +1,288 @@
+"""The largest stable step: eigenvalues by two routes, limits by formula and by trying them out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import ModuleType
+
+import numpy as np
+import pytest
+from scipy.integrate import DOP853
+from scipy.linalg import eigh
+
+import rodgen
+from rodgen.integrate import RunError
+from rodgen.integrate.methods import euler, rk4, semi_implicit_euler, thesis_runge_kutta
+from rodgen.integrate.stability import LIMITS, Dominant, limit, spectrum, warn_of_step
+from rodgen.integrate.stepper import Array, Rhs, StepError
+from rodgen.scene import Scene
+from rodgen.scene.structure import BOUNDARIES, INERTIAS, TERMS
+
+Make = Callable[..., Scene]
+Advance = Callable[[Rhs, float, Array, Array, float], Array]
+VALUES = {
+    "mass": 20.0,
+    "length": 5.0,
+    "bending_stiffness": 100.0,
+    "follower_force": 300.0,
+    "internal_damping": 0.2,
+    "external_damping": 0.5,
+    "tip_force_x": 3.0,
+    "tip_force_y": 2.0,
+}
+
+
+def _model(
+    n: int, boundary: str, inertia: str = "uniform", terms: tuple[str, ...] = (), **values: float
+) -> tuple[ModuleType, Array]:
+    model = rodgen.build(rodgen.Structure(n, boundary, inertia, terms))
+    known = {name: v for name, v in (VALUES | values).items() if name in model.PARAMETERS}
+    return model, model.parameters(**known)
+
+
+def _bent(model: ModuleType) -> Array:
+    """A wild state: nothing about it is small."""
+    size = len(model.STATE) // 2
+    rng = np.random.default_rng(1)
+    turns = np.cumsum(0.3 * rng.standard_normal(size))
+    return np.concatenate((turns, rng.standard_normal(size)))
+
+
+def _dense(model: ModuleType, y: Array, p: Array) -> tuple[complex, Array]:
+    """The eigenvalue of largest modulus, above the real axis, and its mode, from jac."""
+    values, vectors = np.linalg.eig(model.jac(0.0, y, p))
+    at = int(np.argmax(np.abs(values) + (values.imag > 0) * 1e-9 * np.abs(values)))
+    return complex(values[at]), vectors[: len(y) // 2, at]
+
+
+@pytest.mark.parametrize("inertia", INERTIAS)
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+def test_spectrum_is_that_of_the_whole_matrix(boundary: str, inertia: str) -> None:
+    model, p = _model(200, boundary, inertia, TERMS)
+    y = _bent(model)
+    found = spectrum(model, 0.0, y, p)
+    value, _ = _dense(model, y, p)
+    assert found.converged
+    # ARPACK is asked for a residual of 1e-4.
+    assert abs(found.value - value) < 1e-5 * abs(value)
+
+
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+@pytest.mark.parametrize("damping", [0.0, 0.01, 1.0, 5.0, 6e4, 1e8])
+def test_spectrum_of_a_damped_rod(boundary: str, damping: float) -> None:
+    """Undamped up to far beyond critical, where it is real; the partner is the other root."""
+    model, p = _model(60, boundary, terms=("internal_damping",), internal_damping=damping)
+    y = np.zeros(len(model.STATE))
+    found = spectrum(model, 0.0, y, p)
+    value, mode = _dense(model, y, p)
+    along = abs(np.vdot(found.mode, mode)) / np.linalg.norm(found.mode) / np.linalg.norm(mode)
+    # Neighbours are 1e-3 apart, and mix by the residual over that.
+    assert along == pytest.approx(1.0, abs=0.02)
+    # Near critical damping (1.4 m^2/s) the two roots are close, and ill-conditioned.
+    assert abs(found.value - value) < (1e-3 if damping == 1.0 else 1e-5) * abs(value)
+    ratio = damping * (20.0 / 60) / (100.0 * 60 / 5.0)  # c m/k
+    # Damping and springs are in that proportion: -(lambda + partner) = c m/k lambda partner.
+    square = (found.value * found.partner).real
+    drag = -(found.value + found.partner).real
+    assert drag == pytest.approx(ratio * square, rel=1e-3, abs=1e-5 * found.rate)
+
+
+@pytest.mark.parametrize(("inertia", "factor"), [("lumped", 1.0), ("uniform", 1.5)])
+def test_frequency_of_a_pendulum(inertia: str, factor: float) -> None:
+    """sqrt(g/l), and sqrt(3 g/(2 l)) for a bar."""
+    model, p = _model(1, "pinned", inertia, ("gravity",), gravity=9.81)
+    found = spectrum(model, 0.0, np.array([-np.pi / 2, 0.0]), p)
+    assert found.rate == pytest.approx(np.sqrt(factor * 9.81 / 5.0), rel=1e-9)
+    assert found.damping == pytest.approx(0.0, abs=1e-9)
+    np.testing.assert_array_equal(found.mode, [1.0])
+
+
+def test_frequency_of_two_links() -> None:
+    """Two free bars swing against each other, each about its own centre, which keeps the centre
+    of gravity where it is: the spring turns by twice the angle, omega^2 = 2 k/(m l^2/12)."""
+    model, p = _model(2, "free")
+    k, m, l = 100.0 / 2.5, 10.0, 2.5
+    found = spectrum(model, 0.0, np.zeros(8), p)
+    assert found.rate == pytest.approx(np.sqrt(2 * k / (m * l**2 / 12)), rel=1e-6)
+
+
+def test_frequency_of_a_thousand_links() -> None:
+    """Against M and K alone, without rates: K by springs, M as the module has it."""
+    n = 1000
+    model, p = _model(n, "pinned")
+    found = spectrum(model, 0.0, np.zeros(2 * n), p)
+    joints = np.diff(np.eye(n), axis=0)
+    K = 100.0 / (5.0 / n) * joints.T @ joints
+    M = model.mass_matrix(np.zeros(2 * n), p)
+    top = eigh(K, M, eigvals_only=True, subset_by_index=[n - 1, n - 1])[0]
+    assert found.rate == pytest.approx(np.sqrt(top), rel=1e-4)
+    assert found.evaluations < 3000
+
+
+def test_damping_that_the_matrix_misses_at_rest() -> None:
+    """External damping is of degree one in a velocity that is zero: it has no derivative there,
+    which jac says with a zero. The differences see it work."""
+    model, p = _model(50, "free", terms=("external_damping",), external_damping=1e6)
+    y = np.zeros(len(model.STATE))
+    assert abs(_dense(model, y, p)[0]) < 1e4
+    assert spectrum(model, 0.0, y, p).rate > 1e6
+
+
+def test_spectrum_of_a_body_that_nothing_holds() -> None:
+    model, p = _model(1, "free")
+    found = spectrum(model, 0.0, np.zeros(6), p)
+    assert found.rate == 0
+    assert found.damping == 0
+    assert all(limit(method, found.value, found.partner) == np.inf for method in LIMITS)
+
+
+def test_spectrum_of_rates_that_are_not_finite() -> None:
+    model, p = _model(20, "free")
+    with pytest.raises(StepError, match="not finite"):
+        spectrum(model, 0.0, np.full(44, np.nan), p)
+    assert warn_of_step("rk4", 1.0, model, 0.0, np.full(44, np.nan), p) is None
+
+
+# Limits -----------------------------------------------------------------------------------------
+
+
+def test_limits_of_an_oscillation_and_of_a_decay() -> None:
+    """Imaginary and real intervals. rk4: sqrt(8), and the root of 1 - x/2 + x^2/6 - x^3/24 (E.
+    Hairer, G. Wanner 1996, IV.2); the thesis's method: the square root of that root, since
+    1 - trace + determinant is x (1 - x/2 + x^2/6 - x^3/24) of x = (h omega)^2."""
+    cubic = np.roots([-1 / 24, 1 / 6, -1 / 2, 1])
+    root = cubic[np.abs(cubic.imag) < 1e-9].real[0]
+    of = {
+        "euler": (0.0, 2.0),
+        "semi_implicit_euler": (2.0, 2.0),
+        "rk4": (np.sqrt(8), root),
+        "thesis_runge_kutta": (np.sqrt(root), root),
+        "dop853": (5.9604, 6.3937),  # by the next test
+    }
+    assert set(of) == set(LIMITS)
+    for method, (swinging, decaying) in of.items():
+        # The slack moves rk4's by 1e-9; dop853's have as many digits as are given.
+        digits = 1e-4 if method == "dop853" else 1e-7
+        assert limit(method, 50j) * 50 == pytest.approx(swinging, abs=digits)
+        assert limit(method, -50 + 0j, 0j) * 50 == pytest.approx(decaying, abs=digits)
+
+
+def test_growing_motions_are_not_the_method() -> None:
+    assert limit("rk4", 3 + 0j) == np.inf
+    assert limit("rk4", 0.1 + 1j) == limit("rk4", 1j)
+
+
+def _dop853(rhs: Rhs, t: float, y: Array, f: Array, h: float) -> Array:
+    """A step of the eighth order, without error control."""
+    k = np.zeros((12, len(y)))
+    k[0] = f
+    for s in range(1, 12):
+        k[s] = rhs(t + DOP853.C[s] * h, y + h * (DOP853.A[s, :s] @ k[:s]))
+    return np.asarray(y + h * (DOP853.B @ k))
+
+
+ADVANCE: dict[str, Advance] = {
+    "euler": euler.advance,
+    "semi_implicit_euler": semi_implicit_euler.advance,
+    "rk4": rk4.advance,
+    "dop853": _dop853,
+    "thesis_runge_kutta": thesis_runge_kutta.advance,
+}
+
+
+def _tried(advance: Advance, J: Array, guess: float) -> float:
+    """The largest step with which 4000 steps of y' = J y stay bounded, by bisection."""
+
+    def bounded(h: float) -> bool:
+        step = np.array([advance(lambda _, y: J @ y, 0.0, y, J @ y, h) for y in np.eye(len(J))]).T
+        y = np.ones(len(J))
+        sizes = []
+        for _ in range(4000):
+            y = step @ y
+            sizes.append(np.abs(y).max())
+            if sizes[-1] > 1e9:
+                return False
+        return bool(sizes[-1] < 10 * max(sizes[999], 1.0))
+
+    low, high = 0.5 * guess, 1.5 * guess
+    assert bounded(low)
+    assert not bounded(high)
+    while high - low > 1e-5 * guess:
+        middle = (low + high) / 2
+        low, high = (middle, high) if bounded(middle) else (low, middle)
+    return low
+
+
+@pytest.mark.parametrize("damping", [0.5, 1.0, 5.0])
+@pytest.mark.parametrize("method", LIMITS)
+def test_limit_is_where_steps_begin_to_grow(method: str, damping: float) -> None:
+    """Of a cantilever with less and more than critical damping, about its straight rest. (Of a
+    clamped rod the root is not damped: there a slower motion stops euler before the fastest.)"""
+    model, p = _model(5, "cantilever", terms=("internal_damping",), internal_damping=damping)
+    y = np.zeros(len(model.STATE))
+    found = spectrum(model, 0.0, y, p)
+    assert (found.value.imag == 0) == (damping == 5.0)
+    predicted = limit(method, found.value, found.partner)
+    tried = _tried(ADVANCE[method], model.jac(0.0, y, p), predicted)
+    # 4000 steps tell a growth of some 1e-3 a step.
+    assert tried == pytest.approx(predicted, rel=5e-3)
+
+
+@pytest.mark.parametrize("method", ["semi_implicit_euler", "rk4", "dop853", "thesis_runge_kutta"])
+def test_limit_of_an_undamped_rod(method: str) -> None:
+    model, p = _model(4, "pinned")
+    y = np.zeros(len(model.STATE))
+    found = spectrum(model, 0.0, y, p)
+    size = len(y) // 2
+    # Without its turning as a whole, which goes on for ever and is no oscillation.
+    J = model.jac(0.0, y, p)
+    J[size:, :size] -= 0.01 * found.rate**2 * np.eye(size)
+    top = np.abs(np.linalg.eigvals(J)).max()
+    predicted = limit(method, 1j * top)
+    assert _tried(ADVANCE[method], J, predicted) == pytest.approx(predicted, rel=2e-3)
+
+
+@pytest.mark.parametrize("method", ["semi_implicit_euler", "rk4"])
+def test_runs_keep_to_the_limit(make_scene: Make, method: str) -> None:
+    """A whole simulation: bounded below the limit, torn apart above it."""
+    initial = {"phi": "1e-3*cos(pi*s)", "omega": 0.0}
+    scene = make_scene(8, "clamped", initial=initial, span=[0.0, 3.0])
+    model = rodgen.build(scene)
+    p = model.parameters(**scene.parameters)
+    found = spectrum(model, 0.0, scene.initial_state(), p)
+    most = limit(method, found.value, found.partner)
+    below = rodgen.simulate(scene, method=method, step=0.97 * most)
+    assert np.abs(below.phi).max() < 5e-3
+    try:
+        above = rodgen.simulate(scene, method=method, step=1.1 * most)
+    except RunError as error:
+        above = error.solution
+    assert np.abs(above.phi).max() > 2e-2
+
+
+# Words ------------------------------------------------------------------------------------------
+
+
+def test_warning_names_step_limit_and_motion() -> None:
+    model, p = _model(20, "clamped", terms=("internal_damping",), internal_damping=0.2)
+    y = np.zeros(len(model.STATE))
+    found: Dominant = spectrum(model, 0.0, y, p)
+    most = limit("rk4", found.value, found.partner)
+    assert warn_of_step("rk4", 0.999 * most, model, 0.0, y, p) is None
+    text = warn_of_step("rk4", 0.1, model, 0.0, y, p)
+    assert text is not None
+    for part in ("0.1 s", f"{most:.2g} s", f"{found.rate:.3g} rad/s", "14 %", "smaller", "radau"):
+        assert part in text
+
+
+def test_warning_of_euler_without_damping() -> None:
+    model, p = _model(20, "clamped")
+    y = np.zeros(len(model.STATE))
+    text = warn_of_step("euler", 1e-9, model, 0.0, y, p)
+    assert text is not None
+    assert "unstable with every step" in text
+
+
+def test_no_warning_for_implicit_methods() -> None:
+    model, p = _model(20, "clamped")
+    assert warn_of_step("radau", 1.0, model, 0.0, np.zeros(len(model.STATE)), p) is None

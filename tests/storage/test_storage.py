@@ -1,0 +1,123 @@
+"""Solutions saved and loaded; files that are damaged, and those of others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.io import netcdf_file
+
+import rodgen
+from rodgen.integrate.results import storage
+from rodgen.integrate.results.layout import NO_STATS, open_header
+from rodgen.integrate.results.stream import Stream
+from rodgen.integrate.solution import Event
+
+Make = Callable[..., Any]
+
+
+@pytest.mark.parametrize("boundary", ["free", "cantilever"])
+def test_saved_and_loaded_is_the_same(samples: Make, tmp_path: Path, boundary: str) -> None:
+    sol = samples(30, boundary=boundary).solution
+    sol.status, sol.message = "failed", "why"
+    sol.events = (Event("high", 0.05, sol.y[5]), Event("phi_1 = 0.0", 0.11, sol.y[11]))
+    sol.save(tmp_path / "run.nc")
+    back = rodgen.load(tmp_path / "run.nc")
+    assert (back.scene, back.stats) == (sol.scene, sol.stats)
+    assert (back.status, back.message) == ("failed", "why")
+    for array in (back.t, back.y, *back.work.values()):
+        assert array.dtype == np.dtype(float)
+        assert array.dtype.isnative
+        assert array.flags.c_contiguous
+    xr.testing.assert_identical(back.to_xarray(), sol.to_xarray())
+    for event, due in zip(back.events, sol.events, strict=True):
+        assert event[:2] == due[:2]
+        np.testing.assert_array_equal(event.y, due.y)
+    assert sol.to_xarray()["event_number"].values.tolist() == [1, 0]
+    assert [entry.name for entry in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_run_that_was_killed_says_how_far_it_got(samples: Make, tmp_path: Path) -> None:
+    given, path = samples(), tmp_path / "run.nc"
+    given.create(path).close()
+    sol = rodgen.load(path)
+    assert sol.y.shape == (0, 14)
+    assert "before its first sample" in sol.message
+    with Stream.reopen(path) as file:
+        given.append(file, 0, 51)
+    sol = rodgen.load(path)
+    assert sol.status == "interrupted"
+    assert sol.message == "killed after t = 0.5 s of 1 s; rodgen run --resume continues it"
+    assert sol.stats == NO_STATS
+
+
+def test_file_that_grows_while_it_is_read(
+    samples: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given, path = samples(), tmp_path / "run.nc"
+    with given.create(path) as file:
+        given.append(file, 0, 10)
+
+        def slow(at: Path) -> Any:
+            header = open_header(at)
+            given.append(file, 10, 20)
+            return header
+
+        monkeypatch.setattr(storage, "open_header", slow)
+        sol = rodgen.load(path)
+    np.testing.assert_array_equal(sol.y, given.y[:10])
+
+
+def test_files_of_others(samples: Make, tmp_path: Path) -> None:
+    path = tmp_path / "run.nc"
+    old = b"\x89HDF\r\n\x1a\n" + bytes(100)
+    for content in (b"", b"no NetCDF", old, b"CDF\x01" + bytes(28), b"CDF\x02" + bytes(28)):
+        path.write_bytes(content)
+        with pytest.raises(rodgen.SceneError, match="NetCDF") as caught:
+            rodgen.load(path)
+        assert ("HDF5" in str(caught.value)) == (content == old)
+    with netcdf_file(path, "w", version=2) as other:
+        other.createDimension("time", None)
+        for name in ("time", "temperature"):
+            other.createVariable(name, "f8", ("time",))[:] = np.arange(3.0)
+    for reader in (rodgen.load, Stream.reopen):
+        with pytest.raises(rodgen.SceneError, match="written by rodgen"):
+            reader(path)
+    with pytest.raises(rodgen.SceneError, match="No such file"):
+        rodgen.load(tmp_path / "none.nc")
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_damaged_files_are_refused_or_read(samples: Make, tmp_path: Path) -> None:
+    """Cut short anywhere: refused. With a byte changed in all but the numbers: never a traceback,
+    and nothing hangs."""
+    given, path = samples(links=2), tmp_path / "run.nc"
+    given.create(path, events=2).close()
+    with Stream.reopen(path, given.model) as file:
+        given.append(file, 0, 4)
+        file.add_event(0, given.t[1], given.y[1])
+        start = file._file.header.start
+    whole = path.read_bytes()
+    for size in (*range(0, len(whole), 97), len(whole) - 1):
+        path.write_bytes(whole[:size])
+        for reader in (rodgen.load, Stream.reopen):
+            with pytest.raises(rodgen.SceneError):
+                reader(path)
+    random, refused = np.random.default_rng(11), 0
+    for _ in range(400):
+        damaged = bytearray(whole)
+        damaged[random.integers(start)] = random.integers(256)
+        path.write_bytes(damaged)
+        try:
+            rodgen.load(path)
+        except rodgen.SceneError:
+            refused += 1
+        try:
+            Stream.reopen(path, given.model).close()
+        except rodgen.SceneError:
+            refused += 1
+    assert refused > 80

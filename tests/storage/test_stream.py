@@ -1,0 +1,222 @@
+"""A file that grows: what other readers see in it, and that it does not matter how it grew."""
+
+from __future__ import annotations
+
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.io import netcdf_file
+
+import rodgen
+from rodgen.integrate.results import netcdf, stream
+from rodgen.integrate.results.header import read_header
+from rodgen.integrate.results.layout import Run
+from rodgen.integrate.results.stream import Stream
+from rodgen.integrate.solution import Stats
+from rodgen.scene.structure import BOUNDARIES, INERTIAS
+
+Make = Callable[..., Any]
+STATS = Stats(10, 2, 30, 4, 5, 0.25)
+
+
+@pytest.mark.parametrize("inertia", INERTIAS)
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+def test_other_readers_see_the_same(
+    samples: Make, tmp_path: Path, boundary: str, inertia: str
+) -> None:
+    """SciPy's reader and xarray's, against quantities of a Solution and labels of its Dataset."""
+    given = samples(20, boundary=boundary, rod={"inertia": inertia})
+    path = tmp_path / "run.nc"
+    with given.create(path) as file:
+        given.append(file, 0, 20)
+        file.finish("finished", "", STATS)
+    due = given.solution.to_xarray()
+    with xr.open_dataset(path, engine="scipy") as data:
+        assert set(data.variables) == {*due.variables, "run"}
+        assert data.sizes == due.sizes
+        for name, variable in due.variables.items():
+            np.testing.assert_array_equal(data[name], variable)
+            assert data[name].attrs == variable.attrs
+            assert data[name].dims == variable.dims
+        for name in ("format", "rodgen", "scene"):
+            assert data.attrs[name] == due.attrs[name]
+    with netcdf_file(path, mmap=False) as plain:
+        assert plain.version_byte == 2
+        assert plain._recs == 20
+        for name in (name for name, v in due.variables.items() if "time" in v.dims):
+            np.testing.assert_array_equal(plain.variables[name][:], due[name])
+        states = [b"".join(row).decode() for row in plain.variables["state"][:]]
+        assert [state.rstrip("\0") for state in states] == list(due["state"].values)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_header_says_where_the_bytes_are(samples: Make, tmp_path: Path) -> None:
+    """Offsets, against the addresses of the arrays that SciPy maps into memory."""
+    given = samples(3)
+    with given.create(tmp_path / "run.nc", events=4) as file:
+        given.append(file, 0, 3)
+    with open(tmp_path / "run.nc", "rb") as opened:
+        header = read_header(opened)
+    plain = netcdf_file(tmp_path / "run.nc", mmap=True)
+    base = plain._mm_buf.__array_interface__["data"][0]
+    begins = {
+        name: variable.data.__array_interface__["data"][0] - base
+        for name, variable in plain.variables.items()
+    }
+    assert begins == {name: v.begin for name, v in header.variables.items()}
+    assert plain._recsize == header.record.itemsize
+    plain.variables.clear()
+    plain.close()
+    # Written in one piece by the system: no longer than a page, from the start of one.
+    assert header.variables["run"].begin % netcdf.PAGE == 0
+    assert header.variables["run"].size == netcdf.PAGE
+
+
+@pytest.mark.parametrize("target", ["numpy", "c"])
+@pytest.mark.parametrize("links", [3, 150])
+def test_growing_in_blocks_is_growing_at_once(
+    samples: Make, tmp_path: Path, target: str, links: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = samples(400, target, links=links)
+    at_once, in_blocks = tmp_path / "at_once.nc", tmp_path / "in_blocks.nc"
+    monkeypatch.setattr(stream, "BLOCK", 10**9)
+    with given.create(at_once) as file:
+        given.append(file, 0, 400)
+    monkeypatch.setattr(stream, "BLOCK", 50_000)  # some samples at a time
+    random = np.random.default_rng(3)
+    with given.create(in_blocks) as file:
+        while (count := file.count) < 400:
+            given.append(file, count, count + int(random.choice([1, 2, 3, 7, 60])))
+    assert in_blocks.read_bytes() == at_once.read_bytes()
+
+
+def test_going_back_and_on_is_never_having_stopped(samples: Make, tmp_path: Path) -> None:
+    given = samples(90)
+    straight, back = tmp_path / "straight.nc", tmp_path / "back.nc"
+    with given.create(straight, events=2) as file:
+        given.append(file, 0, 90)
+        for k in (10, 20, 30):
+            file.add_event(k % 2, given.t[k], given.y[k])
+        file.finish("finished", "", STATS)
+    with given.create(back, events=2) as file:
+        given.append(file, 0, 50)
+        for k in (10, 40, 45, 48):
+            file.add_event(k % 2, given.t[k], -given.y[k])
+        assert file.events == 4
+    with back.open("ab") as opened:
+        opened.write(b"half a record")
+    for count, events in ((40, 3), (0, 0), (30, 1)):
+        with Stream.reopen(back) as file:
+            there = file.count
+            file.truncate(min(count, there), min(events, file.events))
+            given.append(file, file.count, count)
+            for k in (10, 20, 30)[file.events : events]:
+                file.add_event(k % 2, given.t[k], given.y[k])
+    with Stream.reopen(back, given.model) as file:
+        assert (file.count, file.events, file.scene) == (30, 1, given.scene)
+        with pytest.raises(ValueError, match="cannot go back"):
+            file.truncate(31)
+        given.append(file, 30, 90)
+        for k in (20, 30):
+            file.add_event(k % 2, given.t[k], given.y[k])
+        file.finish("finished", "", STATS)
+    assert back.read_bytes() == straight.read_bytes()
+
+
+def test_memory_does_not_grow_with_the_run(samples: Make, tmp_path: Path) -> None:
+    given = samples(2000, links=20)
+    with given.create(tmp_path / "run.nc") as file:
+        given.append(file, 0, 2000)
+        tracemalloc.start()
+        given.append(file, 0, 2000)
+        start, most = tracemalloc.get_traced_memory()
+        for _ in range(50):
+            given.append(file, 0, 2000)
+        end, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+    assert (tmp_path / "run.nc").stat().st_size > 100e6
+    assert end - start < 20_000
+    assert peak < 1.1 * most < 20e6  # a block of 1 MiB and what it is made from
+
+
+def test_text_of_the_run_changes_in_place(samples: Make, tmp_path: Path) -> None:
+    given, path = samples(), tmp_path / "run.nc"
+    with given.create(path) as file:
+        given.append(file, 0, 100)
+        before = path.read_bytes()
+        at = file._file.header.variables["run"].begin
+        long = 'a "quoted"\n \u00fc \U0001f680 ' * 1000
+        for message in ("", "so far so good", long, long[:3000]):
+            file.note("failed", message, STATS)
+            after = path.read_bytes()
+            run = Run.of(after[at : at + netcdf.PAGE], path)
+            assert (run.status, run.stats) == ("failed", STATS)
+            assert message.startswith(run.message)
+            assert run.message == message or len(run.message) > 1000
+            assert after[:at] + after[at + 4096 :] == before[:at] + before[at + 4096 :]
+    sol = rodgen.load(path)
+    assert (sol.status, sol.message, sol.stats) == ("failed", run.message, STATS)
+
+
+def test_events_beyond_the_room_are_counted(samples: Make, tmp_path: Path) -> None:
+    given, path = samples(), tmp_path / "run.nc"
+    with given.create(path, events=3) as file:
+        given.append(file, 0, 10)
+        for k in range(8):
+            file.add_event(k % 2, given.t[k], given.y[k])
+            assert file.events == k + 1
+    with xr.open_dataset(path, engine="scipy") as data:
+        assert '"lost": 5' in str(data["run"].values)
+        assert data["event_number"].values.tolist() == [0, 1, 0]
+        np.testing.assert_array_equal(data["event_y"], given.y[:3])
+    with given.create(path, events=3) as file:
+        file.add_event(1, given.t[0], given.y[0])
+    with netcdf_file(path, mmap=False) as plain:
+        assert plain.variables["event_number"][:].tolist() == [1, -1, -1]
+        assert np.isnan(plain.variables["event_time"][1:]).all()
+        assert np.isnan(plain.variables["event_y"][1:]).all()
+    with given.create(path) as file:  # no room at all
+        file.add_event(1, given.t[0], given.y[0])
+        assert file.events == 1
+
+
+def test_what_does_not_fit_is_refused_before(
+    samples: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given, path = samples(), tmp_path / "run.nc"
+    with pytest.raises(rodgen.SceneError, match=r"events = 100000000: must be at most 19173961"):
+        given.create(path, events=10**8)  # of 14 states each
+    monkeypatch.setattr("rodgen.integrate.results.layout.MOST", 300)
+    with pytest.raises(rodgen.SceneError, match=r"rod\.links"):
+        given.create(path)
+    monkeypatch.undo()
+    with pytest.raises(rodgen.SceneError, match="folder that exists"):
+        given.create(tmp_path / "none" / "run.nc")
+    assert list(tmp_path.iterdir()) == []
+    with given.create(path) as file:
+        monkeypatch.setattr(stream, "MOST", 100)
+        given.append(file, 0, 99)
+        with pytest.raises(rodgen.SceneError, match="samples = 101: must be at most 100"):
+            given.append(file, 99, 101)
+        assert file.count == 99
+
+
+def test_samples_of_another_shape_are_refused(samples: Make, tmp_path: Path) -> None:
+    given = samples()
+    t, y, work = given.t, given.y, given.work
+    with given.create(tmp_path / "run.nc") as file:
+        for wrong in (
+            (t[:3], y[:4], work),
+            (t, y[:, :1], work),
+            (t, y, {}),
+            (t, y, {**work, "x": t}),
+        ):
+            with pytest.raises(ValueError, match="samples of shapes"):
+                file.append(*wrong)
+        given.append(file, 0, 0)
+        assert file.count == 0
