@@ -21,7 +21,7 @@ if TYPE_CHECKING:
         resume,
         simulate,
     )
-    from rodgen.integrate.results.storage import load
+    from rodgen.integrate.files.storage import load
     from rodgen.loading import build
     from rodgen.scene import Scene, SceneError, Structure
 
@@ -38,7 +38,7 @@ _HOMES = {
     "RunError": "rodgen.integrate.outcome",
     "Interrupted": "rodgen.integrate.outcome",
     "StepWarning": "rodgen.integrate.outcome",
-    "load": "rodgen.integrate.results.storage",
+    "load": "rodgen.integrate.files.storage",
 }
 
 __all__ = [

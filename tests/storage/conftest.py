@@ -10,8 +10,8 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from rodgen.integrate.results.layout import NO_STATS
-from rodgen.integrate.results.stream import Stream
+from rodgen.integrate.files.layout import NO_STATS
+from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import Array
 from rodgen.loading import build

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rodgen.integrate.results import checkpoint
+from rodgen.integrate.files import checkpoint
 from rodgen.scene import SceneError
 
 ARRAYS = {

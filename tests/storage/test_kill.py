@@ -17,9 +17,9 @@ import pytest
 import xarray as xr
 
 import rodgen
-from rodgen.integrate.results import netcdf
-from rodgen.integrate.results.layout import NO_STATS
-from rodgen.integrate.results.stream import Stream
+from rodgen.integrate.files import netcdf
+from rodgen.integrate.files.layout import NO_STATS
+from rodgen.integrate.files.stream import Stream
 
 Make = Callable[..., Any]
 
@@ -27,8 +27,8 @@ PROGRAM = """
 import sys
 from pathlib import Path
 import numpy as np
-from rodgen.integrate.results.layout import NO_STATS
-from rodgen.integrate.results.stream import Stream
+from rodgen.integrate.files.layout import NO_STATS
+from rodgen.integrate.files.stream import Stream
 
 with Stream.reopen(Path(sys.argv[1])) as file:
     file.truncate(file.count, min(file.events, file.count // 50))

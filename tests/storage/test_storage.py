@@ -12,9 +12,9 @@ import xarray as xr
 from scipy.io import netcdf_file
 
 import rodgen
-from rodgen.integrate.results import storage
-from rodgen.integrate.results.layout import NO_STATS, open_header
-from rodgen.integrate.results.stream import Stream
+from rodgen.integrate.files import storage
+from rodgen.integrate.files.layout import NO_STATS, open_header
+from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Event
 
 Make = Callable[..., Any]

@@ -13,10 +13,10 @@ import xarray as xr
 from scipy.io import netcdf_file
 
 import rodgen
-from rodgen.integrate.results import netcdf, stream
-from rodgen.integrate.results.header import read_header
-from rodgen.integrate.results.layout import Run
-from rodgen.integrate.results.stream import Stream
+from rodgen.integrate.files import netcdf, stream
+from rodgen.integrate.files.header import read_header
+from rodgen.integrate.files.layout import Run
+from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Stats
 from rodgen.scene.structure import BOUNDARIES, INERTIAS
 
@@ -191,7 +191,7 @@ def test_what_does_not_fit_is_refused_before(
     given, path = samples(), tmp_path / "run.nc"
     with pytest.raises(rodgen.SceneError, match=r"events = 100000000: must be at most 19173961"):
         given.create(path, events=10**8)  # of 14 states each
-    monkeypatch.setattr("rodgen.integrate.results.layout.MOST", 300)
+    monkeypatch.setattr("rodgen.integrate.files.layout.MOST", 300)
     with pytest.raises(rodgen.SceneError, match=r"rod\.links"):
         given.create(path)
     monkeypatch.undo()

@@ -16,7 +16,7 @@ from rodgen.cli.console import err, out, progress, working
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
 from rodgen.cli.folders import unwritable, writable
 from rodgen.integrate import Interrupted, RunError, Solution, StepWarning, resume, simulate
-from rodgen.integrate.results.storage import load
+from rodgen.integrate.files.storage import load
 from rodgen.loading import build, build_fastest, sources
 from rodgen.loading.cache import write_whole
 from rodgen.scene import Scene, SceneError

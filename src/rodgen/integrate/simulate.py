@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 
 from rodgen.integrate.events import Watch
+from rodgen.integrate.files.recorder import Recorder
+from rodgen.integrate.files.saver import Saver
 from rodgen.integrate.methods.choose import choose, machine
 from rodgen.integrate.outcome import (
     CREEP,
@@ -25,8 +27,6 @@ from rodgen.integrate.outcome import (
     advice,
     cause,
 )
-from rodgen.integrate.results.recorder import Recorder
-from rodgen.integrate.results.saver import Saver
 from rodgen.integrate.solution import Event, Solution, Stats
 from rodgen.integrate.stability import warn_of_step
 from rodgen.integrate.stepper import Happened, StepError
@@ -105,6 +105,7 @@ class _Run:
         self.pole: Any = None
         self.recorder = Recorder(times, len(y0), self.works, saver.stream, saver.samples)
         self.seconds_before = saver.seconds
+        saver.keep_safe(self.recorder, self.machine, self.watch, lambda: self.counts)
 
     def go(self) -> Solution:
         try:
@@ -141,7 +142,6 @@ class _Run:
             rows[0] = 0.0
             rows[0, : self.recorder.states] = self.machine.y
             self.recorder.took(1)
-        self.saver.keep_safe(self.recorder, self.machine, self.watch, lambda: self.counts)
         try:
             for end in self._ends(breaks):
                 if end <= self.machine.t:
@@ -170,9 +170,9 @@ class _Run:
         look = self.machine.counts.steps + STRIDE
         done = False
         while not done:
-            most = self.settings.max_steps - self.machine.counts.steps
+            most = self.settings.budget - self.machine.counts.steps
             if most <= 0:
-                raise StepError(f"the budget of {self.settings.max_steps} steps is used up")
+                raise StepError(f"the budget of {self.settings.budget} steps is used up")
             most = min(most, look - self.machine.counts.steps)
             done = self.machine.advance(self.recorder, self.watch, most)
             if self.machine.counts.steps >= look:

@@ -188,12 +188,12 @@ class Solution:
 
     def to_xarray(self) -> xarray.Dataset:
         """All quantities with names, dimensions and units."""
-        from rodgen.integrate.results.storage import to_xarray
+        from rodgen.integrate.files.storage import to_xarray
 
         return to_xarray(self)
 
     def save(self, path: str | Path) -> None:
         """Write everything to a NetCDF file, whole or not at all."""
-        from rodgen.integrate.results.storage import save
+        from rodgen.integrate.files.storage import save
 
         save(self, Path(path))

@@ -206,7 +206,8 @@ def limit(method: str, value: complex, partner: complex | None = None) -> float:
     """The largest step [s] up to which a method lets no motion of rate lambda [1/s] grow.
 
     partner as in Dominant; not given, the conjugate. A motion that grows by itself is taken as
-    one that does not: its growth is not the method's. Infinite where nothing moves.
+    one that does not: its growth is not the method's. Infinite where nothing moves. For euler
+    slower motions with less damping may ask for less than the fastest does.
     """
     pair = (value, value.conjugate() if partner is None else partner)
     z, other = (complex(min(x.real, 0.0), x.imag) for x in pair)
@@ -246,11 +247,11 @@ def warn_of_step(
     except StepError:  # the run itself will say so
         return None
     most = limit(method, fastest.value, fastest.partner)
-    if step <= most or _growth(method, step, fastest) ** (span / step) < GROWN:
+    if step <= most or _growth(method, step, fastest) < GROWN ** min(step / span, 1.0):
         return None
+    share = 100 * max(round(fastest.damping, 5), 0.0)  # without the errors of the differences
     motion = (
-        f"the fastest motion, at {fastest.rate:.3g} rad/s with {100 * fastest.damping:.2g} % of "
-        "critical damping"
+        f"the fastest motion, at {fastest.rate:.3g} rad/s with {share:.2g} % of critical damping"
     )
     if most == 0:
         return (

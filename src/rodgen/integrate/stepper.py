@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from rodgen.integrate.events import Watch
-    from rodgen.integrate.results.recorder import Recorder
+    from rodgen.integrate.files.recorder import Recorder
 
 Array = NDArray[np.float64]
 Rhs = Callable[[float, Array], Array]

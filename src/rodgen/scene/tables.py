@@ -21,6 +21,7 @@ ADAPTIVE = ("dop853", "gauss", "radau", "rk23", "rk45", "bdf", "lsoda", "cvode")
 METHODS = (AUTO, *FIXED_STEP, *ADAPTIVE)
 MOST_SAMPLES = 10**6
 MOST_STEPS = 10**9
+MOST_ADAPTIVE = 10**7
 LEAST_RTOL = 2.3e-14  # a hundred times the rounding of a double, below which SciPy clips
 
 LARGEST = 1e60  # of any value: products of several must still fit in a double
@@ -236,7 +237,8 @@ def _is_one(quantity: str, name: str, numbers: range) -> bool:
 
 
 class Integrate(Table):
-    """How the scene is integrated; max_steps: after so many, a run is stopped."""
+    """How the scene is integrated; max_steps: after so many, a run is stopped (if not given, ten
+    million of an adaptive method)."""
 
     method: str = AUTO
     span: Pair = [0.0, 10.0]
@@ -244,7 +246,12 @@ class Integrate(Table):
     rtol: Positive = 1e-8
     atol: Positive = 1e-10
     output_every: Positive = 0.01
-    max_steps: Annotated[int, Field(gt=0)] = MOST_STEPS
+    max_steps: Annotated[int, Field(gt=0)] | None = None
+
+    @property
+    def budget(self) -> int:
+        """Steps after which a run is stopped."""
+        return self.max_steps or (MOST_STEPS if self.fixed else MOST_ADAPTIVE)
 
     @property
     def fixed(self) -> bool:

@@ -8,7 +8,7 @@ from types import ModuleType
 import numpy as np
 
 from rodgen.integrate.events import Watch
-from rodgen.integrate.results.recorder import Recorder
+from rodgen.integrate.files.recorder import Recorder
 from rodgen.integrate.stepper import Array, Counts, Happened, State, StepError
 from rodgen.scene.tables import Integrate
 

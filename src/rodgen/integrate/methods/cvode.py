@@ -25,28 +25,29 @@ class CvodeStep:
             allowed = f"another, or pip install rodgen[cvode] ({error})"
             raise SceneError("integrate.method", "cvode", allowed) from None
 
+        self.counts = Counts()
+
         def rates(at: float, state: Array, out: Array) -> None:
+            self.counts.rhs += 1
             out[:] = rhs(at, np.array(state))
 
         def matrix(at: float, state: Array, _: Array, out: Any) -> None:
+            self.counts.jacobian += 1
             out[:] = jac(at, np.array(state))
 
         self._solver = solver(
             rates, method="Adams", jacfn=matrix, rtol=rtol, atol=atol, linsolver="dense"
         )
-        self._end, self._steps, self._seen = end, 0, self._solver.init_step(t, y)
+        self._end = end
+        self._solver.init_step(t, y)
         self.t, self.y = t, np.array(y)
-
-    @property
-    def counts(self) -> Counts:
-        return Counts(self._steps, None, int(self._seen.nfev), int(self._seen.njev), 0)
 
     def step(self) -> bool:
         """Take a step; True when the end is reached. Raises StepError."""
         found = self._solver.step(self._end, method="onestep", tstop=self._end)
         if not found.success:
             raise StepError(f"the method gave up ({str(found.message).rstrip('.').lower()})")
-        self._seen, self._steps = found, self._steps + 1
+        self.counts.steps += 1
         self.t, self.y = float(found.t), np.array(found.y)
         if abs(self._end - self.t) <= 4 * np.spacing(abs(self._end)):
             self.t = self._end

@@ -133,7 +133,8 @@ class GaussStep:
         z = self._predict(h)
         w = _TI @ z
         scale = self._scale(self.y)
-        wanted = max(2.2e-15 / self._rtol, min(0.03, self._rtol**0.5))
+        rounding = float(np.finfo(float).eps) * _size(self.y / scale)
+        wanted = max(10 * rounding, min(0.03, self._rtol**0.5))
         last = 0.0
         for iteration in range(1, ITERATIONS + 1):
             stages = zip(C, z, strict=True)

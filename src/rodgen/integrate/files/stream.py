@@ -10,11 +10,18 @@ from typing import Self
 
 import numpy as np
 
-from rodgen.integrate.results.files import replaced
-from rodgen.integrate.results.header import Header
-from rodgen.integrate.results.layout import NO_STATS, RUNNING, Run, check_layout, contents, open_header
-from rodgen.integrate.results.netcdf import MOST, RecordFile, empty_file
-from rodgen.integrate.results.quantities import WORK, quantities
+from rodgen.integrate.files.header import Header
+from rodgen.integrate.files.layout import (
+    NO_STATS,
+    RUNNING,
+    Run,
+    check_layout,
+    contents,
+    open_header,
+)
+from rodgen.integrate.files.netcdf import MOST, RecordFile, empty_file
+from rodgen.integrate.files.quantities import WORK, quantities
+from rodgen.integrate.files.whole import replaced
 from rodgen.integrate.solution import Solution, Stats
 from rodgen.integrate.stepper import Array
 from rodgen.loading import build

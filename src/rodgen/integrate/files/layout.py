@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.results.header import Header, read_header
-from rodgen.integrate.results.netcdf import MOST, PAGE
-from rodgen.integrate.results.quantities import WORK, Quantity, event_variables, quantities
+from rodgen.integrate.files.header import Header, read_header
+from rodgen.integrate.files.netcdf import MOST, PAGE
+from rodgen.integrate.files.quantities import WORK, Quantity, event_variables, quantities
 from rodgen.integrate.solution import Solution, Stats
 from rodgen.integrate.stepper import Array, Counts
 from rodgen.scene import Scene, SceneError

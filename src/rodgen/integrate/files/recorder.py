@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.stepper import Array
-from rodgen.integrate.results.stream import Stream
 
 BLOCK = 2**22  # bytes of samples between two writes to a file
 

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.results.files import replaced
-from rodgen.integrate.results.layout import NO_STATS, RUNNING, Run, attributes, open_header
-from rodgen.integrate.results.netcdf import RecordFile
-from rodgen.integrate.results.quantities import WORK, event_variables, quantities
+from rodgen.integrate.files.layout import NO_STATS, RUNNING, Run, attributes, open_header
+from rodgen.integrate.files.netcdf import RecordFile
+from rodgen.integrate.files.quantities import WORK, event_variables, quantities
+from rodgen.integrate.files.stream import Stream
+from rodgen.integrate.files.whole import replaced
 from rodgen.integrate.solution import Event, Solution
 from rodgen.integrate.stepper import Array
-from rodgen.integrate.results.stream import Stream
 from rodgen.scene import Scene, SceneError
 
 if TYPE_CHECKING:

@@ -10,15 +10,15 @@ from types import ModuleType
 
 import numpy as np
 
-from rodgen.integrate.results import checkpoint as files
 from rodgen.integrate.events import Watch
-from rodgen.integrate.results.layout import RUNNING
+from rodgen.integrate.files import checkpoint as files
+from rodgen.integrate.files.layout import RUNNING
+from rodgen.integrate.files.recorder import Recorder
+from rodgen.integrate.files.storage import load
+from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.outcome import FAILED, FINISHED
-from rodgen.integrate.results.recorder import Recorder
 from rodgen.integrate.solution import Solution, Stats
 from rodgen.integrate.stepper import Array, Machine, State
-from rodgen.integrate.results.storage import load
-from rodgen.integrate.results.stream import Stream
 from rodgen.scene import Scene, SceneError
 
 IN_MEMORY = 20_000  # samples of a file that a Solution has at most

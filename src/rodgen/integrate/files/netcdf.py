@@ -17,7 +17,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rodgen.integrate.results.header import Header, read_header
+from rodgen.integrate.files.header import Header, read_header
 
 NUMRECS = 4  # where the number of records lies in a file
 MOST = 2**31 - 4  # bytes of a variable or a record, and records: SciPy reads sizes as signed

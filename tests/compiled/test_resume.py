@@ -1,0 +1,152 @@
+"""Runs that are stopped, killed and taken up again, to the same bits."""
+
+from __future__ import annotations
+
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen import Scene, SceneError
+
+SPAN = 40.0
+RUN = """
+import sys, rodgen
+scene = rodgen.Scene.from_toml(sys.argv[1])
+rodgen.simulate(scene, target="c", method=sys.argv[2], out=sys.argv[3], checkpoint=0.02)
+"""
+TOML = """
+name = "swing"
+[rod]
+links = 12
+length = 5.0
+bending_stiffness = 100.0
+mass = 50.0
+boundary = "pinned"
+[loads.gravity]
+[loads.tip]
+x = "sin(t) if t < 3 else 0.5"
+[loads.internal_damping]
+coefficient = 0.001
+[initial]
+phi = "-1.2 + 0.5*s"
+[integrate]
+span = [0.0, 40.0]
+step = 1e-4
+output_every = 0.05
+[[events]]
+quantity = "tip_x"
+value = 0.0
+direction = "rising"
+"""
+
+
+@pytest.mark.parametrize("method", ["dop853", "gauss", "radau", "rk4"])
+def test_a_killed_run_goes_on_to_the_same_bits(tmp_path: Path, method: str) -> None:
+    """SIGKILL at random moments, again and again, until it comes to its end."""
+    toml = tmp_path / "swing.toml"
+    toml.write_text(TOML)
+    scene = Scene.from_toml(toml)
+    model = rodgen.build(scene, "c")
+    whole = rodgen.simulate(scene, model=model, method=method, out=tmp_path / "whole.nc")
+    file = tmp_path / "killed.nc"
+    moments = random.Random(method)
+    process = subprocess.Popen([sys.executable, "-c", RUN, str(toml), method, str(file)])
+    deadline = time.monotonic() + 30
+    while not file.exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    time.sleep(moments.uniform(0.0, 0.15))
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    part = rodgen.load(file)
+    if part.status == "interrupted":  # killed before its end
+        assert "killed after" in part.message
+        assert len(part.t) <= len(whole.t)
+        same = whole.y[: len(part.t)].tobytes() == part.y.tobytes()
+        assert same
+        rodgen.resume(file)
+    sol = rodgen.load(file)
+    assert sol.status == "finished"
+    assert sol.y.tobytes() == whole.y.tobytes()
+    assert all(sol.work[term].tobytes() == whole.work[term].tobytes() for term in whole.work)
+    assert [(e.t, e.y.tobytes()) for e in sol.events] == [
+        (e.t, e.y.tobytes()) for e in whole.events
+    ]
+    assert sol.stats.steps == whole.stats.steps
+    assert sol.stats.rhs == whole.stats.rhs
+
+
+def test_an_interrupted_run_goes_on(tmp_path: Path) -> None:
+    """Ctrl-C as a callback sends it, at a time in the middle of a stretch."""
+    toml = tmp_path / "swing.toml"
+    toml.write_text(TOML)
+    scene = Scene.from_toml(toml)
+    file = tmp_path / "run.nc"
+
+    def stop(t: float) -> None:
+        raise KeyboardInterrupt
+
+    how = {"target": "c", "method": "rk4", "step": 2e-5}
+    with pytest.raises(rodgen.Interrupted) as caught:
+        rodgen.simulate(scene, out=file, checkpoint=60.0, progress=stop, **how)
+    assert caught.value.solution.t[-1] < SPAN
+    sol = rodgen.resume(file)
+    assert sol.y.tobytes() == rodgen.simulate(scene, **how).y.tobytes()
+    with pytest.raises(SceneError, match="is finished"):
+        rodgen.resume(file)
+
+
+def test_methods_in_python_start_again(tmp_path: Path) -> None:
+    toml = tmp_path / "swing.toml"
+    toml.write_text(TOML)
+    scene = Scene.from_toml(toml).with_integrate(span=[0.0, 4.0], method="rk45", rtol=1e-6)
+
+    def stop(t: float) -> None:
+        raise KeyboardInterrupt
+
+    file = tmp_path / "run.nc"
+    with pytest.raises(rodgen.Interrupted):
+        rodgen.simulate(scene, target="numpy", out=file, checkpoint=60.0, progress=stop)
+    sol = rodgen.resume(file)
+    whole = rodgen.simulate(scene, target="numpy")
+    np.testing.assert_array_equal(sol.y, whole.y)
+
+
+def test_streamed_and_kept_results_are_the_same(tmp_path: Path, missile: Scene) -> None:
+    for target, method in (("c", "dop853"), ("numpy", "rk45")):
+        kept = rodgen.simulate(missile, target=target, method=method, output_every=1e-3)
+        rodgen.simulate(
+            missile, target=target, method=method, output_every=1e-3, out=tmp_path / "a.nc"
+        )
+        streamed = rodgen.load(tmp_path / "a.nc")
+        assert streamed.y.tobytes() == kept.y.tobytes()
+        for term, work in kept.work.items():
+            # In Python, work is added up in blocks that end where samples are written.
+            np.testing.assert_allclose(streamed.work[term], work, rtol=1e-13, atol=1e-12)
+
+
+def test_senseless_checkpoints_are_refused(missile: Scene, tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match="given with out"):
+        rodgen.simulate(missile, checkpoint=1.0)
+    with pytest.raises(SceneError, match="positive number"):
+        rodgen.simulate(missile, out=tmp_path / "a.nc", checkpoint=-1.0)
+
+
+def test_damaged_checkpoint_is_refused(missile: Scene, tmp_path: Path) -> None:
+    file, beside = tmp_path / "a.nc", tmp_path / "a.nc.checkpoint"
+
+    def stop(t: float) -> None:
+        raise KeyboardInterrupt
+
+    slow = missile.with_integrate(method="rk4", step=1e-6)
+    with pytest.raises(rodgen.Interrupted):
+        rodgen.simulate(slow, target="c", out=file, checkpoint=9.0, progress=stop)
+    beside.write_bytes(beside.read_bytes()[:-10] + b"0123456789")
+    with pytest.raises(SceneError, match="checkpoint"):
+        rodgen.resume(file)
