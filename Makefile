@@ -1,7 +1,7 @@
 # make demo     the main job, end to end         make test     all tests
 # make derive N=20 [BOUNDARY=free] [INERTIA=uniform] [TERMS=all] [TARGET=numpy] [FORM=chain]
 #             [EXPLICIT=1]                       make reference    regenerate the reference modules
-# make lint, make types                          make bench, make bench-rhs
+# make lint, make types                          make bench, make bench-rhs, make bench-integrate
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -14,7 +14,7 @@ TERMS ?= all
 TARGET ?= numpy
 FORM ?= chain
 
-.PHONY: demo derive test lint types bench bench-rhs reference clean
+.PHONY: demo derive test lint types bench bench-rhs bench-integrate reference clean
 
 demo: .venv/installed
 	@$(BIN)/rodgen derive 20 --out generated
@@ -47,6 +47,9 @@ bench: .venv/installed
 
 bench-rhs: .venv/installed
 	@$(BIN)/python benchmarks/rhs.py
+
+bench-integrate: .venv/installed
+	@$(BIN)/python benchmarks/integrate.py
 
 reference: .venv/developing
 	$(BIN)/python -m pytest tests/generated/test_reference_modules.py --update

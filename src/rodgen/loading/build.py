@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+from functools import lru_cache
 from types import ModuleType
 
 from rodgen.loading import cache
@@ -12,6 +14,7 @@ from rodgen.scene.structure import check_output
 
 # The dense form holds a few matrices of this many links squared.
 MOST_DENSE_LINKS = 5000
+SURROUNDINGS = ("CC", "RODGEN_CFLAGS", "RODGEN_CACHE", "XDG_CACHE_HOME", "PATH")
 
 
 def build(scene: Scene | Structure, target: str = "numpy", form: str = "chain") -> ModuleType:
@@ -25,7 +28,15 @@ def build(scene: Scene | Structure, target: str = "numpy", form: str = "chain") 
     if form == "dense" and structure.links > MOST_DENSE_LINKS:
         allowed = f"at most {MOST_DENSE_LINKS} in the dense form: it holds links^2 numbers"
         raise SceneError("rod.links", structure.links, allowed)
-    return load_files(sources(structure, target, form))
+    texts = sources(structure, target, form)
+    # What a C module is compiled by belongs to it, and so does where it would be kept.
+    return _load(tuple(texts.items()), *(os.environ.get(name) for name in SURROUNDINGS))
+
+
+@lru_cache(maxsize=16)
+def _load(texts: tuple[tuple[str, str], ...], *_: str | None) -> ModuleType:
+    """A module that is loaded once in a process."""
+    return load_files(dict(texts))
 
 
 def build_fastest(scene: Scene | Structure) -> ModuleType:

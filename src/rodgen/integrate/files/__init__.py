@@ -1,1 +1,1 @@
-"""Results on the disk: files that grow with a run, and states to go on from."""
+"""Results: samples of a run, files that grow with it, and states to go on from."""
