@@ -15,7 +15,8 @@ from rodgen.integrate import RunError
 from rodgen.integrate.methods import euler, rk4, semi_implicit_euler, thesis_runge_kutta
 from rodgen.integrate.outcome import StepWarning
 from rodgen.integrate.solution import Solution
-from rodgen.integrate.stability import LIMITS, Dominant, limit, spectrum, warn_of_step
+from rodgen.integrate.spectrum import Dominant, spectrum
+from rodgen.integrate.stability import LIMITS, limit, warn_of_step
 from rodgen.integrate.stepper import Array, Rhs, StepError
 from rodgen.scene import Scene
 from rodgen.scene.structure import BOUNDARIES, INERTIAS, TERMS

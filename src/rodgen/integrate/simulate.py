@@ -32,6 +32,7 @@ from rodgen.integrate.stability import warn_of_step
 from rodgen.integrate.stepper import Happened, StepError
 from rodgen.loading import build, build_fastest
 from rodgen.scene import Scene
+from rodgen.scene.tables import AUTO
 
 TICK = 0.1  # seconds between two calls of the progress callback
 
@@ -64,7 +65,8 @@ def simulate(
     scene = scene.with_integrate(**overrides)
     if model is None:
         model = build(scene, target) if target else build_fastest(scene)
-    scene = scene.with_integrate(method=choose(scene, model).method)
+    if scene.integrate.method == AUTO:
+        scene = scene.with_integrate(method=choose(scene, model).method)
     saver = Saver.begin(scene, model, out, checkpoint)
     return _Run(scene, model, saver, progress).go()
 

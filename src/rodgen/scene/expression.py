@@ -14,7 +14,7 @@ import math
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -170,29 +170,43 @@ class Expression:
         Found where the sign changes between two of the samples, and on both sides of an extremum
         between samples that reaches beyond zero. Of two zeros closer than that nothing is known.
         """
-        found = _zeros(self.kinks(), np.linspace(start, end, samples))
-        return [x for x in found if start < x < end]
+        return list(_breaks(self, start, end, samples))
 
     def poles(self, start: float, end: float, samples: int = 4001) -> list[float]:
         """Places from start to end towards which it grows beyond all bounds, ascending.
 
         They are looked for where it divides by zero, in the way of the break points.
         """
-        divisors = [self._difference(node, None) for node in _divisors(self._tree)]
-        scale = max(abs(start), abs(end))
+        return list(_poles(self, start, end, samples))
 
-        def grows(x: float, side: int) -> bool:
-            points = x + side * scale * NEARER
-            sizes = np.abs(self(points))
-            larger = bool((sizes[1:] > LARGER * sizes[:-1]).all()) or np.isinf(sizes[-1])
-            return bool(start <= points[0] <= end and larger)
-
-        found = _zeros([*self.kinks(), *divisors], np.linspace(start, end, samples))
-        return [x for x in found if grows(x, 1) or grows(x, -1)]
+    def divisors(self) -> list[Callable[[Any], Any]]:
+        """Functions of the variable by which it divides."""
+        return [self._difference(node, None) for node in _divisors(self._tree)]
 
     def not_finite(self, at: float) -> str:
         """What is said of it at a place where it is no number."""
         return f"{self.field} = {short(self.text)} is not finite at {self.variable} = {at:.9g}"
+
+
+# The same scene is run again and again: what it takes milliseconds to find is kept.
+@lru_cache(maxsize=256)
+def _breaks(e: Expression, start: float, end: float, samples: int) -> tuple[float, ...]:
+    found = _zeros(e.kinks(), np.linspace(start, end, samples))
+    return tuple(x for x in found if start < x < end)
+
+
+@lru_cache(maxsize=256)
+def _poles(e: Expression, start: float, end: float, samples: int) -> tuple[float, ...]:
+    scale = max(abs(start), abs(end))
+
+    def grows(x: float, side: int) -> bool:
+        points = x + side * scale * NEARER
+        sizes = np.abs(e(points))
+        larger = bool((sizes[1:] > LARGER * sizes[:-1]).all()) or np.isinf(sizes[-1])
+        return bool(start <= points[0] <= end and larger)
+
+    found = _zeros([*e.kinks(), *e.divisors()], np.linspace(start, end, samples))
+    return tuple(x for x in found if grows(x, 1) or grows(x, -1))
 
 
 def _zeros(functions: Iterable[Callable[[Any], Any]], grid: Any) -> list[float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -162,7 +163,13 @@ class Loads(Table):
         """The expression in t that a parameter is given by, where it is given by text."""
         value = self.value(name)
         place = ".".join(("loads", *PLACES[name]))
-        return Expression(value, "t", place) if isinstance(value, str) else None
+        return _parsed(value, place) if isinstance(value, str) else None
+
+
+@lru_cache(maxsize=64)
+def _parsed(text: str, place: str) -> Expression:
+    """An expression in t, which a scene is asked for again and again."""
+    return Expression(text, "t", place)
 
 
 class Initial(Table):

@@ -11,7 +11,7 @@ from rodgen.integrate.methods.compiled import Compiled
 from rodgen.integrate.methods.cvode import CvodeStep
 from rodgen.integrate.methods.gauss import GaussStep
 from rodgen.integrate.methods.walk import Walk
-from rodgen.integrate.stability import Dominant, spectrum
+from rodgen.integrate.spectrum import Dominant, spectrum
 from rodgen.integrate.stepper import Array, Machine, Rhs, StepError, Stepper
 from rodgen.scene import Scene
 from rodgen.scene.tables import AUTO, Integrate
