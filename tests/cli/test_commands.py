@@ -232,8 +232,8 @@ def test_blow_up_exits_3_with_the_time_and_keeps_samples(
 
 
 def test_ctrl_c_keeps_what_was_computed(short: Path, tmp_path: Path) -> None:
-    text = short.read_text(encoding="utf-8").replace("0.3]", "5000.0]")
-    short.write_text(text.replace("span", "output_every = 0.05\nspan"), encoding="utf-8")
+    text = short.read_text(encoding="utf-8").replace("0.3]", "1e7]")
+    short.write_text(text.replace("span", "output_every = 50.0\nspan"), encoding="utf-8")
     folder = tmp_path / "short"
     with _started("run", short, "--out", tmp_path) as process:
         while not folder.is_dir():
@@ -251,8 +251,8 @@ def test_ctrl_c_keeps_what_was_computed(short: Path, tmp_path: Path) -> None:
 
 
 def test_impatient_ctrl_c_loses_no_states(short: Path, tmp_path: Path) -> None:
-    text = short.read_text(encoding="utf-8").replace("0.3]", "5000.0]")
-    short.write_text(text.replace("span", "output_every = 0.05\nspan"), encoding="utf-8")
+    text = short.read_text(encoding="utf-8").replace("0.3]", "1e7]")
+    short.write_text(text.replace("span", "output_every = 50.0\nspan"), encoding="utf-8")
     folder = tmp_path / "short"
     with _started("run", short, "--out", tmp_path) as process:
         while not folder.is_dir():

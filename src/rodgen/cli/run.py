@@ -70,6 +70,7 @@ def run(
         except Interrupted as error:
             _hold_back_ctrl_c()
             solution, status = error.solution, INTERRUPTED
+            err.print(f"rodgen: {solution.message}; writing what was computed")
     with np.errstate(all="ignore"):  # a run that blew up has energies that overflow
         _write(solution, folder, pictured=status != INTERRUPTED)
     if status:
