@@ -19,7 +19,7 @@ FIXED = {
     "rk4": (2.8, 1e-8),
     "thesis_runge_kutta": (2.8, 1e-8),
 }
-SHARES = (1.0, 1e-2)  # absolute tolerance over the relative one
+SHARES = (1.0, 0.1, 1e-2)  # absolute tolerance over the relative one
 ADAPTIVE = ("dop853", "gauss", "radau")
 TIGHTEST = 2.3e-14  # a hundred times the rounding of a double
 

@@ -154,3 +154,51 @@ def test_events_are_found_to_rounding() -> None:
     for method, step in (("dop853", None), ("radau", None), ("gauss", None), ("rk4", 0.01)):
         sol = rodgen.simulate(scene, target="c", method=method, step=step)
         np.testing.assert_allclose([e.t for e in sol.events], exact, rtol=0, atol=1e-12)
+
+
+def test_implicit_steps_leave_a_state_of_rest(missile: Scene) -> None:
+    """Errors of exactly zero for a long time, then a load: no step may follow from the zeros."""
+    table = missile.model_dump(exclude_none=True)
+    table["rod"] |= {"links": 3, "boundary": "clamped"}
+    table["initial"], table["integrate"] = {}, {"span": [0.0, 10.0], "rtol": 1e-6}
+    for force in ("0.01/(1+exp(-2000*(t-5)))", "0.01*exp(-1/t)"):
+        table["loads"] = {"tip": {"y": force}}
+        scene = Scene.from_dict(table)
+        exact = rodgen.simulate(scene, target="c", method="dop853", rtol=1e-10)
+        for method in ("radau", "gauss"):
+            for target in ("c", "numpy") if method == "gauss" else ("c",):
+                sol = rodgen.simulate(scene, target=target, method=method)
+                assert np.abs(sol.phi - exact.phi).max() < 1e-5
+                assert sol.stats.rhs > 6 * sol.stats.steps  # every step that is counted was taken
+
+
+def test_a_budget_of_just_the_steps_is_enough(missile: Scene) -> None:
+    for target in ("c", "numpy"):
+        how: dict[str, Any] = {"target": target, "method": "rk4", "step": 1e-3}
+        sol = rodgen.simulate(missile, max_steps=1000, **how)
+        assert sol.t[-1] == 1.0
+        with pytest.raises(RunError):
+            rodgen.simulate(missile, max_steps=999, **how)
+
+
+def test_a_jump_at_the_start_is_taken_on_its_far_side(missile: Scene) -> None:
+    jump = _changed(missile, loads={"follower": {"force": "0 if t <= 0 else 30"}})
+    even = _changed(missile, loads={"follower": {"force": 30.0}})
+    for method in ("dop853", "rk4", "radau"):
+        a, b = (rodgen.simulate(s, target="c", method=method, step=1e-3) for s in (jump, even))
+        np.testing.assert_allclose(a.y, b.y, rtol=1e-12, atol=1e-12)
+
+
+def test_samples_wider_apart_than_the_span(missile: Scene) -> None:
+    sol = rodgen.simulate(missile, target="c", output_every=1e12)
+    assert list(sol.t) == [0.0, 1.0]
+    assert sol.energy_error < 1e-6
+
+
+def test_events_of_one_moment_are_all_recorded(missile: Scene) -> None:
+    table = missile.model_dump(exclude_none=True)
+    one = {"quantity": "tip_y", "value": 5.5, "direction": "rising"}
+    table["events"] = [{**one, "action": "stop", "name": "end"}, {**one, "name": "seen"}]
+    for target in ("c", "numpy"):
+        sol = rodgen.simulate(Scene.from_dict(table), target=target, method="dop853")
+        assert [event.name for event in sol.events] == ["seen", "end"]

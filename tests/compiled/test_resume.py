@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import random
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -150,3 +152,45 @@ def test_damaged_checkpoint_is_refused(missile: Scene, tmp_path: Path) -> None:
     beside.write_bytes(beside.read_bytes()[:-10] + b"0123456789")
     with pytest.raises(SceneError, match="checkpoint"):
         rodgen.resume(file)
+
+
+@pytest.mark.parametrize("method", ["rk4", "dop853", "gauss"])
+def test_ctrl_c_at_any_moment_loses_nothing(tmp_path: Path, method: str) -> None:
+    """Real signals at random moments, of which most fall into compiled steps."""
+    toml = tmp_path / "swing.toml"
+    toml.write_text(TOML)
+    scene = Scene.from_toml(toml).with_integrate(method=method, step=2e-5, rtol=1e-12, atol=1e-13)
+    model = rodgen.build(scene, "c")
+    whole = rodgen.simulate(scene, model=model)
+    moments = random.Random(method)
+    stopped = 0
+    for trial in range(4):
+        file = tmp_path / f"run{trial}.nc"
+        timer = threading.Timer(
+            moments.uniform(0.03, 0.2), lambda: os.kill(os.getpid(), signal.SIGINT)
+        )
+        timer.start()
+        try:
+            rodgen.simulate(scene, model=model, out=file, checkpoint=0.05)
+            timer.join()
+        except KeyboardInterrupt:  # perhaps just after the end of the run
+            pass
+        if rodgen.load(file).status == "interrupted":
+            stopped += 1
+            rodgen.resume(file)
+        sol = rodgen.load(file)
+        assert sol.t.tobytes() == whole.t.tobytes()
+        assert sol.y.tobytes() == whole.y.tobytes()
+        assert [event.t for event in sol.events] == [event.t for event in whole.events]
+    assert stopped > 0
+
+
+def test_long_results_are_thinned_honestly(tmp_path: Path, missile: Scene) -> None:
+    scene = missile.with_integrate(output_every=2e-5)
+    whole = rodgen.simulate(scene, target="c")
+    part = rodgen.simulate(scene, target="c", out=tmp_path / "a.nc")
+    assert len(whole.t) == 50001
+    assert len(part.t) == 20000
+    assert part.t[0] == 0.0
+    assert part.t[-1] == 1.0
+    assert part.energy_error == pytest.approx(whole.energy_error, rel=1e-3)

@@ -27,11 +27,13 @@ PATIENCE = 1.0  # seconds without a bar
 def progress(what: str, start: float, end: float) -> Iterator[Callable[[float], None]]:
     """A callback that shows how far a run from start to end has come, how fast it goes against
     real time, and what time is left."""
-    begun, first = perf_counter(), start
+    first: tuple[float, float] | None = None  # a run that is resumed does not begin at the start
 
     def speed(at: float) -> str:
-        seconds = perf_counter() - begun
-        return f"{(at - first) / seconds:.3g} s/s" if seconds > 0 else ""
+        nonlocal first
+        now = perf_counter()
+        first = first or (at, now)
+        return f"{(at - first[0]) / (now - first[1]):.3g} s/s" if now > first[1] else ""
 
     with _bar(what, end - start, TimeRemainingColumn()) as show:
         yield lambda at: show(at - start, f"t = {at:.3f} s of {end:g} s, {speed(at)}")

@@ -16,6 +16,7 @@ from rodgen.cli.console import err, out, progress, working
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
 from rodgen.cli.folders import unwritable, writable
 from rodgen.integrate import Interrupted, RunError, Solution, StepWarning, resume, simulate
+from rodgen.integrate.files.checkpoint import beside
 from rodgen.integrate.files.storage import load
 from rodgen.loading import build, build_fastest, sources
 from rodgen.loading.cache import write_whole
@@ -56,6 +57,8 @@ def run(
             model = build(scene, target) if target else build_fastest(scene)
         folder = writable(out_folder / scene.name)
     file = folder / RESULT
+    # What a batch system sends to end a program is to lose nothing either.
+    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     with progress(scene.name, start, end) as update, _warned():
         try:
             if resumed:
@@ -74,7 +77,8 @@ def run(
     with np.errstate(all="ignore"):  # a run that blew up has energies that overflow
         _write(solution, folder, pictured=status != INTERRUPTED)
     if status:
-        again = "; --resume goes on with it" if status == INTERRUPTED else ""
+        does = "goes on with it" if beside(file).exists() else "starts it again"
+        again = f"; --resume {does}" if status == INTERRUPTED else ""
         kept = f"samples up to t = {solution.t[-1]:.9g} s are in {folder}"
         fail(f"{solution.message}; {kept}{again}", status)
 
@@ -89,13 +93,25 @@ def _used(scene: Scene, step: float | None, rtol: float | None) -> None:
 
 
 def _same(scene: Scene, file: Path) -> None:
-    """Refuse to go on with the run of another scene."""
+    """Refuse to go on with the run of another scene, or with other options."""
+    if not file.exists():
+        raise SceneError("--resume", str(file), "a run that was begun; there is none")
     begun = load(file, most=1).scene
     method = scene.integrate.method
     if method == AUTO:
         method = begun.integrate.method
-    if scene.with_integrate(method=method) != begun:
-        raise SceneError("--resume", str(file), "the run of this scene, which has changed since")
+    now, then = (s.model_dump() for s in (scene.with_integrate(method=method), begun))
+    other = [
+        f"{table}.{key}" if isinstance(now[table], dict) else table
+        for table in now
+        for key in (now[table] if isinstance(now[table], dict) else [""])
+        if (now[table][key] != then[table][key] if key else now[table] != then[table])
+    ]
+    if other:
+        allowed = f"the run of this scene with the same options (changed: {', '.join(other)})"
+        raise SceneError("--resume", str(file), allowed)
+    if not beside(file).exists():
+        err.print("rodgen: there is no state to go on from; the run starts again")
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -10,9 +11,12 @@ from rich.table import Table
 
 from rodgen.cli.console import out, working
 from rodgen.integrate import choose
+from rodgen.integrate.methods.choose import described, fastest_motion
+from rodgen.integrate.stability import limit
 from rodgen.loading import build_fastest
 from rodgen.scene import Scene
 from rodgen.scene.contents import contents
+from rodgen.scene.tables import FIXED_STEP
 
 
 def show(
@@ -33,8 +37,15 @@ def show(
     settings = scene.integrate
     breaks = ", ".join(f"{t:g}" for t in scene.breaks()) or "none"
     with working("generating"):
-        choice = choose(scene, build_fastest(scene))
+        model = build_fastest(scene)
+        choice = choose(scene, model)
     out.print(f"integrated by {choice.method}: {choice.reason}")
+    with suppress(ArithmeticError):  # rates that are not finite: the run will say so
+        fastest = fastest_motion(scene, model)
+        out.print(f"fastest motion at the start: {described(fastest)}")
+        limits = {name: limit(name, fastest.value, fastest.partner) for name in FIXED_STEP}
+        shown = ", ".join(f"{name} {step:.3g} s" for name, step in limits.items())
+        out.print(f"largest stable steps for it: {shown}")
     out.print(f"over {settings.span} s; break points: {breaks}")
     for event in scene.events:
         out.print(f"event {event.name!r}: {event.quantity} {event.direction}, {event.action}")

@@ -70,6 +70,12 @@ class Watch:
         self._asked = self._sources(range(len(self.events)))
         self.happened: list[tuple[int, float, Array]] = []
 
+    def in_order(self, located: Iterable[tuple[float, int]]) -> list[tuple[float, int]]:
+        """Times and numbers of those that are there (not not-a-number), by time; at one and the
+        same time, those that end the run last."""
+        there = [pair for pair in located if not math.isnan(pair[0])]
+        return sorted(there, key=lambda pair: (pair[0], self.events[pair[1]].action == "stop"))
+
     def happens(self, number: int, t: float, y: Array) -> bool:
         """Keep an event at time t [s] in state y (S,); True if it ends the run."""
         self.happened.append((number, t, y.copy()))

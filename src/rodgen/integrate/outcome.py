@@ -8,6 +8,7 @@ from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import Machine
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression
+from rodgen.scene.structure import COLLOCATION
 from rodgen.scene.tables import Integrate
 
 FINISHED, FAILED, INTERRUPTED = "finished", "failed", "interrupted"
@@ -55,7 +56,8 @@ def advice(reason: str, settings: Integrate, load: bool) -> str:
     if load:
         return "end the span before that time, or give the load another expression"
     if "budget" in reason:
-        return "raise max_steps, loosen the tolerance, or take an implicit method (radau, gauss)"
+        other = "dop853" if settings.method in COLLOCATION else "radau or gauss"
+        return f"raise max_steps, loosen the tolerance, or try {other}; the motion may be growing"
     if settings.fixed:
         return (
             "try a smaller step, or a method with error control (auto); if it stops there too, the "

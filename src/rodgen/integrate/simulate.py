@@ -14,6 +14,7 @@ import numpy as np
 from rodgen.integrate.events import Watch
 from rodgen.integrate.files.recorder import Recorder
 from rodgen.integrate.files.saver import Saver
+from rodgen.integrate.interrupts import HeldBack
 from rodgen.integrate.methods.choose import choose, machine
 from rodgen.integrate.outcome import (
     CREEP,
@@ -79,8 +80,9 @@ def resume(
 ) -> Solution:
     """Go on with a run that was killed, from the last checkpoint beside its file.
 
-    What comes out is bitwise what the run would have given. Raises SceneError where there is no
-    checkpoint, or one of another machine's module.
+    What comes out is bitwise what the run would have given, on the same machine with the same
+    compiler; without a checkpoint it starts again. Raises SceneError for a run that has ended, and
+    for a checkpoint that is damaged or of another version's module.
     """
     saver = Saver.resume(Path(path), checkpoint)
     return _Run(saver.scene, saver.model, saver, progress).go()
@@ -105,11 +107,16 @@ class _Run:
             self.machine = machine(model, self.p, self.settings, start, y0)
         times = self.settings.samples
         self.pole: Any = None
+        self.held = HeldBack()
         self.recorder = Recorder(times, len(y0), self.works, saver.stream, saver.samples)
         self.seconds_before = saver.seconds
         saver.keep_safe(self.recorder, self.machine, self.watch, lambda: self.counts)
 
     def go(self) -> Solution:
+        with self.held:
+            return self._go()
+
+    def _go(self) -> Solution:
         try:
             with np.errstate(all="ignore"):
                 self._check_step()
@@ -138,7 +145,7 @@ class _Run:
     def _walk(self) -> str:
         """All stretches; what there is to say of the end."""
         breaks, self.pole = self.scene.breaks(), self.scene.pole()
-        taken_up = self.saver.restore(self.machine, self.watch)
+        taken_up = self.saver.restore(self.machine)
         if not taken_up:
             _, rows = self.recorder.room()
             rows[0] = 0.0
@@ -149,11 +156,11 @@ class _Run:
                 if end <= self.machine.t:
                     continue
                 if not (taken_up and self.machine.end == end):
-                    self.machine.begin(end, *_inside(self.machine.t, end, breaks))
+                    self.machine.begin(end, *_inside(self.machine.t, end))
                 taken_up = False
                 self._to(end)
         except Happened as event:
-            name = self.scene.events[self.watch.happened[-1][0]].name
+            name = self.scene.events[event.number].name
             return f"ended at t = {event.t:.12g} s by the event {name!r}"
         if self.pole:  # a step across it would be finite, and wrong
             raise StepError("a load grows beyond all bounds")
@@ -173,9 +180,9 @@ class _Run:
         done = False
         while not done:
             most = self.settings.budget - self.machine.counts.steps
-            if most <= 0:
+            if most <= 0 and self.machine.t < end:
                 raise StepError(f"the budget of {self.settings.budget} steps is used up")
-            most = min(most, look - self.machine.counts.steps)
+            most = max(0, min(most, look - self.machine.counts.steps))
             done = self.machine.advance(self.recorder, self.watch, most)
             if self.machine.counts.steps >= look:
                 look = self.machine.counts.steps + STRIDE
@@ -187,6 +194,7 @@ class _Run:
             if now - tick > TICK:
                 tick = now
                 self.progress(self.machine.t)
+            self.held.look()
 
     @property
     def counts(self) -> Stats:
@@ -216,11 +224,9 @@ class _Run:
         )
 
 
-def _inside(start: float, end: float, breaks: list[float]) -> tuple[float, float]:
+def _inside(start: float, end: float) -> tuple[float, float]:
     """Times at which loads may be asked for their values between start and end.
 
-    At a break point a load may jump: each side of it sees its own value.
+    There a load may jump: each side of it sees its own value.
     """
-    low = start + 8 * np.spacing(abs(start)) if start in breaks else -np.inf
-    high = end - 8 * np.spacing(abs(end)) if end in breaks else np.inf
-    return float(low), float(high)
+    return float(start + 8 * np.spacing(abs(start))), float(end - 8 * np.spacing(abs(end)))

@@ -77,7 +77,7 @@ class Stats:
         return cls(rejected=rejected, **whole, wall_seconds=seconds)
 
 
-@dataclass
+@dataclass(repr=False)
 class Solution:
     """States of a scene over time.
 
@@ -96,6 +96,12 @@ class Solution:
     message: str = ""
     model: ModuleType | None = None
     events: tuple[Event, ...] = ()
+
+    def __repr__(self) -> str:
+        span = f", t = {self.t[0]:g} to {self.t[-1]:g} s" if len(self.t) else ""
+        said = f" ({self.message})" if self.message else ""
+        what = f"{len(self.t)} samples of {self.y.shape[-1]} states{span}"
+        return f"<Solution of {self.scene.name}: {what}; {self.status}{said}>"
 
     @cached_property
     def _model(self) -> ModuleType:
@@ -151,7 +157,7 @@ class Solution:
         balance: Array = total - total[0] - self.total_work
         return balance
 
-    @property
+    @cached_property
     def energy_error(self) -> float:
         """Largest error of the energy balance [J]."""
         return float(np.abs(self.energy_balance).max(initial=0.0))

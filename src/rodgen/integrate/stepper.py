@@ -44,11 +44,11 @@ class StepError(ArithmeticError):
 
 
 class Happened(Exception):  # noqa: N818, an event is no error
-    """An event ends the run, at a time [s]."""
+    """An event, by its number in the scene, ends the run at a time [s]."""
 
-    def __init__(self, t: float):
-        super().__init__(t)
-        self.t = t
+    def __init__(self, number: int, t: float):
+        super().__init__(number, t)
+        self.number, self.t = number, t
 
 
 class Machine(Protocol):

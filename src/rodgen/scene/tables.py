@@ -289,7 +289,7 @@ class Integrate(Table):
         start, end = self.span
         count = math.floor((end - start) / self.output_every * (1 + 1e-12))
         times: NDArray[np.float64] = start + self.output_every * np.arange(count + 1.0)
-        if end - times[-1] > 1e-9 * self.output_every:
+        if len(times) == 1 or end - times[-1] > 1e-9 * self.output_every:
             times = np.append(times, end)
         times[-1] = end
         return times

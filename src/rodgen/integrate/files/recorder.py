@@ -69,7 +69,7 @@ class Recorder:
         if self._stream is not None and self.count > self._first:
             y, work = self._parts(self.count - self._first)
             self._stream.append(self.times[self._first : self.count], y, work)
-            self._first = self.count
+            self._first = self._stream.count
 
     def kept(self) -> tuple[Array, Array, dict[str, Array]]:
         """Times (T,), states (T, states) and works, each (T,), that are in memory."""

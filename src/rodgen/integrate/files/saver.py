@@ -8,8 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
-import numpy as np
-
 from rodgen.integrate.events import Watch
 from rodgen.integrate.files import checkpoint as files
 from rodgen.integrate.files.layout import RUNNING
@@ -18,13 +16,12 @@ from rodgen.integrate.files.storage import load
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.outcome import FAILED, FINISHED
 from rodgen.integrate.solution import Solution, Stats
-from rodgen.integrate.stepper import Array, Machine, State
+from rodgen.integrate.stepper import Machine, State
 from rodgen.scene import Scene, SceneError
 
 IN_MEMORY = 20_000  # samples of a file that a Solution has at most
 ROOM = 4096  # events that a file has room for
 PATIENCE = 2.0  # seconds after which samples are written, whether a block is full or not
-EVENT = "event_"
 
 
 class Saver:
@@ -44,7 +41,6 @@ class Saver:
         self.samples, self.seconds, self.resumed = 0, 0.0, False
         self._state: State = {}
         self._written = self._saved = time.perf_counter()
-        self._events = 0
 
     @classmethod
     def begin(
@@ -61,8 +57,9 @@ class Saver:
         start, y0 = scene.integrate.span[0], scene.initial_state()
         works = list(model.power(start, y0, p)) if hasattr(model, "power") else []
         room = ROOM if scene.events else 0
-        stream = Stream.create(Path(out), scene, model, p, works, room)
+        # First: a state of another run beside a file would be taken for its own.
         files.beside(Path(out)).unlink(missing_ok=True)
+        stream = Stream.create(Path(out), scene, model, p, works, room)
         return cls(scene, model, stream, every)
 
     @classmethod
@@ -97,20 +94,16 @@ class Saver:
             raise SceneError("checkpoint", str(at), f"of {path.name} ({error})") from None
         return saver
 
-    def restore(self, machine: Machine, watch: Watch) -> bool:
+    def restore(self, machine: Machine) -> bool:
         """Take a machine to where the checkpoint was; False where there is none."""
         if not self._state:
             return False
-        events = {name: values for name, values in self._state.items() if name.startswith(EVENT)}
         try:
-            machine.restore({k: v for k, v in self._state.items() if k not in events})
+            machine.restore(self._state)
         except (KeyError, ValueError) as error:
             raise SceneError(
                 "checkpoint", str(self.stream and self.stream.path), str(error)
             ) from None
-        parts = (events[EVENT + part] for part in ("number", "time", "y"))
-        watch.happened = [(int(k), float(t), y) for k, t, y in zip(*parts, strict=True)]
-        self._events = len(watch.happened)
         return True
 
     def keep_safe(
@@ -133,9 +126,9 @@ class Saver:
     def _write(self) -> None:
         assert self.stream is not None
         self._recorder.write()
-        for number, t, y in self._watch.happened[self._events :]:
+        for number, t, y in self._watch.happened:
             self.stream.add_event(number, t, y)
-            self._events += 1
+        self._watch.happened.clear()  # memory is not to grow with the span
         self.stream.note(RUNNING, "", self._stats())
 
     def _checkpoint(self) -> None:
@@ -146,13 +139,6 @@ class Saver:
             self._write()
             return
         self._write()
-        happened = self._watch.happened
-        width = len(self._machine.y)
-        state |= {
-            EVENT + "number": _array([n for n, _, _ in happened]),
-            EVENT + "time": _array([t for _, t, _ in happened]),
-            EVENT + "y": _array([y for _, _, y in happened]).reshape(len(happened), width),
-        }
         numbers: dict[str, float | int | str] = {
             "samples": self.stream.count,
             "events": self.stream.events,
@@ -184,7 +170,3 @@ def _module(model: ModuleType) -> str:
     """What a state belongs to: another text of the module has another memory."""
     p = model.PROVENANCE
     return f"{p['rodgen']} {p['structure_hash']} {p['template_hash']}"
-
-
-def _array(values: list[float] | list[int] | list[Array]) -> Array:
-    return np.array(values, dtype=float)

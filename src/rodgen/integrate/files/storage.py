@@ -71,15 +71,17 @@ def save(solution: Solution, path: Path) -> None:
 def load(path: str | Path, most: int | None = None) -> Solution:
     """Read a Solution from a NetCDF file that rodgen wrote; raises SceneError for others.
 
-    most: samples to be read, evenly spaced and the last among them (all, if not given). The run
-    of a file that has not been ended counts as interrupted.
+    most: samples to be read, evenly spaced with the first and the last (all, if not given);
+    energy_error is that of all. The run of a file that has not been ended counts as interrupted.
     """
     path = Path(path)
     header, scene = open_header(path)
     try:
         with RecordFile(path, header, "r") as file:  # not through xarray: the file may be growing
             text = file.fixed("run").tobytes()
-            records, events = _thinned(file.records(), most), _events(file, scene)
+            whole, events = file.records(), _events(file, scene)
+            off = float(np.abs(whole["energy_balance"]).max(initial=0.0))
+            records = _thinned(whole, most)
             terms = [name for name in header.record.names or () if name.startswith(WORK)]
             work = {name[len(WORK) :]: _plain(records[name]) for name in terms}
             t, y = _plain(records["time"]), _plain(records["y"])
@@ -90,14 +92,19 @@ def load(path: str | Path, most: int | None = None) -> Solution:
     if status == RUNNING:
         status, message = INTERRUPTED, _how_far(t, scene)
     stats = run.stats or NO_STATS
-    return Solution(scene, t, y, work, stats, status, message, events=events)
+    if run.lost:
+        message = f"{message}; {run.lost} more events than the file has room for".lstrip("; ")
+    solution = Solution(scene, t, y, work, stats, status, message, events=events)
+    solution.energy_error = off  # of all samples, also of those that are not read
+    return solution
 
 
 def _thinned(records: NDArray[Any], most: int | None) -> NDArray[Any]:
     if most is None or len(records) <= most:
         return records
-    every = -(-len(records) // most)
-    return records[(len(records) - 1) % every :: every]
+    kept = np.linspace(0, len(records) - 1, most).round().astype(int)
+    thinned: NDArray[Any] = records[np.unique(kept)]
+    return thinned
 
 
 def _how_far(t: Array, scene: Scene) -> str:

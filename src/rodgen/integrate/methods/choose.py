@@ -19,6 +19,7 @@ from rodgen.scene.tables import AUTO, Integrate
 # Measured on rods of 5 to 200 links, see docs/methods.md.
 FEW = 2e4  # radians or decays of the fastest motion that explicit steps follow in no time
 DECAYS = 0.3  # damping ratio from which the fastest motion dies out instead of going on
+GROWS = 1e-3  # share of the rate from which a motion is taken to grow by itself
 LOOSE = 1e-4  # tolerance above which the fastest oscillations are noise
 
 
@@ -41,8 +42,7 @@ def choose(scene: Scene, model: ModuleType) -> Choice:
         return Choice(settings.method, "the scene asks for it")
     start, end = settings.span
     try:
-        p = model.parameters(**scene.parameters)
-        fastest = spectrum(model, _inside(scene), scene.initial_state(), p)
+        fastest = fastest_motion(scene, model)
     except StepError:
         return Choice("dop853", "the rates at the start are not finite, of which the run will tell")
     return by_rule(fastest, end - start, settings.rtol)
@@ -51,17 +51,29 @@ def choose(scene: Scene, model: ModuleType) -> Choice:
 def by_rule(fastest: Dominant, span: float, rtol: float) -> Choice:
     """The rule: fastest motion, span [s] and tolerance to a method."""
     cycles = fastest.rate * span
-    motion = (
-        f"the fastest motion ({fastest.rate:.3g} rad/s, {100 * fastest.damping:.2g} % of critical "
-        f"damping) makes {cycles:.2g} radians in the span"
-    )
+    motion = f"the fastest motion ({described(fastest)}) makes {cycles:.2g} radians in the span"
     if cycles < FEW:
         return Choice("dop853", f"{motion}, few enough to follow")
-    if fastest.damping > DECAYS:
+    grows = max(fastest.value.real, fastest.partner.real) > GROWS * fastest.rate
+    if fastest.damping > DECAYS and not grows:
         return Choice("radau", f"{motion}; it decays, and need not be followed")
     if rtol >= LOOSE:
         return Choice("gauss", f"{motion}, and at rtol {rtol:g} it is noise")
     return Choice("dop853", f"{motion}, and at rtol {rtol:g} it has to be followed")
+
+
+def described(fastest: Dominant) -> str:
+    """A motion in words."""
+    growth = max(fastest.value.real, fastest.partner.real)
+    if growth > GROWS * fastest.rate:
+        return f"{fastest.rate:.3g} 1/s, growing by itself"
+    return f"{fastest.rate:.3g} rad/s, {max(0.0, 100 * fastest.damping):.3g} % of critical damping"
+
+
+def fastest_motion(scene: Scene, model: ModuleType) -> Dominant:
+    """The fastest motion about the start of a scene. Raises StepError."""
+    p = model.parameters(**scene.parameters)
+    return spectrum(model, _inside(scene), scene.initial_state(), p)
 
 
 def _inside(scene: Scene) -> float:

@@ -72,10 +72,14 @@ class Compiled:
         status, sampled = self._run.on(min(self._quota, most), times, rows)
         took = time.perf_counter() - start
         recorder.took(sampled)
+        self._adapt(status, took)
+        return self._judge(status)
+
+    def _adapt(self, status: int, took: float) -> None:
+        """As many steps at a time as take a slice."""
         if status == self._model.PAUSED:
             change = min(4.0, max(0.25, SLICE / max(took, 1e-9)))
             self._quota = int(min(MOST, max(1, self._quota * change)))
-        return self._judge(status)
 
     def _judge(self, status: int) -> bool:
         """Whether the end is reached; raises StepError for what went wrong."""
@@ -90,10 +94,10 @@ class Compiled:
         again from the same bytes, for its dense output."""
         before = self._run.memory.copy()
         times, rows = recorder.room()
-        trace = np.empty((min(BLOCK, most) + 1, 1 + 2 * self._states))
+        trace = np.empty((min(BLOCK, self._quota, most) + 1, 1 + 2 * self._states))
         trace[0, 0] = self.t
         trace[0, 1:] = np.concatenate((self.y, self._run.rates[: self._states]))
-        first = self._numbers.steps
+        first, start = self._numbers.steps, time.perf_counter()
         status, sampled = self._run.on(len(trace) - 1, times, rows, trace[1:])
         block = trace[: self._numbers.steps - first + 1]
         t, y, f = block[:, 0], block[:, 1 : 1 + self._states], block[:, 1 + self._states :]
@@ -109,6 +113,7 @@ class Compiled:
                 self._settle(here, watch, recorder, times, sampled)
             self._run.memory[:] = after
         recorder.took(sampled)
+        self._adapt(status, time.perf_counter() - start)
         return self._judge(status)
 
     def _settle(
@@ -126,12 +131,12 @@ class Compiled:
             return states
 
         located = [(watch.locate(number, *span, dense), number) for number, span in here]
-        for at, number in sorted(pair for pair in located if pair[0] == pair[0]):
+        for at, number in watch.in_order(located):
             row = self._run.at(np.array([at]))[0]
             if watch.happens(number, at, row[: self._states]):
                 recorder.took(int(np.searchsorted(times[:sampled], at, side="right")))
                 recorder.end_at(at, row)
-                raise Happened(at)
+                raise Happened(number, at)
 
     # Going on later ---------------------------------------------------------------------------
 

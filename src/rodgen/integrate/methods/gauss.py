@@ -112,7 +112,7 @@ class GaussStep:
         self._before = t, y, _DENSE @ z
         self._last = h, size
         self.t, self.y, self._f = self._end if last else t + h, new, f
-        self._h = max(h * min(10.0, factor), self._h if h < self._h else 0.0)
+        self._h = max(h * min(10.0, max(0.2, factor)), self._h if h < self._h else 0.0)
         self.counts.steps += 1
 
     def _predicted(self, h: float, size: float) -> float:
@@ -120,7 +120,7 @@ class GaussStep:
         one = max(size, 1e-16) ** -0.25
         if self._last is None:
             return float(one)
-        before, error = self._last
+        before, error = self._last[0], max(self._last[1], 1e-2)  # next to nothing says nothing
         return float(min(1.0, h / before * (error / max(size, 1e-16)) ** 0.25) * one)
 
     def _measured(self, error: Array, y: Array, new: Array) -> float:

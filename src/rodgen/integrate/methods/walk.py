@@ -148,14 +148,14 @@ class Walk:
             return
         at = stepper.interpolant()
         located = [(watch.locate(number, *span, at), number) for _, number, span in found]
-        for when, number in sorted(pair for pair in located if pair[0] == pair[0]):
+        for when, number in watch.in_order(located):
             y = at(np.array([when]))[0]
             if watch.happens(number, when, y):
                 self._take(recorder, when, y, stepper.interpolant)
                 self.t, self.y = when, y
                 recorder.before_writing()
                 recorder.end_at(when, np.concatenate((y, self._work.totals)))
-                raise Happened(when)
+                raise Happened(number, when)
 
     def state(self) -> State:
         """Raises ValueError for methods that cannot be put down."""
