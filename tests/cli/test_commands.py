@@ -247,7 +247,8 @@ def test_ctrl_c_keeps_what_was_computed(short: Path, tmp_path: Path) -> None:
     assert "Traceback" not in errors
     sol = package.load(folder / "solution.nc")
     assert sol.t[-1] > 0.05
-    assert np.abs(sol.energy_balance).max() < 1e-3
+    # It falls and turns for hours; the error of the balance is a share of what it gains.
+    assert sol.energy_error < 1e-6 * np.abs(sol.energy.total).max()
 
 
 def test_impatient_ctrl_c_loses_no_states(short: Path, tmp_path: Path) -> None:

@@ -84,6 +84,7 @@ def test_division_by_zero_in_a_load_is_reported_with_its_time(
     assert np.isfinite(caught.value.solution.y).all()
 
 
+@pytest.mark.filterwarnings("ignore::rodgen.integrate.outcome.StepWarning")  # Euler's method
 @pytest.mark.parametrize("method", METHODS)
 def test_load_that_is_no_number_is_named(make_scene: Make, method: str) -> None:
     scene = make_scene(3, "free", ("follower",))
