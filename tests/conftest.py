@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -20,6 +21,20 @@ ROOT = Path(__file__).parents[1]
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update", action="store_true", help="rewrite the reference modules")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "compiler: needs a C compiler")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Where there is no C compiler, what needs one is skipped and says so."""
+    if any(map(shutil.which, ("cc", "gcc", "clang"))):
+        return
+    skip = pytest.mark.skip(reason="no C compiler on PATH")
+    for item in items:
+        if item.get_closest_marker("compiler") or "compiled" in item.path.parts:
+            item.add_marker(skip)
 
 
 @pytest.fixture(scope="session", autouse=True)

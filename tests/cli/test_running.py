@@ -69,6 +69,7 @@ def test_unstable_step_is_warned_of_and_exits_3(rodgen: Run, swing: Path, tmp_pa
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.compiler
 def test_killed_run_is_resumed_to_the_same_bits(rodgen: Run, swing: Path, tmp_path: Path) -> None:
     long = swing.read_text(encoding="utf-8").replace("2.0]", "400.0]")
     swing.write_text(long, encoding="utf-8")

@@ -77,7 +77,7 @@ def test_header_says_where_the_bytes_are(samples: Make, tmp_path: Path) -> None:
     assert header.variables["run"].size == netcdf.PAGE
 
 
-@pytest.mark.parametrize("target", ["numpy", "c"])
+@pytest.mark.parametrize("target", ["numpy", pytest.param("c", marks=pytest.mark.compiler)])
 @pytest.mark.parametrize("links", [3, 150])
 def test_growing_in_blocks_is_growing_at_once(
     samples: Make, tmp_path: Path, target: str, links: int, monkeypatch: pytest.MonkeyPatch
