@@ -11,6 +11,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rodgen.analyse.critical import Critical, critical_force
+    from rodgen.analyse.errors import AnalysisError
+    from rodgen.analyse.extrapolate import Extrapolation, richardson
+    from rodgen.analyse.fourier import spectrum
+    from rodgen.analyse.growth import SimulatedCritical, simulated_critical_force
+    from rodgen.analyse.modes import Modes, natural_modes
+    from rodgen.analyse.statics import Equilibrium, static_equilibrium
+    from rodgen.analyse.tones import Spectrum
     from rodgen.integrate import (
         Event,
         Interrupted,
@@ -39,22 +47,48 @@ _HOMES = {
     "Interrupted": "rodgen.integrate.outcome",
     "StepWarning": "rodgen.integrate.outcome",
     "load": "rodgen.integrate.files.storage",
+    "natural_modes": "rodgen.analyse.modes",
+    "Modes": "rodgen.analyse.modes",
+    "static_equilibrium": "rodgen.analyse.statics",
+    "Equilibrium": "rodgen.analyse.statics",
+    "critical_force": "rodgen.analyse.critical",
+    "Critical": "rodgen.analyse.critical",
+    "simulated_critical_force": "rodgen.analyse.growth",
+    "SimulatedCritical": "rodgen.analyse.growth",
+    "spectrum": "rodgen.analyse.fourier",
+    "Spectrum": "rodgen.analyse.tones",
+    "richardson": "rodgen.analyse.extrapolate",
+    "Extrapolation": "rodgen.analyse.extrapolate",
+    "AnalysisError": "rodgen.analyse.errors",
 }
 
 __all__ = [
+    "AnalysisError",
+    "Critical",
+    "Equilibrium",
     "Event",
+    "Extrapolation",
     "Interrupted",
+    "Modes",
     "RunError",
     "Scene",
     "SceneError",
+    "SimulatedCritical",
     "Solution",
+    "Spectrum",
     "StepWarning",
     "Structure",
     "build",
     "choose",
+    "critical_force",
     "load",
+    "natural_modes",
     "resume",
+    "richardson",
     "simulate",
+    "simulated_critical_force",
+    "spectrum",
+    "static_equilibrium",
 ]
 
 

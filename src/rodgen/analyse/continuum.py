@@ -1,0 +1,172 @@
+"""Continuum references of a straight rod: what a chain of n links tends to as n grows.
+
+Each is solved from its characteristic equation in mpmath. Without ``digits`` a result is a float,
+right to its last digit or two; with it an mpf of that many digits. Lengths, masses and stiffnesses
+are taken as they are given: an mpf or a string, ``"0.1"``, where a float is not exact enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from mpmath import mp
+
+from rodgen.scene.errors import SceneError
+
+Real = Any  # float, or mpf where digits are asked for
+Quantity = Any  # a number or a string of one
+
+FLOAT = 17  # digits that tell one float from the next
+GUARD = 15  # digits of work beyond those of a result
+
+
+def rounded(compute: Callable[[], Any], digits: int | None, extra: int = 0) -> Any:
+    """compute() worked out with guard digits: a number, or a tuple of numbers, as floats or with
+    ``digits`` as mpf. extra: further guard digits that the problem is known to lose."""
+    if digits is not None and not 1 <= digits <= 1000:
+        raise SceneError("digits", digits, "a whole number from 1 to 1000")
+    with mp.workdps((digits or FLOAT) + GUARD + extra):
+        result = compute()
+    with mp.workdps(digits or FLOAT):
+        finish = float if digits is None else mp.mpf.__pos__
+        if not isinstance(result, tuple):
+            return finish(result)
+        kept = tuple(map(finish, result))
+        return type(result)(*kept) if hasattr(result, "_fields") else kept
+
+
+def finite(name: str, given: Quantity) -> Any:
+    """The quantity as mpf; raises SceneError for one that is not a finite number."""
+    try:
+        value = mp.mpf(given)
+    except (TypeError, ValueError):
+        value = mp.nan
+    if not mp.isfinite(value):
+        raise SceneError(name, given, "a finite number")
+    return value
+
+
+def positive(**quantities: Quantity) -> list[Any]:
+    """The quantities as mpf; raises SceneError for one that is not finite and positive."""
+    values = [finite(name, given) for name, given in quantities.items()]
+    for value, (name, given) in zip(values, quantities.items(), strict=True):
+        if not value > 0:
+            raise SceneError(name, given, "a finite number greater than 0")
+    return values
+
+
+def _free(x: Any) -> Any:
+    return mp.cos(x) - mp.sech(x)
+
+
+def _clamped(x: Any) -> Any:
+    return mp.cos(x) + mp.sech(x)
+
+
+def _pinned(x: Any) -> Any:
+    return mp.sin(x) - mp.tanh(x) * mp.cos(x)
+
+
+# Divided by cosh, so that nothing overflows; root k lies between (k + shift) pi and the next.
+_CHARACTERISTIC = {"free": (_free, 0), "clamped": (_clamped, -1), "pinned": (_pinned, 0)}
+
+
+def wave_number(boundary: str, k: int, *, digits: int | None = None) -> Real:
+    """beta_k L of bending mode k = 1, 2, ... of a uniform beam (Euler-Bernoulli); rigid motions
+    are not counted.
+
+    boundary: "free", both ends free, cos x cosh x = 1; "clamped" or "cantilever",
+    cos x cosh x = -1; "pinned", the other end free, tan x = tanh x. Raises SceneError for another
+    boundary or k < 1. R. D. Blevins, Formulas for Natural Frequency and
+    Mode Shape, 1979, table 8-1.
+    """
+    name = "clamped" if boundary == "cantilever" else boundary
+    if name not in _CHARACTERISTIC:
+        raise SceneError("boundary", boundary, '"free", "clamped", "cantilever" or "pinned"')
+    _whole("k", k)
+    f, shift = _CHARACTERISTIC[name]
+
+    def root() -> Any:
+        # f has opposite signs at neighbouring multiples of pi, and one root between them.
+        ends = ((k + shift) * mp.pi, (k + shift + 1) * mp.pi)
+        return mp.findroot(f, ends, solver="anderson", tol=mp.eps**1.8)
+
+    return rounded(root, digits)
+
+
+def natural_frequency(
+    boundary: str,
+    k: int,
+    *,
+    mass: Quantity,
+    length: Quantity,
+    bending_stiffness: Quantity,
+    digits: int | None = None,
+) -> Real:
+    """Natural frequency [Hz] of bending mode k of a uniform beam of mass M [kg], length L [m] and
+    bending stiffness EI [N m^2]: (beta L)^2 / (2 pi) sqrt(EI / (M L^3))."""
+
+    def frequency() -> Any:
+        M, L, EI = positive(mass=mass, length=length, bending_stiffness=bending_stiffness)
+        beta = wave_number(boundary, k, digits=mp.dps)
+        return beta**2 / (2 * mp.pi) * mp.sqrt(EI / (M * L**3))
+
+    return rounded(frequency, digits)
+
+
+def chain_frequency(
+    k: int, *, length: Quantity, gravity: Quantity = 9.81, digits: int | None = None
+) -> Real:
+    """Natural frequency [Hz] of mode k = 1, 2, ... of a hanging chain (EI = 0, upper end held) of
+    length L [m] under gravity [m/s^2]: J0(2 omega sqrt(L/g)) = 0. D. Bernoulli 1732; see
+    G. N. Watson, A Treatise on the Theory of Bessel Functions, 1922, chapter 1."""
+    _whole("k", k)
+
+    def frequency() -> Any:
+        L, g = positive(length=length, gravity=gravity)
+        return mp.besseljzero(0, k) / (4 * mp.pi) * mp.sqrt(g / L)
+
+    return rounded(frequency, digits)
+
+
+class Deflection(NamedTuple):
+    """Small displacement of a cantilever's tip across the rod, in the direction of the load [m],
+    and its slope [rad]."""
+
+    deflection: Real
+    slope: Real
+
+
+def linear_tip_force(
+    *, force: Quantity, length: Quantity, bending_stiffness: Quantity, digits: int | None = None
+) -> Deflection:
+    """Tip of a cantilever under a force F [N] across it: F L^3 / (3 EI), F L^2 / (2 EI)."""
+
+    def tip() -> Deflection:
+        L, EI = positive(length=length, bending_stiffness=bending_stiffness)
+        F = finite("force", force)
+        return Deflection(F * L**3 / (3 * EI), F * L**2 / (2 * EI))
+
+    result: Deflection = rounded(tip, digits)
+    return result
+
+
+def linear_own_weight(
+    *, load: Quantity, length: Quantity, bending_stiffness: Quantity, digits: int | None = None
+) -> Deflection:
+    """Tip of a cantilever under a uniform load q [N/m] across it, of its own weight M g / L:
+    q L^4 / (8 EI), q L^3 / (6 EI)."""
+
+    def tip() -> Deflection:
+        L, EI = positive(length=length, bending_stiffness=bending_stiffness)
+        q = finite("load", load)
+        return Deflection(q * L**4 / (8 * EI), q * L**3 / (6 * EI))
+
+    result: Deflection = rounded(tip, digits)
+    return result
+
+
+def _whole(name: str, value: int) -> None:
+    if not isinstance(value, int) or value < 1:
+        raise SceneError(name, value, "a whole number of at least 1")

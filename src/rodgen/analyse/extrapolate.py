@@ -1,0 +1,193 @@
+"""Richardson extrapolation over the number of links, with the order that the values show."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from rodgen.analyse.errors import AnalysisError
+from rodgen.integrate.stepper import Array
+from rodgen.scene.errors import SceneError
+
+HIGHEST = 50.0  # order that is looked for
+WHOLE = 0.15  # an observed order is taken for a whole number within this: by then the next term
+# of an expansion in whole powers has become a small part of the leading one
+SECOND = 0.4  # the same for the exponent after it, which is 1 or 2 more
+SAFETY = 2.0  # the next term, which the estimate knows, is followed by others
+ROUNDING = 4 * np.finfo(float).eps  # relative, of a value that is given
+
+
+@dataclass(frozen=True)
+class Extrapolation:
+    """Limit of v(n) = v + C n^-p + ... for n to infinity.
+
+    value: v; error: estimate of its absolute error; order: p, inf where the values do not depend
+    on n; orders: those observed in successive triples of values, coarse to fine, nan where rounding
+    or a coarse grid hides them; exponents: those of the terms that were eliminated.
+    """
+
+    value: float
+    error: float
+    order: float
+    orders: tuple[float, ...]
+    exponents: tuple[float, ...]
+
+
+def richardson(
+    n: Sequence[float] | Array,
+    values: Sequence[float] | Array,
+    order: float | Sequence[float] | None = None,
+    *,
+    noise: float | None = None,
+) -> Extrapolation:
+    """Limit of values (m,) computed with n (m,) links, in any sequence, n not only doubled.
+
+    order: p where theory knows it, or all exponents in turn, (2, 4, 6). Without it p solves
+    (v1 - v2) / (v2 - v3) = (n1^-p - n2^-p) / (n2^-p - n3^-p) for the three finest, and is rounded
+    where it is close to a whole number; p + 1, p + 2, ... follow, or p + 2, p + 4, ... where
+    four values or more show it. noise: absolute error of
+    the values; rounding by default. As many terms are eliminated as lower the estimate of the
+    error: twice what the next term to be eliminated changes, or the last one where there is none,
+    and the noise times its weights. L. F. Richardson, Phil. Trans. A 226 (1927) 299-361;
+    P. J. Roache, J. Fluids Eng. 116 (1994) 405-413.
+
+    Raises SceneError for bad input: fewer than three values, two where the order is given;
+    AnalysisError where the finest values do not converge.
+    """
+    count, v = _checked(n, values, 3 if order is None else 2)
+    if noise is not None and not 0 <= noise < np.inf:
+        raise SceneError("noise", noise, "a finite number of at least 0")
+    floor = max(noise or 0.0, ROUNDING * float(np.abs(v).max()))
+    orders = tuple(_triple(count[i : i + 3], v[i : i + 3], floor) for i in range(len(v) - 2))
+    if np.ptp(v[-3:]) <= floor:
+        return Extrapolation(float(v[-1]), floor, float("inf"), orders, ())
+    _must_converge(count, v, orders, floor)
+    if order is None and abs(orders[-1] - _whole(orders[-1])) > WHOLE:
+        value, error = _fitted(count, v, orders)
+        return Extrapolation(value, float(error + floor), orders[-1], orders, orders[-1:])
+    exponents = _powers(count, v, orders) if order is None else _given(order, len(v))
+    value, error, terms = _best(count, v, exponents, floor)
+    return Extrapolation(value, error, exponents[0], orders, exponents[:terms])
+
+
+def _checked(
+    n: Sequence[float] | Array, values: Sequence[float] | Array, least: int
+) -> tuple[Array, Array]:
+    """Both as arrays, n rising."""
+    count, v = np.asarray(n, dtype=float), np.asarray(values, dtype=float)
+    if count.ndim != 1 or len(count) < least:
+        raise SceneError("n", count.tolist(), f"a list of at least {least} numbers")
+    if v.shape != count.shape:
+        raise SceneError("values", v.tolist(), f"a list of {len(count)} numbers, one for each n")
+    if not (np.isfinite(count).all() and (count > 0).all()):
+        raise SceneError("n", count.tolist(), "finite numbers greater than 0")
+    if len(np.unique(count)) < len(count):
+        raise SceneError("n", count.tolist(), "numbers that all differ")
+    if not np.isfinite(v).all():
+        raise SceneError("values", v.tolist(), "finite numbers")
+    rising = np.argsort(count)
+    return count[rising], v[rising]
+
+
+def _triple(n: Array, v: Array, noise: float) -> float:
+    """Order that three values show; nan where they show none."""
+    coarse, fine = v[0] - v[1], v[1] - v[2]
+    if min(abs(coarse), abs(fine)) <= noise:
+        return float("nan")
+    a, b = np.log(n[1] / n[0]), np.log(n[2] / n[1])
+
+    def excess(p: float) -> float:
+        return float(np.expm1(p * a) / -np.expm1(-p * b) - coarse / fine)
+
+    # The ratio of the differences rises with p, from a / b at 0.
+    if excess(1e-9) >= 0 or excess(HIGHEST) <= 0:
+        return float("nan")
+    return float(brentq(excess, 1e-9, HIGHEST, xtol=1e-12))
+
+
+def _must_converge(n: Array, v: Array, orders: tuple[float, ...], noise: float) -> None:
+    """Raises AnalysisError unless the finest triple shows an order, or has come to rest."""
+    if orders and np.isnan(orders[-1]) and abs(v[-1] - v[-2]) > noise:
+        shown = ", ".join(f"{a:g}: {b:.10g}" for a, b in zip(n[-3:], v[-3:], strict=True))
+        raise AnalysisError(
+            f"the values do not converge like n^-p with 0 < p <= {HIGHEST:g} (n: value; {shown})"
+        )
+
+
+def _whole(p: float) -> float:
+    return max(1.0, float(round(p))) if np.isfinite(p) else p
+
+
+def _powers(n: Array, v: Array, orders: tuple[float, ...]) -> tuple[float, ...]:
+    """Exponents from the first, a whole number: all that follow, or every second."""
+    first = _whole(orders[-1])
+    step = 2.0 if len(v) > 3 and abs(_second(n[-4:], v[-4:], first) - first - 2) < SECOND else 1.0
+    return tuple(first + step * i for i in range(len(v)))
+
+
+def _second(n: Array, v: Array, first: float) -> float:
+    """Exponent after the first with which four values have one limit; nan where none has."""
+
+    def difference(q: float) -> float:
+        return _limit(n, v, (first, q), 3) - _limit(n, v, (first, q), 2)
+
+    low, high = first + 1 - SECOND, first + 4
+    if difference(low) * difference(high) >= 0:
+        return float("nan")
+    return float(brentq(difference, low, high))
+
+
+def _given(order: float | Sequence[float], most: int) -> tuple[float, ...]:
+    exponents = np.atleast_1d(np.asarray(order, dtype=float))
+    if exponents.ndim != 1 or not (np.isfinite(exponents).all() and (exponents > 0).all()):
+        raise SceneError("order", order, "a finite number greater than 0, or a list of such")
+    if not (np.diff(exponents) > 0).all():
+        raise SceneError("order", order, "a list of rising numbers")
+    return tuple(map(float, exponents[:most]))
+
+
+def _fitted(n: Array, v: Array, orders: tuple[float, ...]) -> tuple[float, float]:
+    """Limit with the observed order, and its error: what the order of the triple before, or
+    without one the nearest whole order, would change."""
+    last = len(v) - 1
+    value = _limit(n, v, orders[-1:], last)
+    if len(orders) > 1 and np.isfinite(orders[-2]):
+        before = _limit(n, v, orders[-2:-1], last - 1)
+        other = _limit(n, v, orders[-2:-1], last)
+        return value, SAFETY * (abs(value - before) + abs(value - other))
+    return value, SAFETY * abs(value - _limit(n, v, (_whole(orders[-1]),), last))
+
+
+def _weights(n: Array, exponents: tuple[float, ...]) -> Array:
+    """Weights (m,) of the values at n (m,) in the limit without m - 1 terms."""
+    powers = np.array([(n / n[-1]) ** -p for p in (0.0, *exponents)])
+    weights: Array = np.linalg.solve(powers, np.eye(len(n))[0])
+    return weights
+
+
+def _limit(n: Array, v: Array, exponents: tuple[float, ...], at: int) -> float:
+    """Limit from value number ``at`` and those before it, one for each exponent."""
+    used = slice(at - len(exponents), at + 1)
+    return float(_weights(n[used], exponents) @ v[used])
+
+
+def _best(
+    n: Array, v: Array, exponents: tuple[float, ...], noise: float
+) -> tuple[float, float, int]:
+    """Value, error and number of eliminated terms, those of the smallest error."""
+    # The exponent after the last one is only asked what it would change.
+    all_of_them = (*exponents, exponents[-1] + 1)[: len(v) - 1]
+    values = [_limit(n, v, all_of_them[:i], len(v) - 1) for i in range(len(all_of_them) + 1)]
+    changes = np.abs(np.diff(values))
+    best = (values[0], float("inf"), 0)
+    for terms in range(1, min(len(exponents), len(v) - 1) + 1):
+        weights = _weights(n[len(v) - terms - 1 :], exponents[:terms])
+        truncation = SAFETY * changes[min(terms, len(changes) - 1)]
+        error = float(truncation + noise * np.abs(weights).sum())
+        # The last two have the same estimate but for the noise: then the one with more terms.
+        if error <= 1.01 * best[1]:
+            best = (values[terms], error, terms)
+    return best

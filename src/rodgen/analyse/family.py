@@ -1,0 +1,144 @@
+"""The equations linearised about the steady state, as the follower force grows."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from rodgen.analyse.eigen import lowest_values
+from rodgen.analyse.pencil import Dense, Held, Pencil
+from rodgen.analyse.steady import Steady, linearised, steady
+from rodgen.analyse.system import System
+from rodgen.integrate.stepper import Array
+
+Complex = NDArray[np.complex128]
+
+BASIS = 16  # modes of the unloaded rod in which a range of forces is searched
+MOST_DENSE = 200  # links up to which all modes are looked at
+RIGID = 1e-6  # of the lowest frequency: less is a rigid-body motion
+RIGID_DENSE, ROUNDED = 1e-4, 1e-7  # the same, of the lowest and of the largest, in dense matrices
+KEPT = 64  # steady states remembered
+
+
+class Family:
+    """S(s, P) of a scene for every follower force P [N].
+
+    A rod that stays straight has S linear in P; else the state is followed by Newton's method.
+    """
+
+    def __init__(self, system: System, unit: float):
+        self.system, self.unit = system, unit
+        self._states: dict[float, Steady] = {}
+        self._projected: dict[tuple[float, int], Dense] = {}
+        self.straight = self.state(0.0).straight and self.state(unit).straight
+        if self.straight:
+            self._start, self._unit = (linearised(self.state(P)) for P in (0.0, unit))
+
+    def state(self, force: float) -> Steady:
+        """The steady state under a follower force; AnalysisError where there is none."""
+        if force not in self._states:
+            near = min(self._states, key=lambda P: abs(P - force), default=None)
+            start = None if near is None else self._states[near]
+            made = steady(self.system, start, follower_force=float(force))
+            while len(self._states) > KEPT:
+                self._states.pop(next(iter(self._states)))
+            self._states[force] = made
+        return self._states[force]
+
+    def at(self, force: float) -> Pencil | Dense:
+        """The linearised equations under a follower force."""
+        if not self.straight:
+            return linearised(self.state(force))
+        x = force / self.unit
+        if isinstance(self._start, Pencil) and isinstance(self._unit, Pencil):
+            a, b = self._start, self._unit
+            return Pencil(a.S0 + x * (b.S0 - a.S0), a.S1, a.S2)
+        assert isinstance(self._start, Dense)
+        assert isinstance(self._unit, Dense)
+        c, d = self._start, self._unit
+        return Dense(c.K + x * (d.K - c.K), c.C, c.M)
+
+    def at_rest(self, force: float) -> Pencil | Held:
+        """The same for what no damping acts on, turning the whole rod taken away."""
+        state = self.state(force)
+        pencil = state.pencil()
+        return Held.of(pencil, state.turning) if state.turns_freely else pencil
+
+    @property
+    def damped(self) -> bool:
+        """Whether rates have an effect."""
+        return self.at(0.0).damped
+
+    @cached_property
+    def _modes(self) -> tuple[Array, Array]:
+        """Squared frequencies and shapes (coordinates, k) of the unloaded rod without damping;
+        turning alone, which every force leaves as it is, is not among them."""
+        state, pencil = self.state(0.0), self.at(0.0)
+        turns = state.turns_freely
+        if isinstance(pencil, Pencil) and pencil.cells > MOST_DENSE:
+            bare = Pencil(pencil.S0, np.zeros_like(pencil.S1), pencil.S2)
+            found = lowest_values(bare, BASIS, state.turning if turns else None)
+            first = np.argsort(np.abs(found.s))[:BASIS]
+            shapes = found.vectors[:, first].real
+            if turns:  # virtual work on turning the whole rod is to be none
+                turn = np.ones((len(shapes), 1))
+                pull = bare.eliminated(turn)[2].T
+                shapes = shapes - turn @ (pull @ shapes) / (pull @ turn)
+            return -(found.s[first] ** 2).real, shapes / np.abs(shapes).max(axis=0)
+        dense = pencil.reduced() if isinstance(pencil, Pencil) else pencil
+        K, M = ((matrix + matrix.T) / 2 for matrix in (dense.K, dense.M))
+        squares, shapes = eigh(K, M)
+        rigid = 1 if turns and isinstance(pencil, Pencil) else 0
+        return squares[rigid:], shapes[:, rigid:]
+
+    @cached_property
+    def lowest(self) -> float:
+        """Lowest frequency of the unloaded rod [rad/s], rigid-body motions apart."""
+        rates = np.sqrt(np.abs(self._modes[0]))
+        return float(rates[rates > RIGID * rates.max()].min())
+
+    @cached_property
+    def rigid(self) -> float:
+        """Rate [rad/s] below which an eigenvalue is zero but for rounding."""
+        largest = float(np.sqrt(np.abs(self._modes[0]).max()))
+        dense = isinstance(self.at(0.0), Dense)
+        return max(RIGID_DENSE * self.lowest, ROUNDED * largest) if dense else RIGID * self.lowest
+
+    @property
+    def whole(self) -> int:
+        """Modes that there are, as far as they are all known."""
+        return int(self._modes[1].shape[1])
+
+    def rates(self, forces: Array, modes: int = BASIS) -> Complex:
+        """Eigenvalues s [1/s] (forces, k) in a basis of so many modes of the unloaded rod: without
+        damping one of every pair of opposites, with imaginary part >= 0."""
+        if self.straight:
+            first, last = (self._on(P, modes) for P in (0.0, self.unit))
+            x = (np.asarray(forces) / self.unit)[:, None, None]
+            K, C, M = first.K + x * (last.K - first.K), first.C, first.M
+        else:
+            all_of = [self._on(float(P), modes) for P in forces]
+            K = np.stack([one.K for one in all_of])
+            C, M = all_of[0].C, all_of[0].M
+        inverse = np.linalg.inv(M)
+        A = -inverse @ K
+        if not C.any():
+            s = np.sqrt(np.linalg.eigvals(A).astype(complex))
+            return np.asarray(np.where(s.imag < 0, -s, s))
+        B = np.broadcast_to(-inverse @ C, A.shape)
+        zero, one = np.zeros_like(A), np.broadcast_to(np.eye(A.shape[-1]), A.shape)
+        return np.asarray(np.linalg.eigvals(np.block([[zero, one], [A, B]])))
+
+    def _on(self, force: float, modes: int) -> Dense:
+        """By virtual work of so many motions."""
+        if (force, modes) not in self._projected:
+            basis, pencil = self._modes[1][:, :modes], self.at(force)
+            if isinstance(pencil, Pencil):
+                made = Dense(*(basis.T @ column for column in pencil.eliminated(basis)))
+            else:
+                made = pencil.on(basis)
+            self._projected[force, modes] = made
+        return self._projected[force, modes]

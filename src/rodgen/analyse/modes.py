@@ -1,0 +1,139 @@
+"""Natural frequencies and mode shapes of the linearised scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.analyse.eigen import all_values, lowest_values
+from rodgen.analyse.pencil import Dense
+from rodgen.analyse.steady import Steady, linearised, steady
+from rodgen.analyse.system import System
+from rodgen.integrate.stepper import Array
+from rodgen.scene import Scene, SceneError
+
+DENSE = 24  # links up to which all eigenvalues are computed; the lowest alone beyond
+STILL = 1e-7  # of the modulus: a real part below it is rounding
+NUDGE = 1e-6  # rad, of the differences by which shapes are drawn: errors are its square
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Small motions about a steady state, y = Re(shape exp(s t)), by ascending frequency.
+
+    frequencies: (k,) [Hz], Im s / 2 pi; growth: (k,) [1/s], Re s, negative for what dies away;
+    phi: (k, n) and displacements: (k, n+1, 2) of links and joints, the largest displacement 1,
+    complex where there is damping or growth; state: what it is about; rigid: motions without
+    frequency that turn or move the rod as a whole, left out; overdamped: motions without frequency
+    among those computed, left out too; joints: (n+1, 2) of the steady state [m].
+    """
+
+    frequencies: Array
+    growth: Array
+    phi: NDArray[Any]
+    displacements: NDArray[Any]
+    joints: Array
+    state: str
+    rigid: int
+    overdamped: int
+    t: float
+
+
+def natural_modes(scene: Scene, count: int = 10, *, t: float | None = None) -> Modes:
+    """The lowest natural frequencies and mode shapes of a scene about its steady state: straight
+    and at rest, in static equilibrium, or straight and steadily accelerating under its thrust.
+
+    count: how many, at most; t: time whose loads are taken [s], by default the end of the span.
+    All eigenvalues are computed up to 24 links, where nearly all are asked for, and where there is
+    external damping; else the lowest by sparse shift-invert, in O(n). Damping is that of the scene
+    at rest. Raises SceneError, and AnalysisError where there is no steady state.
+    """
+    if count < 1:
+        raise SceneError("count", count, "at least 1")
+    system = System.of(scene, t)
+    return modes_about(steady(system), count)
+
+
+def modes_about(state: Steady, count: int) -> Modes:
+    """The same for a steady state that is known."""
+    system, pencil = state.system, linearised(state)
+    few = system.cells > max(DENSE, 3 * count)
+    if isinstance(pencil, Dense) or not few:
+        found = all_values(pencil)
+    else:
+        found = lowest_values(pencil, count, state.turning if state.turns_freely else None)
+    s, vectors = found.s, found.vectors
+    moves = s.imag > STILL * np.abs(s)
+    grows = ~moves & (s.real > STILL * np.abs(s))
+    kept = np.flatnonzero(moves | grows)
+    kept = kept[np.argsort(s[kept].imag, kind="stable")][:count]
+    phi, moved = _shapes(state, s[kept], vectors[:, kept].T)
+    growth = s.real[kept]
+    if not pencil.damped:
+        growth = np.where(np.abs(growth) > STILL * np.abs(s[kept]), growth, 0.0)
+    return Modes(
+        frequencies=s[kept].imag / (2 * np.pi),
+        growth=growth,
+        phi=phi,
+        displacements=moved,
+        joints=system.model.joints(system.at_rest(state.phi), state.p),
+        state=state.words,
+        rigid=_rigid(state),
+        overdamped=int((~moves & ~grows & (s.imag >= 0)).sum()),
+        t=system.t,
+    )
+
+
+def _rigid(state: Steady) -> int:
+    """Motions that move or turn the rod as a whole, without a frequency."""
+    return state.system.base + state.turns_freely
+
+
+def _shapes(
+    state: Steady, s: NDArray[Any], vectors: NDArray[Any]
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Angles (k, n) and displacements (k, n+1, 2) of modes from their vectors (k, coordinates)."""
+    system = state.system
+    q = np.zeros((len(s), system.base + system.cells), dtype=complex)
+    q[:, system.base :] = vectors[:, -system.cells :]
+    q /= np.abs(q).max(axis=1, keepdims=True)
+    if system.base:
+        q[:, :2] = _base(state, s, q)
+    parts = [_displaced(state, part) for part in (q.real, q.imag)]
+    moved = parts[0] + 1j * parts[1]
+    flat = moved.reshape(len(s), -1)
+    at = np.abs(flat).argmax(axis=1) if len(s) else []
+    largest = flat[np.arange(len(s)), at][:, None]
+    phi = system.all_links(q[:, system.base :])
+    phi[:, : system.scene.held] = 0.0
+    phi, moved = phi / largest, moved / largest[..., None]
+    real = np.abs(phi.imag).max(initial=0.0) <= 1e3 * STILL * np.abs(phi).max(initial=0.0)
+    return (phi.real, moved.real) if real else (phi, moved)
+
+
+def _base(state: Steady, s: NDArray[Any], q: NDArray[Any]) -> NDArray[Any]:
+    """Displacements (k, 2) of joint 0 that go with the angles: its acceleration over s^2."""
+    system, y = state.system, state.system.at_rest(state.phi)
+    base = np.zeros((len(s), 2), dtype=complex)
+    for at, (rate, shape) in enumerate(zip(s, q, strict=True)):
+        change = np.concatenate((shape, np.zeros_like(shape)))
+        # Rates are small and their effect linear: internal damping.
+        change[len(shape) :] = rate * shape
+        for unit, part in ((1.0, change.real), (1j, change.imag)):
+            up, down = (system.rates(y + sign * NUDGE * part, state.p) for sign in (1, -1))
+            base[at] += unit * (up - down)[:2] / (2 * NUDGE * rate**2)
+    return base
+
+
+def _displaced(state: Steady, q: Array) -> Array:
+    """Displacements (k, n+1, 2) of the joints for coordinates (k, coordinates)."""
+    system = state.system
+    y = np.tile(system.at_rest(state.phi), (len(q), 1))
+    y[:, : q.shape[1]] += NUDGE * q
+    up = system.model.joints(y, state.p)
+    y[:, : q.shape[1]] -= 2 * NUDGE * q
+    moved: Array = (up - system.model.joints(y, state.p)) / (2 * NUDGE)
+    return moved

@@ -1,0 +1,274 @@
+"""Continuum references against collocation, shooting, quadrature and published tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from mpmath import mp
+from scipy.integrate import quad, solve_bvp
+from scipy.linalg import eigvals
+from scipy.optimize import brentq
+from scipy.special import jn_zeros
+
+from rodgen.analyse.columns import LOADS, Onset, beck, thrust, thrust_frequencies
+from rodgen.analyse.continuum import (
+    chain_frequency,
+    linear_own_weight,
+    linear_tip_force,
+    natural_frequency,
+    wave_number,
+)
+from rodgen.analyse.elastica import Tip, own_weight, tip_force
+from rodgen.analyse.errors import AnalysisError
+from rodgen.scene.errors import SceneError
+
+ENDS = {"free": (2, 3), "clamped": (0, 1), "pinned": (0, 2)}  # derivatives that are zero at x = 0
+
+
+def _collocated(left: str, p: float = 0.0, falling: bool = False, points: int = 22) -> np.ndarray:
+    """Omega^2 of y'''' + p (f y')' = Omega^2 y, f = x where the compression falls to zero at x = 0
+    and else 1, with y'' = y''' = 0 at x = 1: Chebyshev collocation (Trefethen, Spectral Methods in
+    MATLAB, 2000, ch. 6), boundary conditions in place of the outer rows. Rising moduli."""
+    theta = np.pi * np.arange(points) / (points - 1)
+    x = np.cos(theta)
+    c = np.where((x == x[0]) | (x == x[-1]), 2.0, 1.0) * (-1.0) ** np.arange(points)
+    D = np.outer(c, 1 / c) / (x[:, None] - x + np.eye(points))
+    D = 2 * (D - np.diag(D.sum(axis=1)))  # on [0, 1], from its end to its start
+    powers = [np.linalg.matrix_power(D, k) for k in range(5)]
+    f = np.diag((x + 1) / 2 if falling else np.ones(points))
+    A, B = powers[4] + p * D @ f @ D, np.eye(points)
+    for row, condition in (
+        (0, powers[2][0]),
+        (1, powers[3][0]),
+        (-1, powers[ENDS[left][0]][-1]),
+        (-2, powers[ENDS[left][1]][-1]),
+    ):
+        A[row], B[row] = condition, 0
+    values = eigvals(A, B)
+    values = values[np.isfinite(values) & (np.abs(values) < 1e9)]
+    return values[np.argsort(np.abs(values))]
+
+
+@pytest.mark.parametrize(
+    ("boundary", "rigid", "published"),
+    [
+        ("free", 2, (4.73004074, 7.85320462, 10.9956078)),
+        ("clamped", 0, (1.87510407, 4.69409113, 7.85475744)),
+        ("pinned", 1, (3.92660231, 7.06858275, 10.2101761)),
+    ],
+)
+def test_wave_numbers(boundary: str, rigid: int, published: tuple[float, ...]) -> None:
+    """Published: Blevins 1979, table 8-1, to its 9 digits; collocation has 6 or more."""
+    found = [wave_number(boundary, k) for k in (1, 2, 3)]
+    np.testing.assert_allclose(found, published, rtol=6e-9)
+    route = _collocated(boundary)[rigid : rigid + 3].real ** 0.25
+    np.testing.assert_allclose(found, route, rtol=1e-6)
+
+
+@pytest.mark.parametrize("k", [1, 2, 17, 50])
+def test_wave_numbers_solve_their_equations_to_the_last_digit(k: int) -> None:
+    with mp.workdps(50):
+        free, clamped, pinned = (
+            wave_number(name, k, digits=40) for name in ("free", "cantilever", "pinned")
+        )
+        slope = mp.cosh(free)  # of cos x cosh x at its roots, but for a factor of about 1
+        assert abs(mp.cos(free) * mp.cosh(free) - 1) < slope * mp.mpf(10) ** -37
+        assert abs(mp.cos(clamped) * mp.cosh(clamped) + 1) < slope * mp.mpf(10) ** -37
+        assert abs(mp.tan(pinned) - mp.tanh(pinned)) < mp.mpf(10) ** -37
+        # Root k is near (k + 1/2) pi, (k - 1/2) pi, (k + 1/4) pi: none is left out.
+        near = [(x / mp.pi - k) for x in (free, clamped, pinned)]
+        np.testing.assert_allclose([float(x) for x in near], [0.5, -0.5, 0.25], atol=0.1)
+
+
+def test_frequencies_have_units() -> None:
+    rod = {"mass": 20.0, "length": 5.0, "bending_stiffness": 100.0}
+    first = 4.73004074**2 / (2 * np.pi) * np.sqrt(100 / (20 / 5 * 5.0**4))
+    assert natural_frequency("free", 1, **rod) == pytest.approx(first, rel=1e-8)
+    zeros = jn_zeros(0, 3)  # SciPy's: another algorithm
+    found = [chain_frequency(k, length=2.0) for k in (1, 2, 3)]
+    np.testing.assert_allclose(found, zeros / (4 * np.pi) * np.sqrt(9.81 / 2), rtol=1e-14)
+
+
+def _merged(near: float, left: str, falling: bool, rigid: int) -> tuple[float, float]:
+    """Load and frequency where two collocated eigenvalues meet: (a - b)^2 is smooth in p there."""
+
+    def pair(p: float) -> np.ndarray:
+        return _collocated(left, p, falling)[rigid : rigid + 2]
+
+    def difference(p: float) -> float:
+        a, b = pair(p)
+        return float(((a - b) ** 2).real)
+
+    p = float(brentq(difference, 0.99 * near, 1.01 * near, xtol=1e-12))
+    return p, float(np.sqrt(pair(p).mean().real))
+
+
+@pytest.mark.parametrize(
+    ("onset", "left", "falling", "rigid", "published"),
+    [
+        # Beck 1952, and most books since, to as many digits as they print.
+        (beck, "clamped", False, 0, (20.05, 11.016)),
+        # 109.9 is quoted from Beal 1965; 23.1 is the mean of the two frequencies at p = 109.
+        (thrust, "free", True, 2, (109.9, 23.1)),
+    ],
+)
+def test_flutter(
+    onset: Callable[..., Onset],
+    left: str,
+    falling: bool,
+    rigid: int,
+    published: tuple[float, float],
+) -> None:
+    found = onset()
+    np.testing.assert_allclose(found, published, rtol=3e-3)
+    # Rounding of collocation, 1e-16 times the fourth power of a derivative matrix of norm 1e3.
+    np.testing.assert_allclose(found, _merged(found.load, left, falling, rigid), rtol=1e-6)
+    # Of other rounding and other steps; a float is right to its last digit.
+    np.testing.assert_array_equal([float(x) for x in onset(digits=30)], found)
+
+
+def _newton_step(first: int, tilt: int, size: int, p: Any, w: Any) -> list[float]:
+    """Relative step of Newton's method to the double root of the weak form with the polynomials
+    xi^first, xi^(first + 1), ...: int y'' v'' - p int xi^tilt y' v' + p y'(1) v(1) = w^2 int y v,
+    whose natural conditions are those of a tangential force. Not the differential equation, and
+    superexponentially convergent."""
+
+    def entry(i: int, j: int) -> tuple[Any, Any, Any]:
+        bend = mp.mpf(i * (i - 1) * j * (j - 1)) / max(i + j - 3, 1)
+        return bend, j - mp.mpf(i * j) / max(i + j - 1 + tilt, 1), mp.mpf(1) / (i + j + 1)
+
+    k = range(first, first + size)
+    B, P, M = (mp.matrix([[entry(i, j)[c] for j in k] for i in k]) for c in range(3))
+
+    def det(p: Any, w: Any) -> Any:
+        return mp.det(B + p * P - w**2 * M)
+
+    e = mp.mpf(10) ** -15
+    at, up, down, right = det(p, w), det(p, w + e), det(p, w - e), det(p + e, w)
+    slope = (up - down) / (2 * e)
+    twist = ((det(p + e, w + e) - det(p + e, w - e)) / (2 * e) - slope) / e
+    jacobian = mp.matrix([[(right - at) / e, slope], [twist, (up - 2 * at + down) / e**2]])
+    step = mp.lu_solve(jacobian, mp.matrix([-at, -slope]))
+    return [float(abs(step[0] / p)), float(abs(step[1] / w))]
+
+
+@pytest.mark.parametrize(("onset", "first", "tilt", "size"), [(beck, 2, 0, 13), (thrust, 0, 1, 21)])
+def test_flutter_to_16_digits(
+    onset: Callable[..., Onset], first: int, tilt: int, size: int
+) -> None:
+    """The weak form agrees to 26 digits with 26 polynomials; here as many as 16 digits need."""
+    at = onset(digits=30)
+    with mp.workdps(70):
+        assert max(_newton_step(first, tilt, size, *at)) < 1e-16
+
+
+def test_frequencies_under_thrust() -> None:
+    for p in (-100.0, 0.0, 60.0, 109.0):
+        route = np.sqrt(_collocated("free", p, True)[2:5].real)
+        np.testing.assert_allclose(thrust_frequencies(p, 3), route, rtol=1e-6)
+    free = [wave_number("free", k) ** 2 for k in (1, 2, 3)]
+    np.testing.assert_allclose(thrust_frequencies(0, 3), free, rtol=1e-15)
+
+
+def test_no_divergence_under_thrust() -> None:
+    """The lowest frequency stays away from zero up to flutter: its least is 11.6, near p = 83."""
+    lowest = [_collocated("free", p, True)[2] for p in np.linspace(0, 109.5, 40)]
+    assert np.abs(np.imag(lowest)).max() < 1e-3
+    assert np.real(lowest).min() > 11.5**2
+
+
+def _integrated(load: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """x, y, theta at the tip for theta'' = -load(s) cos(theta), by SciPy's collocation."""
+    s = np.linspace(0, 1, 101)
+    run = solve_bvp(
+        lambda s, w: np.array([w[1], -load(s) * np.cos(w[0]), np.cos(w[0]), np.sin(w[0])]),
+        lambda a, b: np.array([a[0], b[1], a[2], a[3]]),
+        s,
+        np.array([1.2 * s * (2 - s), 2.4 * (1 - s), s, 0 * s]),
+        tol=1e-10,
+        max_nodes=20000,
+    )
+    assert run.success
+    return run.y[[2, 3, 0], -1]
+
+
+@pytest.mark.parametrize("load", [0.01, 1.0, 8.0, 60.0])
+@pytest.mark.parametrize(("solve", "rise"), [(tip_force, 0), (own_weight, 1)])
+def test_elastica(solve: Callable[..., Tip], rise: int, load: float) -> None:
+    """The tolerance is that of the collocation."""
+    found = solve(load)
+    np.testing.assert_allclose(found, _integrated(lambda s: load * (1 - s) ** rise), atol=2e-10)
+
+
+@pytest.mark.parametrize(
+    ("load", "x", "y", "angle"),
+    [
+        (1, 0.05643, 0.30172, 0.46135),
+        (2, 0.16064, 0.49346, 0.78175),
+        (10, 0.55500, 0.81061, 1.43029),
+    ],
+)
+def test_published_elastica(load: int, x: float, y: float, angle: float) -> None:
+    """K. Mattiasson, Int. J. Numer. Methods Eng. 17 (1981) 145-153, table 1, to its 5 digits."""
+    np.testing.assert_allclose(tip_force(load), (1 - x, y, angle), atol=6e-6)
+
+
+@pytest.mark.parametrize("solve", [tip_force, own_weight])
+def test_elastica_to_many_digits(solve: Callable[..., Tip]) -> None:
+    short, long = solve("2", digits=20), solve("2", digits=30)
+    with mp.workdps(30):
+        assert max(abs(a - b) for a, b in zip(short, long, strict=True)) < mp.mpf(10) ** -19
+    assert solve(0) == Tip(1.0, 0.0, 0.0)
+    assert 1.4 < solve(40).angle < np.pi / 2
+
+
+def test_small_deflections_are_linear() -> None:
+    """By virtual work, the tip moves by the integral of M(s) (1 - s) / EI; so does the elastica,
+    which differs by the square of the load."""
+    rod = {"length": 2.0, "bending_stiffness": 5.0}
+    force, weight = linear_tip_force(force=3.0, **rod), linear_own_weight(load=3.0, **rod)
+    assert force.deflection == pytest.approx(quad(lambda s: 3 * (2 - s) ** 2 / 5, 0, 2)[0])
+    assert force.slope == pytest.approx(quad(lambda s: 3 * (2 - s) / 5, 0, 2)[0])
+    assert weight.deflection == pytest.approx(quad(lambda s: 1.5 * (2 - s) ** 3 / 5, 0, 2)[0])
+    assert weight.slope == pytest.approx(quad(lambda s: 1.5 * (2 - s) ** 2 / 5, 0, 2)[0])
+    e = 1e-6
+    unit = {"length": 1, "bending_stiffness": 1}
+    for tip, line in (
+        (tip_force(e), linear_tip_force(force=e, **unit)),
+        (own_weight(e), linear_own_weight(load=e, **unit)),
+    ):
+        np.testing.assert_allclose((tip.y, tip.angle), line, rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("call", "field"),
+    [
+        (lambda: wave_number("clamped-free", 1), "boundary"),
+        (lambda: wave_number("free", 0), "k"),
+        (lambda: wave_number("free", 1, digits=0), "digits"),
+        (lambda: chain_frequency(1, length=-1.0), "length"),
+        (lambda: natural_frequency("free", 1, mass=0, length=1, bending_stiffness=1), "mass"),
+        (
+            lambda: linear_tip_force(force=1, length=1, bending_stiffness=np.nan),
+            "bending_stiffness",
+        ),
+        (lambda: linear_own_weight(load=np.inf, length=1, bending_stiffness=1), "load"),
+        (lambda: thrust_frequencies(np.nan, 2), "load"),
+        (lambda: thrust_frequencies(2 * LOADS, 2), "load"),
+        (lambda: thrust_frequencies(1.0, 0), "count"),
+        (lambda: tip_force(-1.0), "load"),
+        (lambda: own_weight("heavy"), "load"),
+    ],
+)
+def test_bad_input_is_named(call: Callable[[], object], field: str) -> None:
+    with pytest.raises(SceneError) as error:
+        call()
+    assert error.value.field == field
+
+
+def test_beyond_flutter_there_is_no_frequency() -> None:
+    with pytest.raises(AnalysisError, match=r"flutter begins at p = 109\.689"):
+        thrust_frequencies(110, 1)

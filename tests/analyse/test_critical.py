@@ -1,0 +1,165 @@
+"""Critical follower forces: against 50 digits, the continuum, simulations, closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import combinations
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from rodgen.analyse.columns import beck, thrust
+from rodgen.analyse.critical import critical_force
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.extrapolate import richardson
+from rodgen.analyse.growth import simulated_critical_force
+from rodgen.analyse.modes import natural_modes
+from rodgen.scene import Scene, SceneError
+
+Rod = Callable[..., Scene]
+THRUST: dict[str, Any] = {"follower": {"force": 50.0}}
+UNIT = 100.0 / 5.0**2  # EI/L^2
+
+
+@pytest.mark.parametrize("inertia", ["uniform", "lumped"])
+@pytest.mark.parametrize("boundary", ["free", "clamped", "cantilever"])
+def test_flutter_to_nine_digits(rod: Rod, exact: Any, boundary: str, inertia: str) -> None:
+    found = critical_force(rod(5, boundary, THRUST, inertia=inertia))
+    model = exact(5, boundary, lumped=inertia == "lumped")
+
+    def gap(P: Any) -> Any:
+        """Squared difference of the two squared frequencies that are closest: it changes sign."""
+        squares = model.squares(P)
+        return min(((a - b) ** 2 for a, b in combinations(squares, 2)), key=abs).real
+
+    near = mp.mpf(found.force)
+    force = mp.findroot(gap, (near * (1 - mp.mpf(10) ** -6), near), tol=mp.mpf(10) ** -18)
+    assert found.kind == "flutter"
+    assert found.modes == (1, 2)
+    assert found.force == pytest.approx(float(force), rel=1e-10)
+    met = min(combinations(model.squares(force), 2), key=lambda pair: abs(pair[0] - pair[1]))
+    assert found.frequency == pytest.approx(float(mp.sqrt(-met[0]).real / 2 / mp.pi), rel=1e-7)
+
+
+@pytest.mark.parametrize("boundary", ["free", "clamped"])
+@pytest.mark.parametrize("external", [False, True])
+def test_damped_flutter_to_nine_digits(rod: Rod, exact: Any, boundary: str, external: bool) -> None:
+    name, value = ("external_damping", 0.4) if external else ("internal_damping", 0.3)
+    found = critical_force(rod(5, boundary, THRUST | {name: {"coefficient": value}}))
+    model = exact(5, boundary)
+    C = model.external_damping(value, [1.0] * 6) if external else model.internal_damping(value)
+
+    def growth(P: Any) -> Any:
+        """Real part of the eigenvalue next to the imaginary axis that oscillates."""
+        target = 2j * np.pi * found.frequency
+        return min(model.rates(P, C), key=lambda s: abs(s - target)).real
+
+    near = mp.mpf(found.force)
+    force = mp.findroot(growth, (near * (1 - mp.mpf(10) ** -6), near), tol=mp.mpf(10) ** -30)
+    assert found.force == pytest.approx(float(force), rel=1e-9)
+    assert found.kind == "flutter"
+
+
+@pytest.mark.parametrize("name", ["free", "clamped"])
+def test_extrapolated_it_is_that_of_the_continuum(rod: Rod, name: str) -> None:
+    n = [20, 40, 80, 160]
+    found = [critical_force(rod(k, name, THRUST)) for k in n]
+    exact = thrust() if name == "free" else beck()
+    force, hertz = exact.dimensional(mass=50.0, length=5.0, bending_stiffness=100.0)
+    limit = richardson(n, [one.force for one in found], order=[2, 4, 6])
+    assert limit.value == pytest.approx(force, rel=1e-8)
+    assert richardson(n, [one.frequency for one in found], order=[2, 4, 6]).value == pytest.approx(
+        hertz, rel=1e-8
+    )
+
+
+@pytest.mark.parametrize(("n", "factor"), [(2, 32.0), (3, 54.0)])
+def test_short_free_chains_diverge(rod: Rod, n: int, factor: float) -> None:
+    """Whole numbers: the determinant of the stiffness of two or three links, by hand."""
+    found = critical_force(rod(n, "free", THRUST))
+    assert (found.kind, found.frequency, found.modes) == ("divergence", 0.0, (1, 1))
+    assert found.factor == pytest.approx(factor, rel=1e-12)
+
+
+def test_a_pinned_rod_buckles_as_one_pinned_and_clamped(rod: Rod) -> None:
+    """u'' + p u = 0 for the slope, as for a column clamped at one end: tan sqrt(p) = sqrt(p)."""
+    n = [20, 40, 80]
+    found = [critical_force(rod(k, "pinned", THRUST)) for k in n]
+    assert {one.kind for one in found} == {"divergence"}
+    p = mp.findroot(lambda x: mp.tan(x) - x, 4.49) ** 2
+    limit = richardson(n, [one.factor for one in found], order=[2, 4])
+    assert limit.value == pytest.approx(float(p), rel=1e-7)
+
+
+def test_zieglers_paradox(rod: Rod) -> None:
+    """However little there is of internal damping, it lowers the force by a finite share."""
+    bare = critical_force(rod(10, "clamped", THRUST)).force
+    forces = [
+        critical_force(rod(10, "clamped", THRUST | {"internal_damping": {"coefficient": c}})).force
+        for c in (1e-3, 1e-6)
+    ]
+    assert forces[0] < 0.6 * bare
+    assert forces[0] == pytest.approx(forces[1], rel=1e-4)
+
+
+def test_growth_begins_there(rod: Rod) -> None:
+    for loads in ({}, {"internal_damping": {"coefficient": 0.1}}):
+        force = critical_force(rod(12, "free", THRUST | loads)).force
+        for factor, grows in ((1 - 1e-6, False), (1 + 1e-6, True)):
+            at = {"follower": {"force": force * factor}} | loads
+            growth = natural_modes(rod(12, "free", at), 12).growth.max()
+            assert bool(growth > 0) is grows
+
+
+def test_about_a_bent_state(rod: Rod) -> None:
+    """A follower force that pushes a little askew bends the rod before it flutters."""
+    found = critical_force(rod(8, "clamped", {"follower": {"force": 1.0, "angle": 0.05}}))
+    straight = critical_force(rod(8, "clamped", THRUST))
+    assert found.kind == "flutter"
+    assert found.state == "static equilibrium"
+    assert found.force == pytest.approx(straight.force, rel=0.1)
+    for factor, grows in ((1 - 1e-6, False), (1 + 1e-6, True)):
+        at = {"follower": {"force": found.force * factor, "angle": 0.05}}
+        assert bool(natural_modes(rod(8, "clamped", at), 8).growth.max() > 0) is grows
+
+
+def test_a_thousand_links(rod: Rod) -> None:
+    found = critical_force(rod(1000, "clamped", THRUST))
+    assert not found.complete
+    # The error of 1000 links is 3.3e-6 (it falls with n^2); digits beyond that are not asked for.
+    assert found.factor == pytest.approx(beck().load, rel=5e-6)
+
+
+def test_simulations_find_it_too(rod: Rod) -> None:
+    scene = rod(5, "free", THRUST)
+    found = simulated_critical_force(scene, span=100.0, tolerance=1e-3)
+    exact = critical_force(scene).force
+    # Growth in 100 s asks for a rate of ln(100)/100 1/s, which a surplus of 1e-3 brings.
+    assert found.low * (1 - 1e-3) <= exact <= found.high
+    assert found.high == pytest.approx(exact, rel=5e-3)
+
+
+def test_what_is_not_found_is_said(rod: Rod) -> None:
+    with pytest.raises(AnalysisError, match=r"neither flutter nor divergence between 0 and 40 N"):
+        critical_force(rod(6, "clamped", THRUST), highest=40.0)
+    with pytest.raises(AnalysisError, match="unstable already at the lowest force"):
+        critical_force(rod(6, "clamped", THRUST), lowest=85.0)
+    with pytest.raises(AnalysisError, match=r"no motion grows 100 times within 5 s up to 10 N"):
+        simulated_critical_force(rod(3, "clamped", THRUST), span=5.0, high=10.0)
+
+
+@pytest.mark.parametrize(
+    ("loads", "options", "field"),
+    [
+        ({}, {}, "loads.follower"),
+        (THRUST, {"lowest": 10.0, "highest": 5.0}, "highest"),
+        (THRUST, {"highest": np.nan}, "highest"),
+    ],
+)
+def test_bad_input(rod: Rod, loads: dict[str, Any], options: dict[str, Any], field: str) -> None:
+    with pytest.raises(SceneError, match=field):
+        critical_force(rod(4, "free", loads), **options)
+    with pytest.raises(SceneError, match="bending_stiffness"):
+        critical_force(rod(4, "free", THRUST, bending_stiffness=0.0))
