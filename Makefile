@@ -1,6 +1,7 @@
 # make demo     the main job, end to end         make test     all tests
 # make derive N=20 [BOUNDARY=free] [INERTIA=uniform] [TERMS=all] [TARGET=numpy] [FORM=chain]
 #             [EXPLICIT=1]                       make reference    regenerate the reference modules
+# make figures    draw those of docs/derivation.md anew
 # make lint, make types                          make bench, make bench-rhs, make bench-integrate
 
 PYTHON ?= python3
@@ -14,7 +15,7 @@ TERMS ?= all
 TARGET ?= numpy
 FORM ?= chain
 
-.PHONY: demo derive test lint types bench bench-rhs bench-integrate reference clean
+.PHONY: demo derive test lint types bench bench-rhs bench-integrate reference figures clean
 
 demo: .venv/installed
 	@$(BIN)/rodgen derive 20 --out generated
@@ -53,6 +54,9 @@ bench-integrate: .venv/installed
 
 reference: .venv/developing
 	$(BIN)/python -m pytest tests/generated/test_reference_modules.py --update
+
+figures: .venv/installed
+	@$(BIN)/python -m rodgen.view.model_figures docs/pictures
 
 .venv/bin/python:
 	@$(PYTHON) -c "import sys; sys.exit(None if sys.version_info >= (3, 11) else \
