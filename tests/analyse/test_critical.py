@@ -113,6 +113,15 @@ def test_growth_begins_there(rod: Rod) -> None:
             assert bool(growth > 0) is grows
 
 
+def test_overdamped_it_is_a_matter_of_the_slow_motions(rod: Rod) -> None:
+    """With a damping that leaves no inertia, the force no longer depends on it."""
+    forces = [
+        critical_force(rod(12, "free", THRUST | {"internal_damping": {"coefficient": c}})).force
+        for c in (1e5, 1e6)
+    ]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-4)
+
+
 def test_about_a_bent_state(rod: Rod) -> None:
     """A follower force that pushes a little askew bends the rod before it flutters."""
     found = critical_force(rod(8, "clamped", {"follower": {"force": 1.0, "angle": 0.05}}))

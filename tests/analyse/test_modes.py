@@ -146,6 +146,25 @@ def test_external_damping_about_a_bent_state_is_refused(rod: Rod) -> None:
         natural_modes(rod(4, "clamped", loads))
 
 
+@pytest.mark.parametrize(("boundary", "rigid"), [("free", 3), ("pinned", 1)])
+def test_one_link_that_turns_freely_has_no_modes(rod: Rod, boundary: str, rigid: int) -> None:
+    found = natural_modes(rod(1, boundary))
+    assert (len(found.frequencies), found.rigid) == (0, rigid)
+    assert found.displacements.shape == (0, 2, 2)
+
+
+@pytest.mark.parametrize("stiffness", [1e-10, 1e7])
+def test_soft_and_hard_springs_beside_gravity(rod: Rod, stiffness: float) -> None:
+    """Hard, a rigid pendulum; soft, a chain: neither is taken for a rod that turns freely."""
+    found = natural_modes(rod(30, "pinned", {"gravity": {}}, bending_stiffness=stiffness), 1)
+    assert found.rigid == 0
+    if stiffness > 1:
+        expected, accuracy = np.sqrt(1.5 * 9.81 / 5.0) / (2 * np.pi), 1e-5
+    else:
+        expected, accuracy = chain_frequency(1, gravity=9.81, length=5.0), 1e-2
+    assert found.frequencies[0] == pytest.approx(expected, rel=accuracy)
+
+
 def test_no_modes_asked_for(rod: Rod) -> None:
     with pytest.raises(SceneError, match="count = 0"):
         natural_modes(rod(4, "free"), 0)

@@ -108,6 +108,13 @@ def test_thousands_of_links(rod: Rod) -> None:
     assert found.stable is None
 
 
+@pytest.mark.parametrize("stiffness", [0.0, 1e-12])
+def test_springs_too_soft_to_be_stepped_from(rod: Rod, stiffness: float) -> None:
+    found = static_equilibrium(rod(6, "clamped", {"gravity": {}}, bending_stiffness=stiffness))
+    np.testing.assert_allclose(found.tip, [0.0, -LENGTH], atol=1e-9)
+    assert found.stable
+
+
 def test_a_free_rod_is_refused(rod: Rod) -> None:
     with pytest.raises(SceneError, match="nothing holds a free rod"):
         static_equilibrium(rod(4, "free", {"gravity": {}}))

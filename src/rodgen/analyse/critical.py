@@ -8,8 +8,10 @@ import numpy as np
 
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import BASIS, MOST_DENSE, Complex, Family
-from rodgen.analyse.onset import Onset, onset
+from rodgen.analyse.onset import At, Onset, onset
+from rodgen.analyse.pencil import Pencil
 from rodgen.analyse.system import System
+from rodgen.analyse.threads import on_one_thread
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 
@@ -17,6 +19,7 @@ HIGHEST = 1000.0  # EI/L^2: ten times what a free rod bears
 FINE, COARSE = 0.5, 0.01  # step of the search: EI/L^2, and of the force
 LEAST = 200  # forces at which a range is searched
 GROWS, GROWS_DAMPED = 1e-6, 1e-11  # of the lowest frequency: less is rounding
+SLOW = 0.01  # of the lowest frequency
 CHECKED = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)  # of the force, where all modes are looked at
 FLUTTER, DIVERGENCE = "flutter", "divergence"
 
@@ -46,6 +49,7 @@ class Critical:
     t: float
 
 
+@on_one_thread
 def critical_force(
     scene: Scene,
     *,
@@ -66,6 +70,8 @@ def critical_force(
     family = family_of(scene, t)
     unit = family.unit
     highest = HIGHEST * unit if highest is None else highest
+    if not family.whole:
+        raise AnalysisError("no mode can become unstable: all motions move the rod as a whole")
     if not (np.isfinite([lowest, highest]).all() and lowest < highest):
         raise SceneError("highest", highest, f"a force above lowest = {lowest:g} N")
     forces = grid(lowest, highest, unit)
@@ -159,7 +165,7 @@ def _between(family: Family, low: float, high: float, modes: int) -> Onset:
 def _refined(family: Family, near: Onset, forces: Array, complete: bool) -> Onset:
     """With all links; where more modes show an onset at a lower force, that one."""
     try:
-        found = onset(family.at if near.s else family.at_rest, near)
+        found = onset(_equations(family, near), near)
     except AnalysisError as error:
         if near.s == 0 and family.damped and family.state(0.0).turns_freely:
             raise AnalysisError(
@@ -176,6 +182,12 @@ def _refined(family: Family, near: Onset, forces: Array, complete: bool) -> Onse
     until = below[int(np.argmax(unstable))]
     every = np.append(forces[forces < until], until)
     return _refined(family, _search(family, every, family.whole), forces, complete=False)
+
+
+def _equations(family: Family, near: Onset) -> At:
+    """Where almost nothing oscillates, turning the whole rod would be next to singular too."""
+    slow = abs(near.s) < SLOW * family.lowest and isinstance(family.at(near.force), Pencil)
+    return family.held if near.s == 0 or slow else family.at
 
 
 def _pair(family: Family, found: Onset) -> tuple[int, int]:

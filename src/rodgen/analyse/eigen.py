@@ -16,6 +16,7 @@ from rodgen.integrate.stepper import Array
 Complex = NDArray[np.complex128]
 
 ZERO = 1e-7  # of the largest |s|: zero, and the square root of rounding
+MOST_DENSE = 500  # links of which all eigenvalues are computed where that is the last resort
 SPARE = 8  # eigenvalues beyond those asked for
 
 
@@ -75,6 +76,8 @@ def lowest_values(pencil: Pencil, count: int, turning: Array | None) -> Values:
     try:
         inverse, vectors = eigs(operator, k=wanted, v0=start, ncv=min(2 * wanted + 20, order))
     except ArpackError as error:
+        if pencil.cells <= MOST_DENSE:  # overdamped motions crowd together: all of them, then
+            return all_values(pencil)
         raise AnalysisError(f"the lowest eigenvalues were not found: {error}") from None
     there = np.abs(inverse) > 0
     values, vectors = 1 / inverse[there], vectors[:, there]

@@ -61,8 +61,8 @@ class Family:
         c, d = self._start, self._unit
         return Dense(c.K + x * (d.K - c.K), c.C, c.M)
 
-    def at_rest(self, force: float) -> Pencil | Held:
-        """The same for what no damping acts on, turning the whole rod taken away."""
+    def held(self, force: float) -> Pencil | Held:
+        """The same without external damping, turning the whole rod taken away."""
         state = self.state(force)
         pencil = state.pencil()
         return Held.of(pencil, state.turning) if state.turns_freely else pencil
@@ -121,8 +121,7 @@ class Family:
             K, C, M = first.K + x * (last.K - first.K), first.C, first.M
         else:
             all_of = [self._on(float(P), modes) for P in forces]
-            K = np.stack([one.K for one in all_of])
-            C, M = all_of[0].C, all_of[0].M
+            K, C, M = (np.stack([getattr(one, name) for one in all_of]) for name in "KCM")
         inverse = np.linalg.inv(M)
         A = -inverse @ K
         if not C.any():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from rodgen.analyse.eigen import all_values, lowest_values
 from rodgen.analyse.pencil import Dense
 from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System
+from rodgen.analyse.threads import on_one_thread
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 
@@ -33,15 +34,16 @@ class Modes:
 
     frequencies: Array
     growth: Array
-    phi: NDArray[Any]
-    displacements: NDArray[Any]
-    joints: Array
+    phi: NDArray[Any] = field(repr=False)
+    displacements: NDArray[Any] = field(repr=False)
+    joints: Array = field(repr=False)
     state: str
     rigid: int
     overdamped: int
     t: float
 
 
+@on_one_thread
 def natural_modes(scene: Scene, count: int = 10, *, t: float | None = None) -> Modes:
     """The lowest natural frequencies and mode shapes of a scene about its steady state: straight
     and at rest, in static equilibrium, or straight and steadily accelerating under its thrust.
@@ -104,8 +106,8 @@ def _shapes(
         q[:, :2] = _base(state, s, q)
     parts = [_displaced(state, part) for part in (q.real, q.imag)]
     moved = parts[0] + 1j * parts[1]
-    flat = moved.reshape(len(s), -1)
-    at = np.abs(flat).argmax(axis=1) if len(s) else []
+    flat = moved.reshape(len(s), moved[0].size if len(s) else 1)
+    at = np.abs(flat).argmax(axis=1)
     largest = flat[np.arange(len(s)), at][:, None]
     phi = system.all_links(q[:, system.base :])
     phi[:, : system.scene.held] = 0.0

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import Cells, Pencil, solve
 from rodgen.analyse.system import System
+from rodgen.analyse.threads import on_one_thread
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 
@@ -28,26 +29,25 @@ UNSTABLE = 1e-6  # of the largest squared rate of the lowest modes
 class Equilibrium:
     """Rest under loads that do not change.
 
-    phi: angles of all n links [rad]; joints: (n+1, 2) [m]; force: in the joints before the moving
-    links over the mass of a link, (cells, 2) [m/s^2]; change: the last correction of Newton's
-    method [rad]; iterations: of all loads together; stages: the fractions of the load that were
-    stepped through; stable: whether small motions about it do not grow, None where that was not
-    looked at (more than 200 links); t: the time whose loads were taken [s].
+    phi: angles of all n links [rad]; joints: (n+1, 2) [m]; tip: the tail (2,) [m]; force: in the
+    joints before the moving links over the mass of a link, (cells, 2) [m/s^2]; change: the last
+    correction of Newton's method [rad]; iterations: of all loads together; stages: the fractions
+    of the load that were stepped through; stable: whether small motions about it do not grow, None
+    where that was not looked at (more than 200 links); t: the time whose loads were taken [s].
     """
 
-    phi: Array
-    joints: Array
-    force: Array
+    phi: Array = field(repr=False)
+    joints: Array = field(repr=False)
+    force: Array = field(repr=False)
+    tip: Array = field(init=False)
     change: float
     iterations: int
     stages: tuple[float, ...]
     stable: bool | None
     t: float
 
-    @property
-    def tip(self) -> Array:
-        """Position of the tail (2,) [m]."""
-        return np.asarray(self.joints[-1])
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "tip", self.joints[-1])
 
 
 @dataclass
@@ -60,6 +60,7 @@ class Rest:
     change: float = np.inf
 
 
+@on_one_thread
 def static_equilibrium(scene: Scene, *, t: float | None = None) -> Equilibrium:
     """The equilibrium that the rod reaches from its straight shape as its loads grow from zero.
 
@@ -99,7 +100,13 @@ def settle(
     def at(fraction: float) -> Array:
         return system.parameters(**given | {k: fraction * value for k, value in loads.items()})
 
-    return _follow(system, Rest(system.straight, np.zeros((system.cells, 2))), at)
+    try:
+        return _follow(system, Rest(system.straight, np.zeros((system.cells, 2))), at)
+    except AnalysisError:
+        if given.get("follower_force") or not any(loads.values()):
+            raise
+        # Springs too soft to keep the rod near its straight shape: it hangs like a chain.
+        return _hang(system, given), (1.0,)
 
 
 def _follow(

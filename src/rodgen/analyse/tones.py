@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,8 +47,8 @@ class Spectrum:
     frequencies: Array
     amplitudes: Array
     resolution: float
-    bins: Array
-    density: Array
+    bins: Array = field(repr=False)
+    density: Array = field(repr=False)
 
 
 def peaks_of(
