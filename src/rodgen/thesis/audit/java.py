@@ -1,0 +1,45 @@
+"""The claims of the Java listing: appendix A, lines 1-681, and section 4.1, lines 705-1002.
+
+    java_truth      what the methods must give, derived
+    java_members    the class, its arrays and its initial state, as printed
+    java_state      - their claims
+    java_motion     updates of angles, coordinates, velocities, centre of gravity, and claims
+    java_energies   energies, and claims
+    java_matrices   M, Q, K, C, and claims
+    java_damping    external damping
+    java_drag       - its claims
+    java_forces     loads, right side, solution, and claims
+    java_steps      the steppers, and what puts them right
+    java_schemes    - the claims of what they are
+    java_steppers   - their orders, measured
+
+Lines are those of the listing; where the scan has given a number to the rest of a wrapped line,
+that of its beginning. Pages and wrapped lines are joined. Getters (617-681) hand out members and
+claim nothing.
+"""
+
+from __future__ import annotations
+
+from . import (
+    java_drag,
+    java_energies,
+    java_forces,
+    java_matrices,
+    java_motion,
+    java_schemes,
+    java_state,
+)
+from .claim import Claim
+from .java_steppers import Order, stepper_orders
+
+CLAIMS: tuple[Claim, ...] = (
+    *java_state.CLAIMS,
+    *java_motion.CLAIMS,
+    *java_energies.CLAIMS,
+    *java_matrices.CLAIMS,
+    *java_forces.CLAIMS,
+    *java_drag.CLAIMS,
+    *java_schemes.CLAIMS,
+)
+
+__all__ = ["CLAIMS", "Order", "stepper_orders"]

@@ -1,0 +1,143 @@
+"""From a claim to its verdict: every reading is compared with the truth, for every n, exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from sympy import Expr
+
+from .claim import NOT_PRINTED, Claim, Entries, Finding, Verdict
+from .zero import is_part, is_zero, readable
+
+Decided = tuple[Verdict, str]
+
+
+class JudgementError(ValueError):
+    """A claim that cannot be judged: what is encoded beside the printed form is wrong."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """One entry of a form beside that of the truth, for n links."""
+
+    n: int
+    at: int
+    entry: Expr
+    true: Expr
+
+    @property
+    def printed(self) -> bool:
+        return not self.entry.has(NOT_PRINTED)
+
+    @cached_property
+    def same(self) -> bool:
+        return self.printed and is_zero(self.entry - self.true)
+
+    @cached_property
+    def opposite(self) -> bool:
+        return self.printed and is_zero(self.entry + self.true)
+
+    @property
+    def difference(self) -> Expr:
+        return readable(self.entry - self.true) if self.printed else NOT_PRINTED
+
+
+def judge(claim: Claim) -> Finding:
+    """The verdict on a claim, with what remains of every reading that is not the truth.
+
+    Raises JudgementError where the corrected form is not the truth, where a misprint has none,
+    and where a form has another number of entries than the truth.
+    """
+    forms = {name: list(_pairs(claim, form)) for name, form in claim.readings.items()}
+    wrong = {name: first for name, pairs in forms.items() if (first := _first_wrong(pairs))}
+    verdict, detail = _verdict(claim, forms, wrong)
+    if claim.corrected and (first := _first_wrong(_pairs(claim, claim.corrected))):
+        where = f"{entry_name(claim, first.n, first.at)} at n = {first.n}: {first.difference}"
+        raise JudgementError(f"{claim.number}: the corrected form differs in {where}")
+    if verdict is Verdict.MISPRINT and not claim.corrected:
+        raise JudgementError(f"{claim.number} differs from the truth and has no corrected form")
+    remains = {name: (p.n, p.at, p.difference) for name, p in wrong.items()}
+    return Finding(claim, verdict, remains, detail)
+
+
+def _pairs(claim: Claim, form: Entries) -> Iterator[Pair]:
+    for n in claim.links:
+        entries, truth = form(n), claim.truth(n)
+        if len(entries) != len(truth):
+            counted = f"{len(entries)} entries, not {len(truth)}, at n = {n}"
+            raise JudgementError(f"{claim.number}: {counted}")
+        for at, (entry, true) in enumerate(zip(entries, truth, strict=True)):
+            yield Pair(n, at, entry, true)
+
+
+def _first_wrong(pairs: Iterator[Pair] | list[Pair]) -> Pair | None:
+    return next((pair for pair in pairs if not pair.same), None)
+
+
+def _verdict(claim: Claim, forms: dict[str, list[Pair]], wrong: dict[str, Pair]) -> Decided:
+    if not forms:
+        return Verdict.MISSING, "nothing is printed"
+    if not wrong:
+        return Verdict.EXACT, ""
+    right = [name for name in forms if name not in wrong]
+    if right:
+        return Verdict.AMBIGUOUS, f"right if read: {'; '.join(right)}"
+    for verdict, judgement in (
+        (Verdict.SIGN, _sign),
+        (Verdict.MISSING, _missing),
+        (Verdict.INCOMPLETE, _incomplete),
+    ):
+        reasons = {name: judgement(claim, name, pairs) for name, pairs in forms.items()}
+        if any(reasons.values()):
+            return verdict, _told(reasons)
+    return Verdict.MISPRINT, ""
+
+
+def _told(reasons: dict[str, str | None]) -> str:
+    """The reason, or the reasons by their readings where there are several readings."""
+    several = len(reasons) > 1
+    return "; ".join(f"{n}: {why}" if several else why for n, why in reasons.items() if why)
+
+
+def _sign(claim: Claim, name: str, pairs: list[Pair]) -> str | None:
+    """Right with the other sign of a named quantity, of the whole, or of some entries."""
+    for quantity in claim.flipped:
+        if not _first_wrong(_pairs(claim, _flipped(claim.readings[name], quantity))):
+            return f"right with the other sign of {quantity}"
+    turned = [pair for pair in pairs if not pair.same]
+    if not all(pair.opposite for pair in turned):
+        return None
+    if all(pair in turned or is_zero(pair.true) for pair in pairs):
+        return "right with the other sign of the whole"
+    n = turned[0].n
+    entries = ", ".join(entry_name(claim, n, pair.at) for pair in turned if pair.n == n)
+    return f"right with the other sign of {entries} (n = {n})"
+
+
+def _flipped(form: Entries, quantity: Expr) -> Entries:
+    def other(n: int) -> Sequence[Expr]:
+        return [entry.xreplace({quantity: -quantity}) for entry in form(n)]
+
+    return other
+
+
+def _missing(claim: Claim, name: str, pairs: list[Pair]) -> str | None:
+    """Nothing is printed for some entries, and the others are right."""
+    lacking = [pair for pair in pairs if not pair.same]
+    if any(pair.printed for pair in lacking):
+        return None
+    return f"nothing is printed for {entry_name(claim, lacking[0].n, lacking[0].at)}"
+
+
+def _incomplete(claim: Claim, name: str, pairs: list[Pair]) -> str | None:
+    """Every term that is printed is right, and some are left out."""
+    if all(pair.printed and is_part(pair.entry, pair.true) for pair in pairs):
+        return "every printed term is right, terms are left out"
+    return None
+
+
+def entry_name(claim: Claim, n: int, at: int) -> str:
+    """What an entry is called: its label, or its number."""
+    return claim.label(n, at) if claim.label else f"entry {at + 1}"

@@ -1,0 +1,141 @@
+"""The judge of the audit: every verdict, what follows from a change, what is zero."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from rodgen.derive import explicit, inertia
+from sympy import (
+    Expr,
+    Rational,
+    cos,
+    sin,
+)
+
+from rodgen.thesis.audit import equations_loads
+from rodgen.thesis.audit.audit import equation_claims
+from rodgen.thesis.audit.claim import NOT_PRINTED, Claim, Verdict
+from rodgen.thesis.audit.judge import JudgementError, judge
+from rodgen.thesis.audit.truth import D_x, domega, nu, omega, phi, truth
+from rodgen.thesis.audit.zero import is_zero
+
+
+@pytest.fixture
+def other_truth() -> Iterator[None]:
+    """For a test that changes what derive/ says."""
+    truth.cache_clear()
+    yield
+    truth.cache_clear()
+
+
+def claim(number: str) -> Claim:
+    return next(c for c in equation_claims() if c.number == number)
+
+
+Spoil = Callable[[list[Expr]], list[Expr]]
+
+
+def spoilt(number: str, spoil: Spoil, **more: Any) -> Claim:
+    """An exact claim with its printed form changed, and itself as the correction."""
+    exact = claim(number)
+    (form,) = exact.readings.values()
+    return replace(
+        exact, readings={"spoilt": lambda n: spoil(list(form(n)))}, corrected=form, **more
+    )
+
+
+@pytest.mark.parametrize(
+    ("spoil", "verdict", "why"),
+    [
+        (lambda rows: rows, Verdict.EXACT, ""),
+        (lambda rows: [2 * e for e in rows], Verdict.MISPRINT, ""),
+        (lambda rows: [e.subs(phi[0], -phi[0]) for e in rows], Verdict.MISPRINT, ""),
+        (lambda rows: [-e for e in rows], Verdict.SIGN, "of the whole"),
+        (lambda rows: [rows[0], -rows[1], *rows[2:]], Verdict.SIGN, "of row y0"),
+        (lambda rows: [e.expand().subs(D_x[1], 0) for e in rows], Verdict.INCOMPLETE, "left out"),
+        (lambda rows: [*rows[:-1], NOT_PRINTED], Verdict.MISSING, "for row phi_0"),
+        (lambda rows: [NOT_PRINTED, *rows[1:-1], 2 * rows[-1]], Verdict.MISPRINT, ""),
+    ],
+)
+def test_a_spoilt_claim_gets_the_verdict_it_deserves(
+    spoil: Spoil, verdict: Verdict, why: str
+) -> None:
+    finding = judge(spoilt("2.60", spoil))
+    assert finding.verdict is verdict
+    assert why in finding.detail
+    assert bool(finding.remains) is (verdict is not Verdict.EXACT)
+
+
+def test_a_named_quantity_is_turned() -> None:
+    def turn(rows: list[Expr]) -> list[Expr]:
+        return [e.xreplace({D_x[1]: -D_x[1]}) for e in rows]
+
+    assert judge(spoilt("2.60", turn)).verdict is Verdict.MISPRINT
+    finding = judge(spoilt("2.60", turn, flipped=(D_x[1],)))
+    assert finding.verdict is Verdict.SIGN
+    assert finding.detail == "right with the other sign of D_x1"
+
+
+def test_readings_and_what_is_not_printed() -> None:
+    exact = claim("2.60")
+    (form,) = exact.readings.values()
+    wrong = spoilt("2.60", lambda rows: [2 * e for e in rows]).readings["spoilt"]
+    both = replace(exact, readings={"one": form, "two": wrong})
+    assert judge(both).verdict is Verdict.AMBIGUOUS
+    assert list(judge(both).remains) == ["two"]
+    assert "one" in judge(both).detail
+    assert judge(replace(exact, readings={})).verdict is Verdict.MISSING
+
+
+def test_what_cannot_be_judged_is_refused() -> None:
+    double = spoilt("2.60", lambda rows: [2 * e for e in rows])
+    with pytest.raises(JudgementError, match="no corrected form"):
+        judge(replace(double, corrected=None))
+    with pytest.raises(JudgementError, match="corrected form differs in row x0 at n = 1"):
+        judge(replace(double, corrected=double.readings["spoilt"]))
+    with pytest.raises(JudgementError, match=r"2\.60: 2 entries, not 3, at n = 1"):
+        judge(spoilt("2.60", lambda rows: rows[1:]))
+
+
+def test_verdicts_follow_the_truth(monkeypatch: pytest.MonkeyPatch, other_truth: None) -> None:
+    """With a force that pulls, 2.46 is right and no reading of 2.47 is any more."""
+
+    def pull(angle: Expr) -> tuple[Expr, Expr]:
+        return pushed(angle)[0] * -1, pushed(angle)[1] * -1
+
+    pushed = explicit.follower_force
+    monkeypatch.setattr(equations_loads, "follower_force", pull)
+    monkeypatch.setattr(explicit, "follower_force", pull)
+    assert judge(replace(claim("2.46"), corrected=None)).verdict is Verdict.EXACT
+    assert judge(replace(claim("2.47"), corrected=None)).verdict is Verdict.SIGN
+
+
+def test_another_inertia_is_noticed(monkeypatch: pytest.MonkeyPatch, other_truth: None) -> None:
+    """With half the mass of a link at each end, 1/3 is wrong, and what has no 1/3 stays right."""
+    monkeypatch.setitem(inertia.INERTIAS, "uniform", inertia.INERTIAS["lumped"])
+    for number in ("2.10", "2.13", "2.15"):
+        with pytest.raises(JudgementError, match="differs"):
+            judge(claim(number))
+    for number in ("2.24", "2.28", "2.32", "2.42"):
+        assert judge(claim(number)).verdict is Verdict.EXACT
+
+
+@pytest.mark.parametrize(
+    ("expression", "zero"),
+    [
+        (cos(phi[0] - phi[1]) - cos(phi[1] - phi[0]), True),
+        (sin(phi[0] + nu) ** 2 + cos(phi[0] + nu) ** 2 - 1, True),
+        (sin(phi[0] + nu) ** 2 - cos(phi[0] + nu) ** 2 - 1, False),
+        (phi[0] * sin(phi[0]) ** 2 - phi[0] + phi[0] * cos(phi[0]) ** 2, True),
+        (cos(phi[0] / 2) ** 2 - (1 + cos(phi[0])) / 2, True),  # angles that depend on each other
+        (cos(phi[0] / 2) ** 2 - cos(phi[0]) / 2, False),
+        (1 / (1 + domega[0]) - domega[0] / (domega[0] + domega[0] ** 2), True),
+        (abs(omega[0]) - omega[0], False),
+        (Rational(1, 10**40) * omega[0], False),
+    ],
+)
+def test_zero(expression: Expr, zero: bool) -> None:
+    assert is_zero(expression) is zero
