@@ -2,7 +2,7 @@
 # make derive N=20 [BOUNDARY=free] [INERTIA=uniform] [TERMS=all] [TARGET=numpy] [FORM=chain]
 #             [EXPLICIT=1]                       make reference    regenerate the reference modules
 # make figures    draw those of docs/derivation.md anew
-# make lint, make types                          make bench, make bench-rhs, make bench-integrate
+# make lint, make types                          make bench, bench-rhs, bench-integrate, bench-analyse
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -15,7 +15,7 @@ TERMS ?= all
 TARGET ?= numpy
 FORM ?= chain
 
-.PHONY: demo derive test lint types bench bench-rhs bench-integrate reference figures clean
+.PHONY: demo derive test lint types bench bench-rhs bench-integrate bench-analyse reference figures clean
 
 demo: .venv/installed
 	@$(BIN)/rodgen derive 20 --out generated
@@ -51,6 +51,9 @@ bench-rhs: .venv/installed
 
 bench-integrate: .venv/installed
 	@$(BIN)/python benchmarks/integrate.py
+
+bench-analyse: .venv/installed
+	@$(BIN)/python benchmarks/analyse.py
 
 reference: .venv/developing
 	$(BIN)/python -m pytest tests/generated/test_reference_modules.py --update

@@ -7,18 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.family import BASIS, MOST_DENSE, Complex, Family
+from rodgen.analyse.family import BASIS, GROWS, MOST_DENSE, Family
+from rodgen.analyse.guarded import guarded
 from rodgen.analyse.onset import At, Onset, onset
 from rodgen.analyse.pencil import Pencil
 from rodgen.analyse.system import System
-from rodgen.analyse.threads import on_one_thread
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 
 HIGHEST = 1000.0  # EI/L^2: ten times what a free rod bears
 FINE, COARSE = 0.5, 0.01  # step of the search: EI/L^2, and of the force
 LEAST = 200  # forces at which a range is searched
-GROWS, GROWS_DAMPED = 1e-6, 1e-11  # of the lowest frequency: less is rounding
+GROWS_DAMPED = 1e-11  # of the lowest frequency: less is rounding
 SLOW = 0.01  # of the lowest frequency
 CHECKED = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)  # of the force, where all modes are looked at
 FLUTTER, DIVERGENCE = "flutter", "divergence"
@@ -42,6 +42,7 @@ class Critical:
     kind: str
     frequency: float
     modes: tuple[int, int]
+    turning: float
     error: float
     searched: tuple[float, float, int]
     state: str
@@ -49,7 +50,7 @@ class Critical:
     t: float
 
 
-@on_one_thread
+@guarded
 def critical_force(
     scene: Scene,
     *,
@@ -85,6 +86,7 @@ def critical_force(
         kind=FLUTTER if found.s else DIVERGENCE,
         frequency=found.s.imag / (2 * np.pi),
         modes=_pair(family, found),
+        turning=family.turning(found.force),
         error=found.error,
         searched=(float(lowest), float(highest), len(forces)),
         state=family.state(found.force).words,
@@ -114,28 +116,27 @@ def grid(lowest: float, highest: float, unit: float) -> Array:
     return np.array([*forces[:-1], highest])
 
 
-def _growth(family: Family, s: Complex) -> Array:
-    """The largest growth [1/s] among eigenvalues (..., k), rigid-body motions apart."""
-    moving = np.abs(s) > family.rigid
-    return np.asarray(np.where(moving, s.real, -np.inf).max(axis=-1))
+def _growth(family: Family, forces: Array, modes: int) -> Array:
+    """The largest growth [1/s] under every force, motions of the rod as a whole apart."""
+    growth = family.elastic(forces, modes).real
+    return np.asarray(np.nan_to_num(growth, nan=-np.inf).max(axis=-1))
 
 
-def _unstable(family: Family, s: Complex) -> Array:
+def _unstable(family: Family, forces: Array, modes: int) -> Array:
     limit = (GROWS_DAMPED if family.damped else GROWS) * family.lowest
-    return np.asarray(_growth(family, s) > limit)
+    return np.asarray(_growth(family, forces, modes) > limit)
 
 
 def _search(family: Family, forces: Array, modes: int) -> Onset:
     """The first force of a range from which a motion grows, roughly."""
     low = float(forces[0])
-    if _unstable(family, family.rates(forces[:1], modes))[0]:
-        rate = _growth(family, family.rates(forces[:1], modes))[0]
+    if _unstable(family, forces[:1], modes)[0]:
         raise AnalysisError(
             f"unstable already at the lowest force of the search, {low:g} N: a motion grows with "
-            f"{rate:.3g} 1/s"
+            f"{_growth(family, forces[:1], modes)[0]:.3g} 1/s"
         )
     for block in np.array_split(forces[1:], max(1, len(forces) // 64)):
-        unstable = _unstable(family, family.rates(block, modes))
+        unstable = _unstable(family, block, modes)
         if unstable.any():
             at = int(np.argmax(unstable))
             before = low if at == 0 else float(block[at - 1])
@@ -151,32 +152,23 @@ def _between(family: Family, low: float, high: float, modes: int) -> Onset:
     """Bisection to a part in a million, in the basis."""
     while high - low > 1e-6 * max(abs(high), abs(low)):
         middle = (low + high) / 2
-        if _unstable(family, family.rates(np.array([middle]), modes))[0]:
+        if _unstable(family, np.array([middle]), modes)[0]:
             high = middle
         else:
             low = middle
-    s = family.rates(np.array([high]), modes)[0]
-    s = s[np.abs(s) > family.rigid]
-    grown = s[np.argmax(s.real)]
+    s = family.elastic(np.array([high]), modes)[0]
+    grown = s[np.nanargmax(s.real)]
     # Just beyond divergence a rate is real; with damping flutter has an imaginary part.
     return Onset(high, 0j if abs(grown.imag) <= abs(grown.real) else 1j * abs(grown.imag))
 
 
 def _refined(family: Family, near: Onset, forces: Array, complete: bool) -> Onset:
     """With all links; where more modes show an onset at a lower force, that one."""
-    try:
-        found = onset(_equations(family, near), near)
-    except AnalysisError as error:
-        if near.s == 0 and family.damped and family.state(0.0).turns_freely:
-            raise AnalysisError(
-                f"from about {near.force:.6g} N on the rod turns as a whole, slowly and faster and "
-                "faster: an instability of its damped rigid-body motion, which is not solved for"
-            ) from error
-        raise
+    found = onset(_equations(family, near), near)
     if not complete:
         return found
     below = forces[0] + np.array(CHECKED) * (found.force - forces[0])
-    unstable = _unstable(family, family.rates(below, family.whole))
+    unstable = _unstable(family, below, family.whole)
     if not unstable.any():
         return found
     until = below[int(np.argmax(unstable))]

@@ -11,7 +11,7 @@ from scipy.linalg import eigh
 from rodgen.analyse.eigen import lowest_values
 from rodgen.analyse.pencil import Dense, Held, Pencil
 from rodgen.analyse.steady import Steady, linearised, steady
-from rodgen.analyse.system import System
+from rodgen.analyse.system import System, without
 from rodgen.integrate.stepper import Array
 
 Complex = NDArray[np.complex128]
@@ -20,6 +20,7 @@ BASIS = 16  # modes of the unloaded rod in which a range of forces is searched
 MOST_DENSE = 200  # links up to which all modes are looked at
 RIGID = 1e-6  # of the lowest frequency: less is a rigid-body motion
 RIGID_DENSE, ROUNDED = 1e-4, 1e-7  # the same, of the lowest and of the largest, in dense matrices
+GROWS = 1e-6  # of the lowest frequency: less growth without damping is rounding
 KEPT = 64  # steady states remembered
 
 
@@ -106,6 +107,38 @@ class Family:
         largest = float(np.sqrt(np.abs(self._modes[0]).max()))
         dense = isinstance(self.at(0.0), Dense)
         return max(RIGID_DENSE * self.lowest, ROUNDED * largest) if dense else RIGID * self.lowest
+
+    def elastic(self, forces: Array, modes: int = BASIS) -> Complex:
+        """The same with nan for motions of the rod as a whole: zero ones, and, where external
+        damping acts on a rod that turns freely, the real one that grows most, unless the rod
+        without that damping diverges, which is a matter of its stiffness alone."""
+        s = self.rates(forces, modes)
+        s = np.where(np.abs(s) > self.rigid, s, np.nan)
+        if self.bare is None:
+            return s
+        diverges = (self.bare.rates(forces, modes).real > GROWS * self.lowest).any(axis=-1)
+        slow = (np.abs(s.imag) <= self.rigid) & ~np.isnan(s)
+        real = np.where(slow, s.real, -np.inf)
+        at = np.argmax(real, axis=-1)
+        rows = np.flatnonzero(~diverges & np.isfinite(real.max(axis=-1)))
+        s[rows, at[rows]] = np.nan
+        return s
+
+    @cached_property
+    def bare(self) -> Family | None:
+        """The same rod without damping, where external damping acts on one that turns freely."""
+        if not (isinstance(self.at(0.0), Dense) and self.state(0.0).turns_freely):
+            return None
+        scene = without(without(self.system.scene, "external_damping"), "internal_damping")
+        return Family(System.of(scene), self.unit)
+
+    def turning(self, force: float) -> float:
+        """Growth [1/s] of a slow turning of the whole rod; zero where there is none."""
+        if self.bare is None:
+            return 0.0
+        s = self.rates(np.array([force]), self.whole)[0]
+        real = s.real[(np.abs(s.imag) <= self.rigid) & (s.real > self.rigid)]
+        return float(real.max(initial=0.0))
 
     @property
     def whole(self) -> int:

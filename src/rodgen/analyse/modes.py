@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.analyse.eigen import all_values, lowest_values
+from rodgen.analyse.guarded import guarded
 from rodgen.analyse.pencil import Dense
 from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System
-from rodgen.analyse.threads import on_one_thread
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 
@@ -43,7 +43,7 @@ class Modes:
     t: float
 
 
-@on_one_thread
+@guarded
 def natural_modes(scene: Scene, count: int = 10, *, t: float | None = None) -> Modes:
     """The lowest natural frequencies and mode shapes of a scene about its steady state: straight
     and at rest, in static equilibrium, or straight and steadily accelerating under its thrust.

@@ -41,6 +41,8 @@ class Cells:
         """phi (cells,); force (cells, 2) over the mass of a link [m/s^2]."""
         y, still = system.at_rest(phi), np.zeros(system.cells)
         residual, by_angle, by_rate, by_unknown, _ = system.model.implicit(0.0, y, p, still, force)
+        if not all(np.isfinite(part).all() for part in (residual, by_angle, by_unknown)):
+            raise AnalysisError("the linearised equations are not finite")
         return cls(residual, by_angle, by_rate, by_unknown)
 
     @property

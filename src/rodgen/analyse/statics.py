@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.guarded import guarded
 from rodgen.analyse.pencil import Cells, Pencil, solve
 from rodgen.analyse.system import System
-from rodgen.analyse.threads import on_one_thread
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 
@@ -60,7 +60,7 @@ class Rest:
     change: float = np.inf
 
 
-@on_one_thread
+@guarded
 def static_equilibrium(scene: Scene, *, t: float | None = None) -> Equilibrium:
     """The equilibrium that the rod reaches from its straight shape as its loads grow from zero.
 

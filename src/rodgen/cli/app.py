@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from rodgen.cli import audit, check, derive, run, show
+from rodgen.cli import audit, check, critical, derive, modes, run, show, static
 
 app = typer.Typer(
     help="Equations of motion of planar flexible rods: derived, proven, generated, integrated.",
@@ -18,6 +18,9 @@ app.command(context_settings={"ignore_unknown_options": True})(derive.derive)
 app.command()(run.run)
 app.command()(check.check)
 app.command()(show.show)
+app.command()(modes.modes)
+app.command()(static.static)
+app.command()(critical.critical)
 app.command()(audit.audit)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from collections.abc import Iterator
@@ -16,6 +17,15 @@ def fail(message: str, status: int) -> NoReturn:
     """Print one line to standard error and end with a status."""
     print(f"rodgen: {message}", file=sys.stderr)
     sys.exit(status)
+
+
+def finite(option: str, value: float | None) -> float | None:
+    """The value of an option; raises SceneError for one that is not finite."""
+    from rodgen.scene import SceneError
+
+    if value is not None and not math.isfinite(value):
+        raise SceneError(option, value, "a finite number")
+    return value
 
 
 @contextmanager
@@ -38,9 +48,12 @@ def reported() -> Iterator[None]:
 
 def _explain(error: Exception) -> None:
     """End with one line for what the user can mend."""
+    from rodgen.analyse.errors import AnalysisError
     from rodgen.loading import BuildError
     from rodgen.scene import SceneError
 
+    if isinstance(error, AnalysisError):
+        fail(str(error), FAILED_RUN)
     if isinstance(error, SceneError):
         fail(str(error), BAD_INPUT)
     if isinstance(error, BuildError):

@@ -1,0 +1,89 @@
+"""rodgen modes: natural frequencies and mode shapes of a scene."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.table import Table
+
+from rodgen.cli.console import out, working
+from rodgen.cli.errors import finite
+from rodgen.cli.folders import writable
+
+if TYPE_CHECKING:
+    from rodgen.analyse.modes import Modes
+
+
+def modes(
+    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene, in TOML.")],
+    count: Annotated[int, typer.Option(help="How many modes, from the lowest on.")] = 10,
+    t: Annotated[
+        float | None,
+        typer.Option("--t", help="Time whose loads are taken [s]; the end of the span."),
+    ] = None,
+    out_folder: Annotated[
+        Path, typer.Option("--out", help="Folder in which a folder of the scene's name is made.")
+    ] = Path("results"),
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object, and no table and picture.")
+    ] = False,
+) -> None:
+    """Show the natural frequencies of SCENE about its steady state; draw the shapes."""
+    from rodgen.analyse.modes import natural_modes
+    from rodgen.scene import Scene
+
+    scene = Scene.from_toml(scene_file)
+    with working("linearising"):
+        found = natural_modes(scene, count, t=finite("--t", t))
+    if as_json:
+        print(json.dumps(_object(found), allow_nan=False))
+        return
+    if len(found.frequencies):
+        out.print(_table(found, scene.name))
+    else:
+        out.print(f"{scene.name}: no natural frequencies")
+    out.print(f"About the state: {found.state}; loads as at t = {found.t:g} s.")
+    out.print(f"Left out: {_left_out(found)}.")
+    if len(found.frequencies):
+        from rodgen.view.analysis_pictures import mode_shapes, save_picture
+
+        with working("drawing"):
+            figure = mode_shapes(found, scene.name)
+            picture = save_picture(figure, writable(out_folder / scene.name), "modes")
+        out.print(f"Written: {picture}")
+
+
+def _object(found: Modes) -> dict[str, object]:
+    return {
+        "frequencies": found.frequencies.tolist(),
+        "growth": found.growth.tolist(),
+        "state": found.state,
+        "rigid": found.rigid,
+        "overdamped": found.overdamped,
+        "t": found.t,
+    }
+
+
+def _table(found: Modes, name: str) -> Table:
+    table = Table(title=f"{name}: natural frequencies")
+    damped = bool(found.growth.any())
+    columns = ["mode", "frequency [Hz]", "period [s]"]
+    for column in [*columns, *["growth [1/s]", "damping ratio"] * damped]:
+        table.add_column(column, justify="right")
+    for at, (f, growth) in enumerate(zip(found.frequencies, found.growth, strict=True)):
+        size = float((growth**2 + (6.283185307179586 * f) ** 2) ** 0.5)
+        row = [str(at + 1), f"{f:.10g}", f"{1 / f:.6g}" if f else "-"]
+        table.add_row(*row, *[f"{growth:.6g}", f"{0.0 - growth / size:.6g}" if f else "-"] * damped)
+    return table
+
+
+def _left_out(found: Modes) -> str:
+    """Motions without a frequency, in words."""
+    ways = {0: "", 1: " (turning)", 2: " (moving along and across)", 3: " (moving and turning)"}
+    rigid = f"{found.rigid or 'no'} rigid-body motion{'s' * (found.rigid != 1)}{ways[found.rigid]}"
+    if not found.overdamped:
+        return rigid
+    return f"{rigid}, {found.overdamped} overdamped motion{'s' * (found.overdamped != 1)}"

@@ -1,0 +1,86 @@
+"""rodgen static: the equilibrium of a scene under loads that do not change."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.table import Table
+
+from rodgen.cli.console import err, out, working
+from rodgen.cli.errors import finite
+from rodgen.cli.folders import writable
+
+if TYPE_CHECKING:
+    from rodgen.analyse.statics import Equilibrium
+
+STABLE = {True: "yes", False: "NO", None: "not looked at (more than 200 links)"}
+ROUNDING = 1e-15  # of the largest coordinate
+
+
+def static(
+    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene, in TOML.")],
+    t: Annotated[
+        float | None,
+        typer.Option("--t", help="Time whose loads are taken [s]; the end of the span."),
+    ] = None,
+    out_folder: Annotated[
+        Path, typer.Option("--out", help="Folder in which a folder of the scene's name is made.")
+    ] = Path("results"),
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object, and no table and picture.")
+    ] = False,
+) -> None:
+    """Show the static equilibrium of SCENE; draw the deflected rod."""
+    from rodgen.analyse.statics import static_equilibrium
+    from rodgen.analyse.system import System
+    from rodgen.scene import Scene
+
+    scene = Scene.from_toml(scene_file)
+    with working("balancing"):
+        rest = static_equilibrium(scene, t=finite("--t", t))
+    if rest.stable is False:
+        err.print("rodgen: warning: this equilibrium is unstable: small motions about it grow")
+    if as_json:
+        print(json.dumps(_object(rest), allow_nan=False))
+        return
+    out.print(_table(rest, scene.name))
+    from rodgen.view.analysis_pictures import equilibrium_shape, save_picture
+
+    with working("drawing"):
+        figure = equilibrium_shape(rest, System.of(scene, t))
+        picture = save_picture(figure, writable(out_folder / scene.name), "static")
+    out.print(f"Written: {picture}")
+
+
+def _object(rest: Equilibrium) -> dict[str, object]:
+    return {
+        "tip": rest.tip.tolist(),
+        "phi": rest.phi.tolist(),
+        "stable": rest.stable,
+        "iterations": rest.iterations,
+        "stages": list(rest.stages),
+        "t": rest.t,
+    }
+
+
+def _table(rest: Equilibrium, name: str) -> Table:
+    x, y = (0.0 if abs(c) < ROUNDING * abs(rest.joints).max() else c for c in rest.tip)
+    angle = float(rest.phi[-1])
+    stages = len(rest.stages)
+    rows = {
+        "tip x": f"{x:.12g} m",
+        "tip y": f"{y:.12g} m",
+        "tip angle": f"{angle:.12g} rad = {math.degrees(angle):.6g} degrees",
+        "Newton iterations": f"{rest.iterations}, the last correction {rest.change:.1e} rad",
+        "load stages": str(stages) if stages > 1 else "1 (the whole load at once)",
+        "loads as at": f"t = {rest.t:g} s",
+        "stable": STABLE[rest.stable],
+    }
+    table = Table(title=f"{name}: static equilibrium", show_header=False)
+    for row in rows.items():
+        table.add_row(*row)
+    return table

@@ -1,0 +1,250 @@
+"""rodgen modes, static and critical: what they print, draw and refuse."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from scipy.special import jn_zeros
+
+import rodgen
+from rodgen.analyse.columns import beck
+from rodgen.cli import main
+
+ROOT = Path(__file__).parents[2]
+LENGTH, STIFFNESS = 5.0, 100.0
+
+
+class Done(NamedTuple):
+    status: int
+    out: str
+    err: str
+
+
+Call = Callable[..., Done]
+Write = Callable[..., Path]
+
+
+@pytest.fixture
+def call(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> Call:
+    """Run a command in this process, in an empty folder."""
+    (tmp_path / "work").mkdir()
+    monkeypatch.chdir(tmp_path / "work")
+
+    def run(*arguments: object) -> Done:
+        monkeypatch.setattr(sys, "argv", ["rodgen", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        return Done(int(end.value.code or 0), *capsys.readouterr())
+
+    return run
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    """A scene in a file; loads: text of the tables of loads."""
+
+    def make(loads: str = "", links: int = 20, boundary: str = "clamped", **rod: Any) -> Path:
+        table = {"mass": 20.0, "bending_stiffness": STIFFNESS, **rod}
+        keys = "\n".join(f"{k} = {json.dumps(v)}" for k, v in table.items())
+        path = tmp_path / "rod.toml"
+        path.write_text(
+            f'name = "rod"\n[rod]\nlinks = {links}\nlength = {LENGTH}\nboundary = "{boundary}"\n'
+            f"{keys}\n{loads}\n",
+            encoding="utf-8",
+        )
+        return path
+
+    return make
+
+
+PUSHED = "[loads.follower]\nforce = 10.0"
+HANGING = "[loads.gravity]\ng = 9.81"
+
+
+def _strict(done: Done) -> dict[str, Any]:
+    """One JSON object on one line, without NaN and Infinity, and nothing written."""
+
+    def refuse(constant: str) -> None:
+        raise AssertionError(constant)
+
+    assert done.status == 0, done.err
+    assert done.out.count("\n") == 1
+    assert list(Path.cwd().iterdir()) == []
+    found: dict[str, Any] = json.loads(done.out, parse_constant=refuse)
+    return found
+
+
+def _picture(name: str) -> None:
+    """It is there, alone, and whole."""
+    (picture,) = (Path.cwd() / "results" / "rod").iterdir()
+    assert picture.name == name
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert picture.stat().st_size > 10_000
+
+
+def test_modes_of_a_hanging_chain(call: Call, write: Write) -> None:
+    chain = write(HANGING, 50, "pinned", bending_stiffness=0.0, inertia="lumped")
+    found = _strict(call("modes", chain, "--count", 3, "--json"))
+    modes = rodgen.natural_modes(rodgen.Scene.from_toml(chain), 3)
+    assert found["frequencies"] == modes.frequencies.tolist()
+    # J0(2 omega sqrt(L/g)) = 0; the first is off by about (1/n)^2 / 3.
+    exact = jn_zeros(0, 1)[0] / (4 * np.pi) * np.sqrt(9.81 / LENGTH)
+    assert found["frequencies"][0] == pytest.approx(exact, rel=1 / 50**2)
+
+
+def test_modes_with_damping_as_table_and_picture(call: Call, write: Write) -> None:
+    scene = write("[loads.internal_damping]\ncoefficient = 5.0", 8)
+    done = call("modes", scene, "--count", 4)
+    assert (done.status, done.err) == (0, "")
+    assert "damping ratio" in done.out
+    modes = rodgen.natural_modes(rodgen.Scene.from_toml(scene), 4)
+    assert all(f"{f:.10g}" in done.out for f in modes.frequencies)
+    assert "straight, at rest" in done.out
+    _picture("modes.png")
+
+
+def test_modes_of_a_free_rod_say_what_is_left_out(call: Call, write: Write) -> None:
+    done = call("modes", write(PUSHED, 6, "free"), "--t", "2")
+    assert "growth" not in done.out
+    assert "steadily accelerating; loads as at t = 2 s" in done.out
+    assert "3 rigid-body motions" in done.out
+
+
+def test_static_deflection(call: Call, write: Write) -> None:
+    scene = write("[loads.tip]\ny = 0.01", 40)
+    found = _strict(call("static", scene, "--json"))
+    rest = rodgen.static_equilibrium(rodgen.Scene.from_toml(scene))
+    assert found["tip"] == rest.tip.tolist()
+    assert found["phi"] == rest.phi.tolist()
+    assert found["stable"] is True
+    # F L^3 / (3 EI); off by 1 / (2 n^2) of it, and by (deflection / length)^2 = 7e-6.
+    assert found["tip"][1] == pytest.approx(0.01 * LENGTH**3 / (3 * STIFFNESS), rel=1e-3)
+
+
+def test_static_with_all_loads_as_table_and_picture(call: Call, write: Write) -> None:
+    loads = f'{PUSHED}\n{HANGING}\n[loads.tip]\nx = "3*t"\ny = 5.0'
+    done = call("static", write(loads, 10), "--t", 1.5)
+    assert (done.status, done.err) == (0, "")
+    assert "loads as at" in done.out
+    assert "t = 1.5 s" in done.out
+    _picture("static.png")
+
+
+def test_static_warns_of_an_unstable_equilibrium(call: Call, write: Write) -> None:
+    """Ten times Euler's load pi^2 EI / (4 L^2) = 9.87 N, exactly along the rod."""
+    done = call("static", write("[loads.tip]\nx = -100.0", 5), "--json")
+    assert _strict(done)["stable"] is False
+    assert "warning: this equilibrium is unstable" in done.err
+    assert len(done.err.splitlines()) == 1
+
+
+def test_critical_force_of_becks_column(call: Call, write: Write) -> None:
+    scene = write(PUSHED)
+    found = _strict(call("critical", scene, "--json"))
+    assert found["force"] == rodgen.critical_force(rodgen.Scene.from_toml(scene)).force
+    assert (found["kind"], found["modes"]) == ("flutter", [1, 2])
+    # The continuum; 20 links with this clamp are 0.7 % below.
+    force, frequency = beck().dimensional(mass=20, length=LENGTH, bending_stiffness=STIFFNESS)
+    assert found["force"] == pytest.approx(force, rel=0.01)
+    assert found["frequency"] == pytest.approx(frequency, rel=0.01)
+
+
+def test_critical_force_as_table_and_picture(call: Call, write: Write) -> None:
+    scene = write(f"{PUSHED}\n[loads.internal_damping]\ncoefficient = 0.5", 6)
+    done = call("critical", scene, "--highest", 300)
+    assert (done.status, done.err) == (0, "")
+    found = rodgen.critical_force(rodgen.Scene.from_toml(scene), highest=300)
+    assert f"{found.force:.10g} N" in done.out
+    assert "0 to 300 N" in done.out
+    _picture("critical.png")
+
+
+def test_divergence_has_no_frequency(call: Call, write: Write) -> None:
+    """Pinned: tan x = x, x^2 = P L^2/EI = 20.19; 20 links are 0.4 % below."""
+    found = _strict(call("critical", write(PUSHED, 20, "pinned"), "--json"))
+    assert (found["kind"], found["frequency"]) == ("divergence", 0.0)
+    assert found["factor"] == pytest.approx(4.493409457909064**2, rel=0.01)
+
+
+def test_picture_of_a_bent_rod(call: Call, write: Write) -> None:
+    """A force at an angle: the state, and with it the mass matrix, changes with the force."""
+    done = call("critical", write(f"{PUSHED}\nangle = 0.2", 5))
+    assert "static equilibrium" in done.out
+    _picture("critical.png")
+
+
+def test_critical_force_by_simulation(call: Call, write: Write) -> None:
+    """In so short a time only what grows fast is seen: the force is too large, not too small."""
+    found = _strict(call("critical", write(PUSHED, 2), "--simulate", 20, "--json"))
+    simulated = found["simulated"]
+    assert simulated["span"] == 20.0
+    assert simulated["low"] < simulated["force"] < simulated["high"]
+    assert 1 < simulated["force"] / found["force"] < 1.05
+
+
+BAD = [
+    (("modes", "SCENE", "--count", "0"), 2, "count = 0"),
+    (("modes", "SCENE", "--count", "-3"), 2, "count = -3"),
+    (("modes", "SCENE", "--count", "many"), 2, "--count"),
+    (("modes", "SCENE", "--t", "nan"), 2, "--t = nan"),
+    (("modes", "missing.toml"), 2, "missing.toml"),
+    (("modes",), 2, "SCENE"),
+    (("static", "SCENE", "--t", "inf"), 2, "--t = inf"),
+    (("static", "SCENE"), 2, "nothing holds a free rod"),
+    (("critical", "SCENE"), 2, "loads.follower"),
+    (("critical", "PUSHED", "--highest", "50"), 3, "between 0 and 50 N"),
+    (("critical", "PUSHED", "--lowest", "200"), 3, "unstable already at the lowest"),
+    (("critical", "PUSHED", "--lowest", "9", "--highest", "3"), 2, "highest = 3.0"),
+    (("critical", "PUSHED", "--lowest", "nan"), 2, "--lowest = nan"),
+    (("critical", "PUSHED", "--highest", "inf"), 2, "--highest = inf"),
+    (("critical", "PUSHED", "50"), 2, "--simulate"),
+    (("critical", "PUSHED", "--simulate", "0"), 2, "span = 0.0"),
+    (("critical", "TURNED"), 3, "no steady state"),
+    (("modes", "TURNED"), 3, "no steady state"),
+    (("static", "LOOSE"), 3, "no equilibrium found"),
+]
+
+
+@pytest.mark.parametrize("as_json", [False, True], ids=["table", "json"])
+@pytest.mark.parametrize(("arguments", "status", "words"), BAD, ids=str)
+def test_what_has_no_answer_ends_in_one_line(
+    call: Call, write: Write, arguments: tuple[str, ...], status: int, words: str, as_json: bool
+) -> None:
+    scenes: dict[str, tuple[Any, ...]] = {
+        "SCENE": ("", 4, "free"),
+        "PUSHED": (PUSHED, 4),
+        "TURNED": (f"{PUSHED}\nangle = 0.3", 4, "free"),
+        "LOOSE": (PUSHED, 4, "pinned"),
+    }
+    given = [write(*scenes[a]) if a in scenes and len(arguments) > 1 else a for a in arguments]
+    done = call(*given, *["--json"] * as_json)
+    assert done.status == status, done.err
+    assert words in done.err
+    assert len(done.err.splitlines()) == 1
+    assert done.out == ""
+    assert list(Path.cwd().iterdir()) == []
+
+
+@pytest.mark.parametrize("command", ["modes", "static", "critical"])
+def test_folder_that_cannot_be_written(call: Call, write: Write, command: str) -> None:
+    scene = write(PUSHED, 3)
+    done = call(command, scene, "--out", scene)
+    assert done.status == 2
+    assert "--out" in done.err
+    assert len(done.err.splitlines()) == 1
+
+
+def test_scenes_to_start_from(call: Call) -> None:
+    """Numbers in their comments: 80.1 N, 0.2681 Hz."""
+    column = _strict(call("critical", ROOT / "scenes" / "becks_column.toml", "--json"))
+    assert column["force"] == pytest.approx(80.1, abs=0.05)
+    chain = _strict(call("modes", ROOT / "scenes" / "hanging_chain.toml", "--json"))
+    assert chain["frequencies"][0] == pytest.approx(0.2681, abs=1e-4)
