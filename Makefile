@@ -2,6 +2,7 @@
 # make derive N=20 [BOUNDARY=free] [INERTIA=uniform] [TERMS=all] [TARGET=numpy] [FORM=chain]
 #             [EXPLICIT=1]                       make reference    regenerate the reference modules
 # make figures    draw those of docs/derivation.md anew
+# make thesis     rebuild the tables of the thesis into results/thesis/
 # make lint, make types                          make bench, bench-rhs, bench-integrate, bench-analyse
 
 PYTHON ?= python3
@@ -15,7 +16,7 @@ TERMS ?= all
 TARGET ?= numpy
 FORM ?= chain
 
-.PHONY: demo derive test lint types bench bench-rhs bench-integrate bench-analyse reference figures clean
+.PHONY: demo derive test lint types bench bench-rhs bench-integrate bench-analyse reference figures thesis clean
 
 demo: .venv/installed
 	@$(BIN)/rodgen derive 20 --out generated
@@ -57,6 +58,9 @@ bench-analyse: .venv/installed
 
 reference: .venv/developing
 	$(BIN)/python -m pytest tests/generated/test_reference_modules.py --update
+
+thesis: .venv/installed
+	@$(BIN)/rodgen thesis
 
 figures: .venv/installed
 	@$(BIN)/python -m rodgen.view.model_figures docs/pictures

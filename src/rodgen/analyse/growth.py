@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,12 +15,15 @@ from rodgen.integrate.outcome import RunError
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.solution import Solution
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.tables import FIXED_STEP
 
 FIRST = 4.0  # EI/L^2, doubled until a motion grows
 PIECES = 20  # of a run
 TOLERANCES = {"rtol": 1e-6, "atol": 1e-8}  # what grows by itself is far larger than errors
 SAMPLES = 4000  # of a run, among which the largest bending is looked for
-DISTURBED = "1e-4*(cos(pi*s) + cos(2*pi*s) + cos(3*pi*s))"  # rad, where a scene starts straight
+# Small angles [rad] of a rod that starts straight, without a moment at its free ends.
+DISTURBED = "1e-4*(cos(pi*s) + cos(2*pi*s) + cos(3*pi*s))"
+DISTURBED_CLAMPED = "1e-4*(sin(pi*s/2) + sin(3*pi*s/2))"
 
 
 @dataclass(frozen=True)
@@ -101,6 +105,12 @@ class _Run:
     def __init__(self, scene: Scene, growth: float, settings: dict[str, Any]):
         self.scene, self.growth, self.settings, self.count = scene, growth, settings, 0
         self.span = scene.integrate.span[1]
+        self.ends = np.linspace(0.0, self.span, PIECES + 1)
+        step = settings.get("step", scene.integrate.step)
+        if settings.get("method", scene.integrate.method) in FIXED_STEP and step:
+            # A piece of whole steps: every shortened one would disturb the fastest motions.
+            piece = max(1, round(self.span / PIECES / step)) * step
+            self.ends = np.append(np.arange(0.0, self.span - piece / 2, piece), self.span)
 
     def grows(self, force: float) -> bool:
         """Whether the bending of the start is exceeded by so much; a run that blows up has. The
@@ -109,8 +119,8 @@ class _Run:
         table = self.scene.model_dump(exclude_none=True)
         table["loads"]["follower"]["force"] = force
         most = np.inf
-        for start in np.linspace(0.0, self.span, PIECES, endpoint=False):
-            table["integrate"]["span"] = [float(start), float(start + self.span / PIECES)]
+        for start, end in pairwise(self.ends.tolist()):
+            table["integrate"]["span"] = [start, end]
             try:
                 solution = simulate(Scene.from_dict(table), **self.settings)
             except RunError:
@@ -149,6 +159,7 @@ def _ready(scene: Scene, span: float) -> Scene:
     moving = scene.initial_state()
     angles = moving[2 * scene.hold.translates : len(moving) // 2]
     if np.ptp(angles) == 0 and not moving[len(moving) // 2 :].any():
-        start = f"{float(angles[0])!r} + {DISTURBED}" if len(angles) else DISTURBED
+        clamped = scene.held or scene.hold.root_spring
+        start = f"{float(angles[0])!r} + {DISTURBED_CLAMPED if clamped else DISTURBED}"
         table["initial"] = table.get("initial", {}) | {"phi": start}
     return Scene.from_dict(table)

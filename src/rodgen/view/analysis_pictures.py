@@ -195,8 +195,8 @@ def stability_curves(found: Critical, family: Family) -> Figure:
 
 
 def _rates(family: Family, low: float, high: float, until: float) -> tuple[Array, Complex]:
-    """Forces and eigenvalues at them, rigid-body motions as nan; only up to the critical force where no steady state lies
-    beyond."""
+    """Forces and eigenvalues at them, rigid-body motions as nan; only up to the critical force
+    where no steady state lies beyond."""
     for end in (high, until * (1 - 1e-6)):
         forces = np.linspace(low, end, FORCES)
         try:

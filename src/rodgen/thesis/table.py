@@ -1,0 +1,90 @@
+"""A table of the thesis rebuilt: columns, rows, verdicts, and what was found about it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from rodgen.thesis.data import digits, half_unit
+
+Cell = float | int | str | None
+LEAST = 3  # significant digits from which on a value counts as reproduced,
+CLOSE = 0.3  # or a deviation [%] up to which it does
+
+
+class Column(NamedTuple):
+    """key: in the rows; title: what it is; unit; spec: how its numbers are printed."""
+
+    key: str
+    title: str
+    unit: str = ""
+    spec: str = ""
+
+    def text(self, value: Cell) -> str:
+        """A value as it is printed; nothing for one that there is not."""
+        if value is None:
+            return ""
+        return value if isinstance(value, str) else format(value, self.spec)
+
+
+class Note(NamedTuple):
+    """status: shown, refuted, consistent (fits, other reasons fit as well), open, or found."""
+
+    status: str
+    text: str
+
+
+@dataclass
+class Table:
+    """number: of the thesis, or a name; conditions: as printed; assumed: where it is silent."""
+
+    number: str
+    title: str
+    columns: tuple[Column, ...]
+    rows: list[dict[str, Cell]]
+    conditions: list[str] = field(default_factory=list)
+    assumed: list[str] = field(default_factory=list)
+    notes: list[Note] = field(default_factory=list)
+    seconds: float = 0.0
+    curve: list[tuple[float, float]] = field(default_factory=list)  # x, y [m] of a figure
+
+    def column(self, key: str) -> list[float]:
+        """Numbers of a column, nan where there is none."""
+        return [math.nan if row.get(key) is None else float(row[key] or 0) for row in self.rows]
+
+
+def percent(value: float, base: float) -> float:
+    """Deviation of a value from a base [%]."""
+    return 100 * (value - base) / base
+
+
+def agreed(printed: str, value: float) -> int:
+    """Leading significant digits of a printed number that a value confirms: to k digits, both
+    differ by no more than half a unit of the k-th, its own rounding allowed for."""
+    number = float(printed)
+    if not math.isfinite(value) or number * value <= 0:
+        return 0
+    first = math.floor(math.log10(abs(number)))
+    difference = abs(number - value)
+    count = 0
+    for k in range(1, digits(printed) + 1):
+        unit = 10.0 ** (first - k + 1)
+        slack = half_unit(printed) if k < digits(printed) else 0.0
+        if difference <= unit / 2 * (1 + 1e-9) + slack:
+            count = k
+    return count
+
+
+def verdict(printed: str, value: float, reason: str = "", close: float = CLOSE) -> str:
+    """Reproduced to how many digits, or not; by how much it is off, and for what reason.
+
+    close: deviation [%] up to which fewer digits than LEAST count as well."""
+    if not math.isfinite(value):
+        return "nothing to compare with"
+    count, off = agreed(printed, value), percent(float(printed), value)
+    if count == digits(printed):
+        return f"reproduced to all {count} digits"
+    if count >= LEAST or abs(off) <= close:
+        return f"reproduced to {count} digits ({off:+.2g} %)"
+    return f"not reproduced ({off:+.2g} %){': ' + reason if reason else ''}"

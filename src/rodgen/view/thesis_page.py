@@ -1,0 +1,163 @@
+"""The tables of the thesis as one HTML page that needs no network, with CSV and pictures."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+import platform
+import tempfile
+from collections.abc import Sequence
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, StrictUndefined
+
+from rodgen.loading.cache import write_whole
+from rodgen.thesis import scenes
+from rodgen.thesis.table import Table
+from rodgen.view.thesis_figures import CAPTIONS, save_figures
+
+TEMPLATE = "pages/thesis.html.jinja"
+INTRODUCTION = (
+    "Every table of chapters 3 and 4 of J. Mašek, Modelling of free beam loaded by follower load "
+    "(Brno 2014), beside what its own model gives: by its own method, a simulation, and exactly, "
+    "by eigenvalues or in equilibrium; and beside the continuum that the links approximate.",
+    "Verdicts are computed from the numbers of each row. A value is reproduced to k digits where "
+    "it differs from ours by no more than half a unit of its k-th digit.",
+)
+OPEN = (
+    f"The mass of the rod in 3.3 and 4.2: {scenes.MASS:g} kg, from a fit to table 4.1. It does not "
+    "enter a critical force without damping, only how fast flutter grows.",
+    "Damping, everywhere: none, but where a table says otherwise below it.",
+    "How the rod is disturbed, how much, and what counts as unstable: said below each table.",
+    "How frequencies are read from the FFT: a sine^6 window, peaks between the bins.",
+    "The span of the runs in 4.2: 200 s, that of 3.3.",
+    f"The axial stiffness of the mass-spring model: EA = {scenes.AXIAL_STIFFNESS:.4g} N, from the "
+    "section of 3.1.",
+    "The machine and the version of Java: run times are compared in their growth alone.",
+)
+MEANINGS = {
+    "shown": "follows from the numbers here",
+    "consistent": "a hypothesis that fits; others may fit as well",
+    "refuted": "a hypothesis that was tried and does not give the printed values",
+    "open": "not explained",
+    "found": "what was found about the print itself",
+}
+OF_TABLE = {"3.2": ("3.1", "3.2"), "3.3": ("3.3",), "3.5": ("3.4", "3.5"), "3.6": ("3.6",)} | {
+    number: (number,) for number in ("4.1", "4.2")
+}
+
+
+def write_thesis(folder: Path, tables: Sequence[Table], seconds: float) -> Path:
+    """Write index.html, a CSV file for each table and the figures; returns the page.
+
+    seconds: what the tables took. Everything is made before anything is put into the folder, and
+    the page comes last.
+    """
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".thesis") as making:
+        made = Path(making)
+        figures = save_figures({table.number: table for table in tables}, made)
+        page = html(tables, figures, seconds)
+        for table in tables:
+            write_whole(made / csv_name(table), csv_text(table))
+        for file in sorted(made.iterdir()):
+            file.replace(folder / file.name)
+    write_whole(folder / "index.html", page)
+    return folder / "index.html"
+
+
+def html(tables: Sequence[Table], figures: dict[str, str], seconds: float) -> str:
+    """The page; figures: files by number."""
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    source = files("rodgen.templates").joinpath(TEMPLATE).read_text(encoding="utf-8")
+    return environment.from_string(source).render(
+        introduction=INTRODUCTION,
+        open=OPEN,
+        meanings=MEANINGS,
+        tables=[_table(table, figures) for table in tables],
+        made=made_with(seconds),
+    )
+
+
+def csv_text(table: Table) -> str:
+    """A table with all digits; the head has the titles and units."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(_head(table))
+    for row in table.rows:
+        cells = [row.get(column.key) for column in table.columns]
+        writer.writerow(["" if cell is None else cell for cell in cells])
+    return text.getvalue()
+
+
+def csv_name(table: Table) -> str:
+    """Its file beside the page."""
+    return f"table_{table.number.replace('.', '_')}.csv"
+
+
+def made_with(seconds: float) -> str:
+    """Versions, processor and time, in a line."""
+    packages = ", ".join(
+        f"{name} {version(name)}" for name in ("rodgen", "numpy", "scipy", "mpmath")
+    )
+    return (
+        f"Made with {packages}, Python {platform.python_version()} on {processor()}, "
+        f"{os.cpu_count()} cores, in {seconds:.0f} s."
+    )
+
+
+def processor() -> str:
+    """Name of the processor, as far as the system tells it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
+
+
+def _head(table: Table) -> list[str]:
+    return [f"{c.title} [{c.unit}]" if c.unit else c.title for c in table.columns]
+
+
+def _table(table: Table, figures: dict[str, str]) -> dict[str, Any]:
+    numbered = table.number[0].isdigit()
+    shown = [number for number in OF_TABLE.get(table.number, ()) if number in figures]
+    return {
+        "number": table.number,
+        "anchor": f"table-{table.number.replace('.', '-')}",
+        "title": table.title,
+        "heading": f"Table {table.number}: {table.title}" if numbered else table.title,
+        "reproduced": summary(table),
+        "conditions": table.conditions,
+        "assumed": table.assumed,
+        "head": _head(table),
+        "body": [
+            [
+                {
+                    "text": column.text(row.get(column.key)),
+                    "kind": "text" if isinstance(row.get(column.key), str) else "number",
+                }
+                for column in table.columns
+            ]
+            for row in table.rows
+        ],
+        "notes": table.notes,
+        "figures": [{"number": n, "file": figures[n], "caption": CAPTIONS[n]} for n in shown],
+        "csv": csv_name(table),
+        "seconds": f"{table.seconds:.1f}",
+    }
+
+
+def summary(table: Table) -> str:
+    """How many rows are reproduced, in a few words."""
+    verdicts = [str(row["verdict"]) for row in table.rows if row.get("verdict")]
+    count = sum(text.startswith("reproduced") for text in verdicts)
+    if not any("reproduced" in text for text in verdicts):  # run times, or no printed values
+        return "no values to reproduce"
+    return f"{count} of {len(verdicts)}"
