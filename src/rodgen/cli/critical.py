@@ -13,6 +13,7 @@ from rich.table import Table
 from rodgen.cli.console import out, working
 from rodgen.cli.errors import finite
 from rodgen.cli.folders import writable
+from rodgen.cli.options import AsJson, AtTime, OutFolder, SceneFile
 from rodgen.scene import Scene, SceneError
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ SPAN = 200.0  # s
 
 
 def critical(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene, in TOML.")],
+    scene_file: SceneFile,
     span: Annotated[
         float | None,
         typer.Argument(metavar="SPAN", help=f"Seconds that --simulate takes; {SPAN:g}."),
@@ -32,20 +33,13 @@ def critical(
     highest: Annotated[
         float | None, typer.Option(help="Where it ends [N]; 1000 EI/L^2, if not given.")
     ] = None,
-    t: Annotated[
-        float | None,
-        typer.Option("--t", help="Time whose other loads are taken [s]; the end of the span."),
-    ] = None,
+    t: AtTime = None,
     simulate: Annotated[
         bool,
         typer.Option("--simulate", help="Also find it by simulations of [SPAN] s. Takes long."),
     ] = False,
-    out_folder: Annotated[
-        Path, typer.Option("--out", help="Folder in which a folder of the scene's name is made.")
-    ] = Path("results"),
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object, and no table and picture.")
-    ] = False,
+    out_folder: OutFolder = Path("results"),
+    as_json: AsJson = False,
 ) -> None:
     """Find the smallest follower force under which SCENE flutters or diverges, whatever force it
     has itself; draw frequencies and growth against the force."""

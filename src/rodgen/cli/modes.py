@@ -12,24 +12,18 @@ from rich.table import Table
 from rodgen.cli.console import out, working
 from rodgen.cli.errors import finite
 from rodgen.cli.folders import writable
+from rodgen.cli.options import AsJson, AtTime, OutFolder, SceneFile
 
 if TYPE_CHECKING:
     from rodgen.analyse.modes import Modes
 
 
 def modes(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene, in TOML.")],
+    scene_file: SceneFile,
     count: Annotated[int, typer.Option(help="How many modes, from the lowest on.")] = 10,
-    t: Annotated[
-        float | None,
-        typer.Option("--t", help="Time whose loads are taken [s]; the end of the span."),
-    ] = None,
-    out_folder: Annotated[
-        Path, typer.Option("--out", help="Folder in which a folder of the scene's name is made.")
-    ] = Path("results"),
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object, and no table and picture.")
-    ] = False,
+    t: AtTime = None,
+    out_folder: OutFolder = Path("results"),
+    as_json: AsJson = False,
 ) -> None:
     """Show the natural frequencies of SCENE about its steady state; draw the shapes."""
     from rodgen.analyse.modes import natural_modes

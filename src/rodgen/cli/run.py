@@ -15,6 +15,7 @@ import typer
 from rodgen.cli.console import err, out, progress, working
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
 from rodgen.cli.folders import unwritable, writable
+from rodgen.cli.options import OutFolder, SceneFile
 from rodgen.integrate import Interrupted, RunError, Solution, StepWarning, resume, simulate
 from rodgen.integrate.files.checkpoint import beside
 from rodgen.integrate.files.storage import load
@@ -27,16 +28,14 @@ RESULT = "solution.nc"
 
 
 def run(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene, in TOML.")],
+    scene_file: SceneFile,
     method: Annotated[str | None, typer.Option(help="Instead of the scene's method.")] = None,
     step: Annotated[float | None, typer.Option(help="Step of a fixed-step method [s].")] = None,
     rtol: Annotated[float | None, typer.Option(help="Relative tolerance.")] = None,
     target: Annotated[
         str | None, typer.Option(help="numpy or c; if not given, c where it can be built.")
     ] = None,
-    out_folder: Annotated[
-        Path, typer.Option("--out", help="Folder in which a folder of the scene's name is made.")
-    ] = Path("results"),
+    out_folder: OutFolder = Path("results"),
     checkpoint: Annotated[
         float, typer.Option(help="Seconds between two states from which --resume can go on.")
     ] = 30.0,

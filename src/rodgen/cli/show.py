@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from pathlib import Path
-from typing import Annotated
 
-import typer
 from rich.table import Table
 
 from rodgen.cli.console import out, working
+from rodgen.cli.options import SceneFile
 from rodgen.integrate import choose
 from rodgen.integrate.methods.choose import described, fastest_motion
 from rodgen.integrate.stability import limit
@@ -20,7 +18,7 @@ from rodgen.scene.tables import FIXED_STEP
 
 
 def show(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene, in TOML.")],
+    scene_file: SceneFile,
 ) -> None:
     """Show what will be in the module of SCENE, and what is left out and why."""
     scene = Scene.from_toml(scene_file)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
 from rich.table import Table
 
 from rodgen.cli.console import err, out, working
 from rodgen.cli.errors import finite
 from rodgen.cli.folders import writable
+from rodgen.cli.options import AsJson, AtTime, OutFolder, SceneFile
 
 if TYPE_CHECKING:
     from rodgen.analyse.statics import Equilibrium
@@ -22,17 +22,10 @@ ROUNDING = 1e-15  # of the largest coordinate
 
 
 def static(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene, in TOML.")],
-    t: Annotated[
-        float | None,
-        typer.Option("--t", help="Time whose loads are taken [s]; the end of the span."),
-    ] = None,
-    out_folder: Annotated[
-        Path, typer.Option("--out", help="Folder in which a folder of the scene's name is made.")
-    ] = Path("results"),
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object, and no table and picture.")
-    ] = False,
+    scene_file: SceneFile,
+    t: AtTime = None,
+    out_folder: OutFolder = Path("results"),
+    as_json: AsJson = False,
 ) -> None:
     """Show the static equilibrium of SCENE; draw the deflected rod."""
     from rodgen.analyse.statics import static_equilibrium
