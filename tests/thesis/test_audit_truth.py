@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from itertools import pairwise
 
 import pytest
@@ -39,10 +40,7 @@ class Direct:
             self.letters |= {q.diff(TIME, k): x for k, x in enumerate(letters)}
 
     def plain(self, expression: Expr) -> Expr:
-        orders = sorted(self.letters, key=lambda e: -getattr(e, "derivative_count", 0))
-        for e in orders:
-            expression = expression.subs(e, self.letters[e])
-        return expression
+        return expression.xreplace(self.letters)  # derivatives before what they are of
 
     def point(self, link: int, way: Expr) -> Matrix:
         x, y, *angles = self.q
@@ -58,11 +56,11 @@ class Direct:
         v = self.point(link, r).diff(TIME)
         return integrate((v.dot(v) * m / (2 * l)).expand(), (r, 0, l))
 
-    @property
+    @cached_property
     def energy(self) -> Expr:
         return sum((self.link_energy(i) for i in range(self.n)), Integer(0))
 
-    @property
+    @cached_property
     def springs(self) -> Expr:
         angles, k = self.q[2:], symbols("k", positive=True)
         return sum((k * (b - a) ** 2 / 2 for a, b in pairwise(angles)), Integer(0))

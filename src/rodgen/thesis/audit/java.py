@@ -1,6 +1,6 @@
 """The claims of the Java listing: appendix A, lines 1-681, and section 4.1, lines 705-1002.
 
-    java_truth      what the methods must give, derived
+    java_truth      what the methods must give beyond what truth has
     java_members    the class, its arrays and its initial state, as printed
     java_state      - their claims
     java_motion     updates of angles, coordinates, velocities, centre of gravity, and claims

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from sympy import Abs, Expr, S, Symbol, atan2, cos, sin, symbols
 
-from rodgen.derive.loads import JointDrag, drag_divisor, drag_force, joint_angle, joint_mass
+from rodgen.derive.loads import JointDrag, drag_divisor, drag_force, joint_mass
 
-from . import java_truth as truth
 from .claim import Claim, Entries
+from .equations_medium import angles_at, resisting
 from .java_damping import (
     MEAN,
     WITHOUT,
@@ -18,7 +18,10 @@ from .java_damping import (
     kitExtDamping,
     velocityAngle,
 )
+from .java_forces import symbolic_damping
 from .java_members import FINS, Array, symbolic
+from .java_truth import indexed
+from .truth import truth
 
 A, B = symbols("a b", positive=True)
 CASES = ((A, B), (-A, B), (-A, -B), (A, -B), (S.Zero, B), (S.Zero, -B), (A, S.Zero), (-A, S.Zero))
@@ -34,7 +37,7 @@ def _angles_by_case(n: int) -> list[Expr]:
 
 
 def _velocity_angles(n: int) -> list[Expr]:
-    return truth.indexed("varphi_v", n + 1)
+    return indexed("varphi_v", n + 1)
 
 
 def _coefficients(mean: Mean) -> Entries:
@@ -51,22 +54,18 @@ def _coefficients(mean: Mean) -> Entries:
     return entries
 
 
-def _joint_angle(n: int, i: int) -> Expr:
-    return joint_angle(truth.phi(n)[max(i - 1, 0) : i + 1])
-
-
 def _across_squared(n: int) -> list[Expr]:
     """The share of a velocity of length 1 that is across the rod."""
     shares = []
-    for i, angle in enumerate(_velocity_angles(n)):
-        joint = JointDrag(cos(angle), sin(angle), S.One, _joint_angle(n, i), S.One, S.One)
+    for angle, of_rod in zip(_velocity_angles(n), angles_at(n), strict=True):
+        joint = JointDrag(cos(angle), sin(angle), S.One, of_rod, S.One, S.One)
         (across,) = drag_force(joint)[0].atoms(Abs)
         shares.append(across.args[0] ** 2)
     return shares
 
 
 def _joint_speeds(n: int) -> list[Expr]:
-    x, y = truth.indexed("v_x", n + 1), truth.indexed("v_y", n + 1)
+    x, y = indexed("v_x", n + 1), indexed("v_y", n + 1)
     return [v for pair in zip(x, y, strict=True) for v in pair]
 
 
@@ -77,8 +76,8 @@ def _forces(closed: str) -> Entries:
     def entries(n: int) -> list[Expr]:
         it = symbolic(n)
         it.velocities = Array(_joint_speeds(n))
-        it.aeroDampingCoef = Array(truth.indexed("old", n + 1))
-        for i, a in enumerate(truth.indexed("a", n + 1)):
+        it.aeroDampingCoef = Array(indexed("old", n + 1))
+        for i, a in enumerate(indexed("a", n + 1)):
             it.aeroDampingCoef[i] = a
             if closed != "after line 511":
                 dampingForces(it)
@@ -97,10 +96,10 @@ def _forces_true(n: int) -> list[Expr]:
     fins = [spike * medium, *[medium] * (n - 1), tail * medium]
     speeds, angle, divisor = _joint_speeds(n), Symbol("angle", real=True), Symbol("divisor")
     x, y = [], []
-    for i, (fin, a) in enumerate(zip(fins, truth.indexed("a", n + 1), strict=True)):
+    for i, (fin, a) in enumerate(zip(fins, indexed("a", n + 1), strict=True)):
         mass = joint_mass(2 if 0 < i < n else 1)
         joint = JointDrag(speeds[2 * i], speeds[2 * i + 1], divisor, angle, mass, fin)
-        fx, fy = (f.replace(Abs, lambda _, a=a: a * divisor) for f in drag_force(joint))
+        fx, fy = (-f.replace(Abs, lambda _, a=a: a * divisor) for f in resisting(joint))
         x.append(fx)
         y.append(fy)
     return x + y
@@ -119,13 +118,6 @@ def _no_forces(n: int) -> list[Expr]:
     zero = S.Zero
     joint = JointDrag(zero, zero, drag_divisor(zero, zero), S.One, S.One, S.One)
     return [*drag_force(joint)] * (n + 1)
-
-
-def _effect(n: int) -> list[Expr]:
-    it = symbolic(n)
-    x, y = truth.drag(n)
-    it.dampingForcesX, it.dampingForcesY = Array(-f for f in x), Array(-f for f in y)
-    return kitExtDamping(it)
 
 
 CLAIMS = (
@@ -185,8 +177,8 @@ CLAIMS = (
     Claim(
         "Java 531-584",
         "effect of the damping forces",
-        {"as printed": _effect},
-        lambda n: [-e for e in truth.vector(n, truth.rod(n).external_damping)],
+        {"as printed": lambda n: symbolic_damping(symbolic(n))},
+        lambda n: [-e for e in truth(n).D_e],
         note="The minus of line 583 belongs to the arm -l sin(phi) of a force along x; the forces "
         "carry their own.",
         printed="-kitExtDampingXmoment+kitExtDampingYmoment+kitExtDampingTrans",

@@ -6,10 +6,11 @@ from collections.abc import Callable
 
 from sympy import Expr
 
-from . import java_truth as truth
 from .claim import Claim, Entries
 from .java_members import Array, FreeRodModel, symbolic
 from .java_motion import updateCG
+from .java_truth import gravity_energy, joints
+from .truth import truth
 
 Limit = Callable[[int], int]  # what k is compared with in lines 200 and 202, from the index l
 
@@ -90,7 +91,7 @@ def _overall(n: int) -> list[Expr]:
 def _overall_with_weight(n: int) -> list[Expr]:
     """The weight of the rod times the height of its centre of gravity added."""
     it = symbolic(n)
-    it.coordinates = Array(truth.joints(n))
+    it.coordinates = Array(joints(n))
     updateCG(it)
     return [_overall(n)[0] + it.mass * it.gravityAcceleration * it.centerOfGravity[1]]
 
@@ -103,7 +104,7 @@ CLAIMS = (
             "k<=l and k<l, the letter": _kinetic(LETTER),
             "k<=1 and k<1, the digit": _kinetic(DIGIT),
         },
-        lambda n: [truth.kinetic_energy(n)],
+        lambda n: [truth(n).kinetic_energy],
         repairs=(
             "lines 200 and 202: the limit of k reads as the digit 1; taken as the letter l, as "
             "in line 429, where the text has 'Fx*1*sin(fi)' for Fx*l*sin(fi)",
@@ -116,7 +117,7 @@ CLAIMS = (
         "Java 214-225",
         "energy of the springs",
         {"as printed": _potential},
-        lambda n: [truth.spring_energy(n)],
+        lambda n: [truth(n).spring_energy],
         note="Called potential energy: the weight has none here, see the overall energy.",
         printed="potentialEnergy+=(angles[i+1]-angles[i])*(angles[i+1]-angles[i]); "
         "potentialEnergy*=0.5*elementStiffness;",
@@ -125,7 +126,7 @@ CLAIMS = (
         "Java 227-232",
         "overall energy under gravity",
         {"as printed": _overall},
-        lambda n: [truth.kinetic_energy(n) + truth.spring_energy(n) + truth.gravity_energy(n)],
+        lambda n: [truth(n).kinetic_energy + truth(n).spring_energy + gravity_energy(n)],
         corrected=_overall_with_weight,
         note="The energy that is shown is not kept by a falling rod.",
         printed="overallEnergy=kineticEnergy+potentialEnergy;",

@@ -7,11 +7,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from sympy import Expr
 
-from . import java_truth as truth
 from .claim import Claim
 from .java_damping import externalDamping, kitExtDamping
 from .java_matrices import assembleMatrixC, assembleMatrixK, assembleMatrixM, assembleMatrixQ
 from .java_members import Array, FreeRodModel, Num, symbolic
+from .java_truth import right_side
+from .truth import D_x, D_y, truth
 
 
 def kitFollower(it: FreeRodModel) -> list[Num]:
@@ -82,10 +83,11 @@ def _row(n: int, at: int) -> str:
     return ("row of x0", "row of y0")[at] if at < 2 else f"row of phi_{at - 2}"
 
 
-def _symbolic_damping(it: FreeRodModel) -> list[Num]:
+def symbolic_damping(it: FreeRodModel) -> list[Num]:
     """The effect of forces -D_x, -D_y at the joints."""
-    x, y = truth.drag(it.elementCount)
-    it.dampingForcesX, it.dampingForcesY = Array(-f for f in x), Array(-f for f in y)
+    joints = it.elementCount + 1
+    it.dampingForcesX = Array(-f for f in D_x[:joints])
+    it.dampingForcesY = Array(-f for f in D_y[:joints])
     return kitExtDamping(it)
 
 
@@ -93,7 +95,7 @@ def _right_side(n: int) -> list[Expr]:
     it = symbolic(n)
     for assemble in (assembleMatrixM, assembleMatrixQ, assembleMatrixK, assembleMatrixC):
         assemble(it)
-    createEquation(it, _symbolic_damping)
+    createEquation(it, symbolic_damping)
     return it.rightSide
 
 
@@ -102,7 +104,7 @@ CLAIMS = (
         "Java 424-443",
         "follower force",
         {"as printed": lambda n: kitFollower(symbolic(n))},
-        lambda n: truth.vector(n, truth.rod(n).follower),
+        lambda n: truth(n).F,
         repairs=("lines 429 and 439, comments: the digit 1 is the letter l",),
         note="A thrust at the tail that compresses for a positive force, as the text describes it.",
         printed="kitFollowerX.addValue(0, -followerForceX); "
@@ -113,7 +115,7 @@ CLAIMS = (
         "Java 446-489",
         "gravity",
         {"as printed": lambda n: kitGravity(symbolic(n))},
-        lambda n: truth.vector(n, truth.rod(n).gravity),
+        lambda n: truth(n).A,
         note="Downwards for a positive acceleration in every row.",
         printed="-elementMass*gravityAcceleration*elementLength*anglesCos[r-2]*"
         "(elementCount-0.5-(r-2)); -mass*gravityAcceleration",
@@ -123,7 +125,7 @@ CLAIMS = (
         "Java 586-604",
         "right side, two links or more",
         {"as printed": _right_side},
-        truth.right_side,
+        right_side,
         links=range(2, 7),
         note="The external damping by the forces at the joints. One link has the spring and the "
         "damper that K and C give it.",

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import chain
 
 from sympy import Expr
 
-from rodgen.derive.symbols import C_INT, k, m
+from rodgen.derive.symbols import k, m
 
-from . import java_truth as truth
 from .claim import Claim, Entries
 from .java_members import Array, FreeRodModel, symbolic
+from .truth import c_int, flat, truth
 
 
 def assembleMatrixM(it: FreeRodModel) -> None:
@@ -132,7 +131,7 @@ def _assembled(
         it = symbolic(n)
         for _ in range(times):
             method(it)
-        return [factor * e for e in chain.from_iterable(getattr(it, name))]
+        return [factor * e for e in flat(getattr(it, name))]
 
     return entries
 
@@ -144,7 +143,7 @@ def _mended_band(name: str, factor: Expr) -> Entries:
         it = symbolic(n)
         if it.elementCount > 1:
             _fillBand(it, getattr(it, name))
-        return [factor * e for e in chain.from_iterable(getattr(it, name))]
+        return [factor * e for e in flat(getattr(it, name))]
 
     return entries
 
@@ -154,23 +153,19 @@ def _entry(columns: int) -> Callable[[int, int], str]:
     return lambda n, at: f"[{at // (n + columns)}][{at % (n + columns)}]"
 
 
-def _derived(name: str) -> Entries:
-    return lambda n: list(chain.from_iterable(truth.matrix(n, getattr(truth.rod(n), name))))
-
-
 _ONE_LINK = (
     "The branches for the first and for the last link both apply to the only link, and the last "
     "leaves a 1 where there is no joint: a single free link is turned back towards the x axis."
 )
 _BAND = "if (r==2) {1, -1}; if (r>2 && r<rows-1) {-1, 2, -1}; if (r==rows-1) {-1, 1}"
-_HALF_M, _DAMPER = m / 2, C_INT * m
+_HALF_M, _DAMPER = m / 2, c_int * m
 
 CLAIMS = (
     Claim(
         "Java 235-286, 375-382",
         "mass matrix",
         {"as printed": _assembled(assembleMatrixM, "matrixM", _HALF_M)},
-        _derived("mass_matrix"),
+        lambda n: flat(truth(n).M),
         label=_entry(2),
         note="Rows are completed in order, so every entry below the diagonal is written before it "
         "is read. The thesis prints no M: this is its only statement of it.",
@@ -180,7 +175,7 @@ CLAIMS = (
         "Java 288-313, 385-389",
         "velocity matrix",
         {"as printed": _assembled(assembleMatrixQ, "matrixQ", _HALF_M)},
-        _derived("velocity_matrix"),
+        lambda n: flat(truth(n).Q),
         label=_entry(0),
         note="The loop that completes the lower half also runs over the entries it has written: "
         "they are negated twice. The last row is filled by it alone.",
@@ -190,7 +185,7 @@ CLAIMS = (
         "Java 288-313, again",
         "velocity matrix, assembled a second time over the first",
         {"as printed": _assembled(assembleMatrixQ, "matrixQ", _HALF_M, times=2)},
-        _derived("velocity_matrix"),
+        lambda n: flat(truth(n).Q),
         label=_entry(0),
         note="The members are kept from step to step: nothing of the last assembly is left over.",
         printed="if (r-2!=c) matrixQ[c+2][r-2]=-matrixQ[r][c];",
@@ -199,7 +194,7 @@ CLAIMS = (
         "Java 315-341, 392-396",
         "stiffness matrix, two links or more",
         {"as printed": _assembled(assembleMatrixK, "matrixK", k)},
-        _derived("stiffness_matrix"),
+        lambda n: flat(truth(n).K),
         label=_entry(0),
         links=range(2, 7),
         printed=_BAND,
@@ -208,7 +203,7 @@ CLAIMS = (
         "Java 315-341, n=1",
         "stiffness matrix, one link",
         {"as printed": _assembled(assembleMatrixK, "matrixK", k)},
-        _derived("stiffness_matrix"),
+        lambda n: flat(truth(n).K),
         label=_entry(0),
         corrected=_mended_band("matrixK", k),
         links=(1,),
@@ -220,7 +215,7 @@ CLAIMS = (
         "Java 343-369, 399-403",
         "internal damping matrix, two links or more",
         {"as printed": _assembled(assembleMatrixC, "matrixC", _DAMPER)},
-        _derived("internal_damping"),
+        lambda n: flat(truth(n).D_i),
         label=_entry(0),
         links=range(2, 7),
         note="Called assembleMatrixD and D_i in section 4.1.",
@@ -230,7 +225,7 @@ CLAIMS = (
         "Java 343-369, n=1",
         "internal damping matrix, one link",
         {"as printed": _assembled(assembleMatrixC, "matrixC", _DAMPER)},
-        _derived("internal_damping"),
+        lambda n: flat(truth(n).D_i),
         label=_entry(0),
         corrected=_mended_band("matrixC", _DAMPER),
         links=(1,),

@@ -18,9 +18,10 @@ from typing import Any, SupportsIndex
 import sympy
 from sympy import S
 
-from rodgen.derive.symbols import C_EXT, C_INT, NU, G, P, k, l, m, vx0, vy0
+from rodgen.derive.symbols import k, l, m, vx0, vy0
 
-from . import java_truth as truth
+from .java_truth import H
+from .truth import P, c_ext, c_int, g, nu, omega, phi
 
 Num = Any
 
@@ -178,15 +179,15 @@ FINS = sympy.symbols("s_spike s_medium s_tail", nonnegative=True)  # factors of 
 
 
 def symbolic(n: int, printed: bool = False) -> FreeRodModel:
-    """The object after setInitialState, filled with the symbols of the derivation."""
-    model = FreeRodModel(n, truth.H, printed=printed)
+    """The object after setInitialState, filled with the letters of the truth."""
+    model = FreeRodModel(n, H, printed=printed)
     setSymbols(model)
     return model
 
 
 def setSymbols(model: FreeRodModel) -> None:
-    """setInitialState with the symbols of the derivation."""
+    """setInitialState with the letters of the truth."""
     n = model.elementCount
     spike, medium, tail = FINS
-    init = Initial(n * m, n * l, k * l, C_INT, P, G, NU, C_EXT, spike, tail, medium)
-    model.setInitialState(vx0, vy0, truth.omega(n), truth.phi(n), init)
+    init = Initial(n * m, n * l, k * l, c_int, P, g, nu, c_ext, spike, tail, medium)
+    model.setInitialState(vx0, vy0, omega[:n], phi[:n], init)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from sympy import Expr, S
 
 from rodgen.derive.symbols import vx0, vy0, x0, y0
 
-from . import java_truth as truth
 from .claim import Claim, Entries
 from .java_members import Array, FreeRodModel, symbolic
+from .java_truth import H, centre, indexed, joint_velocities, joints
+from .truth import omega, phi
 
 
 def updateTime(it: FreeRodModel) -> None:
@@ -83,34 +84,32 @@ def _after(method: Callable[[FreeRodModel], None], quantity: str) -> Entries:
     def entries(n: int) -> list[Expr]:
         it = symbolic(n)
         it.coordinates[0], it.coordinates[1] = x0, y0
-        it.solution = truth.indexed("a", n + 2)
+        it.solution = indexed("a", n + 2)
         method(it)
         return list(getattr(it, quantity))
 
     return entries
 
 
-def _moved(values: list[Expr], rates: list[Expr]) -> list[Expr]:
-    return [q + truth.H * u for q, u in zip(values, rates, strict=True)]
+def _moved(values: Sequence[Expr], rates: Sequence[Expr]) -> list[Expr]:
+    return [q + H * u for q, u in zip(values, rates, strict=True)]
 
 
 def _joints_moved(n: int) -> list[Expr]:
     """Joints of the rod whose start has moved by h v_0."""
-    start = {x0: x0 + truth.H * vx0, y0: y0 + truth.H * vy0}
-    return [q.xreplace(start) for q in truth.joints(n)]
+    start = {x0: x0 + H * vx0, y0: y0 + H * vy0}
+    return [q.xreplace(start) for q in joints(n)]
 
 
 def _velocities_moved(n: int) -> list[Expr]:
     """Velocities of the joints when the start is faster by h a; omegas are as they are."""
-    a, h = truth.indexed("a", n + 2), truth.H
-    return [
-        q.xreplace({vx0: vx0 + h * a[0], vy0: vy0 + h * a[1]}) for q in truth.joint_velocities(n)
-    ]
+    a = indexed("a", n + 2)
+    return [q.xreplace({vx0: vx0 + H * a[0], vy0: vy0 + H * a[1]}) for q in joint_velocities(n)]
 
 
 def _gravity_centre(n: int) -> list[Expr]:
     it = symbolic(n)
-    it.coordinates = Array(truth.joints(n))
+    it.coordinates = Array(joints(n))
     updateCG(it)
     return list(it.centerOfGravity)
 
@@ -120,14 +119,14 @@ CLAIMS = (
         "Java 126-133",
         "new angular velocities",
         {"as printed": _after(updateOmegas, "omegas")},
-        lambda n: _moved(truth.omega(n), truth.indexed("a", n + 2)[2:]),
+        lambda n: _moved(omega[:n], indexed("a", n + 2)[2:]),
         printed="omegas[i]+=step*solution.getValue(i+2);",
     ),
     Claim(
         "Java 135-146",
         "new angles",
         {"as printed": _after(updateAngles, "angles")},
-        lambda n: _moved(truth.phi(n), truth.omega(n)),
+        lambda n: _moved(phi[:n], omega[:n]),
         printed="angles[i]+=step*omegas[i];",
     ),
     Claim(
@@ -151,7 +150,7 @@ CLAIMS = (
         "Java 172-186",
         "centre of gravity",
         {"as printed": _gravity_centre},
-        truth.centre,
+        centre,
         note="Half the mass of a link at each of its ends has the centre of gravity of the link.",
         printed="topX=coordinates[0]+coordinates[length-2]; topX+=2*coordinates[i]; "
         "centerOfGravity[0]=topX/(2*elementCount);",
@@ -160,7 +159,7 @@ CLAIMS = (
         "Java 120-124",
         "time",
         {"as printed": lambda n: [_time(n)]},
-        lambda n: [truth.H],
+        lambda n: [H],
         links=(1,),
         printed="time+=step;",
     ),

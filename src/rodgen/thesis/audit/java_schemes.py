@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 from sympy import Expr, S, Symbol
 
-from rodgen.derive.symbols import vx0, vy0, x0, y0
+from rodgen.derive.symbols import x0, y0
 from rodgen.integrate.methods import euler, rk4, semi_implicit_euler
 
-from . import java_truth as truth
 from .claim import Claim, Entries
 from .java_members import FreeRodModel, symbolic
 from .java_steps import (
@@ -34,6 +33,7 @@ from .java_steps import (
     stepImprovedEuler,
     stepRungeKutta,
 )
+from .java_truth import H, indexed, joint_velocities, state_letters
 
 Step = Callable[..., None]
 STEPPERS: tuple[Step, ...] = (stepEuler, stepImprovedEuler, stepRungeKutta)
@@ -71,7 +71,7 @@ def _with_letters(seen: list[list[Expr]]) -> Methods:
 
     def getSolution(it: FreeRodModel) -> None:
         seen.append(_state(it))
-        it.solution = truth.indexed(f"a{len(seen)}", it.elementCount + 2)
+        it.solution = indexed(f"a{len(seen)}", it.elementCount + 2)
 
     idle: dict[str, Any] = {name: lambda it: None for name in (*EVALUATE_C, *EVALUATE_D, *FINISH)}
     return {**REPAIRED, **idle, "getSolution": getSolution}
@@ -95,7 +95,7 @@ def scheme(step: Step) -> Entries:
 
     def entries(n: int) -> list[Expr]:
         it, seen = _stepped(step, n)
-        return [entry for state in (*seen, _state(it)) for entry in state]
+        return [entry for stage in (*seen, _state(it)) for entry in stage]
 
     return entries
 
@@ -108,12 +108,12 @@ def method(module: ModuleType) -> Entries:
 
         def rhs(t: Any, y: Any) -> Any:
             seen.append(list(y))
-            letters = truth.indexed(f"a{len(seen)}", n + 2)
+            letters = indexed(f"a{len(seen)}", n + 2)
             return np.array([*y[n + 2 :], *letters], dtype=object)
 
-        y = np.array([x0, y0, *truth.phi(n), vx0, vy0, *truth.omega(n)], dtype=object)
-        end = module.advance(rhs, S.Zero, y, rhs(S.Zero, y), truth.H)
-        return [entry for state in (*seen, list(end)) for entry in state]
+        y = np.array(state_letters(n), dtype=object)
+        end = module.advance(rhs, S.Zero, y, rhs(S.Zero, y), H)
+        return [entry for stage in (*seen, list(end)) for entry in stage]
 
     return entries
 
@@ -128,17 +128,15 @@ def _from_state(step: Step) -> Entries:
 
     def entries(n: int) -> list[Expr]:
         after = _state(_stepped(step, n)[0])
-        letters = [x0, y0, *truth.phi(n), vx0, vy0, *truth.omega(n)]
-        values = dict(zip(letters, after, strict=True))
-        return [v.xreplace(values) for v in truth.joint_velocities(n)]
+        values = dict(zip(state_letters(n), after, strict=True))
+        return [v.xreplace(values) for v in joint_velocities(n)]
 
     return entries
 
 
 def _scheme_label(n: int, at: int) -> str:
     stage, entry = divmod(at, 2 * (n + 2))
-    names = [*("x0", "y0"), *map(str, truth.phi(n)), "vx0", "vy0", *map(str, truth.omega(n))]
-    return f"{names[entry]} of state {stage + 1}"
+    return f"{state_letters(n)[entry]} of state {stage + 1}"
 
 
 _D = "lines 711 and 753: assembleMatrixD, which the appendix calls assembleMatrixC"

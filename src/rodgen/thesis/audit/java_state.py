@@ -6,10 +6,11 @@ from sympy import Expr, S, Symbol
 
 from rodgen.derive.symbols import k, l, m, x0, y0
 
-from . import java_truth as truth
 from .claim import NOT_PRINTED, Claim, Entries
 from .java_members import Array, FreeRodModel, setSymbols, symbolic
 from .java_motion import updateCoords, updateVelocities
+from .java_truth import H, joint_velocities, joints
+from .truth import omega, phi
 
 NAN = Symbol("NaN")  # Java's 0.0/0, as a letter that no truth has
 
@@ -30,7 +31,7 @@ def _state(quantity: str) -> Entries:
     """What setInitialState has written into a member, and what it has not."""
 
     def entries(n: int) -> list[Expr]:
-        it = FreeRodModel(n, truth.H)
+        it = FreeRodModel(n, H)
         setattr(it, quantity, Array([NOT_PRINTED] * len(getattr(it, quantity))))
         setSymbols(it)
         return list(getattr(it, quantity))
@@ -52,7 +53,7 @@ def _completed(quantity: str) -> Entries:
 
 
 def _joints_from_origin(n: int) -> list[Expr]:
-    return [q.xreplace({x0: S.Zero, y0: S.Zero}) for q in truth.joints(n)]
+    return [q.xreplace({x0: S.Zero, y0: S.Zero}) for q in joints(n)]
 
 
 def _joint(n: int, at: int) -> str:
@@ -79,14 +80,14 @@ CLAIMS = (
         "Java 85-111, angles",
         "initial angles and angular velocities",
         {"as printed": lambda n: [*_state("angles")(n), *_state("omegas")(n)]},
-        lambda n: [*truth.phi(n), *truth.omega(n)],
+        lambda n: [*phi[:n], *omega[:n]],
         printed="omegas[i]=omegasInit[i]; angles[i]=anglesInit[i];",
     ),
     Claim(
         "Java 85-111, velocities",
         "initial velocities of the joints",
         {"as printed": _state("velocities")},
-        truth.joint_velocities,
+        joint_velocities,
         corrected=_completed("velocities"),
         note="Those behind the start keep Java's zero, and the first evaluation of external "
         "damping reads it.",
