@@ -43,6 +43,18 @@ def test_flutter_to_nine_digits(rod: Rod, exact: Any, boundary: str, inertia: st
     assert found.frequency == pytest.approx(float(mp.sqrt(-met[0]).real / 2 / mp.pi), rel=1e-7)
 
 
+@pytest.mark.parametrize("boundary", ["free", "clamped", "cantilever", "pinned"])
+def test_nothing_grows_at_smaller_forces(rod: Rod, exact: Any, boundary: str) -> None:
+    """A scan of all motions in 50 digits, which knows nothing of what was found."""
+    model = exact(4, boundary)
+    for P in range(0, 400, 4):
+        squares = model.squares(mp.mpf(P))
+        if any(v.real > 0 or abs(v.imag) > 1e-30 * abs(v) for v in squares):
+            break
+    found = critical_force(rod(4, boundary, THRUST))
+    assert P - 4 <= found.force <= P
+
+
 @pytest.mark.parametrize("boundary", ["free", "clamped"])
 @pytest.mark.parametrize("external", [False, True])
 def test_damped_flutter_to_nine_digits(rod: Rod, exact: Any, boundary: str, external: bool) -> None:
@@ -91,6 +103,60 @@ def test_a_pinned_rod_buckles_as_one_pinned_and_clamped(rod: Rod) -> None:
     p = mp.findroot(lambda x: mp.tan(x) - x, 4.49) ** 2
     limit = richardson(n, [one.factor for one in found], order=[2, 4])
     assert limit.value == pytest.approx(float(p), rel=1e-7)
+
+
+@pytest.mark.parametrize("tail", [1.0, 3.0])
+def test_a_pinned_rod_turns_away_before_it_buckles(rod: Rod, exact: Any, tail: float) -> None:
+    """Its turning, damped from outside, begins to grow: in 50 digits, scanned and refined."""
+    fins = [1.0] * 6 + [tail]
+    loads = THRUST | {"external_damping": {"coefficient": 0.1, "fin_factor": fins}}
+    found = critical_force(rod(6, "pinned", loads))
+    model = exact(6, "pinned")
+    C = model.external_damping(0.1, fins)
+
+    def growth(P: Any) -> Any:
+        """The largest real rate, that which is always zero apart."""
+        real = [s.real for s in model.rates(P, C) if abs(s.imag) < 1e-20 * (1 + abs(s))]
+        return max((s for s in real if abs(s) > 1e-20), key=lambda s: s)
+
+    low, high = (
+        mp.mpf(found.force) * (1 - mp.mpf(10) ** -8),
+        mp.mpf(found.force) * (1 + mp.mpf(10) ** -8),
+    )
+    assert growth(low) < 0 < growth(high)
+    assert all(growth(mp.mpf(P)) < 0 for P in range(0, int(found.force), 8))
+    assert (found.kind, found.frequency) == ("divergence", 0.0)
+
+
+@pytest.mark.parametrize(
+    ("links", "boundary", "loads"),
+    [
+        (5, "free", {"internal_damping": {"coefficient": 10.0}}),
+        (
+            2,
+            "clamped",
+            {"internal_damping": {"coefficient": 10.0}, "external_damping": {"coefficient": 30.0}},
+        ),
+    ],
+)
+def test_a_single_motion_that_oscillates(
+    rod: Rod, links: int, boundary: str, loads: dict[str, Any]
+) -> None:
+    found = critical_force(rod(links, boundary, THRUST | loads, inertia="lumped"))
+    assert found.modes == (1, 1)
+    assert found.kind == "flutter"
+
+
+def test_a_taut_pipe_needs_more_modes(rod: Rod) -> None:
+    """Hanging from its clamp, its weight a thousand times EI/L^2: the modes of the search are not
+    those that flutter. Growth changes its sign there by all eigenvalues."""
+    given = {"mass": 1.0, "length": 1.0, "bending_stiffness": 1.0, "clamp_angle": -np.pi / 2}
+    loads = {"gravity": {"g": 1000.0}, "internal_damping": {"coefficient": 0.5}}
+    found = critical_force(rod(40, "clamped", THRUST | loads, **given))
+    for factor, grows in ((1 - 1e-5, False), (1 + 1e-5, True)):
+        at = {"follower": {"force": found.force * factor}} | loads
+        modes = natural_modes(rod(40, "clamped", at, **given), 40)
+        assert bool(modes.growth.max() > 0) is grows
 
 
 def test_zieglers_paradox(rod: Rod) -> None:
@@ -148,6 +214,20 @@ def test_simulations_find_it_too(rod: Rod) -> None:
     # Growth in 100 s asks for a rate of ln(100)/100 1/s, which a surplus of 1e-3 brings.
     assert found.low * (1 - 1e-3) <= exact <= found.high
     assert found.high == pytest.approx(exact, rel=5e-3)
+
+
+def test_simulations_start_from_the_steady_state(rod: Rod) -> None:
+    """A rod that sags is not one that grows; the shape that a scene starts with does not count."""
+    table = rod(6, "clamped", THRUST | {"gravity": {"g": 0.5}}).model_dump(exclude_none=True)
+    table["initial"] = {"phi": 0.3}
+    scene = Scene.from_dict(table)
+    told: list[tuple[float, bool]] = []
+    found = simulated_critical_force(
+        scene, span=60.0, tolerance=1e-3, progress=lambda force, grew: told.append((force, grew))
+    )
+    assert found.force == pytest.approx(critical_force(scene).force, rel=5e-3)
+    assert len(told) == found.runs
+    assert (found.high, True) in told
 
 
 def test_what_is_not_found_is_said(rod: Rod) -> None:

@@ -128,3 +128,10 @@ def test_bad_input_is_named(arguments: tuple, field: str) -> None:
     with pytest.raises(SceneError) as error:
         richardson(*arguments)
     assert error.value.field == field
+
+
+@pytest.mark.parametrize("n", [(5, 10, 20, 40), (10, 20, 40, 80), (20, 40, 80, 160)])
+def test_after_an_odd_order_no_term_is_skipped(n: tuple[int, ...]) -> None:
+    """(1 - 1/n)^-2 - 3 n^-2 + n^-4 hides its term of second order: the error must allow for it."""
+    found = richardson(n, [(1 - 1 / k) ** -2 - 3 / k**2 + k**-4 for k in n])
+    assert abs(found.value - 1) <= found.error

@@ -62,6 +62,36 @@ def test_damped_frequencies_to_nine_digits(
     np.testing.assert_allclose(found.growth, [float(v.real) for v in s], rtol=1e-7)
 
 
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+@pytest.mark.parametrize("coefficient", [30.0, 1e6])
+def test_no_motion_is_lost_to_heavy_damping(
+    rod: Rod, exact: Any, boundary: str, coefficient: float
+) -> None:
+    """Rates of 1e-5 and 1e10 1/s stand beside each other."""
+    found = natural_modes(rod(5, boundary, {"internal_damping": {"coefficient": coefficient}}), 20)
+    model = exact(5, boundary)
+    # Free and pinned rods have zeros, which 50 digits leave at 1e-15.
+    rates = [
+        s for s in model.rates(mp.mpf(0), model.internal_damping(coefficient)) if abs(s) > 1e-9
+    ]
+    moving = sorted(s.imag for s in rates if s.imag > 1e-9 * abs(s))
+    np.testing.assert_allclose(found.frequencies, [float(w / 2 / mp.pi) for w in moving], rtol=1e-8)
+    assert 2 * len(found.frequencies) + found.overdamped == len(rates)
+
+
+@pytest.mark.parametrize("coefficient", [30.0, 300.0, 3000.0])
+def test_overdamped_motions_take_no_places(rod: Rod, coefficient: float) -> None:
+    scene = rod(60, "clamped", {"internal_damping": {"coefficient": coefficient}})
+    model = rodgen.build(scene)
+    s = np.linalg.eigvals(
+        model.jac(0.0, scene.initial_state(), model.parameters(**scene.parameters))
+    )
+    expected = np.sort(s.imag[s.imag > 1e-6 * np.abs(s)]) / (2 * np.pi)
+    found = natural_modes(scene, 5).frequencies
+    # All eigenvalues of a matrix with norm 1e8 are right to about 1e-7.
+    np.testing.assert_allclose(found, expected[:5], rtol=1e-5)
+
+
 @pytest.mark.parametrize(("boundary", "count"), [("free", 3), ("clamped", 4), ("pinned", 2)])
 def test_sparse_and_dense_agree(rod: Rod, boundary: str, count: int) -> None:
     scene = rod(40, boundary, THRUST)

@@ -8,6 +8,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.optimize import fsolve
 
 import rodgen
 from rodgen.analyse import elastica
@@ -20,7 +21,9 @@ Rod = Callable[..., Scene]
 STIFFNESS, LENGTH, MASS = 100.0, 5.0, 50.0
 
 
-def _residual_moments(n: int, phi: list[Any], g: float, tip: tuple[float, float]) -> list[Any]:
+def _residual_moments(
+    n: int, phi: list[Any], g: float, tip: tuple[float, float], angle: float = 0.0
+) -> list[Any]:
     """Moment about every joint of what hangs behind it, less the moment of its spring; clamped,
     with a root spring of 2 EI/l."""
     l, m = mp.mpf(LENGTH) / n, mp.mpf(MASS) / n
@@ -33,7 +36,7 @@ def _residual_moments(n: int, phi: list[Any], g: float, tip: tuple[float, float]
             moment -= m * g * (x + l / 2 * mp.cos(phi[i]))
             x, y = x + l * mp.cos(phi[i]), y + l * mp.sin(phi[i])
         moment += x * tip[1] - y * tip[0]
-        bend = phi[s] - (phi[s - 1] if s else 0)
+        bend = phi[s] - (phi[s - 1] if s else angle)
         moments.append(moment - (k if s else 2 * k) * bend)
     return moments
 
@@ -50,6 +53,27 @@ def test_angles_to_ten_digits(rod: Rod, tip: tuple[float, float]) -> None:
         y = sum(mp.sin(a) for a in exact)
     np.testing.assert_allclose(found.phi, [float(a) for a in exact], atol=1e-12)
     np.testing.assert_allclose(found.tip, [float(x), float(y)], atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("angle", "g", "tip"),
+    [(1.0, 2.0, (-30.0, -50.0)), (1.0, 1.0, (-10.0, -10.0)), (2.5, 3.0, (20.0, 60.0))],
+)
+def test_the_branch_is_that_of_small_steps(
+    rod: Rod, angle: float, g: float, tip: tuple[float, float]
+) -> None:
+    """Against moments taken by hand, solved in 300 steps of load, each from the one before."""
+    phi = np.full(6, angle)
+
+    def moments(turned: Any, share: float) -> list[float]:
+        loads = (share * tip[0], share * tip[1])
+        return [float(m) for m in _residual_moments(6, list(turned), share * g, loads, angle)]
+
+    for share in np.linspace(0.0, 1.0, 301)[1:]:
+        phi = fsolve(moments, phi, args=(share,), xtol=1e-12)
+    loads = {"gravity": {"g": g}, "tip": {"x": tip[0], "y": tip[1]}}
+    found = static_equilibrium(rod(6, "clamped", loads, clamp_angle=angle))
+    np.testing.assert_allclose(found.phi, phi, atol=1e-9)
 
 
 @pytest.mark.parametrize("load", [1.0, 10.0])

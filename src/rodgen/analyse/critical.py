@@ -9,7 +9,7 @@ import numpy as np
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import BASIS, GROWS, MOST_DENSE, Family
 from rodgen.analyse.guarded import guarded
-from rodgen.analyse.onset import At, Onset, onset
+from rodgen.analyse.onset import At, Onset, onset, turning_onset
 from rodgen.analyse.pencil import Pencil
 from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
@@ -19,6 +19,7 @@ HIGHEST = 1000.0  # EI/L^2: ten times what a free rod bears
 FINE, COARSE = 0.5, 0.01  # step of the search: EI/L^2, and of the force
 LEAST = 200  # forces at which a range is searched
 GROWS_DAMPED = 1e-11  # of the lowest frequency: less is rounding
+NEAR = 1e-3  # of a force, within which a search in a few modes has found it
 SLOW = 0.01  # of the lowest frequency
 CHECKED = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)  # of the force, where all modes are looked at
 FLUTTER, DIVERGENCE = "flutter", "divergence"
@@ -31,10 +32,11 @@ class Critical:
     force [N]; factor: force L^2/EI; kind: "flutter", frequency [Hz] at onset, or "divergence",
     frequency zero; modes: the two whose frequencies meet, or, with damping, the one that grows and
     the one next to it in frequency, counted from 1 by frequency just below the force, rigid-body
-    motions apart; a mode that diverges is named twice. error: of the force, rounding apart [N];
-    searched: range of forces [N], and at how many of them; state: what grows unstable; complete:
-    whether all modes were looked at below the force (at six forces), or the lowest 16 alone; t:
-    the time at which the other loads are taken [s].
+    motions apart; a mode that diverges, or that alone oscillates, is named
+    twice. error: of the force, rounding apart [N];
+    searched: range of forces that was looked at [N], up to the onset, and at how many of them;
+    state: what grows unstable; complete: whether all modes were looked at below the force (at six
+    forces), or the lowest 16 alone; t: the time at which the other loads are taken [s].
     """
 
     force: float
@@ -73,22 +75,24 @@ def critical_force(
     highest = HIGHEST * unit if highest is None else highest
     if not family.whole:
         raise AnalysisError("no mode can become unstable: all motions move the rod as a whole")
-    if not (np.isfinite([lowest, highest]).all() and lowest < highest):
+    if not np.isfinite(lowest):
+        raise SceneError("lowest", lowest, "a finite force")
+    if not (np.isfinite(highest) and lowest < highest):
         raise SceneError("highest", highest, f"a force above lowest = {lowest:g} N")
     forces = grid(lowest, highest, unit)
-    near = _search(family, forces, BASIS)
     complete = family.system.cells <= MOST_DENSE
-    found = _refined(family, near, forces, complete)
+    found = _refined(family, forces, complete)
+    looked = forces[: int(np.searchsorted(forces, found.force)) + 1]
     rod = family.system.scene.rod
     return Critical(
         force=found.force,
         factor=found.force * rod.length**2 / rod.bending_stiffness,
         kind=FLUTTER if found.s else DIVERGENCE,
         frequency=found.s.imag / (2 * np.pi),
-        modes=_pair(family, found),
+        modes=_pair(family, found, family.whole if complete else BASIS),
         turning=family.turning(found.force),
         error=found.error,
-        searched=(float(lowest), float(highest), len(forces)),
+        searched=(float(lowest), float(looked[-1]), len(looked)),
         state=family.state(found.force).words,
         complete=complete,
         t=family.system.t,
@@ -162,18 +166,32 @@ def _between(family: Family, low: float, high: float, modes: int) -> Onset:
     return Onset(high, 0j if abs(grown.imag) <= abs(grown.real) else 1j * abs(grown.imag))
 
 
-def _refined(family: Family, near: Onset, forces: Array, complete: bool) -> Onset:
-    """With all links; where more modes show an onset at a lower force, that one."""
-    found = onset(_equations(family, near), near)
+def _refined(family: Family, forces: Array, complete: bool) -> Onset:
+    """With all links, from a search in a few modes; with all modes where those did not do, or
+    where the others show an onset at a lower force."""
+    near = _search(family, forces, BASIS)
     if not complete:
-        return found
+        return _onset(family, near)
+    try:
+        found = _onset(family, near)
+    except AnalysisError:
+        return _onset(family, _search(family, forces, family.whole))
     below = forces[0] + np.array(CHECKED) * (found.force - forces[0])
     unstable = _unstable(family, below, family.whole)
     if not unstable.any():
         return found
     until = below[int(np.argmax(unstable))]
     every = np.append(forces[forces < until], until)
-    return _refined(family, _search(family, every, family.whole), forces, complete=False)
+    return _onset(family, _search(family, every, family.whole))
+
+
+def _onset(family: Family, near: Onset) -> Onset:
+    """Of a pinned rod whose turning is damped from outside, a real eigenvalue reaches zero beside
+    the one that is zero always: a matter of damping, not of stiffness alone."""
+    turns = family.bare is not None and not family.system.base
+    if near.s == 0 and turns and not family.diverges(near.force * (1 + NEAR)):
+        return turning_onset(family.at, near)
+    return onset(_equations(family, near), near)
 
 
 def _equations(family: Family, near: Onset) -> At:
@@ -182,12 +200,12 @@ def _equations(family: Family, near: Onset) -> At:
     return family.held if near.s == 0 or slow else family.at
 
 
-def _pair(family: Family, found: Onset) -> tuple[int, int]:
+def _pair(family: Family, found: Onset, modes: int) -> tuple[int, int]:
     """Numbers of the modes, by frequency just below the force."""
-    s = family.rates(np.array([found.force * (1 - 1e-5)]))[0]
-    if not found.s:
-        return 1, 1
+    s = family.rates(np.array([found.force * (1 - 1e-5)]), modes)[0]
     rates = np.sort(s.imag[s.imag > family.rigid])
+    if not found.s or len(rates) < 2:
+        return 1, 1
     nearest = np.argsort(np.abs(rates - found.s.imag))[:2] + 1
     first, second = sorted(int(at) for at in nearest)
     return first, second

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import null_space
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
 
@@ -15,32 +16,89 @@ from rodgen.integrate.stepper import Array
 
 Complex = NDArray[np.complex128]
 
-ZERO = 1e-7  # of the largest |s|: zero, and the square root of rounding
-MOST_DENSE = 500  # links of which all eigenvalues are computed where that is the last resort
+ZERO = 1e-7  # of the largest frequency: zero, and the square root of rounding
+ROUNDING = 1e-13  # of the largest |s|
 SPARE = 8  # eigenvalues beyond those asked for
+MOST_DENSE = 500  # links of which all eigenvalues are computed where that is the last resort
+SETTLED = 1e-14  # of |s|: a correction that is rounding
 
 
 @dataclass(frozen=True)
 class Values:
     """s: eigenvalues [1/s] (k,), of every conjugate pair and, without damping, of every pair of
-    opposites the one with imaginary part >= 0 (else with the positive real part), zero ones left
-    out; vectors (coordinates, k)."""
+    opposites the one with imaginary part >= 0 (else with the positive real part), those of rigid
+    motions left out; vectors (coordinates, k)."""
 
     s: Complex
     vectors: Complex
 
 
-def all_values(pencil: Pencil | Dense) -> Values:
-    """Every eigenvalue: O(n^3)."""
+def all_values(pencil: Pencil | Dense, turns: bool = False) -> Values:
+    """Every eigenvalue: O(n^3). turns: the rod turns freely, which has the eigenvalue zero."""
     dense = pencil.reduced() if isinstance(pencil, Pencil) else pencil
-    A, B = (np.linalg.solve(dense.M, -matrix) for matrix in (dense.K, dense.C))
+    if not (turns and isinstance(pencil, Pencil)):
+        found = _solved(dense)
+        # What external damping does to a rod as a whole leaves zeros among the eigenvalues.
+        return _without_zeros(found) if isinstance(pencil, Dense) else found
+    # Virtual work on turning is s^2 (M turn) a: motions orthogonal to M turn are without it.
+    turn = np.ones(pencil.cells)
+    basis = null_space((dense.M @ turn)[None])
+    found = _solved(dense.on(basis))
+    angles = basis @ found.vectors
+    for at, s in enumerate(found.s):
+        pull = turn @ dense.at(s) @ angles[:, at]
+        angles[:, at] -= pull / (s * s * (turn @ dense.M @ turn))
+    return Values(found.s, angles)
+
+
+def _solved(dense: Dense) -> Values:
+    """By the inverse, in which slow motions keep their digits, where it exists."""
+    size = len(dense.K)
+    if size == 0:
+        return Values(np.zeros(0, dtype=complex), np.zeros((0, 0), dtype=complex))
+    zero, one = np.zeros((size, size)), np.eye(size)
     if not dense.damped:
-        squares, vectors = np.linalg.eig(A)
-        return _kept(_roots(squares), vectors)
-    size = len(A)
-    first_order = np.block([[np.zeros_like(A), np.eye(size)], [A, B]])
-    s, vectors = np.linalg.eig(first_order)
-    return _kept(s, vectors[:size])
+        squares, vectors = np.linalg.eig(np.linalg.solve(dense.M, -dense.K))
+        return Values(_roots(squares.astype(complex)), vectors.astype(complex))
+    try:
+        B, A = (np.linalg.solve(dense.K, -matrix) for matrix in (dense.C, dense.M))
+        inverse, vectors = np.linalg.eig(np.block([[B, A], [one, zero]]))
+        s = 1 / inverse
+        vectors = vectors[size:]
+    except np.linalg.LinAlgError:
+        A, B = (np.linalg.solve(dense.M, -matrix) for matrix in (dense.K, dense.C))
+        s, vectors = np.linalg.eig(np.block([[zero, one], [A, B]]))
+        vectors = vectors[:size]
+    s, vectors = s.astype(complex), vectors.astype(complex)
+    here = s.imag >= 0
+    return Values(s[here], vectors[:, here])
+
+
+def refined(pencil: Pencil, found: Values, wanted: Array) -> Values:
+    """The same, with the eigenvalues numbered in ``wanted`` corrected by Newton's method on
+    det S(s) = 0 with the banded S; those next to others are left."""
+    s = found.s.copy()
+    for at in wanted:
+        others = np.abs(np.delete(found.s, at) - found.s[at])
+        s[at] = _newton(pencil, complex(s[at]), float(others.min(initial=np.inf)) / 10)
+    return Values(s, found.vectors)
+
+
+def _newton(pencil: Pencil, start: complex, farthest: float) -> complex:
+    s, start_vector = start, np.cos(np.arange(pencil.size) ** 2 / 7.0)
+    x = y = start_vector.astype(complex)
+    for _ in range(6):
+        S = pencil.at(s).astype(complex)
+        x, y = pencil.solve(S, x), pencil.solve(S, y, transposed=True)
+        x, y = x / np.linalg.norm(x), y / np.linalg.norm(y)
+        slope = y @ pencil.slope(s, x)
+        change = -(y @ pencil.product(s, x)) / slope if slope else 0.0
+        s += change
+        if not abs(s - start) <= farthest:
+            return start
+        if abs(change) <= SETTLED * abs(s):
+            break
+    return s
 
 
 def lowest_values(pencil: Pencil, count: int, turning: Array | None) -> Values:
@@ -76,15 +134,15 @@ def lowest_values(pencil: Pencil, count: int, turning: Array | None) -> Values:
     try:
         inverse, vectors = eigs(operator, k=wanted, v0=start, ncv=min(2 * wanted + 20, order))
     except ArpackError as error:
-        if pencil.cells <= MOST_DENSE:  # overdamped motions crowd together: all of them, then
-            return all_values(pencil)
         raise AnalysisError(f"the lowest eigenvalues were not found: {error}") from None
     there = np.abs(inverse) > 0
     values, vectors = 1 / inverse[there], vectors[:, there]
     angles = vectors[0 : 3 * pencil.cells : 3]
     if turning is not None:  # what the moment has turned, given back to every link
         angles = angles + vectors[size - 1] / (values**2 if pencil.damped else values)
-    return _kept(values if pencil.damped else _roots(values), angles)
+    s = values if pencil.damped else _roots(values)
+    here = s.imag >= 0
+    return Values(s[here], angles[:, here])
 
 
 def _roots(squares: Complex) -> Complex:
@@ -93,6 +151,8 @@ def _roots(squares: Complex) -> Complex:
     return np.asarray(np.where(s.imag < 0, -s, s))
 
 
-def _kept(s: Complex, vectors: Complex) -> Values:
-    here = (np.abs(s) > ZERO * np.abs(s).max(initial=0.0)) & (s.imag >= 0)
-    return Values(s[here], vectors[:, here])
+def _without_zeros(found: Values) -> Values:
+    size = np.abs(found.s)
+    least = ZERO * np.abs(found.s.imag).max(initial=0.0) + ROUNDING * size.max(initial=0.0)
+    here = size > least
+    return Values(found.s[here], found.vectors[:, here])

@@ -48,7 +48,7 @@ def richardson(
     order: p where theory knows it, or all exponents in turn, (2, 4, 6). Without it p solves
     (v1 - v2) / (v2 - v3) = (n1^-p - n2^-p) / (n2^-p - n3^-p) for the three finest, and is rounded
     where it is close to a whole number; p + 1, p + 2, ... follow, or p + 2, p + 4, ... where
-    four values or more show it. noise: absolute error of
+    p is even and four values or more show it. noise: absolute error of
     the values; rounding by default. As many terms are eliminated as lower the estimate of the
     error: twice what the next term to be eliminated changes, or the last one where there is none,
     and the noise times its weights. L. F. Richardson, Phil. Trans. A 226 (1927) 299-361;
@@ -122,9 +122,11 @@ def _whole(p: float) -> float:
 
 
 def _powers(n: Array, v: Array, orders: tuple[float, ...]) -> tuple[float, ...]:
-    """Exponents from the first, a whole number: all that follow, or every second."""
+    """Exponents from the first, a whole number: all that follow, or, from an even one on, every
+    second (a term that happens to be small after an odd one is no sign that it is not there)."""
     first = _whole(orders[-1])
-    step = 2.0 if len(v) > 3 and abs(_second(n[-4:], v[-4:], first) - first - 2) < SECOND else 1.0
+    even = len(v) > 3 and first % 2 == 0
+    step = 2.0 if even and abs(_second(n[-4:], v[-4:], first) - first - 2) < SECOND else 1.0
     return tuple(first + step * i for i in range(len(v)))
 
 

@@ -110,11 +110,11 @@ class Family:
 
     def elastic(self, forces: Array, modes: int = BASIS) -> Complex:
         """The same with nan for motions of the rod as a whole: zero ones, and, where external
-        damping acts on a rod that turns freely, the real one that grows most, unless the rod
+        damping acts on a free rod, the real one that grows most, at any force, unless the rod
         without that damping diverges, which is a matter of its stiffness alone."""
         s = self.rates(forces, modes)
         s = np.where(np.abs(s) > self.rigid, s, np.nan)
-        if self.bare is None:
+        if self.bare is None or not self.system.base:
             return s
         diverges = (self.bare.rates(forces, modes).real > GROWS * self.lowest).any(axis=-1)
         slow = (np.abs(s.imag) <= self.rigid) & ~np.isnan(s)
@@ -132,9 +132,14 @@ class Family:
         scene = without(without(self.system.scene, "external_damping"), "internal_damping")
         return Family(System.of(scene), self.unit)
 
+    def diverges(self, force: float) -> bool:
+        """Whether the rod without damping grows without oscillating."""
+        s = (self.bare or self).rates(np.array([force]))[0]
+        return bool(((s.real > GROWS * self.lowest) & (s.imag <= self.rigid)).any())
+
     def turning(self, force: float) -> float:
         """Growth [1/s] of a slow turning of the whole rod; zero where there is none."""
-        if self.bare is None:
+        if self.bare is None or not self.system.base:
             return 0.0
         s = self.rates(np.array([force]), self.whole)[0]
         real = s.real[(np.abs(s.imag) <= self.rigid) & (s.real > self.rigid)]

@@ -8,15 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.analyse.eigen import all_values, lowest_values
+from rodgen.analyse.eigen import MOST_DENSE, Values, all_values, lowest_values, refined
 from rodgen.analyse.guarded import guarded
-from rodgen.analyse.pencil import Dense
+from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 
 DENSE = 24  # links up to which all eigenvalues are computed; the lowest alone beyond
+FARTHEST = 16  # times the asked count of eigenvalues are looked at beyond MOST_DENSE links
 STILL = 1e-7  # of the modulus: a real part below it is rounding
 NUDGE = 1e-6  # rad, of the differences by which shapes are drawn: errors are its square
 
@@ -49,12 +50,14 @@ def natural_modes(scene: Scene, count: int = 10, *, t: float | None = None) -> M
     and at rest, in static equilibrium, or straight and steadily accelerating under its thrust.
 
     count: how many, at most; t: time whose loads are taken [s], by default the end of the span.
-    All eigenvalues are computed up to 24 links, where nearly all are asked for, and where there is
-    external damping; else the lowest by sparse shift-invert, in O(n). Damping is that of the scene
-    at rest. Raises SceneError, and AnalysisError where there is no steady state.
+    All eigenvalues are computed up to 24 links, where a third or more are asked for, where there is
+    external damping, and with internal damping up to 500 links; else those of smallest |s| by
+    sparse shift-invert, in O(n). With much damping beyond 500 links overdamped motions can leave
+    fewer than ``count``, and one of large |s| but low frequency can be missed. Damping is that of
+    the scene at rest. Raises SceneError, and AnalysisError where there is no steady state.
     """
-    if count < 1:
-        raise SceneError("count", count, "at least 1")
+    if not isinstance(count, int) or count < 1:
+        raise SceneError("count", count, "a whole number of at least 1")
     system = System.of(scene, t)
     return modes_about(steady(system), count)
 
@@ -62,16 +65,9 @@ def natural_modes(scene: Scene, count: int = 10, *, t: float | None = None) -> M
 def modes_about(state: Steady, count: int) -> Modes:
     """The same for a steady state that is known."""
     system, pencil = state.system, linearised(state)
-    few = system.cells > max(DENSE, 3 * count)
-    if isinstance(pencil, Dense) or not few:
-        found = all_values(pencil)
-    else:
-        found = lowest_values(pencil, count, state.turning if state.turns_freely else None)
+    found = _found(state, pencil, count)
     s, vectors = found.s, found.vectors
-    moves = s.imag > STILL * np.abs(s)
-    grows = ~moves & (s.real > STILL * np.abs(s))
-    kept = np.flatnonzero(moves | grows)
-    kept = kept[np.argsort(s[kept].imag, kind="stable")][:count]
+    moves, kept = _oscillating(s, count)
     phi, moved = _shapes(state, s[kept], vectors[:, kept].T)
     growth = s.real[kept]
     if not pencil.damped:
@@ -84,9 +80,34 @@ def modes_about(state: Steady, count: int) -> Modes:
         joints=system.model.joints(system.at_rest(state.phi), state.p),
         state=state.words,
         rigid=_rigid(state),
-        overdamped=int((~moves & ~grows & (s.imag >= 0)).sum()),
+        overdamped=int((~moves & (s.real < 0)).sum()),
         t=system.t,
     )
+
+
+def _found(state: Steady, pencil: Pencil | Dense, count: int) -> Values:
+    """All eigenvalues, or enough of them."""
+    cells, turns = state.system.cells, state.turns_freely
+    if isinstance(pencil, Dense):
+        return all_values(pencil)
+    if cells <= max(DENSE, 3 * count) or (pencil.damped and cells <= MOST_DENSE):
+        found = all_values(pencil, turns)
+        return refined(pencil, found, _oscillating(found.s, count)[1]) if cells > DENSE else found
+    asked = count
+    while True:
+        found = lowest_values(pencil, asked, state.turning if turns else None)
+        if len(_oscillating(found.s, count)[1]) == count or asked >= FARTHEST * count:
+            return found
+        asked *= 2  # overdamped motions have taken the places
+
+
+def _oscillating(s: NDArray[Any], count: int) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Which eigenvalues oscillate; the numbers of the first ``count`` of them by frequency, those
+    that grow without oscillating first."""
+    moves = s.imag > STILL * np.abs(s)
+    grows = ~moves & (s.real > STILL * np.abs(s))
+    kept = np.flatnonzero(moves | grows)
+    return moves, kept[np.argsort(s[kept].imag, kind="stable")][:count]
 
 
 def _rigid(state: Steady) -> int:

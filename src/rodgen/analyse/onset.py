@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.linalg import null_space
+from scipy.optimize import brentq
 
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import Dense, Held, Matrix, Pencil
@@ -17,7 +20,8 @@ At = Callable[[float], Linear]  # the equations linearised at a force
 DIFFERENCE = 1e-4  # relative: errors are its square
 ITERATIONS = 30
 SMALL = 1e-7  # relative change below which one that no longer shrinks is rounding
-APART = 0.02  # by which an estimate may be wrong
+START = 1e-4  # the share of the force in which an onset is looked for first
+APART = 0.05  # by which an estimate may be wrong
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,34 @@ def onset(at: At, near: Onset) -> Onset:
     return Onset(float(values[0]), 1j * float(rate), error)
 
 
+def turning_onset(at: At, near: Onset) -> Onset:
+    """Where a pinned rod, its turning damped from outside, begins to turn on its own.
+
+    With r the turning, K r = 0 under every force, and l K = 0, the other small eigenvalue is
+    -(l C r)/(l M r): zero where l C r is.
+    """
+
+    def drag(force: float) -> float:
+        here = at(force)
+        assert isinstance(here, Dense)
+        turn = null_space(here.K, rcond=1e-9)[:, :1]
+        left = null_space(here.K.T, rcond=1e-9)[:, :1]
+        return float((left.T @ here.C @ turn / (left.T @ here.M @ turn))[0, 0])
+
+    apart = START
+    while apart < APART:  # not farther than needed: the stiffness may be singular close by
+        low, high = near.force * (1 - apart), near.force * (1 + apart)
+        with suppress(ValueError, IndexError):
+            force = float(brentq(drag, low, high, xtol=1e-12 * near.force))
+            return Onset(force, 0j, 1e-12 * abs(force))
+        apart *= 2
+    raise AnalysisError(_unfound(near.force))
+
+
+def _unfound(force: float) -> str:
+    return f"Newton's method found no onset of instability within {APART:.0%} of {force:.9g} N"
+
+
 def _newton(measure: Callable[[Array], Array], start: Array) -> tuple[Array, float]:
     """Zero of a measure, with central differences wide against rounding; the last change of the
     first unknown is its error."""
@@ -69,9 +101,7 @@ def _newton(measure: Callable[[Array], Array], start: Array) -> tuple[Array, flo
         if moved < SMALL and moved >= before / 4:
             return x, float(min(abs(change[0]), before * abs(x[0])))
         before = moved
-    raise AnalysisError(
-        f"Newton's method found no onset of instability within {APART:.0%} of {start[0]:.9g} N"
-    )
+    raise AnalysisError(_unfound(float(start[0])))
 
 
 Borders = tuple[Matrix, Matrix]

@@ -97,6 +97,14 @@ class Pencil:
         """S2 z."""
         return _times(self.S2, z)
 
+    def product(self, s: complex, z: Matrix) -> Matrix:
+        """S(s) z."""
+        return _times(self.at(s), z)
+
+    def slope(self, s: complex, z: Matrix) -> Matrix:
+        """S'(s) z."""
+        return _times(self.S1 + 2 * s * self.S2, z)
+
     @property
     def size(self) -> int:
         """Unknowns."""

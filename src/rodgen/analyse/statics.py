@@ -4,21 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.linalg import splu
 
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.guarded import guarded
-from rodgen.analyse.pencil import Cells, Pencil, solve
+from rodgen.analyse.pencil import Cells, Pencil, solve, sparse
 from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 
 LOADS = ("follower_force", "gravity", "tip_force_x", "tip_force_y")
 ITERATIONS = 40  # of Newton's method for one load
-FARTHEST = 1.0  # rad that a link may turn in the first correction, else the step of load is halved
-NEAR = 0.3  # rad, the same from an equilibrium under loads close by
+FARTHEST = 0.2  # rad of a correction that is taken, else the step of load is halved
 NEAR_END = 1e-4  # rad
+SMALL = 1e-4  # of the load: what changes its stability over it does so on this branch
 LEAST = 1e-6  # of the load, the smallest step
 NOISE = 1e-9  # rad: a correction below it that no longer shrinks is rounding
 MOST_DENSE = 200  # links up to which all eigenvalues are looked at for stability
@@ -91,7 +94,7 @@ def settle(
     """
     if start is not None:
         near = Rest(start.phi.copy(), start.force.copy())
-        if _newton(system, near, system.parameters(**given), NEAR):
+        if _newton(system, near, system.parameters(**given), FARTHEST):
             return near, (1.0,)
     if not system.clamped:
         return _hang(system, given), (1.0,)
@@ -112,14 +115,28 @@ def settle(
 def _follow(
     system: System, rest: Rest, at: Callable[[float], Array]
 ) -> tuple[Rest, tuple[float, ...]]:
-    """Load stepping: the whole load at once if Newton's method takes it, else smaller steps."""
+    """Load stepping along the branch that begins unloaded.
+
+    A step is taken where Newton's method converges without a large correction from the tangent,
+    and where no motion has become unstable or stable on the way: else it is halved, so that no
+    other branch is jumped to. A change that remains over the smallest step is one of this branch.
+    """
     done, step = 0.0, 1.0
     stages: list[float] = []
+    signature = _signature(system, rest, at(0.0))
+    slope = None
     while done < 1:
         fraction = min(done + step, 1.0)
         trial = Rest(rest.phi.copy(), rest.force.copy(), rest.iterations)
-        if _newton(system, trial, at(fraction)):
-            rest, done = trial, fraction
+        if slope is not None:
+            trial.phi = trial.phi + (fraction - done) * slope[0]
+            trial.force = trial.force + (fraction - done) * slope[1]
+        taken = _newton(system, trial, at(fraction), FARTHEST)
+        found = _signature(system, trial, at(fraction)) if taken else signature
+        if taken and (found == signature or step < SMALL):
+            change = fraction - done
+            slope = ((trial.phi - rest.phi) / change, (trial.force - rest.force) / change)
+            rest, done, signature = trial, fraction, found
             stages.append(fraction)
             step *= 2
         else:
@@ -134,10 +151,11 @@ def _follow(
     return rest, tuple(stages)
 
 
-def _newton(system: System, rest: Rest, p: Array, farthest: float = FARTHEST) -> bool:
-    """Iterate in place; whether it converged."""
+def _newton(system: System, rest: Rest, p: Array, farthest: float) -> bool:
+    """Iterate in place, with corrections of at most ``farthest`` that shrink; whether it
+    converged."""
     before = np.inf
-    for at in range(ITERATIONS):
+    for _ in range(ITERATIONS):
         cells = Cells.at(system, rest.phi, rest.force, p)
         try:
             z = solve(cells.statics, -cells.residual.ravel()).reshape(-1, 3)
@@ -145,15 +163,40 @@ def _newton(system: System, rest: Rest, p: Array, farthest: float = FARTHEST) ->
             return False
         change = float(np.abs(z[:, 0]).max())
         rest.iterations += 1
-        if not change < (farthest if at == 0 else 10.0):
+        settled = change <= 4 * np.finfo(float).eps or (change < NOISE and change >= before / 2)
+        if not (settled or change < min(farthest, before)):
             return False
         rest.phi = rest.phi + z[:, 0]
         rest.force = rest.force + z[:, 1:]
         rest.change = change
-        if change <= 4 * np.finfo(float).eps or (change < NOISE and change >= before / 2):
+        if settled:
             return True
         before = change
     return False
+
+
+def _signature(system: System, rest: Rest, p: Array) -> int:
+    """How many motions are unstable without damping; beyond MOST_DENSE links the sign of the
+    determinant of the stiffness, which tells odd changes alone."""
+    cells = Cells.at(system, rest.phi, rest.force, p)
+    if system.cells <= MOST_DENSE:
+        dense = Pencil.of(cells).reduced()
+        return int((np.linalg.eigvals(np.linalg.solve(dense.M, -dense.K)).real > 0).sum())
+    factors = splu(sparse(cells.statics))
+    signs = np.sign(factors.U.diagonal()).prod()
+    return int(signs * _parity(factors.perm_r) * _parity(factors.perm_c))
+
+
+def _parity(order: NDArray[Any]) -> int:
+    """1 for an even permutation, -1 for an odd one."""
+    left, cycles = np.ones(len(order), dtype=bool), 0
+    for first in range(len(order)):
+        cycles += bool(left[first])
+        at = first
+        while left[at]:
+            left[at] = False
+            at = int(order[at])
+    return 1 if (len(order) - cycles) % 2 == 0 else -1
 
 
 def _hang(system: System, given: dict[str, float]) -> Rest:
@@ -172,7 +215,7 @@ def _hang(system: System, given: dict[str, float]) -> Rest:
         z = solve(blocks, -cells.residual.ravel()).reshape(-1, 3)
         rest.phi, rest.force = rest.phi + z[:, 0], rest.force + z[:, 1:]
         rest.iterations += 1
-        if np.abs(z[:, 0]).max() < NEAR_END and _newton(system, rest, p):
+        if np.abs(z[:, 0]).max() < NEAR_END and _newton(system, rest, p, FARTHEST):
             return rest
     raise AnalysisError(
         f"no equilibrium found: the pinned rod did not come to rest in {rest.iterations} iterations"

@@ -31,6 +31,8 @@ class System:
         The module is that of the NumPy target: a few evaluations are not worth a compilation.
         """
         t = scene.integrate.span[1] if t is None else t
+        if not np.isfinite(t):
+            raise SceneError("t", t, "a finite time")
         scene = frozen(scene, t)
         return cls(scene, build(scene, "numpy"), t)
 
