@@ -58,18 +58,16 @@ def _solved(dense: Dense) -> Values:
         return Values(np.zeros(0, dtype=complex), np.zeros((0, 0), dtype=complex))
     zero, one = np.zeros((size, size)), np.eye(size)
     if not dense.damped:
-        squares, vectors = np.linalg.eig(np.linalg.solve(dense.M, -dense.K))
-        return Values(_roots(squares.astype(complex)), vectors.astype(complex))
+        squares, columns = np.linalg.eig(np.linalg.solve(dense.M, -dense.K))
+        return Values(_roots(squares.astype(complex)), columns.astype(complex))
     try:
         B, A = (np.linalg.solve(dense.K, -matrix) for matrix in (dense.C, dense.M))
-        inverse, vectors = np.linalg.eig(np.block([[B, A], [one, zero]]))
-        s = 1 / inverse
-        vectors = vectors[size:]
+        inverse, columns = np.linalg.eig(np.block([[B, A], [one, zero]]))
+        s, vectors = 1 / inverse.astype(complex), columns[size:].astype(complex)
     except np.linalg.LinAlgError:
         A, B = (np.linalg.solve(dense.M, -matrix) for matrix in (dense.K, dense.C))
-        s, vectors = np.linalg.eig(np.block([[zero, one], [A, B]]))
-        vectors = vectors[:size]
-    s, vectors = s.astype(complex), vectors.astype(complex)
+        values, columns = np.linalg.eig(np.block([[zero, one], [A, B]]))
+        s, vectors = values.astype(complex), columns[:size].astype(complex)
     here = s.imag >= 0
     return Values(s[here], vectors[:, here])
 
