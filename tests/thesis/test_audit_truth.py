@@ -21,7 +21,7 @@ from sympy import (
     symbols,
 )
 
-from rodgen.thesis.audit.truth import D_x, D_y, P, flat, g, nu, omega, phi, r, truth
+from rodgen.thesis.audit.truth import D_x, D_y, P, c_int, flat, g, nu, omega, phi, r, truth
 
 TIME = Symbol("t", real=True)
 
@@ -124,8 +124,25 @@ def test_loads_against_virtual_work(n: int) -> None:
     weight = [sum(rows) for rows in zip(*centres, strict=True)]
     joints = [direct.work(direct.joint(s), (D_x[s], D_y[s])) for s in range(n + 1)]
     drag = [sum(rows) for rows in zip(*joints, strict=True)]
-    for one, two in ((thrust, t.F), (weight, t.A), (drag, t.D_e)):
+    resisting = [-e for e in t.forces["external_damping"]]
+    for one, two in (
+        (thrust, t.F),
+        (thrust, t.forces["follower"]),
+        (weight, t.A),
+        (weight, t.forces["gravity"]),
+        (drag, t.D_e),
+        (drag, resisting),
+    ):
         assert all(same(direct.plain(a), b) for a, b in zip(one, two, strict=True))
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_dampers_against_dissipation(n: int) -> None:
+    """Moments of internal damping: minus the slope of half the power that they take."""
+    t = truth(n)
+    half = sum((c_int * m * (b - a) ** 2 / 2 for a, b in pairwise(omega[:n])), Integer(0))
+    for one, two in zip(t.forces["internal_damping"], t.rates, strict=True):
+        assert same(one, -half.diff(two))
 
 
 def test_the_second_route_can_tell_a_difference() -> None:

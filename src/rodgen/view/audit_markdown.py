@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rodgen.thesis.audit.claim import NOT_PRINTED, Finding, Verdict
+from rodgen.thesis.audit.claim import NOT_PRINTED, Claim, Finding, Verdict
 from rodgen.thesis.audit.java import Order
 from rodgen.view.audit_text import (
     EQUATIONS,
@@ -19,11 +19,12 @@ from rodgen.view.audit_text import (
     where,
 )
 
+REPAIR = "Repair of the text: "
 LONGEST = 200  # characters of a difference
 
 
 def markdown(findings: Sequence[Finding], orders: Sequence[Order]) -> str:
-    """The verdicts, and what does not stand as printed, explained."""
+    """The verdicts, what was mended or belongs to what is exact, and the rest explained."""
     lines = [f"# {TITLE}", "", *_paragraphs(INTRODUCTION)]
     lines.append(
         "`rodgen audit` does all of it anew, and writes a page with every printed form, tables and "
@@ -32,8 +33,9 @@ def markdown(findings: Sequence[Finding], orders: Sequence[Order]) -> str:
     lines += ["", "## Verdicts", "", *_counts(findings)]
     for part, some in parts(findings).items():
         lines += ["", f"## {part}"]
-        exact = [f.claim.number for f in some if f.verdict is Verdict.EXACT]
-        lines += ["", f"Exact: {'; '.join(exact)}."]
+        exact = [f.claim for f in some if f.verdict is Verdict.EXACT]
+        lines += ["", f"Exact: {'; '.join(claim.number for claim in exact)}."]
+        lines += ["", "What belongs to these:", "", *_remarks(exact)]
         for finding in some:
             if finding.verdict is not Verdict.EXACT:
                 lines += ["", *_finding(finding, math=part == EQUATIONS)]
@@ -56,6 +58,15 @@ def _counts(findings: Sequence[Finding]) -> Iterator[str]:
         yield f"| {verdict} | {meaning} | {numbers} |"
 
 
+def _remarks(claims: Sequence[Claim]) -> Iterator[str]:
+    """Repairs and notes, each with all the claims that it belongs to."""
+    numbers: dict[str, list[str]] = {}
+    for claim in claims:
+        for remark in (*(REPAIR + text for text in claim.repairs), claim.note):
+            numbers.setdefault(remark, []).append(claim.number)
+    yield from (f"- {'; '.join(some)}: {remark}" for remark, some in numbers.items() if remark)
+
+
 def _finding(finding: Finding, math: bool) -> Iterator[str]:
     claim = finding.claim
     yield f"### {claim.number}, {claim.title}: {finding.verdict}"
@@ -74,7 +85,7 @@ def _finding(finding: Finding, math: bool) -> Iterator[str]:
         shown = f"$`{claim.correction}`$" if math else f"`{claim.correction}`"
         yield f"- Put right: {shown}"
     for repair in claim.repairs:
-        yield f"- Repair of the text: {repair}"
+        yield f"- {REPAIR}{repair}"
     if claim.note:
         yield f"- {claim.note}"
     yield f"- Compared for {links(finding)}."

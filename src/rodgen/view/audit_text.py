@@ -19,7 +19,8 @@ INTRODUCTION = (
     "J. Masek, Modelling of free beam loaded by follower load, Brno 2014: every numbered equation "
     "from 2.1 to 2.65 and every method of the Java listing is written down as it is printed, with "
     "the printed limits, factors, indices and signs, and compared with what rodgen derives: the "
-    "equations of a chain of n rigid links by Lagrange's method, their loads by virtual work. "
+    "equations of a chain of n rigid links by Lagrange's method, their loads by virtual work. Left "
+    "out is the Gauss elimination that getSolution calls, of a library that is not printed. "
     f"If nothing else is said, n goes from {LINKS[0]} to {LINKS[-1]}.",
     "Every verdict is computed. Two expressions are equal if their normal forms are: polynomials "
     "with rational coefficients in the letters and in the cosines and sines of the angles, in "
@@ -30,8 +31,8 @@ INTRODUCTION = (
 MEANING = {
     Verdict.EXACT: "equal to what is derived",
     Verdict.MISPRINT: "differs; the form put right does not",
-    Verdict.SIGN: "right but for a sign: of the whole, of a quantity, or of some entries",
-    Verdict.INCOMPLETE: "every printed term is right, terms are left out",
+    Verdict.SIGN: "right but for a sign: of the whole, or of some entries",
+    Verdict.INCOMPLETE: "what is printed is right, terms or entries are left out",
     Verdict.MISSING: "nothing is printed for what is needed",
     Verdict.AMBIGUOUS: "can be read in several ways, of which some are right and some are not",
 }

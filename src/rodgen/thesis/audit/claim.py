@@ -27,8 +27,8 @@ class Verdict(StrEnum):
 
     EXACT = "exact"
     MISPRINT = "misprint"  # differs, and the corrected form does not
-    SIGN = "sign conflict"  # right but for a sign: of the whole, of a named quantity, of entries
-    INCOMPLETE = "incomplete"  # what is there is right; terms are left out
+    SIGN = "sign conflict"  # right but for a sign: of the whole, of entries
+    INCOMPLETE = "incomplete"  # what is there is right; terms or entries are left out
     MISSING = "missing"  # nothing is printed for what is needed
     AMBIGUOUS = "ambiguous"  # several readings, of which some are right and some are not
 
@@ -39,10 +39,9 @@ class Claim:
 
     number: "2.26", or "Java 189-212"; title: what it is, in a few words; readings: the printed
     form by the name of its reading ("as printed", where there is one only), none where nothing is
-    printed; truth: the derived entries; corrected: the printed form put right; flipped: the
-    quantities whose sign the thesis may have taken the other way (P, g); links: the n compared;
-    repairs: damage of the scan that was mended, each in words; note: a hypothesis, or what a
-    reader should know.
+    printed; truth: the derived entries; corrected: the printed form put right; links: the n
+    compared; repairs: what was mended in the text before it was read, each in words; note: a
+    hypothesis, or what a reader should know.
     """
 
     number: str
@@ -50,7 +49,6 @@ class Claim:
     readings: dict[str, Entries]
     truth: Entries
     corrected: Entries | None = None
-    flipped: tuple[Expr, ...] = ()
     links: Sequence[int] = LINKS
     repairs: tuple[str, ...] = ()
     note: str = ""

@@ -13,6 +13,7 @@ from .equations_matrices import ROWS, TWO_LINKS, entry_of, row_name, tridiagonal
 from .truth import LETTERS, Column, P, c_int, flat, g, nu, omega, phi, truth
 
 omega_r = Symbol("omega_r", real=True)  # rate at which a joint opens
+a_g = Symbol("a_g", real=True)  # acceleration that acts on a link
 
 
 def follower(n: int) -> Column:
@@ -23,6 +24,11 @@ def follower(n: int) -> Column:
 
 def derived_follower(n: int) -> Column:
     return [e.xreplace(LETTERS) for e in follower_force(phi[n - 1])]
+
+
+def against_thrust(n: int) -> Column:
+    """The force at the tail, counted against the thrust: what 2.46 calls F_follower."""
+    return [-e for e in derived_follower(n)]
 
 
 def follower_vector(base: int, sign: int) -> Entries:
@@ -63,18 +69,15 @@ def derived_weight(n: int) -> Expr:
 CLAIMS: tuple[Claim, ...] = (
     Claim(
         "2.46",
-        "components of the follower force",
+        "components of the follower force, counted against the thrust",
         {READ: follower},
-        derived_follower,
-        corrected=lambda n: [-e for e in follower(n)],
-        flipped=(P,),
+        against_thrust,
         repairs=("The angle nu was read as v.",),
         printed=r"F_{follower,x} = F_{follower} \cos(\varphi_{n-1} + \nu), \quad "
         r"F_{follower,y} = F_{follower} \sin(\varphi_{n-1} + \nu)",
-        correction=r"F_{follower,x} = -F_{follower} \cos(\varphi_{n-1} + \nu), \quad "
-        r"F_{follower,y} = -F_{follower} \sin(\varphi_{n-1} + \nu)",
-        note="As printed the force pulls at the tail. A rocket's thrust pushes: it acts from the "
-        "tail towards the nose, against the direction of the last link.",
+        note="Compared with the opposite of the thrust, which acts from the tail towards the nose: "
+        "the direction in which a component counts is a convention, and the moments of 2.47 are "
+        "right with this one. That the force of 2.47 need not be is told there, and once.",
         label=lambda n, at: f"F_follower,{'xy'[at]}",
     ),
     Claim(
@@ -82,7 +85,7 @@ CLAIMS: tuple[Claim, ...] = (
         "vector of the follower force",
         {
             "F_x = F_follower,x of 2.46": follower_vector(1, 1),
-            "F_x = F_follower,x, with the sign of 2.46 put right": follower_vector(1, -1),
+            "F_x = F_follower,x, that of 2.46 with the other sign": follower_vector(1, -1),
             "F_x = -F_follower,x, as in the listing, lines 434 and 444": follower_vector(-1, 1),
         },
         lambda n: truth(n).F,
@@ -92,8 +95,9 @@ CLAIMS: tuple[Claim, ...] = (
         r"\sin(\varphi_{n-1}) \end{bmatrix} - F_{follower,y} l \begin{bmatrix} 0 \\ 0 \\ "
         r"\cos(\varphi_0) \\ \vdots \\ \cos(\varphi_{n-1}) \end{bmatrix}",
         correction=r"F_x = -F_{follower,x}, \quad F_y = -F_{follower,y}",
-        note="F_x and F_y are not defined. With the components of 2.46 the force pulls and its "
-        "moments are those of a push.",
+        note="F_x and F_y are not defined. As the components of 2.46 they pull at the tail, while "
+        "the moments are those of a push; with the other sign in 2.46 it is the other way round. "
+        "With the minus of the listing 2.46 stands as it is printed.",
         label=row_name,
     ),
     Claim(
@@ -144,13 +148,12 @@ CLAIMS: tuple[Claim, ...] = (
     ),
     Claim(
         "2.63",
-        "force of the acceleration a_g on a link, upwards",
-        {"a_g = g": lambda n: [m * g], "a_g = -g": lambda n: [m * -g]},
-        lambda n: [derived_weight(n)],
-        corrected=lambda n: [m * -g],
+        "force of the acceleration a_g on a link",
+        {READ: lambda n: [m * a_g]},
+        lambda n: [derived_weight(n).xreplace({g: -a_g})],
         printed=r"F_a = m a_g",
-        correction=r"F_a = m a_g, \quad a_g = -g",
-        note="The direction in which a_g counts is not said; 2.64 uses both.",
+        note="A definition: force and acceleration both upwards, or both downwards. Which of them "
+        "is not said; 2.64 has both, and the conflict is counted there.",
         label=lambda n, at: "F_a",
     ),
     Claim(

@@ -6,20 +6,25 @@ from collections.abc import Callable
 
 from sympy import Expr, Integer, S, cos, sin
 
-from rodgen.derive.symbols import k, l, m
+from rodgen.derive.symbols import k, l, m, vx0, vy0
 
-from .claim import LINKS, Claim, Entries
-from .equations_definitions import HALF, READ, matrix_rows
+from .claim import Claim, Entries
+from .equations_definitions import HALF, READ, derived_rates, matrix_rows
 from .equations_energy import THIRD, weight
 from .truth import Column, Matrix, flat, omega, phi, product, truth
 
 TWO_LINKS = range(2, 7)  # n for which the first and the last row of K and D_i are two
+EVERY = ("internal_damping", "external_damping", "follower", "gravity")
 SPREAD = range(4, 7)  # n for which columns 0, 1, 2 and n-1 of 2.44 are four
 
 
 def row_name(n: int, at: int) -> str:
-    """Name of a row of the equations of motion."""
-    return f"row {('x0', 'y0')[at]}" if at < 2 else f"row phi_{at - 2}"
+    """Name of a row of the equations of motion, and of the rates after them."""
+    return f"row {_coordinate(at)}" if at < n + 2 else f"d{_coordinate(at - n - 2)}/dt"
+
+
+def _coordinate(at: int) -> str:
+    return ("x0", "y0")[at] if at < 2 else f"phi_{at - 2}"
 
 
 def entry_of(columns: Callable[[int], int]) -> Callable[[int, int], str]:
@@ -67,7 +72,7 @@ def quadratic(n: int, factor: Expr, last: int) -> Matrix:
 
 
 def balance(loads: Callable[[int], Column]) -> Entries:
-    """M v' - (Q omega^2 - K phi + loads), row by row."""
+    """M v' - (Q omega^2 - K phi + loads), row by row, with the loads as printed."""
 
     def rows(n: int) -> Column:
         return [row - load for row, load in zip(matrix_rows(n), loads(n), strict=True)]
@@ -75,13 +80,28 @@ def balance(loads: Callable[[int], Column]) -> Entries:
     return rows
 
 
-def equilibrium(loads: Callable[[int], Column]) -> Entries:
-    """d/dt dL/du - dL/dq less the generalised forces of the loads."""
+def equilibrium(*loads: str) -> Entries:
+    """d/dt dL/du - dL/dq less the generalised forces of the loads of these names, which come from
+    their laws by virtual power: no sign and no vector of a printed form is in them."""
 
     def rows(n: int) -> Column:
-        return [row - load for row, load in zip(truth(n).lagrange_rows, loads(n), strict=True)]
+        t = truth(n)
+        return [
+            row - sum((t.forces[name][at] for name in loads), S.Zero)
+            for at, row in enumerate(t.lagrange_rows)
+        ]
 
     return rows
+
+
+def with_rates(rows: Entries) -> Entries:
+    """Rows, then the lines d phi/dt = omega and d s/dt = v as printed: their right sides."""
+    return lambda n: [*rows(n), vx0, vy0, *omega[:n]]
+
+
+def with_derived_rates(rows: Entries) -> Entries:
+    """Rows, then the time derivatives of the coordinates of the derivation."""
+    return lambda n: [*rows(n), *derived_rates(n)]
 
 
 def damping(n: int) -> Column:
@@ -101,7 +121,8 @@ def every_load(n: int) -> Column:
 
 
 def misplaced(n: int) -> Column:
-    """2.65: - D_i - D_e omega + F + A; rows of D_i summed, D_e times (v, omega) row by row."""
+    """2.65: - D_i - D_e omega + F + A, made a sum by rows of D_i summed and D_e times (v, omega)
+    row by row."""
     t = truth(n)
     inner = [sum(row, S.Zero) for row in t.D_i]
     outer = [e * u for e, u in zip(t.D_e, t.rates, strict=True)]
@@ -109,16 +130,17 @@ def misplaced(n: int) -> Column:
 
 
 def load_claim(
-    number: str, title: str, loads: Callable[[int], Column], text: str, note: str = ""
+    number: str, title: str, load: str, printed: Callable[[int], Column], text: str
 ) -> Claim:
+    """The printed term, made of the derived vector or matrix, beside the load of that name."""
     return Claim(
         number,
-        title,
-        {READ: balance(loads)},
-        equilibrium(loads),
+        f"{title} in the equations",
+        {READ: balance(printed)},
+        equilibrium(load),
         printed=r"\mathbf{M} \frac{d}{dt}(v + \omega) = \mathbf{Q}\omega^2 - \mathbf{K}\varphi "
         + text,
-        note=note,
+        note="With the derived vector or matrix, beside the work that the load does.",
         label=row_name,
     )
 
@@ -134,12 +156,13 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         "2.41",
         "equations of motion with matrices",
-        {READ: lambda n: [*matrix_rows(n), *truth(n).rates]},
-        lambda n: [*truth(n).lagrange_rows, *truth(n).rates],
+        {READ: with_rates(matrix_rows)},
+        with_derived_rates(equilibrium()),
         printed=r"\mathbf{M} \frac{d}{dt}(v + \omega) = \mathbf{Q}\omega^2 - \mathbf{K}\varphi, "
         + RATES,
         note="With the derived M, Q and K: their form is right, whatever 2.43 and 2.44 hold. "
         "v + omega stands for one vector after the other, s for x0, y0.",
+        label=row_name,
     ),
     Claim(
         "2.42",
@@ -176,8 +199,10 @@ CLAIMS: tuple[Claim, ...] = (
         corrected=lambda n: flat(quadratic(n, HALF * m, 1)),
         links=SPREAD,
         repairs=(
-            "Every entry stands on two lines, its weight below it: joined.",
-            "The zeros of the diagonal have a weight below them too: a zero all the same.",
+            "Every entry stands on two lines, its weight below it, probably as it was typeset and "
+            "not by damage: joined.",
+            "The zeros of the diagonal have a weight below them too, probably typeset so: a zero "
+            "all the same.",
             "Dots are filled by the pattern of row and column i, which is also how the matrix is "
             "written here.",
         ),
@@ -192,24 +217,24 @@ CLAIMS: tuple[Claim, ...] = (
         "fall together.",
         label=entry_of(lambda n: n),
     ),
-    load_claim("2.45", "follower force in the equations", lambda n: truth(n).F, r"+ \mathbf{F}"),
-    load_claim("2.51", "internal damping in the equations", damping, r"- \mathbf{D}_i \omega"),
-    load_claim("2.53", "external damping in the equations", medium, r"- \mathbf{D}_e"),
-    load_claim("2.61", "gravity in the equations", lambda n: truth(n).A, r"+ \mathbf{A}"),
+    load_claim("2.45", "follower force", "follower", lambda n: truth(n).F, r"+ \mathbf{F}"),
+    load_claim("2.51", "internal damping", "internal_damping", damping, r"- \mathbf{D}_i \omega"),
+    load_claim("2.53", "external damping", "external_damping", medium, r"- \mathbf{D}_e"),
+    load_claim("2.61", "gravity", "gravity", lambda n: truth(n).A, r"+ \mathbf{A}"),
     Claim(
         "2.65",
         "equations of motion with all loads",
-        {"rows of D_i summed, D_e times (v, omega) row by row": balance(misplaced)},
-        equilibrium(every_load),
-        corrected=balance(every_load),
-        links=LINKS,
+        {"rows of D_i summed, D_e times (v, omega) row by row": with_rates(balance(misplaced))},
+        with_derived_rates(equilibrium(*EVERY)),
+        corrected=with_rates(balance(every_load)),
         printed=r"\mathbf{M} \frac{d}{dt}(v + \omega) = \mathbf{Q}\omega^2 - \mathbf{K}\varphi "
         r"- \mathbf{D}_i - \mathbf{D}_e\omega + \mathbf{F} + \mathbf{A}, " + RATES,
         correction=r"- \mathbf{D}_i \omega - \mathbf{D}_e \text{ in place of } "
         r"- \mathbf{D}_i - \mathbf{D}_e \omega",
         note="The factor omega has gone from D_i to D_e. Literally nothing can be added up: D_i is "
-        "a matrix of n+2 rows and n columns, D_e a vector. 2.51 and 2.53, of which 2.65 is said "
-        "to be composed, have it right.",
+        "a matrix of n+2 rows and n columns, D_e a vector. The reading that is compared is made "
+        "up here, so that there is a difference to show. 2.51 and 2.53, of which 2.65 is said to "
+        "be composed, have it right; its lines for the rates, compared too, are right.",
         label=row_name,
     ),
 )

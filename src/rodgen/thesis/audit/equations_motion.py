@@ -38,7 +38,7 @@ def lagrange_claim(number: str, row: int, text: str, *repairs: str) -> Claim:
     )
     return Claim(
         number,
-        f"Lagrange's equation {names[row]}",
+        names[row],
         {READ: lambda n: lagrange(n, row)},
         lambda n: derived_rows(n, row),
         printed=text,
@@ -221,14 +221,14 @@ CLAIMS: tuple[Claim, ...] = (
     ),
     Claim(
         "2.37",
-        "derivatives of E_p by x0 and y0",
-        {READ: lambda n: [S.Zero, NOT_PRINTED]},
-        lambda n: truth(n).spring_slopes[:2],
-        corrected=lambda n: [S.Zero, S.Zero],
+        "derivative of E_p by y0",
+        {READ: lambda n: [NOT_PRINTED]},
+        lambda n: truth(n).spring_slopes[1:2],
+        corrected=lambda n: [S.Zero],
         printed=r"\frac{\partial E_p}{\partial x_0} = 0",
         correction=r"\frac{\partial E_p}{\partial y_0} = 0",
         note="2.36 is printed a second time, for x0, in the place of the derivative by y0.",
-        label=lambda n, at: f"dE_p/d{'xy'[at]}0",
+        label=lambda n, at: "dE_p/dy0",
     ),
     lagrange_claim(
         "2.38",

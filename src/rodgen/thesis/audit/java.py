@@ -11,11 +11,12 @@
     java_forces     loads, right side, solution, and claims
     java_steps      the steppers, and what puts them right
     java_schemes    - the claims of what they are
+    java_getters    what the program hands out, and claims
     java_steppers   - their orders, measured
 
 Lines are those of the listing; where the scan has given a number to the rest of a wrapped line,
-that of its beginning. Pages and wrapped lines are joined. Getters (617-681) hand out members and
-claim nothing.
+that of its beginning. Pages and wrapped lines are joined. The elimination that getSolution
+(607-614) calls is of a library that is not printed, and is left out.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from . import (
     java_drag,
     java_energies,
     java_forces,
+    java_getters,
     java_matrices,
     java_motion,
     java_schemes,
@@ -39,6 +41,7 @@ CLAIMS: tuple[Claim, ...] = (
     *java_matrices.CLAIMS,
     *java_forces.CLAIMS,
     *java_drag.CLAIMS,
+    *java_getters.CLAIMS,
     *java_schemes.CLAIMS,
 )
 

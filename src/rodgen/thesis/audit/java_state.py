@@ -71,8 +71,9 @@ CLAIMS = (
         corrected=_members(printed=False),
         note="Java runs these initialisers before the constructor's body: the number of links is "
         "still 0, 0.0/0 is not a number, and the arrays have the lengths of a rod without links. "
-        "As printed the program stops in line 250, at an index out of bounds. Hypothesis: the "
-        "constructor was shortened for print.",
+        "As printed the program stops in line 251, at the index -1: its only columns are 0 and 1, "
+        "and for the last one it asks for the sine of link c-2. Hypothesis: the constructor was "
+        "shortened for print.",
         printed="double elementMass=mass/elementCount; double[] angles=new double[elementCount];",
         correction="lines 52-77 at the end of the constructor, 27-29 at that of setInitialState",
     ),

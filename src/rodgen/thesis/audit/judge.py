@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -89,7 +89,7 @@ def _verdict(claim: Claim, forms: dict[str, list[Pair]], wrong: dict[str, Pair])
         (Verdict.MISSING, _missing),
         (Verdict.INCOMPLETE, _incomplete),
     ):
-        reasons = {name: judgement(claim, name, pairs) for name, pairs in forms.items()}
+        reasons = {name: judgement(claim, pairs) for name, pairs in forms.items()}
         if any(reasons.values()):
             return verdict, _told(reasons)
     return Verdict.MISPRINT, ""
@@ -101,41 +101,40 @@ def _told(reasons: dict[str, str | None]) -> str:
     return "; ".join(f"{n}: {why}" if several else why for n, why in reasons.items() if why)
 
 
-def _sign(claim: Claim, name: str, pairs: list[Pair]) -> str | None:
-    """Right with the other sign of a named quantity, of the whole, or of some entries."""
-    for quantity in claim.flipped:
-        if not _first_wrong(_pairs(claim, _flipped(claim.readings[name], quantity))):
-            return f"right with the other sign of {quantity}"
+def _sign(claim: Claim, pairs: list[Pair]) -> str | None:
+    """Right with the other sign of the whole, or of some entries."""
     turned = [pair for pair in pairs if not pair.same]
     if not all(pair.opposite for pair in turned):
         return None
     if all(pair in turned or is_zero(pair.true) for pair in pairs):
         return "right with the other sign of the whole"
-    n = turned[0].n
-    entries = ", ".join(entry_name(claim, n, pair.at) for pair in turned if pair.n == n)
-    return f"right with the other sign of {entries} (n = {n})"
+    return f"right with the other sign of {_names(claim, turned)}"
 
 
-def _flipped(form: Entries, quantity: Expr) -> Entries:
-    def other(n: int) -> Sequence[Expr]:
-        return [entry.xreplace({quantity: -quantity}) for entry in form(n)]
-
-    return other
-
-
-def _missing(claim: Claim, name: str, pairs: list[Pair]) -> str | None:
-    """Nothing is printed for some entries, and the others are right."""
-    lacking = [pair for pair in pairs if not pair.same]
-    if any(pair.printed for pair in lacking):
+def _missing(claim: Claim, pairs: list[Pair]) -> str | None:
+    """Nothing is printed for any entry."""
+    if any(pair.printed for pair in pairs):
         return None
-    return f"nothing is printed for {entry_name(claim, lacking[0].n, lacking[0].at)}"
+    return f"nothing is printed for {_names(claim, pairs)}"
 
 
-def _incomplete(claim: Claim, name: str, pairs: list[Pair]) -> str | None:
-    """Every term that is printed is right, and some are left out."""
-    if all(pair.printed and is_part(pair.entry, pair.true) for pair in pairs):
+def _incomplete(claim: Claim, pairs: list[Pair]) -> str | None:
+    """What is printed is right, and terms or whole entries are left out."""
+    printed = [pair for pair in pairs if pair.printed]
+    if not all(pair.same or is_part(pair.entry, pair.true) for pair in printed):
+        return None
+    if len(printed) == len(pairs):
         return "every printed term is right, terms are left out"
-    return None
+    some = {pair.n for pair in printed}
+    lacking = [pair for pair in pairs if pair.n in some and not pair.printed]
+    return f"what is printed is right, nothing is printed for {_names(claim, lacking)}"
+
+
+def _names(claim: Claim, pairs: list[Pair]) -> str:
+    """Names of the entries for the smallest n among them."""
+    n = pairs[0].n
+    names = ", ".join(entry_name(claim, n, pair.at) for pair in pairs if pair.n == n)
+    return f"{names} (n = {n})"
 
 
 def entry_name(claim: Claim, n: int, at: int) -> str:

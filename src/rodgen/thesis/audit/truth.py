@@ -6,14 +6,16 @@ real letters: x0, y0, phi_i, their rates vx0, vy0, omega_i, and the rates of tho
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache, cached_property
+from itertools import pairwise
 
 from sympy import Expr, S, Symbol, symbols
 from sympy.polys.rings import PolyElement
 
 from rodgen.derive.calculus import TIME
 from rodgen.derive.explicit import ExplicitDerivation
+from rodgen.derive.loads import damper_moment, follower_force, weight
 from rodgen.derive.symbols import C_EXT, C_INT, NU, PARAMETERS, l, m, vx0, vy0, x0, xi, y0
 from rodgen.derive.symbols import G as GRAVITY
 from rodgen.derive.symbols import P as FOLLOWER
@@ -43,6 +45,7 @@ LETTERS: dict[Expr, Expr] = {
 
 Matrix = list[list[Expr]]
 Column = list[Expr]
+Acting = tuple[PolyElement, PolyElement]  # a force or moment, and the rate along which it acts
 
 
 class Truth:
@@ -173,6 +176,43 @@ class Truth:
     def D_e(self) -> Column:
         """External damping, from the resisting forces D_x, D_y at the joints."""
         return self._column(self.derived.external_damping)
+
+    # Loads by a second route -----------------------------------------------------------------
+
+    @cached_property
+    def forces(self) -> dict[str, Column]:
+        """Generalised forces of every load, with the sign of what acts on the rod: from the laws
+        of derive.loads by virtual power, where F, A, D_i and D_e are by virtual work."""
+        d, poly = self.derived, self.derived.calculus.poly
+        tail = zip(follower_force(d.angles[-1]), d.joint(self.n), strict=True)
+        weights = [
+            (poly(f), d.mean(d.rate(c)))
+            for point in d.link_points
+            for f, c in zip(weight(m), point, strict=True)
+        ]
+        dampers = [
+            (poly(damper_moment(a.diff(TIME), b.diff(TIME))), d.rate(poly(b - a)))
+            for a, b in pairwise(d.angles)
+        ]
+        drag = [
+            (poly(-f), d.rate(c))
+            for s, at_joint in enumerate(d.drag)
+            for f, c in zip(at_joint, d.joint(s), strict=True)
+        ]
+        return {
+            "follower": self._by_power((poly(f), d.rate(c)) for f, c in tail),
+            "gravity": self._by_power(weights),
+            "internal_damping": self._by_power(dampers),
+            "external_damping": self._by_power(drag),
+        }
+
+    def _by_power(self, loads: Iterable[Acting]) -> Column:
+        """Force times d(rate)/du, for every u."""
+        totals = [self.derived.calculus.zero for _ in self.rates]
+        for force, along in loads:
+            slopes = self._slopes(along, 1)
+            totals = [a + force * slope for a, slope in zip(totals, slopes, strict=True)]
+        return self._column(totals)
 
 
 @cache
