@@ -57,13 +57,14 @@ def _solved(dense: Dense) -> Values:
     if size == 0:
         return Values(np.zeros(0, dtype=complex), np.zeros((0, 0), dtype=complex))
     zero, one = np.zeros((size, size)), np.eye(size)
+    s: Complex
     if not dense.damped:
         squares, columns = np.linalg.eig(np.linalg.solve(dense.M, -dense.K))
         return Values(_roots(squares.astype(complex)), columns.astype(complex))
     try:
         B, A = (np.linalg.solve(dense.K, -matrix) for matrix in (dense.C, dense.M))
         inverse, columns = np.linalg.eig(np.block([[B, A], [one, zero]]))
-        s, vectors = 1 / inverse.astype(complex), columns[size:].astype(complex)
+        s, vectors = 1 / np.asarray(inverse, dtype=complex), columns[size:].astype(complex)
     except np.linalg.LinAlgError:
         A, B = (np.linalg.solve(dense.M, -matrix) for matrix in (dense.K, dense.C))
         values, columns = np.linalg.eig(np.block([[zero, one], [A, B]]))
