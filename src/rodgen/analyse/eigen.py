@@ -64,7 +64,7 @@ def _solved(dense: Dense) -> Values:
     try:
         B, A = (np.linalg.solve(dense.K, -matrix) for matrix in (dense.C, dense.M))
         inverse, columns = np.linalg.eig(np.block([[B, A], [one, zero]]))
-        s, vectors = 1 / np.asarray(inverse, dtype=complex), columns[size:].astype(complex)
+        s, vectors = (1 / inverse).astype(complex), columns[size:].astype(complex)
     except np.linalg.LinAlgError:
         A, B = (np.linalg.solve(dense.M, -matrix) for matrix in (dense.K, dense.C))
         values, columns = np.linalg.eig(np.block([[zero, one], [A, B]]))
