@@ -39,7 +39,7 @@ def test_frequencies_to_nine_digits(
     assert not found.growth.any()
 
 
-@pytest.mark.parametrize("boundary", ["free", "clamped"])
+@pytest.mark.parametrize("boundary", ["free", "clamped", "pinned"])
 @pytest.mark.parametrize("external", [False, True])
 def test_damped_frequencies_to_nine_digits(
     rod: Rod, exact: Any, boundary: str, external: bool

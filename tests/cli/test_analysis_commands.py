@@ -13,8 +13,12 @@ import pytest
 from scipy.special import jn_zeros
 
 import rodgen
+from rodgen.analyse import growth
 from rodgen.analyse.columns import beck
+from rodgen.analyse.critical import family_of
+from rodgen.analyse.errors import AnalysisError
 from rodgen.cli import main
+from rodgen.view.analysis_pictures import stability_curves
 
 ROOT = Path(__file__).parents[2]
 LENGTH, STIFFNESS = 5.0, 100.0
@@ -118,6 +122,20 @@ def test_modes_of_a_free_rod_say_what_is_left_out(call: Call, write: Write) -> N
     assert "3 rigid-body motions" in done.out
 
 
+def test_modes_warn_of_one_that_grows(call: Call, write: Write) -> None:
+    """Beyond the onset of flutter at 80 N."""
+    done = call("modes", write("[loads.follower]\nforce = 90.0"), "--count", 3, "--json")
+    assert max(_strict(done)["growth"]) > 0
+    assert "warning: this state is unstable: mode" in done.err
+    assert len(done.err.splitlines()) == 1
+
+
+def test_modes_count_overdamped_motions(call: Call, write: Write) -> None:
+    """The damping ratio is proportional to the frequency: the fast ones no longer oscillate."""
+    done = call("modes", write("[loads.internal_damping]\ncoefficient = 50.0", 8), "--count", 2)
+    assert "overdamped motions among those computed" in done.out
+
+
 def test_static_deflection(call: Call, write: Write) -> None:
     scene = write("[loads.tip]\ny = 0.01", 40)
     found = _strict(call("static", scene, "--json"))
@@ -163,7 +181,8 @@ def test_critical_force_as_table_and_picture(call: Call, write: Write) -> None:
     assert (done.status, done.err) == (0, "")
     found = rodgen.critical_force(rodgen.Scene.from_toml(scene), highest=300)
     assert f"{found.force:.10g} N" in done.out
-    assert "0 to 300 N" in done.out
+    low, high, forces = found.searched
+    assert f"{low:g} to {high:g} N at {forces} forces" in done.out
     _picture("critical.png")
 
 
@@ -181,6 +200,19 @@ def test_picture_of_a_bent_rod(call: Call, write: Write) -> None:
     _picture("critical.png")
 
 
+@pytest.mark.parametrize("damping", [0.01, 0.5])
+def test_picture_shows_where_growth_begins(write: Write, damping: float) -> None:
+    """Strong flutter, from 430 N on, would make a line of what happens at 348 N."""
+    path = write(f"{PUSHED}\n[loads.internal_damping]\ncoefficient = {damping}", 20, "free")
+    scene = rodgen.Scene.from_toml(path)
+    found, family = rodgen.critical_force(scene), family_of(scene)
+    low, high = stability_curves(found, family).axes[1].get_ylim()
+    assert 0.15 < high / (high - low) < 0.85
+    before, after = np.nanmax(family.elastic(found.force * np.array([0.0, 1.1])).real, axis=1)
+    assert low < before < 0
+    assert 0 < after < high < 2 * max(after, -before)
+
+
 def test_critical_force_by_simulation(call: Call, write: Write) -> None:
     """In so short a time only what grows fast is seen: the force is too large, not too small."""
     found = _strict(call("critical", write(PUSHED, 2), "--simulate", 20, "--json"))
@@ -188,6 +220,35 @@ def test_critical_force_by_simulation(call: Call, write: Write) -> None:
     assert simulated["span"] == 20.0
     assert simulated["low"] < simulated["force"] < simulated["high"]
     assert 1 < simulated["force"] / found["force"] < 1.05
+
+
+def test_force_by_eigenvalues_outlives_a_simulation_without_a_result(
+    call: Call, write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def nothing(*_: object, **__: object) -> None:
+        raise AnalysisError("no motion grows")
+
+    monkeypatch.setattr(growth, "simulated_critical_force", nothing)
+    scene = write(PUSHED, 2)
+    done = call("critical", scene, "--simulate", 5, "--json")
+    assert done.status == 3
+    assert json.loads(done.out)["force"] > 0
+    assert json.loads(done.out)["simulated"] is None
+    assert done.err == "rodgen: by simulation: no motion grows\n"
+    done = call("critical", scene, "--simulate", 5)
+    assert done.status == 3
+    assert "critical force" in done.out
+    assert "no motion grows" in done.out
+    assert done.err == "rodgen: by simulation: no motion grows\n"
+    _picture("critical.png")
+
+
+def test_simulation_without_a_compiler_says_so(
+    call: Call, write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CC", "no-such-compiler")
+    done = call("critical", write(PUSHED, 2), "--simulate", 0.5, "--json")
+    assert "NumPy, which takes long" in done.err.splitlines()[0]
 
 
 BAD = [
@@ -205,8 +266,10 @@ BAD = [
     (("critical", "PUSHED", "--lowest", "9", "--highest", "3"), 2, "highest = 3.0"),
     (("critical", "PUSHED", "--lowest", "nan"), 2, "--lowest = nan"),
     (("critical", "PUSHED", "--highest", "inf"), 2, "--highest = inf"),
-    (("critical", "PUSHED", "50"), 2, "--simulate"),
-    (("critical", "PUSHED", "--simulate", "0"), 2, "span = 0.0"),
+    (("critical", "PUSHED", "50"), 2, "unexpected extra argument"),
+    (("critical", "PUSHED", "--simulate", "0"), 2, "--simulate = 0.0"),
+    (("critical", "PUSHED", "--simulate", "-5"), 2, "--simulate = -5.0"),
+    (("critical", "PUSHED", "--simulate", "nan"), 2, "--simulate = nan"),
     (("critical", "TURNED"), 3, "no steady state"),
     (("modes", "TURNED"), 3, "no steady state"),
     (("static", "LOOSE"), 3, "no equilibrium found"),
@@ -235,11 +298,22 @@ def test_what_has_no_answer_ends_in_one_line(
 
 @pytest.mark.parametrize("command", ["modes", "static", "critical"])
 def test_folder_that_cannot_be_written(call: Call, write: Write, command: str) -> None:
+    """It is found before anything is computed and printed; with --json none is needed."""
     scene = write(PUSHED, 3)
     done = call(command, scene, "--out", scene)
     assert done.status == 2
     assert "--out" in done.err
     assert len(done.err.splitlines()) == 1
+    assert done.out == ""
+    assert _strict(call(command, scene, "--out", scene, "--json"))
+
+
+def test_no_empty_folder_stays_behind(call: Call, write: Write) -> None:
+    kept = Path("kept")
+    kept.mkdir()
+    done = call("critical", write(PUSHED, 4), "--highest", 50, "--out", kept / "new")
+    assert done.status == 3
+    assert list(Path.cwd().rglob("*")) == [kept.absolute()]
 
 
 def test_scenes_to_start_from(call: Call) -> None:

@@ -69,7 +69,10 @@ def test_digits_that_agree(printed: str, value: float, count: int):
 
 def test_verdicts_follow_from_the_numbers():
     assert verdict("0.0198", 0.0198258) == "reproduced to all 3 digits"
-    assert verdict("13.3896", 13.2888, "why") == "not reproduced (+0.76 %): why"
+    assert verdict("13.3896", 13.2888, "why") == "not reproduced: 2 digits (+0.759 %), why"
+    assert verdict("0.0735", 0.07359263) == "reproduced within 0.3 %: 2 digits (-0.13 %)"
+    assert verdict("93.95", 81.0) == "not reproduced: no digits (+16 %)"
+    assert verdict("411.83", 411.776430).startswith("reproduced to 4 digits")
     assert rounded_down("0.02", 0.0233).startswith("reproduced")
     assert rounded_down("0.0006", 0.000905).startswith("not reproduced")
 
@@ -158,8 +161,11 @@ def test_page_names_every_table_and_needs_no_network(tmp_path: Path):
     assert list(rebuild.TABLES) == ["3.1", "3.2", "3.3", "3.4", "3.5", "3.6", "4.1", "4.2", "clamp"]
     tables = [made_up(number) for number in rebuild.TABLES]
     page = write_thesis(tmp_path, tables, 1.0)
+    text = page.read_text(encoding="utf-8")
+    for close, times in (("0.05", 2), ("0.3", 2), ("0.5", 2)):  # 3.1, 3.2; 3.3, 3.5; 3.4, 3.6
+        assert text.count(f"a difference of no more than {close} %") == times
     parsed = _Page()
-    parsed.feed(page.read_text(encoding="utf-8"))
+    parsed.feed(text)
     assert parsed.anchors == [f"table-{name.replace('.', '-')}" for name in rebuild.TABLES]
     for name in parsed.asked:
         assert name.removeprefix("#") in parsed.anchors or (tmp_path / name).is_file(), name

@@ -102,7 +102,8 @@ def critical_force(
 def family_of(scene: Scene, t: float | None = None) -> Family:
     """The linearised scene for every follower force. Raises SceneError, AnalysisError."""
     if scene.loads.follower is None:
-        raise SceneError("loads.follower", None, "there: a critical follower force was asked for")
+        allowed = "a table with a force (which is itself not used): its critical value is asked for"
+        raise SceneError("loads.follower", None, allowed)
     if scene.rod.bending_stiffness == 0:
         raise SceneError("rod.bending_stiffness", 0.0, "positive: a chain bears no thrust")
     given = scene.model_dump(exclude_none=True)

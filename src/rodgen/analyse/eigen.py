@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,10 +37,10 @@ class Values:
 def all_values(pencil: Pencil | Dense, turns: bool = False) -> Values:
     """Every eigenvalue: O(n^3). turns: the rod turns freely, which has the eigenvalue zero."""
     dense = pencil.reduced() if isinstance(pencil, Pencil) else pencil
-    if not (turns and isinstance(pencil, Pencil)):
-        found = _solved(dense)
-        # What external damping does to a rod as a whole leaves zeros among the eigenvalues.
-        return _without_zeros(found) if isinstance(pencil, Dense) else found
+    if isinstance(pencil, Dense):  # external damping, which leaves zeros of rigid motions
+        return _without_zeros(_solved(dense, singular=True))
+    if not turns:
+        return _solved(dense)
     # Virtual work on turning is s^2 (M turn) a: motions orthogonal to M turn are without it.
     turn = np.ones(pencil.cells)
     basis = null_space((dense.M @ turn)[None])
@@ -51,24 +52,30 @@ def all_values(pencil: Pencil | Dense, turns: bool = False) -> Values:
     return Values(found.s, angles)
 
 
-def _solved(dense: Dense) -> Values:
-    """By the inverse, in which slow motions keep their digits, where it exists."""
-    size = len(dense.K)
-    if size == 0:
+def _solved(dense: Dense, singular: bool = False) -> Values:
+    """By the inverse, in which slow motions keep their digits, where K is not singular."""
+    if not len(dense.K):
         return Values(np.zeros(0, dtype=complex), np.zeros((0, 0), dtype=complex))
-    zero, one = np.zeros((size, size)), np.eye(size)
-    s: Complex
     if not dense.damped:
         squares, columns = np.linalg.eig(np.linalg.solve(dense.M, -dense.K))
         return Values(_roots(squares.astype(complex)), columns.astype(complex))
-    try:
-        B, A = (np.linalg.solve(dense.K, -matrix) for matrix in (dense.C, dense.M))
-        inverse, columns = np.linalg.eig(np.block([[B, A], [one, zero]]))
-        s, vectors = (1 / inverse).astype(complex), columns[size:].astype(complex)
-    except np.linalg.LinAlgError:
-        A, B = (np.linalg.solve(dense.M, -matrix) for matrix in (dense.K, dense.C))
-        values, columns = np.linalg.eig(np.block([[zero, one], [A, B]]))
-        s, vectors = values.astype(complex), columns[:size].astype(complex)
+    if not singular:
+        with suppress(np.linalg.LinAlgError):
+            inverse, vectors = _companion(dense.K, dense.C, dense.M)
+            return _upper(1 / inverse, vectors)
+    return _upper(*_companion(dense.M, dense.C, dense.K))
+
+
+def _companion(last: Array, middle: Array, first: Array) -> tuple[Complex, Complex]:
+    """Eigenvalues z of z^2 last + z middle + first, and their vectors."""
+    size = len(last)
+    A, B = (np.linalg.solve(last, -matrix) for matrix in (first, middle))
+    zero, one = np.zeros((size, size)), np.eye(size)
+    values, columns = np.linalg.eig(np.block([[zero, one], [A, B]]))
+    return values.astype(complex), columns[:size].astype(complex)
+
+
+def _upper(s: Complex, vectors: Complex) -> Values:
     here = s.imag >= 0
     return Values(s[here], vectors[:, here])
 
@@ -139,9 +146,7 @@ def lowest_values(pencil: Pencil, count: int, turning: Array | None) -> Values:
     angles = vectors[0 : 3 * pencil.cells : 3]
     if turning is not None:  # what the moment has turned, given back to every link
         angles = angles + vectors[size - 1] / (values**2 if pencil.damped else values)
-    s = values if pencil.damped else _roots(values)
-    here = s.imag >= 0
-    return Values(s[here], angles[:, here])
+    return _upper(values if pencil.damped else _roots(values), angles)
 
 
 def _roots(squares: Complex) -> Complex:

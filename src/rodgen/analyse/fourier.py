@@ -75,7 +75,8 @@ def _must_not_fold(solution: Solution, found: Spectrum, window: str) -> None:
         true = float(rate[at] / size[at]) / (2 * np.pi)
         if abs(true / f - 1) > FOLDED and true > half * (1 - FOLDED):
             raise AnalysisError(
-                f"samples every {0.5 / half:.6g} s are too coarse: the peak at {f:.6g} Hz is one "
-                f"of about {true:.3g} Hz folded back; one every {1 / (SAMPLES * true):.3g} s is "
-                "needed"
+                f"samples every {solution.t[1] - solution.t[0]:.6g} s are too coarse: the peak at "
+                f"{f:.6g} Hz is one of about {true:.3g} Hz folded back; one every "
+                f"{1 / (SAMPLES * true):.3g} s is needed (output_every), or a larger floor, which "
+                "leaves faint peaks out"
             )

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from rodgen.cli.console import out, working
+from rodgen.cli.console import err, out, working
 from rodgen.cli.errors import finite
-from rodgen.cli.folders import writable
+from rodgen.cli.folders import promised
 from rodgen.cli.options import AsJson, AtTime, OutFolder, SceneFile
 
 if TYPE_CHECKING:
@@ -30,24 +30,37 @@ def modes(
     from rodgen.scene import Scene
 
     scene = Scene.from_toml(scene_file)
-    with working("linearising"):
-        found = natural_modes(scene, count, t=finite("--t", t))
-    if as_json:
-        print(json.dumps(_object(found), allow_nan=False))
-        return
-    if len(found.frequencies):
-        out.print(_table(found, scene.name))
-    else:
-        out.print(f"{scene.name}: no natural frequencies")
-    out.print(f"About the state: {found.state}; loads as at t = {found.t:g} s.")
-    out.print(f"Left out: {_left_out(found)}.")
-    if len(found.frequencies):
-        from rodgen.view.analysis_pictures import mode_shapes, save_picture
+    with promised(None if as_json else out_folder / scene.name) as folder:
+        with working("linearising"):
+            found = natural_modes(scene, count, t=finite("--t", t))
+        _warn(found)
+        if as_json:
+            print(json.dumps(_object(found), allow_nan=False))
+            return
+        if len(found.frequencies):
+            out.print(_table(found, scene.name))
+        else:
+            out.print(f"{scene.name}: no natural frequencies")
+        out.print(f"About the state: {found.state}; loads as at t = {found.t:g} s.")
+        out.print(f"Left out: {_left_out(found)}.")
+        if len(found.frequencies):
+            from rodgen.view.analysis_pictures import mode_shapes, save_picture
 
-        with working("drawing"):
-            figure = mode_shapes(found, scene.name)
-            picture = save_picture(figure, writable(out_folder / scene.name), "modes")
-        out.print(f"Written: {picture}")
+            with working("drawing"):
+                picture = save_picture(mode_shapes(found, scene.name), folder, "modes")
+            out.print(f"Written: {picture}")
+
+
+def _warn(found: Modes) -> None:
+    """Say which modes grow."""
+    growing = [str(k + 1) for k, growth in enumerate(found.growth) if growth > 0]
+    if growing:
+        which = f"mode {growing[0]} grows" if len(growing) == 1 else _several(growing)
+        err.print(f"rodgen: warning: this state is unstable: {which}")
+
+
+def _several(numbers: list[str]) -> str:
+    return f"modes {', '.join(numbers[:-1])} and {numbers[-1]} grow"
 
 
 def _object(found: Modes) -> dict[str, object]:
@@ -80,4 +93,5 @@ def _left_out(found: Modes) -> str:
     rigid = f"{found.rigid or 'no'} rigid-body motion{'s' * (found.rigid != 1)}{ways[found.rigid]}"
     if not found.overdamped:
         return rigid
-    return f"{rigid}, {found.overdamped} overdamped motion{'s' * (found.overdamped != 1)}"
+    plural = "s" * (found.overdamped != 1)
+    return f"{rigid}, {found.overdamped} overdamped motion{plural} among those computed"

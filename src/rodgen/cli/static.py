@@ -11,7 +11,7 @@ from rich.table import Table
 
 from rodgen.cli.console import err, out, working
 from rodgen.cli.errors import finite
-from rodgen.cli.folders import writable
+from rodgen.cli.folders import promised
 from rodgen.cli.options import AsJson, AtTime, OutFolder, SceneFile
 
 if TYPE_CHECKING:
@@ -33,20 +33,21 @@ def static(
     from rodgen.scene import Scene
 
     scene = Scene.from_toml(scene_file)
-    with working("balancing"):
-        rest = static_equilibrium(scene, t=finite("--t", t))
-    if rest.stable is False:
-        err.print("rodgen: warning: this equilibrium is unstable: small motions about it grow")
-    if as_json:
-        print(json.dumps(_object(rest), allow_nan=False))
-        return
-    out.print(_table(rest, scene.name))
-    from rodgen.view.analysis_pictures import equilibrium_shape, save_picture
+    with promised(None if as_json else out_folder / scene.name) as folder:
+        with working("balancing"):
+            rest = static_equilibrium(scene, t=finite("--t", t))
+        if rest.stable is False:
+            err.print("rodgen: warning: this equilibrium is unstable: small motions about it grow")
+        if as_json:
+            print(json.dumps(_object(rest), allow_nan=False))
+            return
+        out.print(_table(rest, scene.name))
+        from rodgen.view.analysis_pictures import equilibrium_shape, save_picture
 
-    with working("drawing"):
-        figure = equilibrium_shape(rest, System.of(scene, t))
-        picture = save_picture(figure, writable(out_folder / scene.name), "static")
-    out.print(f"Written: {picture}")
+        with working("drawing"):
+            figure = equilibrium_shape(rest, System.of(scene, t))
+            picture = save_picture(figure, folder, "static")
+        out.print(f"Written: {picture}")
 
 
 def _object(rest: Equilibrium) -> dict[str, object]:

@@ -18,7 +18,7 @@ def thesis(
         Path, typer.Option("--out", help="Folder for the page, tables and figures.")
     ] = Path("results/thesis"),
 ) -> None:
-    """Rebuild the tables and figures of the thesis beside exact values."""
+    """Rebuild the tables and figures of the thesis beside exact values: one to five minutes."""
     from rodgen.thesis.rebuild import TABLES, rebuild
     from rodgen.view.thesis_page import summary, write_thesis
 

@@ -23,8 +23,8 @@ COLUMNS = (
     Column("thesis", "thesis: simulated", "", ".4f"),
     Column("simulated", "ours: simulated to rest", "", ".6f"),
     Column("discrete", "ours: static equilibrium, n = 50", "", ".8f"),
-    Column("model_continuum", "continuum: q = m g/L, length L - L/n", "", ".6f"),
-    Column("continuum", "continuum: q = m g/L, length L", "", ".6f"),
+    Column("model_continuum", "continuum, linear: q = m g/L, length L - L/n", "", ".6f"),
+    Column("continuum", "continuum, linear: q = m g/L, length L", "", ".6f"),
     Column("deviation", "thesis against equilibrium", "%", "+.3f"),
     Column("verdict", "verdict"),
 )

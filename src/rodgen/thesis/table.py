@@ -10,7 +10,7 @@ from rodgen.thesis.data import digits, half_unit
 
 Cell = float | int | str | None
 LEAST = 3  # significant digits from which on a value counts as reproduced,
-CLOSE = 0.3  # or a deviation [%] up to which it does
+CLOSE = 0.3  # or a deviation [%] up to which it does; tables may have their own
 
 
 class Column(NamedTuple):
@@ -77,7 +77,7 @@ def agreed(printed: str, value: float) -> int:
 
 
 def verdict(printed: str, value: float, reason: str = "", close: float = CLOSE) -> str:
-    """Reproduced to how many digits, or not; by how much it is off, and for what reason.
+    """Reproduced or not, to how many digits; by how much it is off, and for what reason.
 
     close: deviation [%] up to which fewer digits than LEAST count as well."""
     if not math.isfinite(value):
@@ -85,6 +85,9 @@ def verdict(printed: str, value: float, reason: str = "", close: float = CLOSE) 
     count, off = agreed(printed, value), percent(float(printed), value)
     if count == digits(printed):
         return f"reproduced to all {count} digits"
-    if count >= LEAST or abs(off) <= close:
-        return f"reproduced to {count} digits ({off:+.2g} %)"
-    return f"not reproduced ({off:+.2g} %){': ' + reason if reason else ''}"
+    agree = f"{count or 'no'} digit{'s' * (count != 1)}"
+    if count >= LEAST:
+        return f"reproduced to {agree} ({off:+.2g} %)"
+    if abs(off) <= close:
+        return f"reproduced within {close:g} %: {agree} ({off:+.2g} %)"
+    return f"not reproduced: {agree} ({off:+.3g} %){', ' + reason if reason else ''}"

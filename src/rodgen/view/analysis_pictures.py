@@ -25,9 +25,11 @@ AMPLITUDE = 0.1  # of the length
 PHASES = 8  # of a mode whose joints do not move in step
 SMALL, SEEN = 0.05, 0.2  # of the length: displacements drawn larger, and up to where
 ARROW = 0.14  # of the length
+ASIDE = 0.06  # of the length, by which arrows of gravity stand beside a rod that hangs
 WEIGHTS = 9  # arrows of gravity along the rod
 FORCES = 400  # in the curves of a critical force
 BEYOND = 0.3  # of the critical force, that the curves go on
+NEAR = 0.1  # of the critical force, up to where growth fills the picture
 
 
 def save_picture(figure: Figure, folder: Path, name: str) -> Path:
@@ -85,7 +87,8 @@ def _label(modes: Modes, at: int) -> str:
 
 
 def equilibrium_shape(rest: Equilibrium, system: System) -> Figure:
-    """The deflected rod beside the straight one, with its loads; small displacements enlarged."""
+    """The deflected rod beside the straight one, with its loads; small displacements enlarged.
+    A rod that turns freely is straight in more than one direction: that of its start is shown."""
     length, name = system.scene.rod.length, system.scene.name
     straight = system.model.joints(system.at_rest(system.straight), system.parameters())
     moved = rest.joints - straight
@@ -97,12 +100,14 @@ def equilibrium_shape(rest: Equilibrium, system: System) -> Figure:
     figure = _canvas(6.0, 5.5)
     axes = figure.add_subplot()
     axes.grid(alpha=0.3)
-    axes.plot(*straight.T, "--", color="grey", label="straight", linewidth=LINE)
+    straight_as = "straight" if system.clamped else "straight, as at the start"
+    axes.plot(*straight.T, "--", color="grey", label=straight_as, linewidth=LINE)
     dots = "o-" if len(joints) <= 60 else "-"
     scale = f" (displacements x {times:g})" if times > 1 else ""
     axes.plot(*joints.T, dots, color="tab:blue", markersize=2.5, label=f"equilibrium{scale}")
     axes.plot(*joints[0], "ks" if system.clamped else "ko", markersize=6)
-    drawn = _loads(axes, system, joints, rest.phi[-1])
+    side = -1.0 if straight[-1, 0] > joints[-1, 0] else 1.0  # where the straight rod is not
+    drawn = _loads(axes, system, joints, rest.phi[-1], side)
     points = np.concatenate((straight, joints, *drawn))
     low, high = points.min(axis=0), points.max(axis=0)
     half = np.maximum((high - low) / 2, 0.2 * length) + 0.06 * length
@@ -140,8 +145,9 @@ def _keys(system: System) -> list[Line2D]:
     ]
 
 
-def _loads(axes: Axes, system: System, joints: Array, angle: float) -> list[Array]:
-    """Arrows of the loads; their ends, pairs of points (2, 2)."""
+def _loads(axes: Axes, system: System, joints: Array, angle: float, side: float) -> list[Array]:
+    """Arrows of the loads; their ends, pairs of points (2, 2). side: +1 or -1, to the right or the
+    left, where gravity stands beside a rod that hangs."""
     given, loads = system.given, _amounts(system)
     size = ARROW * system.scene.rod.length
     tip, ends = joints[-1], []
@@ -155,8 +161,11 @@ def _loads(axes: Axes, system: System, joints: Array, angle: float) -> list[Arra
         ends.append((np.array([tip, tip + size * pull / np.hypot(*pull)]), "tip load"))
     if "gravity" in loads:
         down = np.array([0.0, -0.5 * size * np.sign(given["gravity"])])
+        width, height = np.ptp(joints, axis=0)
+        aside = side * ASIDE * system.scene.rod.length * (height > 2 * width)
+        at = joints + np.array([aside, 0.0])
         for k in np.unique(np.linspace(0, len(joints) - 1, WEIGHTS).round().astype(int)):
-            ends.append((np.array([joints[k], joints[k] + down]), "gravity"))
+            ends.append((np.array([at[k], at[k] + down]), "gravity"))
     for (start, end), load in ends:
         style = {"arrowstyle": "-|>", "color": COLOURS[load], "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", end, start, arrowprops=style)
@@ -171,7 +180,6 @@ def stability_curves(found: Critical, family: Family) -> Figure:
     kept = slice(s.shape[1] // 2 if family.damped else 0, None)
     frequency = np.sort(np.where(np.isnan(s), -np.inf, s.imag), axis=1)[:, kept] / (2 * np.pi)
     growth = np.sort(s.real, axis=1)
-    most = max(float(np.nanmax(growth[-1])), 1e-6 * family.lowest)
     shown = np.isfinite(frequency) & (frequency >= 0)
     frequency = np.where(shown, frequency, np.nan)
     first = int(np.argmax(frequency[0] > family.rigid / (2 * np.pi)))  # overdamped motions apart
@@ -182,7 +190,7 @@ def stability_curves(found: Critical, family: Family) -> Figure:
     upper.set_ylim(0, 1.08 * max(float(np.nanmax(frequency[:, : last + 1])), 1e-300))
     upper.plot(found.force, found.frequency, "o", color="tab:red", clip_on=False, markersize=5)
     lower.plot(forces, growth, ".", markersize=1.5, color="tab:blue")
-    lower.set_ylim(-1.1 * most, 1.1 * most)
+    lower.set_ylim(_limits(forces, growth, found.force, family))
     lower.plot(found.force, 0.0, "o", color="tab:red", markersize=5)
     for axes in (upper, lower):
         axes.axvline(found.force, color="tab:red", linestyle="--", linewidth=0.8)
@@ -192,6 +200,16 @@ def stability_curves(found: Critical, family: Family) -> Figure:
     upper.set(ylabel="frequency [Hz]", title=f"{name}: {found.kind} from {found.force:.6g} N{at}")
     lower.set(xlabel="follower force [N]", ylabel="growth [1/s]", xlim=(forces[0], forces[-1]))
     return figure
+
+
+def _limits(forces: Array, growth: Array, force: float, family: Family) -> tuple[float, float]:
+    """Of the growth [1/s]: up to what there is a little beyond the critical force, not to what
+    comes much later, and down to the least damped motion wherever it dies away fastest."""
+    most = np.nan_to_num(growth, nan=-np.inf).max(axis=1)
+    near = forces <= force + NEAR * abs(force)
+    high = max(float(most[near].max()), 1e-6 * family.lowest)
+    low = float(most.min()) if family.damped else -high  # flutter dies away as it grows
+    return 1.1 * min(low, -high / 4), 1.1 * max(high, -low / 4)
 
 
 def _rates(family: Family, low: float, high: float, until: float) -> tuple[Array, Complex]:

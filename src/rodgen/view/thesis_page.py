@@ -16,8 +16,8 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 
 from rodgen.loading.cache import write_whole
-from rodgen.thesis import scenes
-from rodgen.thesis.table import Table
+from rodgen.thesis import critical, frequencies, mass_spring_table, scenes, statics
+from rodgen.thesis.table import CLOSE, LEAST, Column, Table
 from rodgen.view.thesis_figures import CAPTIONS, save_figures
 
 TEMPLATE = "pages/thesis.html.jinja"
@@ -25,9 +25,34 @@ INTRODUCTION = (
     "Every table of chapters 3 and 4 of J. Mašek, Modelling of free beam loaded by follower load "
     "(Brno 2014), beside what its own model gives: by its own method, a simulation, and exactly, "
     "by eigenvalues or in equilibrium; and beside the continuum that the links approximate.",
-    "Verdicts are computed from the numbers of each row. A value is reproduced to k digits where "
-    "it differs from ours by no more than half a unit of its k-th digit.",
+    "Verdicts are computed from the numbers of each row. A printed value agrees to k digits where "
+    "it differs from ours by no more than half a unit of its k-th digit, its own rounding allowed "
+    "for. It counts as reproduced where all its digits or at least "
+    f"{LEAST} agree, or where it differs by no more than a percentage that is said below each "
+    "table; else the verdict says how many digits agree all the same, and the difference.",
 )
+
+
+def _within(close: float, columns: Sequence[Column]) -> str:
+    """The rule of a table whose verdicts compare with the discrete model; close: [%]."""
+    (title,) = (column.title for column in columns if column.key == "discrete")
+    return (
+        f"Reproduced: all digits, {LEAST} digits or more, or a difference of no more than "
+        f"{close:g} %, from the column '{title}'."
+    )
+
+
+RULES = {
+    "3.1": _within(frequencies.CLOSE, frequencies.COLUMNS_3_1),
+    "3.2": _within(frequencies.CLOSE, frequencies.COLUMNS_3_2),
+    "3.3": _within(CLOSE, statics.COLUMNS),
+    "3.4": _within(critical.CLOSE, critical.COLUMNS_3_4),
+    "3.5": _within(CLOSE, mass_spring_table.COLUMNS),
+    "3.6": _within(critical.CLOSE, critical.COLUMNS_3_6),
+    "4.1": "Reproduced: the theory's limit, damped as assumed, rounded down to the printed digits.",
+    "4.2": "Run times on another machine and over a span that is not given: nothing is called "
+    "reproduced.",
+}
 OPEN = (
     f"The mass of the rod in 3.3 and 4.2: {scenes.MASS:g} kg, from a fit to table 4.1. It does not "
     "enter a critical force without damping, only how fast flutter grows.",
@@ -136,6 +161,7 @@ def _table(table: Table, figures: dict[str, str]) -> dict[str, Any]:
         "reproduced": summary(table),
         "conditions": table.conditions,
         "assumed": table.assumed,
+        "rule": RULES.get(table.number, ""),
         "head": _head(table),
         "body": [
             [
