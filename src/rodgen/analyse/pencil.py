@@ -113,14 +113,15 @@ class Pencil:
     def eliminated(self, phi: Matrix) -> tuple[Array, Array, Array]:
         """K phi, C phi, M phi for angles phi (cells, k): (K + s C + s^2 M) phi = 0 is what remains
         where the joint forces follow from the angles; O(n k)."""
-        joints = self.S0[:, :, 1:, 1:]
-        return tuple(  # type: ignore[return-value]
-            _times(S[:, :, :1, :1], phi)
-            - _times(self.S0[:, :, :1, 1:], solve(joints, _times(S[:, :, 1:, :1], phi)))
-            if S.any()
-            else np.zeros_like(phi)
-            for S in (self.S0, self.S1, self.S2)
-        )
+        joints, lean = self.S0[:, :, 1:, 1:], self.S0[:, :, :1, 1:]
+
+        def felt(S: Matrix) -> Array:
+            if not S.any():
+                return np.zeros_like(phi)
+            forces = solve(joints, _times(S[:, :, 1:, :1], phi))
+            return np.asarray(_times(S[:, :, :1, :1], phi) - _times(lean, forces))
+
+        return felt(self.S0), felt(self.S1), felt(self.S2)
 
     def reduced(self) -> Dense:
         """The dense matrices of the angles alone."""
