@@ -21,7 +21,7 @@ LEAST = 200  # forces at which a range is searched
 GROWS_DAMPED = 1e-11  # of the lowest frequency: less is rounding
 NEAR = 1e-3  # of a force, within which a search in a few modes has found it
 SLOW = 0.01  # of the lowest frequency
-CHECKED = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)  # of the force, where all modes are looked at
+CHECKED = (0.4, 0.7, 0.9, 0.99)  # of the force, where all modes are looked at
 FLUTTER, DIVERGENCE = "flutter", "divergence"
 
 
@@ -35,7 +35,7 @@ class Critical:
     motions apart; a mode that diverges, or that alone oscillates, is named
     twice. error: of the force, rounding apart [N];
     searched: range of forces that was looked at [N], up to the onset, and at how many of them;
-    state: what grows unstable; complete: whether all modes were looked at below the force (at six
+    state: what grows unstable; complete: whether all modes were looked at below the force (at four
     forces), or the lowest 16 alone; t: the time at which the other loads are taken [s].
     """
 
