@@ -102,6 +102,7 @@ def _shot(load: float) -> float:
     def clamp(t: float, w: Any) -> float:
         return float(w[0] - pi / 2)
 
+    # An attribute of the function is how SciPy is told that its event ends the integration.
     clamp.terminal = True  # type: ignore[attr-defined]
 
     def excess(q: float) -> float:
