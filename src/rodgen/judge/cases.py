@@ -1,0 +1,130 @@
+"""The fixed set of `make report`: scenes that differ in what makes them hard."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+Tables = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene of the set, and what it is there for; quick: it is in the short report too."""
+
+    scene: Tables
+    why: str
+    quick: bool = False
+
+    @property
+    def name(self) -> str:
+        """The scene's."""
+        return str(self.scene["name"])
+
+
+def rod(name: str, links: int, span: float, **tables: Any) -> Tables:
+    """A rod of 5 m, 100 N m^2 and 50 kg, free and slightly bent, if not told otherwise."""
+    return {
+        "name": name,
+        "rod": {
+            "links": links,
+            "length": 5.0,
+            "bending_stiffness": 100.0,
+            "mass": 50.0,
+            **tables.pop("rod", {}),
+        },
+        "initial": {"phi": "0.01*cos(pi*s)"},
+        "integrate": {"span": [0.0, span]},
+        **tables,
+    }
+
+
+def free(links: int, span: float) -> Tables:
+    """Without loads: energy, momentum and angular momentum stay what they are."""
+    bent = {"phi": "0.3*cos(pi*s)", "omega": "0.5*(s - 0.5)"}
+    return rod(f"free_n{links}", links, span, initial=bent)
+
+
+def pushed(name: str, force: float, span: float = 10.0, links: int = 50) -> Tables:
+    """Under end thrust [N]: flutter from 437.68 N on for 50 links."""
+    return rod(name, links, span, loads={"follower": {"force": force}})
+
+
+def damped(links: int, coefficient: float, span: float) -> Tables:
+    """Pushed, and with internal damping [m^2/s] far beyond what its fast modes can bear."""
+    loads = {"follower": {"force": 300.0}, "internal_damping": {"coefficient": coefficient}}
+    return rod(f"damped_n{links}", links, span, loads=loads)
+
+
+def missile() -> Tables:
+    """That of scenes/missile.toml: thrust that rises, gravity, damping inside and outside."""
+    loads = {
+        "follower": {"force": "300*min(t/0.5, 1)"},
+        "gravity": {"g": 9.81},
+        "internal_damping": {"coefficient": 0.2},
+        "external_damping": {
+            "coefficient": 0.5,
+            "fin_factor": {"nose": 1.0, "body": 1.0, "tail": 20.0},
+        },
+    }
+    start = {"position": [0.0, 5.0], "velocity": [0.0, 20.0], "phi": "-pi/2 + 0.1*cos(pi*s)"}
+    return rod("missile", 20, 3.0, rod={"mass": 20.0}, loads=loads, initial=start)
+
+
+def beck() -> Tables:
+    """Beck's column, clamped upright, under 1.12 of its critical force: it flutters."""
+    return rod(
+        "becks_column",
+        20,
+        5.0,
+        rod={"mass": 20.0, "boundary": "clamped", "clamp_angle": 1.5707963267948966},
+        loads={"follower": {"force": 90.0}},
+        initial={"phi": "pi/2 + 0.01*s"},
+    )
+
+
+def ivp_beam() -> Tables:
+    """Problem Beam of the Test Set for IVP Solvers, as scenes/ivp_beam.toml has it."""
+    force = "1.5*sin(t)**2 if t <= pi else 0"
+    shape = {"length": 1.0, "bending_stiffness": 1.0, "mass": 1.0, "inertia": "lumped"}
+    held = {"boundary": "clamped", "clamp_angle": 0.0}
+    loads = {"tip": {"x": f"-{force}", "y": force}}
+    return rod("ivp_beam", 40, 5.0, rod={**shape, **held}, loads=loads, initial={})
+
+
+def falling_chain() -> Tables:
+    """A chain without stiffness that falls from the horizontal: motion is chaotic."""
+    return rod(
+        "falling_chain",
+        10,
+        5.0,
+        rod={"length": 1.0, "bending_stiffness": 0.0, "mass": 1.0, "boundary": "pinned"},
+        loads={"gravity": {"g": 9.81}},
+        initial={"phi": 0.0},
+    )
+
+
+# Spans fall as the links grow: their fastest motion quickens with n^2.
+_SET: tuple[tuple[Callable[[], Tables], str, bool], ...] = (
+    (lambda: free(10, 10.0), "conservative free rod", False),
+    (lambda: free(20, 10.0), "conservative free rod", True),
+    (lambda: free(50, 10.0), "conservative free rod", False),
+    (lambda: free(200, 1.0), "conservative free rod, many links", False),
+    (lambda: free(1000, 0.02), "conservative free rod, very many links", False),
+    (lambda: pushed("below_flutter", 300.0), "thrust of 0.69 of the critical force", False),
+    (lambda: pushed("at_flutter", 437.68), "thrust at the critical force", False),
+    (lambda: pushed("above_flutter", 500.0, 5.0), "thrust of 1.14 of the critical force", False),
+    (missile, "the damped missile", True),
+    (beck, "Beck's column beyond its critical force", False),
+    (ivp_beam, "problem Beam of the Test Set for IVP Solvers", False),
+    (falling_chain, "chaotic: errors grow until nothing is left", False),
+    (lambda: damped(50, 5.0, 10.0), "strong internal damping: stiff", True),
+    (lambda: damped(200, 5.0, 10.0), "strong internal damping: stiff, many links", False),
+    (lambda: damped(1000, 5.0, 1.0), "strong internal damping: stiff, very many links", False),
+)
+
+
+def cases(quick: bool = False) -> list[Case]:
+    """The set, or its short form."""
+    return [Case(make(), why, short) for make, why, short in _SET if short or not quick]

@@ -1,0 +1,1 @@
+"""Error against run time: jobs, references, contestants, work-precision sets."""

@@ -1,0 +1,89 @@
+"""All sections of a report, in the order in which one needs another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from importlib import import_module
+from pathlib import Path
+
+from rodgen.judge.cases import Case
+from rodgen.judge.runner import Runner
+from rodgen.judge.surroundings import fingerprint
+from rodgen.judge.unit import Measured, Unit
+
+# Sections by the module that plans them; those of a scene are measured for scenes of a user too.
+OF_SCENES = {
+    "references": "precision.references",
+    "precision": "precision.sweep",
+    "growth": "precision.growth",
+    "equal_error": "precision.duels",
+    "leaving_out": "costs.leaving_out",
+}
+OF_RODGEN = {
+    "costs": "costs.against_n",
+    "install": "costs.install",
+    "steps": "stability.steps",
+    "extremes": "stability.extremes",
+    "rounding": "stability.rounding",
+}
+SECTIONS = {**OF_SCENES, **OF_RODGEN}
+# What another section is made from.
+AFTER = {"precision": ("references",), "growth": ("references",), "equal_error": ("precision",)}
+LAST = "equal_error"  # its units are planned from what the others came to
+MEASURED, REFERENCES = "measured", "references"
+
+Contents = dict[str, list[Measured]]
+Planner = Callable[..., list[Unit]]
+
+
+def needed(chosen: Iterable[str]) -> list[str]:
+    """The sections chosen and those that they are made from, in the order of the report."""
+    found = set(chosen)
+    for name in reversed(SECTIONS):
+        if name in found:
+            found.update(AFTER.get(name, ()))
+    return [name for name in SECTIONS if name in found]
+
+
+def measure(
+    cases: Sequence[Case],
+    folder: Path,
+    chosen: Iterable[str] = tuple(SECTIONS),
+    *,
+    quick: bool = False,
+    resume: bool = False,
+    planned: Callable[[int], None] = lambda _: None,
+    done: Callable[[Measured], None] = lambda _: None,
+) -> Contents:
+    """Results of all units, by section.
+
+    folder: where measurements and reference solutions are kept, and taken from on resume; planned:
+    told how many more units there are; done: told every result.
+    """
+    runner = Runner(folder / MEASURED, fingerprint(), resume, done)
+    names = needed(chosen)
+    found: Contents = {}
+    # Duels are planned from what the others came to.
+    for wave in (
+        [n for n in names if n != "equal_error"],
+        [n for n in names if n == "equal_error"],
+    ):
+        units = [unit for name in wave for unit in _units(name, cases, folder, quick, found)]
+        planned(len(units))
+        for unit, one in zip(units, runner.run(units), strict=True):
+            found.setdefault(unit.section, []).append(one)
+    return {name: found.get(name, []) for name in names}
+
+
+def _units(
+    section: str, cases: Sequence[Case], folder: Path, quick: bool, found: Contents
+) -> list[Unit]:
+    """The units of a section."""
+    planner = import_module(f"rodgen.judge.{SECTIONS[section]}")
+    plan: Planner = planner.units
+    if section == LAST:
+        rows = [row for one in found.get("precision", []) for row in one.rows]
+        return plan(cases, quick, folder / REFERENCES, rows)
+    if section in ("references", "precision", "growth"):
+        return plan(cases, quick, folder / REFERENCES)
+    return plan(cases, quick)

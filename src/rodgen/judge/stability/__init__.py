@@ -1,0 +1,1 @@
+"""Where numbers stop being right: largest steps, stiff and extreme cases, rounding."""

@@ -1,0 +1,68 @@
+"""A measurement by itself: what is called with what, and the rows that it gave."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from importlib import import_module
+from typing import Any
+
+from rodgen.judge.surroundings import sources
+
+# A line of a table: numbers, texts, None for what there is not, lists for curves. Infinite and
+# not-a-number are kept as JSON of Python has them.
+Value = str | float | int | bool | None | list[float]
+Row = dict[str, Value]
+
+
+@dataclass(frozen=True)
+class Unit:
+    """One process's work.
+
+    name: of its file, made of letters, digits, - and _; function: "package.module:function", which
+    is called with the arguments (what JSON holds) and returns rows; timed: whether it needs the
+    machine for itself; limit: seconds after which it is stopped.
+    """
+
+    section: str
+    name: str
+    function: str
+    arguments: dict[str, Any]
+    timed: bool = True
+    limit: float = 120.0
+
+    def fingerprint(self, surroundings: Sequence[str]) -> str:
+        """What the rows follow from: the call, its sources, and the surroundings."""
+        package = self.function.partition(":")[0].rpartition(".")[0]
+        own = sources(package, "rodgen.judge.peers") if package else ""
+        content = json.dumps([self.function, self.arguments, own, *surroundings], sort_keys=True)
+        return hashlib.sha256(content.encode()).hexdigest()[:32]
+
+    def call(self) -> list[Row]:
+        """The rows, made in this process."""
+        module, _, function = self.function.partition(":")
+        rows: list[Row] = getattr(import_module(module), function)(**self.arguments)
+        return rows
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a unit came to; failed: why there are no rows, or only those before it failed."""
+
+    section: str
+    name: str
+    fingerprint: str
+    seconds: float
+    rows: list[Row] = field(default_factory=list)
+    failed: str = ""
+
+    def dump(self) -> str:
+        """As text of a file."""
+        return json.dumps(asdict(self), indent=0) + "\n"
+
+    @classmethod
+    def parse(cls, text: str) -> Measured:
+        """From the text of a file. Raises ValueError, TypeError where it is none."""
+        return cls(**json.loads(text))
