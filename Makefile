@@ -3,7 +3,8 @@
 #             [EXPLICIT=1]                       make reference    regenerate the reference modules
 # make figures    draw those of docs/derivation.md anew
 # make thesis     rebuild the tables of the thesis into results/thesis/
-# make lint, make types                          make bench, bench-rhs, bench-integrate, bench-analyse
+# make report [QUICK=1] [RESUME=1]    error against run time, stability, extremes, beside peers
+# make lint, make types                          make bench, bench-rhs, bench-analyse
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -16,7 +17,7 @@ TERMS ?= all
 TARGET ?= numpy
 FORM ?= chain
 
-.PHONY: demo derive test lint types bench bench-rhs bench-integrate bench-analyse reference figures thesis clean
+.PHONY: demo derive test lint types bench bench-rhs bench-analyse reference figures thesis report clean
 
 demo: .venv/installed
 	@$(BIN)/rodgen derive 20 --out generated
@@ -50,9 +51,6 @@ bench: .venv/installed
 bench-rhs: .venv/installed
 	@$(BIN)/python benchmarks/rhs.py
 
-bench-integrate: .venv/installed
-	@$(BIN)/python benchmarks/integrate.py
-
 bench-analyse: .venv/installed
 	@$(BIN)/python benchmarks/analyse.py
 
@@ -61,6 +59,10 @@ reference: .venv/developing
 
 thesis: .venv/installed
 	@$(BIN)/rodgen thesis
+
+# Peers that cannot be had here are named on the page.
+report: .venv/benchmarking
+	@$(BIN)/rodgen report $(if $(QUICK),--quick) $(if $(RESUME),--resume)
 
 figures: .venv/installed
 	@$(BIN)/python -m rodgen.view.model_figures docs/pictures
@@ -79,6 +81,11 @@ figures: .venv/installed
 .venv/developing: pyproject.toml | .venv/bin/python
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]"
 	@touch .venv/installed $@
+
+.venv/benchmarking: pyproject.toml | .venv/installed
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[bench]" \
+		|| echo "not all peers can be installed here: the page names those that are missing"
+	@touch $@
 
 clean:
 	rm -rf build results .pytest_cache .mypy_cache .ruff_cache .import_linter_cache

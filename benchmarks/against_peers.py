@@ -4,22 +4,26 @@ from __future__ import annotations
 
 import tempfile
 import time
+from collections.abc import Callable
 from functools import lru_cache, partial
+from importlib import import_module
 from types import ModuleType
 
 import native
 import numpy as np
 from costs import process
-from peers import Prepared, peers
 from problem import Vector, built, disagreement, packed, state
 from report import duration
 from rich.console import Console
 from rich.table import Table
-from timing import Batch, calls, interleaved
 
+from rodgen.judge.peers.rates import RATES
+from rodgen.judge.peers.rates.prepared import Prepared
+from rodgen.judge.timing import Batch, calls, interleaved
 from rodgen.loading import BuildError
 
 BUILD = "import sys; from problem import built; built(int(sys.argv[1]), target=sys.argv[2])"
+SIZES = (10, 20, 50, 200, 1000)  # links; a peer refuses those that are too many
 AGREED = 1e-8  # relative; what differs by more is not the same physics, or not the same digits
 
 
@@ -28,13 +32,15 @@ def against_peers(console: Console) -> Table:
     table = Table(title="free, uniform, follower: what a user would pick instead")
     for column in ("what", "n", "set-up", "off by", "time", "rodgen", "times rodgen"):
         table.add_column(column, justify="left" if column == "what" else "right")
-    for name, peer in peers():
-        if isinstance(peer, ImportError):
-            why = f"{name} is skipped ({peer}): pip install rodgen[bench]"
+    for name, (module, function) in RATES.items():
+        try:
+            prepare = getattr(import_module(module), function)
+        except ImportError as error:
+            why = f"{name} is skipped ({error}): pip install rodgen[bench]"
             console.print(why, markup=False, highlight=False)
             continue
-        for links in peer.SIZES:
-            table.add_row(peer.NAME, str(links), *_compare(peer, links))
+        for links in SIZES:
+            table.add_row(name, str(links), *_compare(prepare, links))
         table.add_section()
     for links in (20, 50, 200, 1000):
         target, _ = _rodgen(links)
@@ -48,10 +54,10 @@ def against_peers(console: Console) -> Table:
     return table
 
 
-def _compare(peer: ModuleType, links: int) -> list[str]:
+def _compare(prepare: Callable[[int], Prepared], links: int) -> list[str]:
     start = time.perf_counter()
     try:
-        prepared = peer.prepare(links)
+        prepared: Prepared = prepare(links)
     except Exception as error:  # another's library may fail in any way
         return ["-", "-", f"fails: {str(error).splitlines()[:1]}", "", ""]
     setup = duration(time.perf_counter() - start)

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 from rich.table import Table
-from timing import calls, interleaved
 
 import rodgen
+from rodgen.judge.timing import calls, interleaved
 from rodgen.scene import Scene
 
 ROD = {"length": 5.0, "bending_stiffness": 100.0, "mass": 50.0}

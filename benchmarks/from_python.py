@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from problem import LOADS, Vector, built, disagreement, packed, state
 from report import Report, duration
-from timing import calls, interleaved
+
+from rodgen.judge.timing import calls, interleaved
 
 Matrix = NDArray[np.float64]
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import native
 from problem import ALL, FOLLOWER, built, disagreement, packed, state
 from report import Report, duration
-from timing import interleaved
+
+from rodgen.judge.timing import interleaved
 
 RATIO, ASKED = 0.65, (50, 200, 1000)  # to the yardstick, at so many links
 GROWTH = 11.0

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 from problem import Vector
-from timing import Batch
 
 import rodgen
+from rodgen.judge.timing import Batch
 from rodgen.loading import BuildError, sources
 
 HERE = Path(__file__).parent

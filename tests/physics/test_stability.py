@@ -122,6 +122,17 @@ def test_frequency_of_a_thousand_links() -> None:
     assert found.evaluations < 3000
 
 
+def test_fastest_motion_at_critical_damping_is_found_soon() -> None:
+    """The root is double, where an iteration hardly converges: a percent above it is enough."""
+    n, omega = 500, 4 * np.sqrt(3) * 500**2 * np.sqrt(100.0 / (20.0 * 5.0**3))
+    critical = 2 / (4 * np.sqrt(3)) * np.sqrt(100.0 * 5.0 / 20.0)  # m^2/s
+    model, p = _model(n, "free", "uniform", ("internal_damping",), internal_damping=critical)
+    found = spectrum(model, 0.0, np.zeros(len(model.STATE)), p)
+    assert found.rate == pytest.approx(omega, rel=0.02)
+    assert found.damping == pytest.approx(1.0, abs=0.01)
+    assert found.evaluations < 20 * 366  # what the undamped rod takes
+
+
 def test_damping_that_the_matrix_misses_at_rest() -> None:
     """External damping is of degree one in a velocity that is zero: it has no derivative there,
     which jac says with a zero. The differences see it work."""

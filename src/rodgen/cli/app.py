@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from rodgen.cli import audit, check, critical, derive, modes, run, show, static, thesis
+from rodgen.cli import audit, check, critical, derive, modes, report, run, show, static, thesis
 
 app = typer.Typer(
     help="Equations of motion of planar flexible rods: derived, proven, generated, integrated.",
@@ -23,6 +23,7 @@ app.command()(static.static)
 app.command()(critical.critical)
 app.command()(audit.audit)
 app.command()(thesis.thesis)
+app.command()(report.report)
 
 
 @app.callback(invoke_without_command=True)

@@ -12,16 +12,19 @@ from rodgen.judge.unit import Row
 
 OFF = 0.05  # from theory, from which on a largest stable step is named
 SATURATED = 0.1  # [rad], from which on an error hardly grows
+CHAOTIC = 1e3  # times that errors grow in the span, from which on that is exponential
 PLAIN, WHOLE = "as the scene", "every term, at zero"  # variants of a module
-PARTS = ("operations", "source_bytes", "object_bytes", "generate", "compile", "rhs", "run")
-LOSES = 10.0  # times the error that cannot be avoided, from which on a form loses digits
-
-
-def fastest(rows: list[Row], measure: str, error: float) -> Row | None:
-    """The cheapest of those with no larger error."""
-    within = [r for r in rows if fine(r) and number(r, measure) <= error]
-    timed = [r for r in within if number(r, "seconds") > 0]
-    return min(timed, key=lambda r: number(r, "seconds"), default=None)
+PARTS = ("operations", "source_bytes", "object_bytes", "generate", "compile", "rhs")
+RUNS = ("run", "run_dop853")
+FAILED = "failed"
+# Starts of reasons that are no failures of who gives them.
+KINDS = {
+    "not tried, as time was up": "not tried",
+    "stopped, as they took too long": r"stopped after [\d.e+-]+ s$",
+    "not installed": "not installed",
+    "without an opponent within the error": r".* missed this error in the time of a run",
+}
+LOSES = 10.0  # times what another form and rounded input come to, from which on digits are lost
 
 
 def trusted(contents: Contents, scene: str, measure: str = "error_phi") -> float:
@@ -32,7 +35,7 @@ def trusted(contents: Contents, scene: str, measure: str = "error_phi") -> float
 
 
 def failures(contents: Contents) -> list[Row]:
-    """Units and rows that failed, with the reason."""
+    """Units and rows that failed, with the reason; at the end what the report cut short."""
     lines: list[Row] = []
     for section, several in contents.items():
         for one in several:
@@ -43,11 +46,22 @@ def failures(contents: Contents) -> list[Row]:
                 for row in one.rows
                 if row.get("failed")
             ]
-    return lines
+    return sorted(lines, key=lambda line: line["kind"] != FAILED)
+
+
+def kind_of(failed: str) -> str:
+    """Of a reason: what was left out or cut short by the report itself is no failure."""
+    return next((kind for kind, start in KINDS.items() if re.match(start, failed)), FAILED)
 
 
 def _failure(section: str, scene: str, what: str, failed: str) -> Row:
-    return {"section": section, "scene": scene, "what": what, "failed": failed}
+    return {
+        "section": section,
+        "scene": scene,
+        "what": what,
+        "failed": failed,
+        "kind": kind_of(failed),
+    }
 
 
 def failed_of(contents: Contents, scene: str) -> list[Row]:
@@ -65,28 +79,47 @@ def wrong(contents: Contents) -> list[Row]:
     return of(contents, "extremes", outcome="wrong")
 
 
+def case_named(row: Row) -> str:
+    """An extreme case and who was tried on it."""
+    return ", ".join(filter(None, (text(row, "group"), text(row, "case"), label(row))))
+
+
 def far_from_theory(contents: Contents) -> list[Row]:
     """Largest stable steps that are not where theory has them."""
     return [row for row in of(contents, "steps") if abs(number(row, "off")) > OFF]
 
 
-def loses_digits(row: Row) -> bool:
-    """Whether a form's rounding is far beyond what its input's rounding makes of any form."""
-    return number(row, "ulps") > LOSES * max(1.0, number(row, "ulps_input"))
+def excess(row: Row) -> float:
+    """An error of rhs over what rounded input makes unavoidable, at least a unit."""
+    return number(row, "ulps") / max(1.0, number(row, "ulps_input"))
 
 
-def front(rows: list[Row], measure: str) -> list[Row]:
-    """Those than which none is both faster and closer, from the fastest on (Pareto)."""
-    timed = [r for r in rows if fine(r) and number(r, "seconds") > 0 and number(r, measure) >= 0]
-    kept: list[Row] = []
-    for row in sorted(timed, key=lambda r: (number(r, "seconds"), number(r, measure))):
-        if not kept or number(row, measure) < number(kept[-1], measure):
-            kept.append(row)
-    return kept
+def losing(rows: Sequence[Row]) -> list[Row]:
+    """Rows of forms of rhs that lose digits which another form keeps, and rounded input leaves."""
+    lost: list[Row] = []
+    for some in grouped(filter(fine, rows), _place).values():
+        least = min((number(row, "ulps") for row in some), default=0.0)
+        for row in some:
+            explained = max(1.0, least, number(row, "ulps_input"))
+            if number(row, "ulps") > LOSES * explained:
+                lost.append(row)
+    return lost
+
+
+def _place(row: Row) -> str:
+    return "\0".join(text(row, key) for key in ("kind", "n", "group", "case"))
+
+
+def grows(row: Row) -> bool:
+    """Whether errors grow exponentially: so much in the span that it is no other growth."""
+    t, rate = curve(row, "t"), number(row, "rate")
+    return fine(row) and bool(t) and rate * (t[-1] - t[0]) > math.log(CHAOTIC)
 
 
 def growth_line(row: Row) -> tuple[list[float], list[float]] | None:
     """Times and values of the fitted exponential, through the middle of what it is fitted to."""
+    if not grows(row):
+        return None
     rate = number(row, "rate")
     points = [
         (t, error)
@@ -94,7 +127,7 @@ def growth_line(row: Row) -> tuple[list[float], list[float]] | None:
         if error > 0 and math.isfinite(error)
     ]
     rising = [(t, error) for t, error in points if error < SATURATED]
-    if not rising or not math.isfinite(rate):
+    if not rising:
         return None
     height = median(math.log(error) - rate * t for t, error in rising)
     first, last = rising[0][0], rising[-1][0]
@@ -110,7 +143,7 @@ def savings(rows: Sequence[Row]) -> dict[str, Row]:
             continue
         ratios[scene] = {
             key: number(by[WHOLE], key) / number(by[PLAIN], key)
-            for key in PARTS
+            for key in (*PARTS, *RUNS)
             if number(by[PLAIN], key) > 0
         }
     return ratios

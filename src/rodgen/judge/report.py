@@ -29,7 +29,6 @@ OF_RODGEN = {
 SECTIONS = {**OF_SCENES, **OF_RODGEN}
 # What another section is made from.
 AFTER = {"precision": ("references",), "growth": ("references",), "equal_error": ("precision",)}
-LAST = "equal_error"  # its units are planned from what the others came to
 MEASURED, REFERENCES = "measured", "references"
 
 Contents = dict[str, list[Measured]]
@@ -63,16 +62,18 @@ def measure(
     runner = Runner(folder / MEASURED, fingerprint(), resume, done)
     names = needed(chosen)
     found: Contents = {}
-    # Duels are planned from what the others came to.
-    for wave in (
-        [n for n in names if n != "equal_error"],
-        [n for n in names if n == "equal_error"],
-    ):
+    for depth in range(1 + max(map(_depth, names), default=0)):
+        wave = [name for name in names if _depth(name) == depth]
         units = [unit for name in wave for unit in _units(name, cases, folder, quick, found)]
         planned(len(units))
         for unit, one in zip(units, runner.run(units), strict=True):
             found.setdefault(unit.section, []).append(one)
     return {name: found.get(name, []) for name in names}
+
+
+def _depth(section: str) -> int:
+    """How many sections have to be measured before it, one after the other."""
+    return max((1 + _depth(name) for name in AFTER.get(section, ())), default=0)
 
 
 def _units(
@@ -81,7 +82,7 @@ def _units(
     """The units of a section."""
     planner = import_module(f"rodgen.judge.{SECTIONS[section]}")
     plan: Planner = planner.units
-    if section == LAST:
+    if section == "equal_error":
         rows = [row for one in found.get("precision", []) for row in one.rows]
         return plan(cases, quick, folder / REFERENCES, rows)
     if section in ("references", "precision", "growth"):

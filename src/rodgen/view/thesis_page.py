@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import os
 import platform
-import tempfile
 from collections.abc import Sequence
 from importlib.metadata import version
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, StrictUndefined
-
+from rodgen.judge.surroundings import processor
 from rodgen.loading.cache import write_whole
 from rodgen.thesis import critical, frequencies, mass_spring_table, scenes, statics
 from rodgen.thesis.table import CLOSE, LEAST, Column, Table
+from rodgen.view.pages import PAGE, csv_lines, put_whole, render
 from rodgen.view.thesis_figures import CAPTIONS, save_figures
 
 TEMPLATE = "pages/thesis.html.jinja"
@@ -82,25 +78,18 @@ def write_thesis(folder: Path, tables: Sequence[Table], seconds: float) -> Path:
     seconds: what the tables took. Everything is made before anything is put into the folder, and
     the page comes last.
     """
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".thesis") as making:
-        made = Path(making)
+    with put_whole(folder) as made:
         figures = save_figures({table.number: table for table in tables}, made)
-        page = html(tables, figures, seconds)
         for table in tables:
             write_whole(made / csv_name(table), csv_text(table))
-        for file in sorted(made.iterdir()):
-            file.replace(folder / file.name)
-    write_whole(folder / "index.html", page)
-    return folder / "index.html"
+        write_whole(made / PAGE, html(tables, figures, seconds))
+    return folder / PAGE
 
 
 def html(tables: Sequence[Table], figures: dict[str, str], seconds: float) -> str:
     """The page; figures: files by number."""
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    source = files("rodgen.templates").joinpath(TEMPLATE).read_text(encoding="utf-8")
-    return environment.from_string(source).render(
+    return render(
+        TEMPLATE,
         introduction=INTRODUCTION,
         open=OPEN,
         meanings=MEANINGS,
@@ -111,13 +100,8 @@ def html(tables: Sequence[Table], figures: dict[str, str], seconds: float) -> st
 
 def csv_text(table: Table) -> str:
     """A table with all digits; the head has the titles and units."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(_head(table))
-    for row in table.rows:
-        cells = [row.get(column.key) for column in table.columns]
-        writer.writerow(["" if cell is None else cell for cell in cells])
-    return text.getvalue()
+    cells = [[row.get(column.key) for column in table.columns] for row in table.rows]
+    return csv_lines(_head(table), cells)
 
 
 def csv_name(table: Table) -> str:
@@ -134,16 +118,6 @@ def made_with(seconds: float) -> str:
         f"Made with {packages}, Python {platform.python_version()} on {processor()}, "
         f"{os.cpu_count()} cores, in {seconds:.0f} s."
     )
-
-
-def processor() -> str:
-    """Name of the processor, as far as the system tells it."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        lines = []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor() or platform.machine()
 
 
 def _head(table: Table) -> list[str]:

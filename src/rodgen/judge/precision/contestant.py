@@ -31,11 +31,16 @@ class Deadline:
 @dataclass(frozen=True)
 class Finish:
     """What a run came to: y (samples, states) in rodgen's order at the job's sample times, and
-    its counts, as far as they are known: steps, rejected, rhs, jacobian, factorisations."""
+    its counts, as far as they are known: steps, rejected, rhs, jacobian, factorisations.
+
+    balance: gives the largest error of the run's own energy balance [J]; called after the clock
+    has been read.
+    """
 
     y: Array
     counts: dict[str, int] = field(default_factory=dict)
     inside: float | None = None  # seconds that it counted itself, without the calls around it
+    balance: Callable[[], float] | None = None
 
 
 @dataclass(frozen=True)
@@ -43,7 +48,8 @@ class Contestant:
     """A whole integration.
 
     setting: the step [s] or relative tolerance; kind: "step" or "rtol"; setup: seconds of
-    generation or compilation before it, by what it consists of.
+    generation or compilation before it, by what it consists of ("generate", "compile"); agreed:
+    how far another's formulation is from ours in the rates, relative.
     """
 
     who: str  # "rodgen", "SciPy", "CVODE", "heyoka", ...
@@ -54,7 +60,7 @@ class Contestant:
     integrate: Callable[[], Finish]
     order: float | None = None  # nominal, where it has one
     setup: dict[str, float] = field(default_factory=dict)
-    agreed: float | None = None  # how far its rates are from ours, relative
+    agreed: float | None = None
 
 
 Family = Iterator[Contestant]  # one method's settings from loose to tight, each made when asked for

@@ -1,0 +1,87 @@
+"""rodgen report: error against run time, costs, stability, extremes."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rodgen.cli.console import out, working
+from rodgen.cli.folders import writable
+from rodgen.scene import Scene, SceneError
+
+if TYPE_CHECKING:
+    from rodgen.judge.cases import Case
+
+
+def report(
+    scene_files: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="[SCENE]...", help="Scenes, in TOML; if not given, a fixed set."),
+    ] = None,
+    only: Annotated[
+        list[str] | None, typer.Option(help="A section to measure; can be given several times.")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer scenes, settings, cases.")] = False,
+    resumed: Annotated[
+        bool, typer.Option("--resume", help="Take what the folder has measured already.")
+    ] = False,
+    out_folder: Annotated[
+        Path, typer.Option("--out", help="Folder for the page, tables and pictures.")
+    ] = Path("results/report"),
+) -> None:
+    """Measure methods, steps and forms against each other; how far the numbers can be trusted.
+
+    Without a SCENE: the fixed set, costs, stability and extreme cases, in less than 30 minutes
+    on two cores, with --quick in less than 3. Peers take part as far as they are installed.
+    """
+    from rodgen.judge.report import OF_SCENES, SECTIONS, measure, needed
+    from rodgen.judge.surroundings import machine, versions
+    from rodgen.judge.unit import Measured
+    from rodgen.view.report_page import write_report
+
+    cases = _cases(scene_files or [], quick)
+    chosen = only or list(OF_SCENES if scene_files else SECTIONS)
+    if unknown := [name for name in chosen if name not in SECTIONS]:
+        raise SceneError("--only", unknown[0], f"one of {', '.join(SECTIONS)}")
+    folder = writable(out_folder)
+    begin = time.perf_counter()
+    failures: Counter[str] = Counter()
+    with working("measuring") as step:
+
+        def done(one: Measured) -> None:
+            failures[one.section] += bool(one.failed)
+            step(f"{one.name}{f': {one.failed}' if one.failed else ''}")
+
+        found = measure(cases, folder, chosen, quick=quick, resume=resumed, done=done)
+    made = {
+        "versions": versions(),
+        "machine": machine(),
+        "seconds": time.perf_counter() - begin,
+        "quick": quick,
+        "scenes": {case.name: case.why for case in cases},
+    }
+    page = write_report(folder, found, made)
+    for section in needed(chosen):
+        lost = failures[section]
+        rows = sum(len(one.rows) for one in found[section])
+        out.print(f"{section:14} {rows:5d} rows{f', {lost} units failed' if lost else ''}")
+    out.print(f"written: {page}")
+
+
+def _cases(files: list[Path], quick: bool) -> list[Case]:
+    """Those of files, or the fixed set."""
+    from rodgen.judge import cases
+
+    if not files:
+        return cases.cases(quick)
+    scenes = [Scene.from_toml(file) for file in files]
+    names = Counter(scene.name for scene in scenes)
+    for scene in scenes:
+        if names[scene.name] > 1:
+            raise SceneError("name", scene.name, "another name for every scene of a report")
+    found = zip(scenes, files, strict=True)
+    return [cases.Case(scene.model_dump(exclude_none=True), file.name) for scene, file in found]

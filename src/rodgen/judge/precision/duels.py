@@ -1,0 +1,128 @@
+"""The cheapest of rodgen's settings against the cheapest of all peers', at equal error."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rodgen.judge.cases import Case
+from rodgen.judge.precision import ours
+from rodgen.judge.precision.contestant import Contestant, Deadline
+from rodgen.judge.precision.errors import Measures
+from rodgen.judge.precision.job import Job
+from rodgen.judge.precision.pareto import cheapest
+from rodgen.judge.precision.sweep import prepared
+from rodgen.judge.unit import Row, Unit
+
+ASKED = (1e-4, 1e-6, 1e-9)  # errors of an angle at the end [rad]
+ROUNDS = 5  # of each in turns; fewer where they would take more seconds than that
+SECONDS, QUICKLY = 10.0, 2.0
+PATIENCE = 20.0  # seconds of a single run
+
+
+def duel(
+    name: str,
+    table: dict[str, Any],
+    folder: str,
+    quick: bool,
+    asked: float,
+    mine: dict[str, Any],
+    theirs: dict[str, Any],
+) -> list[Row]:
+    """Two settings in turns in one process. mine, theirs: which, as their rows have them."""
+    job, _, measures = prepared(name, table, folder)
+    pair = (_ours(job, mine), _theirs(job, theirs, quick))
+    # The first run of each is not timed: it is held against the reference.
+    errors = [_error(who, measures) for who in pair]
+    expected = float(mine["seconds"]) + float(theirs["seconds"])
+    rounds = int(np.clip((QUICKLY if quick else SECONDS) / max(expected, 1e-9), 1, ROUNDS))
+    times = [[_seconds(who) for who in pair] for _ in range(rounds)]
+    row = _row(name, job.scene.rod.links, asked, mine, theirs)
+    row |= {"ours_error": errors[0], "theirs_error": errors[1]}
+    row |= {"ours_seconds": statistics.median(first for first, _ in times)}
+    row |= {"theirs_seconds": statistics.median(second for _, second in times)}
+    row |= {"ratio": statistics.median(second / first for first, second in times)}
+    return [row | {"rounds": rounds}]
+
+
+def nobody(
+    name: str, links: int, asked: float, mine: dict[str, Any] | None, theirs: dict[str, Any] | None
+) -> list[Row]:
+    """The row of a duel that one side does not come to."""
+    missing = [who for who, row in (("rodgen", mine), ("no peer", theirs)) if row is None]
+    why = " and ".join("rodgen" if who == "rodgen" else "every peer" for who in missing)
+    row = _row(name, links, asked, mine, theirs)
+    return [row | {"failed": f"{why} missed this error in the time of a run"}]
+
+
+def units(
+    cases: Sequence[Case], quick: bool, folder: str | Path, rows: Sequence[Row]
+) -> list[Unit]:
+    """One for every scene and error asked for, from the rows of the section precision."""
+    planned = []
+    for case in cases:
+        known = {"name": case.name, "table": case.scene, "folder": str(folder), "quick": quick}
+        of_scene = [row for row in rows if row.get("scene") == case.name]
+        for asked in ASKED:
+            mine = cheapest((row for row in of_scene if row.get("who") == "rodgen"), asked)
+            theirs = cheapest((row for row in of_scene if row.get("who") != "rodgen"), asked)
+            name = f"equal_error-{case.name}-1e{int(np.log10(asked)):d}"
+            sides = {"asked": asked, "mine": mine, "theirs": theirs}
+            if mine and theirs:
+                planned.append(Unit("equal_error", name, f"{__name__}:duel", known | sides))
+            else:
+                links = case.scene["rod"]["links"]
+                given = {"name": case.name, "links": links, **sides}
+                planned.append(Unit("equal_error", name, f"{__name__}:nobody", given, timed=False))
+    return planned
+
+
+def _ours(job: Job, row: dict[str, Any]) -> Contestant:
+    return ours.contestant(job, row["method"], row["target"], **{row["kind"]: row["setting"]})
+
+
+def _theirs(job: Job, row: dict[str, Any], quick: bool) -> Contestant:
+    """The same setting again. Raises LookupError where the peer does not offer it any more."""
+    from rodgen.judge.peers import family
+
+    names = ("who", "method", "target", "kind", "setting")
+    for who in family(row["family"], job, quick):
+        if all(getattr(who, name) == row[name] for name in names):
+            return who
+    raise LookupError(f"{row['family']} has no setting {row['setting']:g}")
+
+
+def _error(who: Contestant, measures: Measures) -> float | None:
+    Deadline.at = time.perf_counter() + PATIENCE
+    try:
+        return measures.errors(who.integrate().y)["error_phi"]
+    finally:
+        Deadline.at = np.inf
+
+
+def _seconds(who: Contestant) -> float:
+    start = time.perf_counter()
+    who.integrate()
+    return time.perf_counter() - start
+
+
+def _row(
+    name: str, links: int, asked: float, mine: dict[str, Any] | None, theirs: dict[str, Any] | None
+) -> Row:
+    nothing = ("ours_error", "ours_seconds", "theirs_error", "theirs_seconds", "ratio")
+    row: Row = {"scene": name, "n": links, "asked": asked, **dict.fromkeys(nothing)}
+    row |= {"ours": _label(mine), "theirs": _label(theirs, with_who=True)}
+    return row | {"rounds": 0, "failed": ""}
+
+
+def _label(row: dict[str, Any] | None, with_who: bool = False) -> str:
+    """A setting in words."""
+    if row is None:
+        return ""
+    who = f"{row['who']} " if with_who else ""
+    return f"{who}{row['method']} ({row['target']}), {row['kind']} {row['setting']:.3g}"

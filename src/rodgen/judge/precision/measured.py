@@ -1,0 +1,179 @@
+"""Families of settings from loose to tight, measured within a budget of seconds."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from rodgen.judge.precision.contestant import Contestant, Deadline, Family, Finish, TooSlowError
+from rodgen.judge.precision.errors import MEASURES, Errors, Measures
+from rodgen.judge.unit import Row
+
+COUNTS = ("steps", "rejected", "rhs", "jacobian", "factorisations")
+SETUP = ("generate", "compile")
+SHORT, ROUNDS = 0.1, 3  # seconds of a run that is measured so often, and the median taken
+LONGEST = 200  # letters of a reason
+MOST_FACTOR = 4.0  # by which costs are expected to grow from one setting to the next
+USELESS = 3  # settings in a row that fail alike before the rest is left out
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Seconds of a run and of all of a family."""
+
+    run: float
+    family: float
+
+    @classmethod
+    def of(cls, quick: bool) -> Limits:
+        """Of the short report or of the whole one."""
+        return cls(0.15, 0.35) if quick else cls(0.6, 1.4)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What came of a setting. seconds: the median of so many rounds; spent: on all of them."""
+
+    seconds: float
+    rounds: int
+    spent: float
+    finish: Finish | None
+    failed: str = ""
+    slow: bool = False
+
+
+def attempt(who: Contestant, limits: Limits) -> Tried:
+    """Runs of a setting: one, or some where they are short. Whatever it raises is its failure."""
+    times: list[float] = []
+    begun = time.perf_counter()
+    for _ in range(ROUNDS):
+        start = time.perf_counter()
+        Deadline.at = start + limits.run
+        try:
+            finish = who.integrate()
+        except Exception as error:  # another's library may fail in any way
+            taken = time.perf_counter() - start
+            slow = isinstance(error, TooSlowError)
+            reason = f"stopped after {limits.run:g} s" if slow else words(error)
+            return Tried(taken, len(times) + 1, time.perf_counter() - begun, None, reason, slow)
+        finally:
+            Deadline.at = float("inf")
+        times.append(time.perf_counter() - start)
+        if times[0] > SHORT:
+            break
+    spent = time.perf_counter() - begun
+    return Tried(statistics.median(times), len(times), spent, finish)
+
+
+def sweep(family: Family, label: Row, measures: Measures, limits: Limits) -> list[Row]:
+    """A row for every setting, from loose to tight, until the seconds are spent.
+
+    label: scene, n, who, method, target, and setup of every row. Settings that fail are rows with
+    the reason; those that are left out are one row with failed = "not tried: ...".
+    """
+    rows: list[Row] = []
+    spent, before, failures = 0.0, 0.0, 0
+    try:
+        for who in family:
+            tried = attempt(who, limits)
+            rows.append(row_of(who, tried, label, measures))
+            spent += tried.spent
+            failures = failures + 1 if tried.finish is None else 0
+            growth = min(MOST_FACTOR, max(1.0, tried.seconds / before)) if before else 2.0
+            before = tried.seconds
+            expected = tried.seconds * growth
+            why = _enough(tried, expected, spent, failures, limits)
+            if why and (following := next(iter(family), None)) is not None:
+                rows.append(left_out(following, label, why))
+            if why:
+                break
+    except Exception as error:  # what makes settings may fail too
+        rows.append(blank(label) | {"failed": words(error)})
+    return rows or [blank(label) | {"failed": "not tried: it has no settings"}]
+
+
+def _enough(tried: Tried, expected: float, spent: float, failures: int, limits: Limits) -> str:
+    """Why tighter settings are not tried, or nothing."""
+    if tried.slow or expected > limits.run:
+        return f"would take more than {limits.run:g} s"
+    if spent + expected > limits.family:
+        return f"the {limits.family:g} s of this method are spent"
+    if failures >= USELESS and tried.seconds > limits.run / 10:
+        return "failed so often before"
+    return ""
+
+
+def row_of(who: Contestant, tried: Tried, label: Row, measures: Measures) -> Row:
+    row = blank(label) | {"kind": who.kind, "setting": who.setting, "order": who.order}
+    row |= {"agreed": who.agreed, "failed": tried.failed}
+    row |= {f"setup_{kind}": seconds for kind, seconds in who.setup.items() if kind in SETUP}
+    row |= {"seconds": tried.seconds, "rounds": tried.rounds}
+    if tried.finish is None:
+        return row
+    row["inside"] = tried.finish.inside
+    row |= {name: tried.finish.counts.get(name) for name in COUNTS}
+    try:
+        errors: Errors = measures.errors(tried.finish.y)
+        balance = tried.finish.balance
+        row["balance"] = balance() / measures.scale if balance else None
+    except Exception as error:  # a peer's states may have the wrong shape
+        return row | {"failed": f"its states cannot be compared: {words(error)}"}
+    return row | dict(errors)
+
+
+def left_out(who: Contestant, label: Row, why: str) -> Row:
+    row = blank(label) | {"kind": who.kind, "setting": who.setting, "order": who.order}
+    return row | {"failed": f"not tried: {why}, from {who.kind} {who.setting:.3g} on"}
+
+
+def blank(label: Row) -> Row:
+    """All columns, with what is known of a family."""
+    nothing = ("kind", "setting", "order", "seconds", "inside", *MEASURES, "balance", *COUNTS)
+    row: Row = dict.fromkeys((*nothing, *(f"setup_{kind}" for kind in SETUP), "agreed"))
+    return row | {"rounds": 0, "failed": ""} | label
+
+
+def words(error: BaseException) -> str:
+    return " ".join(str(error).split())[:LONGEST] or repr(error)
+
+
+def in_a_row(
+    family: Iterable[Contestant], known: Row, measures: Measures, limits: Limits
+) -> list[Row]:
+    """Settings of several methods in a row, each method with limits of its own."""
+    waiting = _Ahead(family)
+    rows: list[Row] = []
+    while (who := waiting.next) is not None:
+        one = known | {"who": who.who, "method": who.method, "target": who.target}
+        rows += sweep(waiting.of(who), one, measures, limits)
+        waiting.skip(who)
+    return rows or [blank(known) | {"failed": "not tried: it has no settings"}]
+
+
+class _Ahead:
+    """A run of contestants, parted where who, method or target change."""
+
+    def __init__(self, family: Iterable[Contestant]):
+        self.rest = iter(family)
+        self.next = next(self.rest, None)
+
+    def of(self, first: Contestant) -> Family:
+        """Those that follow of the same method."""
+        while self.next is not None and _same(self.next, first):
+            who = self.next
+            self.next = None
+            yield who
+            self.next = next(self.rest, None)
+
+    def skip(self, first: Contestant) -> None:
+        """Leave out what is left of a method."""
+        if self.next is None:
+            self.next = next(self.rest, None)
+        while self.next is not None and _same(self.next, first):
+            self.next = next(self.rest, None)
+
+
+def _same(a: Contestant, b: Contestant) -> bool:
+    return (a.who, a.method, a.target, a.kind) == (b.who, b.method, b.target, b.kind)

@@ -1,0 +1,151 @@
+"""The report as one HTML page that needs no network, with JSON, CSV and pictures beside it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from rodgen.judge.found import case_named, failures, wrong
+from rodgen.judge.rows import Contents, short, text
+from rodgen.judge.summary import ASKED, best_row, scenes, sentences
+from rodgen.judge.unit import Measured, Row, Value
+from rodgen.loading.cache import write_whole
+from rodgen.view.pages import PAGE, csv_lines, put_whole, render
+from rodgen.view.report_columns import CUT, FAILURES
+from rodgen.view.report_parts import Pictures
+from rodgen.view.report_scenes import scene_part
+from rodgen.view.report_sections import parts
+from rodgen.view.report_tables import Column, count, table, time, words
+
+TEMPLATE = "pages/report.html.jinja"
+DATA = "report.json"
+SCENES = "scenes"  # in what the report was made with: why each scene is there
+INTRODUCTION = (
+    "How much run time every method of rodgen, and of others on their own formulation of the same "
+    "scene, takes for how small an error; what things cost against the number of links; and where "
+    "the numbers stop being right.",
+    "Errors are differences from a reference by a method of another family, which carries its own "
+    "error estimate; below it an error means nothing.",
+    "What failed is listed with its reason, and generation and compile time stand apart from run "
+    "time.",
+    "All rows are in report.json, and by section in CSV files.",
+)
+SECTIONS = (
+    Column("section", "section", words),
+    Column("units", "units", count),
+    Column("rows", "rows", count),
+    Column("failures", "failures", count),
+    Column("seconds", "time", time),
+    Column("csv", "table", words),
+)
+
+
+def write_report(folder: Path, contents: Contents, made: Mapping[str, Any]) -> Path:
+    """Write index.html, report.json, a CSV file for each section and the pictures.
+
+    contents: results by section; made: with what, for the end of the page. Everything is made
+    before anything is put into the folder, and the page comes last. Returns the page.
+    """
+    with put_whole(folder) as making:
+        write_whole(making / DATA, json_text(contents, made))
+        for section, measured in contents.items():
+            write_whole(making / csv_name(section), csv_text(measured))
+        write_whole(making / PAGE, html(contents, made, Pictures(making)))
+    return folder / PAGE
+
+
+def html(contents: Contents, made: Mapping[str, Any], pictures: Pictures) -> str:
+    """The page; its pictures are drawn on the way."""
+    asked = [
+        Column(error, f"error {error} rad", words) for error in (short(e, ".0e") for e in ASKED)
+    ]
+    best = [best_row(contents, scene) for scene in scenes(contents)]
+    return render(
+        TEMPLATE,
+        introduction=INTRODUCTION,
+        sentences=sentences(contents),
+        wrong=[(case_named(row), text(row, "said")) for row in wrong(contents)],
+        best=table("The fastest by scene", best, (Column("scene", "scene", words), *asked)),
+        scenes=[
+            scene_part(contents, scene, pictures, made.get(SCENES, {}).get(scene, ""))
+            for scene in scenes(contents)
+        ],
+        parts=parts(contents, pictures),
+        sections=table("Sections", _sections(contents), SECTIONS),
+        failures=table(CUT, failures(contents), FAILURES),
+        made=made_lines({name: value for name, value in made.items() if name != SCENES}),
+        data=DATA,
+        files=[csv_name(section) for section in contents],
+    )
+
+
+def json_text(contents: Contents, made: Mapping[str, Any]) -> str:
+    """All rows of all sections, what failed, and with what they were made."""
+    sections = {name: [asdict(one) for one in several] for name, several in contents.items()}
+    return json.dumps({"made": dict(made), "sections": sections}, indent=1) + "\n"
+
+
+def read_report(file: Path) -> tuple[dict[str, list[Measured]], dict[str, Any]]:
+    """Contents and making of a report that was written."""
+    stored = json.loads(file.read_text(encoding="utf-8"))
+    sections = stored["sections"].items()
+    contents = {name: [Measured(**one) for one in several] for name, several in sections}
+    return contents, stored["made"]
+
+
+def csv_name(section: str) -> str:
+    """Its file beside the page."""
+    return f"{section}.csv"
+
+
+def csv_text(measured: Sequence[Measured]) -> str:
+    """Rows of a section with all digits, a unit that failed as a row; lists as JSON."""
+    lines: list[Row] = []
+    for one in measured:
+        lines += [{"unit": one.name, **row} for row in one.rows]
+        lines += [{"unit": one.name, "failed": one.failed}] if one.failed else []
+    head = list(dict.fromkeys(key for line in lines for key in line)) or ["unit"]
+    return csv_lines(head, [[_stored(line.get(key)) for key in head] for line in lines])
+
+
+def _stored(value: Value) -> object:
+    return json.dumps(value) if isinstance(value, list) else value
+
+
+def _sections(contents: Contents) -> list[Row]:
+    failed = [str(line["section"]) for line in failures(contents)]
+    return [
+        {
+            "section": name,
+            "units": len(several),
+            "rows": sum(len(one.rows) for one in several),
+            "failures": failed.count(name),
+            "seconds": sum(one.seconds for one in several),
+            "csv": csv_name(name),
+        }
+        for name, several in contents.items()
+    ]
+
+
+def made_lines(made: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Names and values: versions in one line, those of another group in a line each."""
+    lines: list[tuple[str, str]] = []
+    for name, value in made.items():
+        if isinstance(value, Mapping) and name != "versions":
+            lines += made_lines(value)
+        else:
+            lines.append((name.replace("_", " "), _in_words(name, value)))
+    return lines
+
+
+def _in_words(name: str, value: Any) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key} {entry}" for key, entry in value.items())
+    if isinstance(value, (list, tuple)):
+        return ", ".join(map(str, value))
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:.0f} s" if name == "seconds" else str(value)

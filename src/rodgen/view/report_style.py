@@ -1,0 +1,134 @@
+"""How methods look in every picture of the report: ours in colour, peers grey and dashed."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, NullFormatter
+
+from rodgen.judge.rows import label, text
+from rodgen.judge.unit import Row
+
+# Colours that stay apart on white and on black, and for most who see fewer of them.
+OURS = {
+    "gauss": "#d1495b",
+    "radau": "#9455c8",
+    "dop853": "#2a78d6",
+    "rk4": "#1f9e62",
+    "semi_implicit_euler": "#d9830f",
+    "euler": "#a06a4c",
+    "thesis_runge_kutta": "#12a5b8",
+    "cvode": "#7d8b12",
+    "rk45": "#5b8def",
+    "rk23": "#8fa9c9",
+    "bdf": "#c774a8",
+    "lsoda": "#b08b35",
+}
+PEERS = {
+    "SciPy": ("s", "#7c7c7c"),
+    "CVODE": ("D", "#808080"),
+    "heyoka": ("^", "#737373"),
+    "MuJoCo": ("v", "#8c8c8c"),
+    "Exudyn": ("P", "#767676"),
+    "CasADi": ("X", "#868686"),
+}
+OTHERS = ("<", ">", "p", "h", "*", "d")
+DASHES = ((4, 2), (1.5, 1.5), (6, 2, 1, 2), (3, 1, 1, 1, 1, 1))
+INK, PALE = "#30343a", "#8a8f98"  # text and axes; grids and notes
+LEFT, BELOW = 0.68, 0.48  # inches beside and below a diagram, for its numbers and names
+BRIGHT = {INK: "#d9dde3"}
+RAISED = str.maketrans(
+    "-0123456789", "\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"
+)
+GOLD = "#e0b400"  # the front
+
+
+class Look(NamedTuple):
+    """A line: its name, what makes it, and whether it is ours."""
+
+    label: str
+    line: dict[str, Any]
+    ours: bool
+
+
+def look(row: Row) -> Look:
+    """The same for a method everywhere: hollow marks for equations in NumPy."""
+    method, target, who = (text(row, key) for key in ("method", "target", "who"))
+    ours = who in ("", "rodgen")
+    if ours:
+        colour = OURS.get(re.split(r"[ ,]", method.lower())[0], "#6b7480")
+        style: dict[str, Any] = {"color": colour, "linestyle": "-", "marker": "o", "linewidth": 1.4}
+        style |= {} if target != "numpy" else {"markerfacecolor": "none", "linewidth": 0.9}
+    else:
+        mark, grey = PEERS.get(who, (OTHERS[_code(who) % len(OTHERS)], "#707070"))
+        dashes = (0, DASHES[_code(method + target) % len(DASHES)])
+        style = {"color": grey, "linestyle": dashes, "marker": mark, "linewidth": 1.0}
+    return Look(label(row), style | {"markersize": 3.8, "zorder": 3.0 if ours else 2.5}, ours)
+
+
+def _code(name: str) -> int:
+    """The same number for a name in every process, as hash() is not."""
+    return sum(map(ord, name))
+
+
+def axes(width: float, height: float, x: str, y: str, fixed: bool = False) -> tuple[Figure, Axes]:
+    """A picture of one diagram with a pale grid; sizes in inches. fixed: nothing is outside of
+    the diagram, so that its place need not be looked for, which takes half of the time."""
+    figure = Figure(figsize=(width, height), layout=None if fixed else "constrained")
+    FigureCanvasAgg(figure)
+    place = LEFT / width, BELOW / height, 1 - (LEFT + 0.1) / width, 1 - (BELOW + 0.1) / height
+    frame = figure.add_axes(place) if fixed else figure.add_subplot()
+    frame.grid(color=PALE, alpha=0.3, linewidth=0.6)
+    frame.tick_params(colors=INK, labelsize=8)
+    frame.set_xlabel(x, color=INK, fontsize=9)
+    frame.set_ylabel(y, color=INK, fontsize=9)
+    for side, spine in frame.spines.items():
+        spine.set(color=PALE, visible=side in ("left", "bottom"))
+    return figure, frame
+
+
+def logarithmic(frame: Axes, *, x: bool = True, y: bool = True) -> None:
+    """Logarithmic axes, set once their limits are: labels as plain text, as mathematics is slow."""
+    for axis, wanted in ((frame.xaxis, x), (frame.yaxis, y)):
+        if wanted:
+            low, high = sorted(axis.get_view_interval())
+            short = high < 30 * low  # perhaps a power of ten alone: 2 and 5 have labels too
+            axis.set_major_formatter(FuncFormatter(lambda value, _: _power(value)))
+            axis.set_minor_formatter(FuncFormatter(_two_and_five) if short else NullFormatter())
+            axis.set_tick_params(which="minor", labelsize=7, labelcolor=INK, color=PALE)
+
+
+def _power(value: float) -> str:
+    """As 10 with its exponent raised."""
+    return "10" + f"{math.log10(value):.0f}".translate(RAISED)
+
+
+def _two_and_five(value: float, _: object = None) -> str:
+    digit, _, power = f"{value:.0e}".partition("e")
+    return f"{digit}\u00b7{_power(10.0 ** int(power))}" if digit in "25" else ""
+
+
+def legend(figure: Figure, columns: int = 3) -> Figure:
+    """The names of all lines below the diagram."""
+    figure.legend(
+        loc="outside lower center", ncols=columns, fontsize=8, frameon=False, labelcolor=INK
+    )
+    return figure
+
+
+def dark(file: Path) -> None:
+    """Let a picture's ink be bright where its reader prefers dark pages."""
+    rules = "".join(
+        f'[style*="{what}: {colour}"]{{{what}:{bright}!important}}'
+        for colour, bright in BRIGHT.items()
+        for what in ("fill", "stroke")
+    )
+    style = f"<style>@media (prefers-color-scheme: dark){{{rules}}}</style>"
+    text = file.read_text(encoding="utf-8")
+    file.write_text(text.replace("<defs>", f"{style}<defs>", 1), encoding="utf-8")
