@@ -22,6 +22,7 @@ def _dominant(value: complex, partner: complex | None = None) -> Dominant:
         (2000j, None, 1.0, 1e-8, "dop853"),  # few radians
         (2000j, None, 100.0, 1e-8, "dop853"),  # to be followed
         (2000j, None, 100.0, 1e-3, "gauss"),  # noise
+        (2000j, None, 1e6, 1e-8, "gauss"),  # more steps than there may be
         (-1500 + 1300j, None, 100.0, 1e-8, "radau"),  # dies out
         (-1e6 + 0j, -1.0 + 0j, 1.0, 1e-8, "radau"),
         (-2000 + 0j, 2000 + 0j, 100.0, 1e-8, "dop853"),  # one of the pair grows

@@ -198,7 +198,8 @@ def test_a_jump_at_the_start_is_taken_on_its_far_side(missile: Scene) -> None:
     even = _changed(missile, loads={"follower": {"force": 30.0}})
     for method in ("dop853", "rk4", "radau"):
         a, b = (rodgen.simulate(s, target="c", method=method, step=1e-3) for s in (jump, even))
-        np.testing.assert_allclose(a.y, b.y, rtol=1e-12, atol=1e-12)
+        # Two modules: Newton's iterations end short of the last digits, where they may differ.
+        np.testing.assert_allclose(a.y, b.y, rtol=0, atol=1e-9 if method == "radau" else 1e-12)
 
 
 def test_samples_wider_apart_than_the_span(missile: Scene) -> None:

@@ -7,7 +7,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from scipy.integrate import DOP853
+from scipy.integrate import DOP853, RK23, RK45, OdeSolver
 from scipy.linalg import eigh
 
 import rodgen
@@ -171,12 +171,14 @@ def test_limits_of_an_oscillation_and_of_a_decay() -> None:
         "semi_implicit_euler": (2.0, 2.0),
         "rk4": (np.sqrt(8), root),
         "thesis_runge_kutta": (np.sqrt(root), root),
+        "rk23": (np.sqrt(3), 2.5127),  # of order 3 in 3 stages, as any such
+        "rk45": (0.9972, 3.3066),  # 1 + z + ... + z^5/120 + z^6/600 (the same, IV.2)
         "dop853": (5.9604, 6.3937),  # by the next test
     }
     assert set(of) == set(LIMITS)
     for method, (swinging, decaying) in of.items():
-        # The slack moves rk4's by 1e-9; dop853's have as many digits as are given.
-        digits = 1e-4 if method == "dop853" else 1e-7
+        # The slack moves rk4's by 1e-9; others have as many digits as are given.
+        digits = 1e-4 if method in ("dop853", "rk23", "rk45") else 1e-7
         assert limit(method, 50j) * 50 == pytest.approx(swinging, abs=digits)
         assert limit(method, -50 + 0j, 0j) * 50 == pytest.approx(decaying, abs=digits)
 
@@ -186,20 +188,26 @@ def test_growing_motions_are_not_the_method() -> None:
     assert limit("rk4", 0.1 + 1j) == limit("rk4", 1j)
 
 
-def _dop853(rhs: Rhs, t: float, y: Array, f: Array, h: float) -> Array:
-    """A step of the eighth order, without error control."""
-    k = np.zeros((12, len(y)))
-    k[0] = f
-    for s in range(1, 12):
-        k[s] = rhs(t + DOP853.C[s] * h, y + h * (DOP853.A[s, :s] @ k[:s]))
-    return np.asarray(y + h * (DOP853.B @ k))
+def _of_scipy(method: type[OdeSolver]) -> Advance:
+    """A step without error control."""
+
+    def advance(rhs: Rhs, t: float, y: Array, f: Array, h: float) -> Array:
+        k = np.zeros((method.n_stages, len(y)))
+        k[0] = f
+        for s in range(1, method.n_stages):
+            k[s] = rhs(t + method.C[s] * h, y + h * (method.A[s, :s] @ k[:s]))
+        return np.asarray(y + h * (method.B @ k))
+
+    return advance
 
 
 ADVANCE: dict[str, Advance] = {
     "euler": euler.advance,
     "semi_implicit_euler": semi_implicit_euler.advance,
     "rk4": rk4.advance,
-    "dop853": _dop853,
+    "dop853": _of_scipy(DOP853),
+    "rk23": _of_scipy(RK23),
+    "rk45": _of_scipy(RK45),
     "thesis_runge_kutta": thesis_runge_kutta.advance,
 }
 

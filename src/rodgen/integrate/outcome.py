@@ -13,6 +13,7 @@ from rodgen.scene.tables import Integrate
 
 FINISHED, FAILED, INTERRUPTED = "finished", "failed", "interrupted"
 STRIDE, CREEP = 10_000, 1e-9  # so many steps go at least this share of the way
+MOST_TURNED = 1e15  # rad, where neighbouring doubles are an eighth of a radian apart
 NEAR = 1e-3  # share of the way to a pole within which it is what stops a run
 
 
@@ -49,6 +50,13 @@ def cause(scene: Scene, machine: Machine, pole: tuple[float, Expression] | None)
         if near or max(asked, default=at) >= at:
             return f"; {force.not_finite(at)} s"
     return ""
+
+
+def turned(scene: Scene, machine: Machine) -> str:
+    """Whether it is an angle of so many turns that it has no sine."""
+    angles = machine.y[2 * scene.hold.translates : len(machine.y) // 2]
+    beyond = np.abs(angles).max(initial=0.0) > MOST_TURNED
+    return f"; an angle is beyond {MOST_TURNED:g} rad, where it has no sine" if beyond else ""
 
 
 def advice(reason: str, settings: Integrate, load: bool) -> str:

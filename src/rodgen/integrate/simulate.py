@@ -27,6 +27,7 @@ from rodgen.integrate.outcome import (
     StepWarning,
     advice,
     cause,
+    turned,
 )
 from rodgen.integrate.solution import Event, Solution, Stats
 from rodgen.integrate.stability import warn_of_step
@@ -35,6 +36,8 @@ from rodgen.loading import build, build_fastest
 from rodgen.scene import Scene
 from rodgen.scene.tables import AUTO
 
+WAKES = 1e-4  # share of the span around a break point in which a pulse is met anyway
+PULSE = 4  # steps that a pulse takes at least to be felt
 TICK = 0.1  # seconds between two calls of the progress callback
 
 
@@ -125,6 +128,7 @@ class _Run:
             at = self.machine.t
             why = cause(self.scene, self.machine, self.pole)
             tip = advice(str(error), self.settings, bool(why))
+            why = why or turned(self.scene, self.machine)
             message = f"stopped at t = {at:.9g} s: {error}{why}; {tip}"
             raise RunError(message, self.solution(FAILED, message)) from None
         except KeyboardInterrupt:
@@ -141,6 +145,16 @@ class _Run:
         text = warn_of_step(method, step, end - start, self.model, start, y0, self.p)
         if text:
             warnings.warn(text, StepWarning, stacklevel=4)
+        breaks, pole = self.scene.breaks(), self.scene.pole()
+        for begin, peak, over in () if pole else self.scene.pulses():
+            met = any(begin <= at <= over for at in breaks)  # and stepped onto
+            if begin < peak < over < begin + PULSE * step and not met:
+                text = (
+                    f"a load changes within {over - begin:.2g} s at t = {begin:.6g} s, for which "
+                    f"the step of {step:g} s is too long; take a smaller step, or dop853"
+                )
+                warnings.warn(text, StepWarning, stacklevel=4)
+                break
 
     def _walk(self) -> str:
         """All stretches; what there is to say of the end."""
@@ -170,7 +184,10 @@ class _Run:
         """Times to step to, one after the other: break points, and the end or the first pole."""
         start, end = self.settings.span
         last = self.pole[0] if self.pole else end
-        return [*(at for at in breaks if at < last), *([last] if last > start else [])]
+        if not self.settings.fixed:  # what steps that grow in a time of rest would pass over
+            found = (at for begin, peak, _ in self.scene.pulses() for at in (begin, peak))
+            breaks = _apart(sorted({*breaks, *found}), set(breaks), WAKES * (end - start))
+        return [*(at for at in breaks if start < at < last), *([last] if last > start else [])]
 
     def _to(self, end: float) -> None:
         """Step to a break point or to the end of the span."""
@@ -222,6 +239,12 @@ class _Run:
             model=self.model,
             events=happened,
         )
+
+
+def _apart(times: list[float], kept: set[float], least: float) -> list[float]:
+    """Times without those that are closer than the least to one that is kept."""
+    fixed = np.array(sorted(kept))
+    return [at for at in times if at in kept or not len(fixed) or np.abs(fixed - at).min() > least]
 
 
 def _inside(start: float, end: float) -> tuple[float, float]:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from types import ModuleType
 
 import numpy as np
-from scipy.integrate import DOP853
+from scipy.integrate import DOP853, RK23, RK45
 from scipy.optimize import brentq
 
 from rodgen.integrate.spectrum import Complex, Dominant, spectrum
@@ -24,6 +24,7 @@ FARTHEST = 12.0  # |h lambda|, beyond the regions of all methods here
 def _polynomial(A: Array, b: Array) -> Growth:
     """|R(z)| with R(z) = 1 + sum z^(k+1) b A^k 1 (E. Hairer, G. Wanner 1996, IV.2)."""
     coefficients, power = [1.0], np.ones(len(b))
+    A = np.pad(A, ((0, 0), (0, len(b) - A.shape[1])))  # SciPy leaves out columns of zeros
     for _ in b:
         coefficients.append(float(b @ power))
         power = A @ power
@@ -68,6 +69,8 @@ LIMITS: dict[str, Growth] = {
     "euler": _polynomial(np.zeros((1, 1)), np.ones(1)),
     "semi_implicit_euler": _shear(_pull_once),
     "rk4": _polynomial(*_KUTTA),
+    "rk23": _polynomial(RK23.A, RK23.B),
+    "rk45": _polynomial(RK45.A, RK45.B),
     "dop853": _polynomial(DOP853.A, DOP853.B),
     "thesis_runge_kutta": _shear(_pull_of_thesis),
 }
@@ -96,6 +99,17 @@ def limit(method: str, value: complex, partner: complex | None = None) -> float:
     grid = np.linspace(0.0, FARTHEST, 2401)
     beyond = int(np.argmax(excess(grid) > 0))
     return float(brentq(excess, grid[beyond - 1], grid[beyond], xtol=1e-12)) / size
+
+
+def largest(method: str, model: ModuleType, t: float, y: Array, p: Array) -> float:
+    """That step for the fastest motion about a state; infinite where there is no limit."""
+    if method not in LIMITS:
+        return np.inf
+    try:
+        fastest = spectrum(model, t, y, p)
+    except StepError:  # the run itself will say so
+        return np.inf
+    return limit(method, fastest.value, fastest.partner) or np.inf
 
 
 def _growth(method: str, step: float, fastest: Dominant) -> float:

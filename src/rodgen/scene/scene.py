@@ -15,6 +15,7 @@ from rodgen.scene import structure as st
 from rodgen.scene.errors import SceneError
 from rodgen.scene.explain import explain
 from rodgen.scene.expression import Expression
+from rodgen.scene.onsets import onsets
 from rodgen.scene.tables import (
     Event,
     FinFactor,
@@ -181,6 +182,11 @@ class Scene(Table):
             if not found or at - found[-1] > 4 * np.spacing(abs(at)):
                 found.append(at)
         return found
+
+    def pulses(self) -> list[tuple[float, float, float]]:
+        """Begin, peak and end of what a load does after a rest that is longer, ascending."""
+        start, end = self.integrate.span
+        return sorted(pulse for e in self.timed.values() for pulse in onsets(e, start, end))
 
     def pole(self) -> tuple[float, Expression] | None:
         """The first time in the span at which a load grows beyond all bounds, and that load."""

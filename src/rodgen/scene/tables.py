@@ -10,7 +10,8 @@ from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from rodgen.scene import structure as st
 from rodgen.scene.errors import SceneError
@@ -27,8 +28,17 @@ LEAST_RTOL = 2.3e-14  # a hundred times the rounding of a double, below which Sc
 
 LARGEST = 1e60  # of any value: products of several must still fit in a double
 
+
+def _not_vanishing(value: float) -> float:
+    if value < SMALLEST:
+        raise PydanticCustomError("too_small", f"at least {SMALLEST:g}")
+    return value
+
+
 Finite = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
+SMALLEST = 1e-60  # of what others are divided by
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=LARGEST)]
+Size = Annotated[Positive, AfterValidator(_not_vanishing)]
 NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0, le=LARGEST)]
 Pair = Annotated[list[Finite], Field(min_length=2, max_length=2)]
 Timed = Finite | str  # a number, or an expression in t
@@ -66,9 +76,9 @@ class Rod(Table):
     start is held; the angle of its clamp [rad], for boundaries that have one."""
 
     links: int
-    length: Positive
+    length: Size
     bending_stiffness: NotNegative
-    mass: Positive
+    mass: Size
     inertia: str = "uniform"
     boundary: str = "free"
     clamp_angle: Finite | None = None

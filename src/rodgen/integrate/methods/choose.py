@@ -10,11 +10,14 @@ from rodgen.integrate.methods import fixed_step, scipy_methods
 from rodgen.integrate.methods.compiled import Compiled
 from rodgen.integrate.methods.cvode import CvodeStep
 from rodgen.integrate.methods.gauss import GaussStep
+from rodgen.integrate.methods.unwound import Make, unwound
 from rodgen.integrate.methods.walk import Walk
 from rodgen.integrate.spectrum import Dominant, spectrum
+from rodgen.integrate.stability import largest, limit
 from rodgen.integrate.stepper import Array, Machine, Rhs, StepError, Stepper
 from rodgen.scene import Scene
-from rodgen.scene.tables import AUTO, Integrate
+from rodgen.scene.structure import BOUNDARIES
+from rodgen.scene.tables import AUTO, MOST_ADAPTIVE, Integrate
 
 # Measured on rods of 5 to 200 links, see docs/methods.md.
 FEW = 2e4  # radians or decays of the fastest motion that explicit steps follow in no time
@@ -45,11 +48,11 @@ def choose(scene: Scene, model: ModuleType) -> Choice:
         fastest = fastest_motion(scene, model)
     except StepError:
         return Choice("dop853", "the rates at the start are not finite, of which the run will tell")
-    return by_rule(fastest, end - start, settings.rtol)
+    return by_rule(fastest, end - start, settings.rtol, settings.budget)
 
 
-def by_rule(fastest: Dominant, span: float, rtol: float) -> Choice:
-    """The rule: fastest motion, span [s] and tolerance to a method."""
+def by_rule(fastest: Dominant, span: float, rtol: float, budget: int = MOST_ADAPTIVE) -> Choice:
+    """The rule: fastest motion, span [s], tolerance and budget of steps to a method."""
     cycles = fastest.rate * span
     motion = f"the fastest motion ({described(fastest)}) makes {cycles:.2g} radians in the span"
     if cycles < FEW:
@@ -59,6 +62,10 @@ def by_rule(fastest: Dominant, span: float, rtol: float) -> Choice:
         return Choice("radau", f"{motion}; it decays, and need not be followed")
     if rtol >= LOOSE:
         return Choice("gauss", f"{motion}, and at rtol {rtol:g} it is noise")
+    steps = span / limit("dop853", fastest.value, fastest.partner)
+    if steps > budget:
+        why = f"more than explicit steps can follow ({steps:.2g}, of {budget:.2g} allowed)"
+        return Choice("gauss", f"{motion}, {why}; if it is at rest, there is nothing to follow")
     return Choice("dop853", f"{motion}, and at rtol {rtol:g} it has to be followed")
 
 
@@ -86,20 +93,29 @@ def machine(model: ModuleType, p: Array, settings: Integrate, t: float, y: Array
     """What runs a method: compiled steps where the module has them, else steps in Python."""
     if settings.method in getattr(model, "COMPILED", ()):
         return Compiled(model, p, settings, t, y)
-    return Walk(_maker(settings), model, p, t, y)
+    base = 2 * BOUNDARIES[model.BOUNDARY].translates
+    angles = slice(base, len(y) // 2)
+
+    def longest(t: float, y: Array) -> float:
+        return largest(settings.method, model, t, y, p)
+
+    return Walk(_maker(settings, angles, longest), model, p, t, y)
 
 
-def _maker(settings: Integrate) -> Callable[[Rhs, Rhs, float, Array, float], Stepper]:
+def _maker(settings: Integrate, angles: slice, longest: Callable[[float, Array], float]) -> Make:
     tolerances = settings.rtol, settings.atol
+
+    def adaptive(rhs: Rhs, jac: Rhs, t: float, y: Array, end: float) -> Stepper:
+        if settings.method == "cvode":
+            return CvodeStep(rhs, jac, t, y, end, *tolerances)
+        if settings.method == "gauss":
+            return GaussStep(rhs, jac, t, y, end, *tolerances)
+        return scipy_methods.ScipyStep(settings.method, rhs, jac, t, y, end, *tolerances, longest)
 
     def make(rhs: Rhs, jac: Rhs, t: float, y: Array, end: float) -> Stepper:
         if settings.fixed:
             assert settings.step is not None
             return fixed_step.FixedStep(settings.method, rhs, t, y, end, settings.step)
-        if settings.method == "cvode":
-            return CvodeStep(rhs, jac, t, y, end, *tolerances)
-        if settings.method == "gauss":
-            return GaussStep(rhs, jac, t, y, end, *tolerances)
-        return scipy_methods.ScipyStep(settings.method, rhs, jac, t, y, end, *tolerances)
+        return unwound(adaptive, angles, rhs, jac, t, y, end)
 
     return make

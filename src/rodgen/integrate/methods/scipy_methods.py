@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 
 import numpy as np
 from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, OdeSolver, Radau
@@ -19,11 +20,17 @@ METHODS: dict[str, type[OdeSolver]] = {
 }
 RUNGE_KUTTA = ("rk23", "rk45", "dop853")  # explicit: every try costs as many evaluations
 IMPLICIT = ("radau", "bdf", "lsoda")  # these are given the exact Jacobian
+LOOKS = 500  # steps between two looks at the stability limit, which cost as much as 30
 PATIENCE = 1000  # evaluations in a row that are not finite, before a method is stopped
 
 
 class ScipyStep:
-    """A SciPy method between two break points (see stepper.Stepper)."""
+    """A SciPy method between two break points (see stepper.Stepper).
+
+    longest: the largest stable step [s] of an explicit method at (t, y), to which its steps are
+    held. Error control alone lets the fastest motions grow up to the tolerance, and at loose
+    tolerances of smooth motions some steps beyond it, unnoticed.
+    """
 
     def __init__(
         self,
@@ -35,6 +42,7 @@ class ScipyStep:
         end: float,
         rtol: float,
         atol: float,
+        longest: Callable[[float, Array], float] = lambda t, y: np.inf,
     ):
         self._rhs, self._broken, self._broken_in_a_row = rhs, False, 0
         # Evaluations of one try, where the method is of Runge-Kutta type.
@@ -46,7 +54,8 @@ class ScipyStep:
         if self._broken:  # SciPy would look for a first step for ever
             raise self._failure("")
         # A first step into infinity is judged by the run, not by a warning.
-        exact = {"jac": jac} if name in IMPLICIT else {}
+        self._longest = longest
+        exact = {"jac": jac} if name in IMPLICIT else {"max_step": longest(t, y)}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             self._solver = METHODS[name](self._watched, t, y, end, rtol=rtol, atol=atol, **exact)
@@ -72,6 +81,8 @@ class ScipyStep:
         """Take a step; True when the end is reached. Raises StepError."""
         solver, before = self._solver, self._solver.nfev
         self._broken = False
+        if self._stages and self._steps and self._steps % LOOKS == 0:
+            solver.max_step = self._longest(self.t, self.y)
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
