@@ -9,18 +9,22 @@ import numpy as np
 import pytest
 
 import rodgen
+from rodgen.integrate import Solution
 from rodgen.integrate.methods import fixed_step
-from rodgen.judge.stability import extremes, extremes_invalid, extremes_run
-from rodgen.judge.stability.extremes_case import Array, Extreme, Measure
+from rodgen.judge.stability import extremes, extremes_invalid, extremes_run, extremes_verdict
+from rodgen.judge.stability.extremes_case import Array, Extreme, Measure, Truth
 from rodgen.judge.stability.extremes_run import judge, verdict
 from rodgen.judge.stability.extremes_scales import links
 from rodgen.judge.stability.extremes_verdict import (
+    INACCURATE,
     LOST,
     RIGHT,
     UNFINISHED,
+    WARNED,
     WRONG,
     balance,
     of_adaptive,
+    of_fixed,
 )
 
 
@@ -66,7 +70,8 @@ def test_pendulum_is_right_by_all_methods(swing: Extreme) -> None:
     rows = judge(swing)
     assert len(rows) == 12
     assert {row["outcome"] for row in rows} == {RIGHT}
-    assert all(row["digits"] > 1 for row in rows)
+    assert all(row["digits"] >= 2 for row in rows)
+    assert all(row["truth_error"] == 0 and 0 < row["allowed"] <= 0.01 + 1e-9 for row in rows)
 
 
 def test_model_that_is_off_by_a_thousandth_is_wrong(swing: Extreme) -> None:
@@ -102,6 +107,48 @@ def test_run_that_says_itself_how_wrong_it_is_is_lost(swing: Extreme) -> None:
     assert balance(sol) < 1e-6 < 1e-2 < balance(bad)
     assert of_adaptive(truth, sol).outcome == RIGHT
     assert of_adaptive(truth, bad).outcome == LOST
+
+
+def _moved(solution: Solution, truth: Truth, by: float) -> Solution:
+    """States that are off by a share of the motion at the end, energy left as it was."""
+    y = truth.y.copy()
+    y[-1, 0] += by * np.abs(truth.y[:, 0] - truth.y[0, 0]).max()
+    return replace(solution, y=y)
+
+
+def test_fixed_step_is_judged_at_its_own_step(
+    swing: Extreme, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """79 % off is not right, however well half the step does."""
+    monkeypatch.setattr(extremes_verdict, "balance", lambda _: 0.0)
+    truth = swing.truth(swing.scene)
+    sol = rodgen.simulate(swing.scene, target="numpy", method="rk4", step=1e-2)
+    for coarse, fine, outcome in (
+        (0.79, 0.2, INACCURATE),
+        (0.02, 0.01, INACCURATE),
+        (0.79, 0.79, WRONG),
+        (0.005, 0.005, WRONG),
+        (0.005, 0.001, RIGHT),
+        (0.0, 0.0, RIGHT),
+    ):
+        said = of_fixed(truth, _moved(sol, truth, coarse), _moved(sol, truth, fine))
+        assert said.outcome == outcome, (coarse, fine)
+    far, near = _moved(sol, truth, 0.79), _moved(sol, truth, 0.2)
+    assert of_fixed(truth, far, near, warned=True).outcome == WARNED
+    monkeypatch.setattr(extremes_verdict, "balance", lambda _: 0.5)
+    assert of_fixed(truth, far, near).outcome == LOST
+
+
+@pytest.mark.parametrize("condition", [1.0, 1e9])
+def test_adaptive_error_of_a_tenth_is_not_right(swing: Extreme, condition: float) -> None:
+    """At a relative tolerance of 1e-4, whatever the condition of the motion."""
+    truth = replace(swing.truth(swing.scene), condition=condition)
+    sol = rodgen.simulate(swing.scene, target="numpy", method="dop853", rtol=1e-4, atol=1e-6)
+    assert of_adaptive(truth, sol).outcome == RIGHT
+    said = of_adaptive(truth, _moved(sol, truth, 0.1))
+    assert said.outcome in (WRONG, LOST)
+    assert said.allowed is not None
+    assert said.allowed < 0.04
 
 
 def test_run_without_an_end_is_no_verdict(swing: Extreme) -> None:

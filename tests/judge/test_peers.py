@@ -14,11 +14,12 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.judge.cases import rod
+from rodgen.judge.cases import cases, rod
 from rodgen.judge.costs.rod import THRUST, built, packed
-from rodgen.judge.peers import FAMILIES, agreement, chain, drag, family, loads, stretches
+from rodgen.judge.peers import FAMILIES, agreement, chain, drag, family, loads, settings, stretches
 from rodgen.judge.peers.rates import RATES
 from rodgen.judge.peers.tree import Tree
+from rodgen.judge.precision.contestant import NotModelledError
 from rodgen.judge.precision.job import Job
 
 pytestmark = pytest.mark.compiler
@@ -165,9 +166,9 @@ def test_motion(name: str) -> None:
     given = job("clamped", "lumped", LOADS, kind=Job)
     count, limit = TRIED[name] if name in TRIED else TRIED[name.split()[0]]
     exact, errors = truth(given), []
-    settings = list(islice(family(name, given), count))
-    assert all(a.setting > b.setting for a, b in pairwise(settings))
-    for who in (settings[0], settings[-1]):
+    tried = list(islice(family(name, given), count))
+    assert all(a.setting > b.setting for a, b in pairwise(tried))
+    for who in (tried[0], tried[-1]):
         finish = who.integrate()
         assert finish.y.shape == (len(given.times), len(given.start))
         assert finish.y[0] == pytest.approx(given.start)
@@ -175,7 +176,7 @@ def test_motion(name: str) -> None:
         assert all(type(number) is int for number in finish.counts.values())
     assert errors[-1] < limit
     assert count == 1 or errors[-1] < 0.5 * errors[0]  # tighter is better
-    assert settings[0].agreed is None if name.startswith(("SciPy", "CVODE")) else True
+    assert tried[0].agreed is None if name.startswith(("SciPy", "CVODE")) else True
 
 
 @pytest.mark.parametrize("name", [n for n in FAMILIES if n.split()[0] in ("MuJoCo", "Exudyn")])
@@ -192,17 +193,39 @@ def test_free_and_pinned_motion(name: str) -> None:
         assert last.agreed < 1e-10
 
 
+@pytest.mark.parametrize(
+    "name", ["MuJoCo Euler", "MuJoCo implicitfast", "MuJoCo RK4", "Exudyn RK44"]
+)
+def test_chain_at_rest_has_steps(name: str) -> None:
+    """Horizontal, without stiffness: nothing has a frequency at the start."""
+    needs(name)
+    table = next(case.scene for case in cases() if case.name == "falling_chain")
+    given = InNumpy.of("falling_chain", table)
+    first = next(family(name, given))
+    assert first.setting == pytest.approx(2.5 / 100)  # that of a sample
+
+
+def test_steps_without_a_limit_are_samples() -> None:
+    given = job("free", "uniform", {})
+    assert settings.stable(2.0, 0.0) == math.inf
+    assert settings.stable(2.0, 4.0) == 0.5
+    assert list(islice(settings.steps(given, math.inf, False), 2)) == [0.2 / 100, 0.1 / 100]
+    assert next(settings.steps(given, 0.2 / 150, False)) == 0.1 / 100
+
+
 @pytest.mark.parametrize("who", ["heyoka", "MuJoCo", "Exudyn"])
 def test_what_cannot_be_modelled_is_refused(who: str) -> None:
     needs(who)
     name = next(n for n in FAMILIES if n.startswith(who))
-    with pytest.raises(ValueError, match=f"{who}: this model has no external damping"):
+    with pytest.raises(
+        NotModelledError, match=f"not modelled: {who}: this model has no external damping"
+    ):
         family(name, job("free", "uniform", LOADS | FINS))
 
 
 def test_too_many_links_are_refused() -> None:
     many = Job.of("many", rod("many", 1000, 0.01))
-    with pytest.raises(ValueError, match="dense Jacobian"):
+    with pytest.raises(NotModelledError, match="dense Jacobian"):
         family("SciPy Radau", many)
 
 

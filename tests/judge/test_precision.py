@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import os
+import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,23 +18,26 @@ from scipy.special import ellipj, ellipk
 
 import rodgen
 from rodgen.emit.check import _Exact
+from rodgen.judge import peers
 from rodgen.judge.cases import cases
+from rodgen.judge.found import kind_of
 from rodgen.judge.precision import duels, growth, ours, references, sweep
-from rodgen.judge.precision.contestant import Contestant, Deadline, Finish
+from rodgen.judge.precision import ladder as ladder_module
+from rodgen.judge.precision.contestant import Contestant, Deadline, Finish, NotModelledError
 from rodgen.judge.precision.errors import Measures
 from rodgen.judge.precision.extended import extended, library
 from rodgen.judge.precision.job import Job
 from rodgen.judge.precision.ladder import Way, ladder, stops
 from rodgen.judge.precision.measured import Limits, attempt, in_a_row
 from rodgen.judge.precision.measured import sweep as measured
-from rodgen.judge.precision.orders import fits
+from rodgen.judge.precision.orders import fits, unfitted
 from rodgen.judge.precision.pareto import cheapest, front, marked
-from rodgen.judge.precision.references import Reference
+from rodgen.judge.precision.references import NoReferenceError, Reference
 from rodgen.judge.precision.setup import setup
 from rodgen.judge.unit import Row
 
 pytestmark = pytest.mark.compiler
-TAKEN = {"generate": 1.5, "compile": 2.5}
+TAKEN = {f"{t}_{k}": s for t in ("c", "numpy") for k, s in (("generate", 1.5), ("compile", 2.5))}
 PUBLISHED = Path(__file__).parents[1] / "physics" / "ivp_beam_t5.json"
 
 
@@ -61,15 +65,9 @@ def swung(times: np.ndarray) -> np.ndarray:
     return np.asarray(2 * np.arcsin(k * sine))
 
 
-@pytest.fixture(autouse=True)
-def _no_setup(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Generation and compilation are timed in a test of their own."""
-    monkeypatch.setattr(references, "setup", lambda *_: TAKEN)
-
-
 def made(name: str, table: dict[str, Any], folder: Path) -> tuple[Row, Reference]:
     (row,) = references.reference(name, table, str(folder), quick=True)
-    return row, Reference.load(folder, name)
+    return row, Reference.load(folder, name, table)
 
 
 # References --------------------------------------------------------------------------------------
@@ -85,7 +83,6 @@ def test_reference_of_a_pendulum_is_that_of_elliptic_functions(tmp_path: Path) -
     assert row["check_phi"] < 1e-10  # type: ignore[operator]
     assert row["estimate_modes"] is None
     assert held.estimate["error_modes"] is None
-    assert held.setup == {f"{t}_{k}": s for t in ("c", "numpy") for k, s in TAKEN.items()}
 
 
 def test_setup_is_that_of_an_empty_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -164,8 +161,42 @@ def test_text_that_is_not_known_is_refused() -> None:
 
 
 def test_missing_reference_says_so(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError, match="no reference solution of nothing"):
-        Reference.load(tmp_path, "nothing")
+    with pytest.raises(NoReferenceError, match="no reference solution of nothing"):
+        Reference.load(tmp_path, "nothing", {})
+
+
+def test_reference_of_another_scene_is_refused(tmp_path: Path) -> None:
+    states = np.zeros((2, 2))
+    Reference(states, states[:, 0], {"error_phi": 0.0}).save(tmp_path, "pendulum", pendulum(1.0))
+    assert Reference.load(tmp_path, "pendulum", pendulum(1.0)).estimate == {"error_phi": 0.0}
+    with pytest.raises(NoReferenceError, match="the reference of pendulum is of another scene"):
+        Reference.load(tmp_path, "pendulum", pendulum(2.0))
+
+
+@pytest.mark.parametrize(
+    ("force", "why"), [("exp(200*t)", "time is up"), ("exp(2000*t)", "t = 0.* s of 1 s")]
+)
+def test_scene_that_blows_up_is_a_row(
+    force: str, why: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In bounded time; and what needs its reference is a row with the reason each."""
+    monkeypatch.setattr(ladder_module, "FIRST", 0.5)
+    table = pendulum(1.0) | {"loads": {"follower": {"force": force}}}
+    folder = str(tmp_path)
+    Reference(np.zeros((2, 2)), np.zeros(2), {}).save(tmp_path, "pendulum", table)  # an old one
+    start = time.process_time()
+    (row,) = references.reference("pendulum", table, folder, quick=True)
+    assert time.process_time() - start < 10.0  # with the import of SymPy
+    assert re.search(why, str(row["failed"]))
+    assert set(row) >= {"method", "order", "estimate_phi", "checked_by", "check_phi", "rhs"}
+    assert not list(tmp_path.glob("*.npz"))
+    (mine,) = sweep.rodgens("pendulum", table, folder, True)
+    (theirs,) = sweep.peers("pendulum", table, folder, True, ["SciPy DOP853", "SciPy RK45"])
+    (grown,) = growth.growth("pendulum", table, folder)
+    for one in (mine, theirs, grown):
+        assert one["failed"] == f"no reference: {row['failed']}"
+        assert one["n"] == 1
+    assert (mine["who"], theirs["who"]) == ("rodgen", "SciPy")
 
 
 # Error measures ----------------------------------------------------------------------------------
@@ -262,6 +293,47 @@ def test_slow_run_is_stopped(still: tuple[Job, np.ndarray]) -> None:
     assert np.isinf(Deadline.at)
 
 
+def test_counts_are_those_of_the_median_round(still: tuple[Job, np.ndarray]) -> None:
+    _, states = still
+    seconds = iter((0.03, 0.01, 0.02))
+
+    def integrate() -> Finish:
+        wanted = next(seconds)
+        time.sleep(wanted)
+        return Finish(states, {"steps": round(100 * wanted)}, wanted)
+
+    tried = attempt(Contestant("nobody", "m", "c", "rtol", 0.1, integrate), Limits(1.0, 1.0))
+    assert tried.finish is not None
+    assert (tried.finish.inside, tried.finish.counts["steps"]) == (0.02, 2)
+    assert tried.finish.inside <= tried.seconds
+
+
+def test_refusals_are_told_from_failures(
+    still: tuple[Job, np.ndarray], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    job, states = still
+    errors: dict[str, Exception] = {
+        "not modelled": NotModelledError("SciPy: too large"),
+        "failed": ValueError("shapes differ"),
+        "not installed": ModuleNotFoundError("No module named 'scipy'", name="scipy"),
+    }
+
+    def rows_of(error: Exception) -> list[Row]:
+        def fail(*_: Any) -> Any:
+            raise error
+
+        monkeypatch.setattr(peers, "family", fail)
+        return sweep._of_peer(job, Measures(job, states), True, "SciPy DOP853")
+
+    for kind, error in errors.items():
+        (row,) = rows_of(error)
+        assert kind_of(str(row["failed"])) == kind
+    (row,) = rows_of(ModuleNotFoundError("No module named 'yaml'", name="yaml"))
+    assert row["failed"] == "No module named 'yaml'"
+    (row,) = rows_of(ImportError("libmkl.so: cannot open"))
+    assert row["failed"] == "libmkl.so: cannot open"
+
+
 def test_family_that_breaks_off_keeps_its_rows(still: tuple[Job, np.ndarray]) -> None:
     job, states = still
 
@@ -309,16 +381,16 @@ def test_rodgens_rows_come_to_an_order_and_a_duel(tmp_path: Path) -> None:
     """From the reference to the fit, on a pendulum."""
     table = pendulum(10.0)
     made("pendulum", table, tmp_path)
-    job, held, measures = sweep.prepared("pendulum", table, str(tmp_path))
+    job, _, measures = sweep.prepared("pendulum", table, str(tmp_path))
     rows: list[Row] = []
-    for one in ours.families(job, False, held.setup):
+    for one in ours.families(job, False, TAKEN):
         if (one.method, one.target) in {("rk4", "c"), ("dop853", "c")}:
             rows += measured(one.make(), sweep.label(job, one), measures, Limits(0.1, 0.3))
     by_method = {fit.method: fit for fit in fits(rows) if fit.against == "step"}
     # Off by the largest steps, a fifth of a radian each: without them it is within 0.1.
     assert by_method["rk4"].exponent == pytest.approx(4.0, abs=0.3)
     assert by_method["rk4"].nominal == 4.0
-    assert all(row["setup_compile"] == held.setup["c_compile"] for row in rows if row["seconds"])
+    assert all(row["setup_compile"] == TAKEN["c_compile"] for row in rows if row["seconds"])
     assert min(row["error_phi"] or 1.0 for row in rows) < 1e-10  # type: ignore[type-var]
     (unit, *_) = duels.units([type(cases()[0])(table, "")], True, tmp_path, rows)
     (row,) = unit.call()
@@ -341,7 +413,7 @@ def test_orders_of_made_up_rows() -> None:
     rows += [row("a", 1e-4, 1.0, 1e-14), row("a", 1.0, 1.0, 5.0), row("a", 0.5, 1.0, np.inf)]
     (fit,) = fits(rows)
     assert fit.order == pytest.approx(3.0)
-    assert fit.points == 5
+    assert fit.points == 6
     assert fit.nominal == 3.0
     adaptive = [
         row("b", 10.0**-k, 1.0, 10.0 ** (-0.8 * k), kind="rtol", rhs=10 ** (k / 5))
@@ -352,6 +424,24 @@ def test_orders_of_made_up_rows() -> None:
     assert found["rtol"].order is None
     assert found["rhs"].order == pytest.approx(4.0)
     assert fits(rows[:2]) == []
+
+
+def test_slopes_that_are_not_steady_are_no_order() -> None:
+    orders = [1.0, 1.7, 3.0, 1.2, 2.4]
+    errors = 1e-2 / 2 ** np.cumsum([0.0, *orders])
+    early = [row("a", 0.1 / 2**k, 1.0, float(error)) for k, error in enumerate(errors)]
+    assert fits(early) == []
+    (left,) = unfitted(early)
+    assert left.why == "not asymptotic in the steps tried"
+    late = [row("a", 0.1 / 2**k, 1.0, errors[-1] / 16.0 ** (k - 5)) for k in range(6, 8)]
+    (fit,) = fits([*early, *late])
+    assert fit.order == pytest.approx(4.0)
+    assert fit.points == 3
+    # A setting that failed parts those beside it.
+    failed = row("a", late[0]["setting"], 1.0, np.nan, failed="fell over")  # type: ignore[arg-type]
+    assert fits([*early, failed, late[1]]) == []
+    assert "less than 3 errors" in unfitted(early, floor=2e-3)[0].why
+    assert unfitted([failed]) == []
 
 
 def test_front_of_made_up_rows() -> None:
@@ -391,6 +481,14 @@ def test_growth_has_a_curve_for_every_tolerance(tmp_path: Path) -> None:
     assert [row["setting"] for row in rows] == [*growth.TOLERANCES, None]
     assert all(len(row["error"]) == len(row["t"]) == 101 for row in rows)  # type: ignore[arg-type]
     assert rows[0]["error"][-1] > rows[1]["error"][-1]  # type: ignore[index]
+
+
+def test_growth_is_of_all_scenes_where_none_is_chaotic() -> None:
+    def names(some: list[Any]) -> list[str]:
+        return [unit.name for unit in growth.units(some, True, "folder")]
+
+    assert names(cases()) == ["growth-falling_chain", f"growth-{cases()[0].name}"]
+    assert len(names([case for case in cases() if case.name != "falling_chain"])) == 5
 
 
 def test_units_have_names_of_files_and_one_function_each() -> None:

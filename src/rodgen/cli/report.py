@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import time
 from collections import Counter
 from pathlib import Path
@@ -48,6 +49,7 @@ def report(
     if unknown := [name for name in chosen if name not in SECTIONS]:
         raise SceneError("--only", unknown[0], f"one of {', '.join(SECTIONS)}")
     folder = writable(out_folder)
+    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     begin = time.perf_counter()
     failures: Counter[str] = Counter()
     with working("measuring") as step:

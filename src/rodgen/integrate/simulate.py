@@ -15,7 +15,7 @@ from rodgen.integrate.events import Watch
 from rodgen.integrate.files.recorder import Recorder
 from rodgen.integrate.files.saver import Saver
 from rodgen.integrate.interrupts import HeldBack
-from rodgen.integrate.methods.choose import choose, machine
+from rodgen.integrate.methods.choose import choose, machine, warn_of_tolerance
 from rodgen.integrate.outcome import (
     CREEP,
     FAILED,
@@ -137,8 +137,14 @@ class _Run:
         return self.solution(FINISHED, message)
 
     def _check_step(self) -> None:
-        """Warn of a step that is too long before it is taken."""
-        if self.settings.step is None or not self.settings.fixed or self.saver.resumed:
+        """Warn of a step that is too long, or of a tolerance that is not kept, before the run."""
+        if self.saver.resumed:
+            return
+        if not self.settings.fixed:
+            text = warn_of_tolerance(self.scene, self.model)
+            if text:
+                warnings.warn(text, StepWarning, stacklevel=4)
+        if self.settings.step is None or not self.settings.fixed:
             return
         (start, end), y0 = self.settings.span, self.scene.initial_state()
         method, step = self.settings.method, self.settings.step

@@ -46,7 +46,7 @@ def free(links: int, span: float) -> Tables:
     return rod(f"free_n{links}", links, span, initial=bent)
 
 
-def pushed(name: str, force: float, span: float = 5.0, links: int = 50) -> Tables:
+def pushed(name: str, force: float, span: float = 2.5, links: int = 50) -> Tables:
     """Under end thrust [N]: flutter from 437.68 N on for 50 links."""
     return rod(name, links, span, loads={"follower": {"force": force}})
 
@@ -109,8 +109,8 @@ def falling_chain() -> Tables:
 _SET: tuple[tuple[Callable[[], Tables], str, bool], ...] = (
     (lambda: free(10, 10.0), "conservative free rod", False),
     (lambda: free(20, 10.0), "conservative free rod", True),
-    (lambda: free(50, 5.0), "conservative free rod", False),
-    (lambda: free(200, 0.5), "conservative free rod, many links", False),
+    (lambda: free(50, 2.5), "conservative free rod", False),
+    (lambda: free(200, 0.2), "conservative free rod, many links", False),
     (lambda: free(1000, 0.01), "conservative free rod, very many links", False),
     (lambda: pushed("below_flutter", 300.0), "thrust of 0.69 of the critical force", False),
     (lambda: pushed("at_flutter", 437.68), "thrust at the critical force", False),

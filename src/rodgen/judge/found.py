@@ -22,6 +22,8 @@ KINDS = {
     "not tried, as time was up": "not tried",
     "stopped, as they took too long": r"stopped after [\d.e+-]+ s$",
     "not installed": "not installed",
+    "not modelled": "not modelled: ",
+    "without a reference": "no reference: ",
     "without an opponent within the error": r".* missed this error in the time of a run",
 }
 LOSES = 10.0  # times what another form and rounded input come to, from which on digits are lost

@@ -19,6 +19,7 @@ from rodgen.judge.precision.pareto import cheapest
 from rodgen.judge.rows import Contents, fine, grouped, label, number, of, setting, short, text
 from rodgen.judge.unit import Row
 
+CLEAR = 3.0  # times the reference's own estimate that an error must be to be told
 ASKED = (1e-3, 1e-6, 1e-9)  # errors of the angles [rad] for which the fastest is named
 
 
@@ -36,7 +37,7 @@ def best_row(contents: Contents, scene: str) -> Row:
 
 
 def _best(rows: list[Row], error: float, limit: float) -> str:
-    if error < limit:
+    if error < CLEAR * limit:
         return f"cannot be told: the reference is good to {short(limit, '.1e')}"
     there = [row for row in rows if fine(row) and math.isfinite(number(row, "error_phi"))]
     if not there:

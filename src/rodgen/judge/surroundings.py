@@ -40,8 +40,13 @@ def machine() -> dict[str, str]:
         "processor": processor(),
         "cores": str(_cores()),
         "C compiler": compiler(),
-        "C flags": " ".join(c_build._flag_sets(c_build._processor())[0]),
+        "C flags": flags(),
     }
+
+
+def flags() -> str:
+    """What the C target is compiled with, if the compiler takes it."""
+    return " ".join(c_build._flag_sets(c_build._processor())[0])
 
 
 def _cores() -> int:
@@ -73,6 +78,7 @@ def processor() -> str:
     return names[0] if names else platform.processor() or platform.machine()
 
 
+@lru_cache(maxsize=32)
 def sources(*packages: str) -> str:
     """Content hash of the sources of packages, with those inside them."""
     digest = hashlib.sha256()

@@ -34,10 +34,11 @@ class Unit:
     limit: float = 120.0
 
     def fingerprint(self, surroundings: Sequence[str]) -> str:
-        """What the rows follow from: the call, its sources, and the surroundings."""
+        """What the rows follow from: the call but for its folder, its sources, surroundings."""
         package = self.function.partition(":")[0].rpartition(".")[0]
         own = sources(package, "rodgen.judge.peers") if package else ""
-        content = json.dumps([self.function, self.arguments, own, *surroundings], sort_keys=True)
+        given = {name: value for name, value in self.arguments.items() if name != "folder"}
+        content = json.dumps([self.function, given, own, *surroundings], sort_keys=True)
         return hashlib.sha256(content.encode()).hexdigest()[:32]
 
     def call(self) -> list[Row]:

@@ -29,6 +29,8 @@ COLOURS = {
     "wrong": "#f4a9a3",
     "lost": "#fadcbc",
     "warned": "#fbeebb",
+    "inaccurate": "#eef0b4",
+    "unfinished": "#e2e2e2",
     "refused": "#e6def6",
     "stopped": "#d3e4f8",
     "right": "#d0ecd5",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -17,14 +18,28 @@ OUTCOMES = {
     "stopped": "detected on the way and stopped, with its reason",
     "refused": "refused beforehand, with its reason",
     "warned": "not right, and warned of",
+    "inaccurate": "less than two digits, as its step allows; half the step is better",
     "lost": "not right, and the run's own energy balance says so",
+    "unfinished": "cut off, as it took too long: nothing is known",
     "wrong": "wrong without warning: a defect",
     "failed": "the trial itself did not come to an end",
 }
 
 
-def outcomes(rows: Sequence[Row]) -> Shown:
-    """Cases downwards, methods across: what happened, in a word."""
+INVALID = "invalid"  # the group whose rows are of scenes and rhs, hardly any of a method
+
+
+def outcomes(rows: Sequence[Row]) -> list[Shown]:
+    """Cases downwards, methods across: what happened, in a word; invalid numbers on their own."""
+    invalid = [row for row in rows if text(row, "group") == INVALID]
+    valid = [row for row in rows if text(row, "group") != INVALID]
+    titles = ("What happened in extreme cases", "What became of invalid numbers")
+    return [
+        _outcomes(title, some) for title, some in zip(titles, (valid, invalid), strict=True) if some
+    ]
+
+
+def _outcomes(title: str, rows: Sequence[Row]) -> Shown:
     targets = {text(row, "target") for row in rows}
     columns = list(dict.fromkeys(_method(row, len(targets) > 1) for row in rows))
     body = []
@@ -33,17 +48,24 @@ def outcomes(rows: Sequence[Row]) -> Shown:
         group, case, n = name.split("\0")
         start = [Cell(group), Cell(case, mark="case"), Cell(n or NONE, "number")]
         body.append(start + [_outcome(by[at]) if at in by else Cell(NONE) for at in columns])
-    return Shown("What happened in extreme cases", ["group", "case", "links", *columns], body)
+    return Shown(title, ["group", "case", "links", *columns], body)
 
 
 def _outcome(row: Row) -> Cell:
     outcome = _came_to(row)
     digits = number(row, "digits")
-    shown = f"{digits:.0f} digits" if outcome == "right" and digits == digits else outcome
+    shown = _digits(digits) if outcome == "right" and math.isfinite(digits) else outcome
     shown = shown.upper() if outcome == "wrong" else shown
     return Cell(
         shown, mark=f"outcome {_known(outcome)}", title=text(row, "said") or text(row, "failed")
     )
+
+
+def _digits(found: float) -> str:
+    """Whole ones: 5.9 right digits are no 6."""
+    if found < 1:
+        return "<1 digit"
+    return "1 digit" if found < 2 else f"{math.floor(found)} digits"
 
 
 def _came_to(row: Row) -> str:

@@ -6,16 +6,17 @@ from statistics import median
 from typing import Any
 
 from rodgen.judge.found import failed_of, trusted
-from rodgen.judge.precision.orders import FLOOR, fits
+from rodgen.judge.precision.orders import FLOOR, Fit, looked_at
 from rodgen.judge.precision.pareto import front
 from rodgen.judge.rows import Contents, grouped, label, number, of, text
 from rodgen.judge.unit import Row
 from rodgen.view import report_figures as figures
 from rodgen.view.report_columns import FAILURES, ORDERS, REFERENCE, SETTINGS, SETUP, SLOPES
 from rodgen.view.report_parts import Pictures, anchor
-from rodgen.view.report_tables import named, table
+from rodgen.view.report_tables import Column, named, table, words
 
 TAKEN = ("setup_generate", "setup_compile")
+WHY_NOT = Column("why", "why there is none", words)
 ABOVE = 10.0  # times the reference's own error, above which a slope is seen
 
 
@@ -24,6 +25,7 @@ def scene_part(contents: Contents, scene: str, pictures: Pictures, why: str) -> 
     rows = of(contents, "precision", scene=scene)
     references = of(contents, "references", scene=scene)
     slopes = _slopes(rows, trusted(contents, scene))
+    adaptive = slopes["rhs"] + slopes["rtol"]
     return {
         "anchor": anchor(f"scene {scene}"),
         "title": scene,
@@ -33,8 +35,8 @@ def scene_part(contents: Contents, scene: str, pictures: Pictures, why: str) -> 
         "figures": _figures(contents, scene, rows, pictures),
         "unseen": len([row for row in rows if number(row, "error_phi") > figures.LARGEST]),
         "largest": f"{figures.LARGEST:g}",
-        "orders": table("Observed orders of fixed steps", slopes["step"], ORDERS),
-        "adaptive": table("Slopes of adaptive methods", slopes["rhs"] + slopes["rtol"], SLOPES),
+        "orders": table("Observed orders of fixed steps", slopes["step"], (*ORDERS, WHY_NOT)),
+        "adaptive": table("Slopes of adaptive methods", adaptive, (*SLOPES, WHY_NOT)),
         "setup": table("Before the first step", _setup(rows), SETUP),
         "settings": table("All settings, errors and counts", named(rows), SETTINGS),
         "failures": table(
@@ -74,12 +76,19 @@ def _said(rows: list[Row], measure: str) -> str:
 
 
 def _slopes(rows: list[Row], limit: float) -> dict[str, list[Row]]:
-    """Of errors against steps, evaluations and tolerances; limit: the reference's own error."""
+    """Of errors against steps, evaluations and tolerances, or why there are none to be seen.
+
+    limit: the reference's own error.
+    """
     found: dict[str, list[Row]] = {"step": [], "rhs": [], "rtol": []}
-    for fit in fits(rows, "error_phi", max(FLOOR, ABOVE * limit)):
+    for fit in looked_at(rows, "error_phi", max(FLOOR, ABOVE * limit)):
         who: Row = {"who": fit.who, "method": fit.method, "target": fit.target}
-        seen: Row = {"against": fit.against, "exponent": fit.exponent, "points": fit.points}
-        orders: Row = {"observed": fit.order, "order": fit.nominal}
+        seen: Row = {"against": fit.against, "points": fit.points, "order": fit.nominal}
+        orders: Row = {"observed": None, "exponent": None}
+        if isinstance(fit, Fit):
+            orders = {"observed": fit.order, "exponent": fit.exponent}
+        else:
+            seen["why"] = fit.why
         found[fit.against].append({"label": label(who), **seen, **orders})
     return found
 

@@ -41,7 +41,7 @@ def extremes(contents: Contents) -> Part | None:
         "Extreme cases",
         ["What each method made of a case; a pointer on a cell shows the message."],
         legend=matrix.legend(rows),
-        tables=[matrix.outcomes(rows)],
+        tables=matrix.outcomes(rows),
         said=said,
     )
 

@@ -23,6 +23,10 @@ from rodgen.scene.tables import AUTO, MOST_ADAPTIVE, Integrate
 FEW = 2e4  # radians or decays of the fastest motion that explicit steps follow in no time
 DECAYS = 0.3  # damping ratio from which the fastest motion dies out instead of going on
 GROWS = 1e-3  # share of the rate from which a motion is taken to grow by itself
+EXPLICIT = ("dop853", "rk45", "rk23")
+NOISY = 1e-3  # tolerance from which on rates of explicit methods on stiff scenes are noise
+NEWTON = ("gauss", "radau")
+LEAST_NEWTON = 1e-13  # tolerance below which rounding in the iterations is larger
 LOOSE = 1e-4  # tolerance above which the fastest oscillations are noise
 
 
@@ -67,6 +71,29 @@ def by_rule(fastest: Dominant, span: float, rtol: float, budget: int = MOST_ADAP
         why = f"more than explicit steps can follow ({steps:.2g}, of {budget:.2g} allowed)"
         return Choice("gauss", f"{motion}, {why}; if it is at rest, there is nothing to follow")
     return Choice("dop853", f"{motion}, and at rtol {rtol:g} it has to be followed")
+
+
+def warn_of_tolerance(scene: Scene, model: ModuleType) -> str | None:
+    """Why a method with error control cannot keep to the tolerance of a scene, or None."""
+    settings = scene.integrate
+    method, rtol = settings.method, settings.rtol
+    if method in NEWTON and rtol < LEAST_NEWTON:
+        return (
+            f"{method} at rtol {rtol:g}: its iterations leave rounding errors that are larger; "
+            f"take {LEAST_NEWTON:g}, or dop853"
+        )
+    if method not in EXPLICIT or rtol < NOISY:
+        return None
+    try:
+        fastest = fastest_motion(scene, model)
+    except StepError:  # the run itself will say so
+        return None
+    if by_rule(fastest, settings.span[1] - settings.span[0], rtol).method != "radau":
+        return None
+    return (
+        f"{method} at rtol {rtol:g}: steps are bounded by the stability of a motion that dies out "
+        f"({described(fastest)}), and leave noise in its rates; take radau, or a smaller tolerance"
+    )
 
 
 def described(fastest: Dominant) -> str:

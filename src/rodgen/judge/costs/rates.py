@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
+from functools import lru_cache, partial
+from pathlib import Path
 from types import ModuleType
 
 import numpy as np
@@ -13,6 +14,8 @@ import numpy as np
 import rodgen
 from rodgen.judge.costs.caches import cache_at, scratch
 from rodgen.judge.costs.rod import THRUST, Array, built, compared, packed, row, state
+from rodgen.judge.peers.native import Native, compiled
+from rodgen.judge.surroundings import flags
 from rodgen.judge.timing import Batch, calls
 from rodgen.judge.unit import Row
 from rodgen.loading import load_files, sources
@@ -48,12 +51,22 @@ def rates(links: int, module: ModuleType, quick: bool) -> list[Row]:
     out = np.empty_like(y)
     made: dict[str, Callable[[], Batch]] = {
         "rodgen C": lambda: calls(partial(module.rhs, 0.0, y, p, out)),
+        "rodgen C, from C": lambda: _native(links).batch(y, p),
         "rodgen C, of a batch": lambda: _batch(module, y, p),
         "rodgen NumPy": lambda: _numpy(links, "chain", y),
     }
     if links <= MOST_DENSE:
         made["rodgen NumPy, dense"] = lambda: _numpy(links, "dense", y)
     return compared("rhs", links, made, quick)
+
+
+@lru_cache(maxsize=1)
+def _native(links: int) -> Native:
+    """The C file by itself, compiled as its module compiles it, for calls from C."""
+    texts = sources(rodgen.Structure(links, terms=THRUST), "c")
+    files = {name: text for name, text in texts.items() if name.endswith((".c", ".h"))}
+    source = min(files)  # the .c before the .h
+    return compiled(files, f"{Path(source).stem}_rhs", flags().split())
 
 
 def _batch(module: ModuleType, y: Array, p: Array) -> Batch:

@@ -1,7 +1,7 @@
 """What a user would take instead, each on its own natural formulation of the scene.
 
 Every function of FAMILIES makes the settings of one method from loose to tight for a Job, or for
-its short form; it raises ImportError where its library is not installed, ValueError where it
+its short form; it raises ImportError where its library is not installed, NotModelledError where it
 cannot model the scene, ArithmeticError where its rates are not those of rodgen.
 """
 
@@ -37,6 +37,16 @@ FAMILIES: dict[str, tuple[str, str]] = {
         ("CasADi IDAS", "casadi_integrators", "idas"),
         ("CasADi collocation", "casadi_integrators", "collocation"),
     )
+}
+
+# What is imported for them, by the first word of their names.
+PACKAGES = {
+    "SciPy": "scipy",
+    "CVODE": "sksundae",
+    "heyoka": "heyoka",
+    "MuJoCo": "mujoco",
+    "Exudyn": "exudyn",
+    "CasADi": "casadi",
 }
 
 

@@ -10,10 +10,10 @@ from rodgen.judge.peers import loads
 from rodgen.judge.peers.agreement import agreed
 from rodgen.judge.peers.deadline import stopped
 from rodgen.judge.peers.exudyn_model import Rod
-from rodgen.judge.peers.settings import fastest, steps
+from rodgen.judge.peers.settings import fastest, stable, steps
 from rodgen.judge.peers.stretches import Stretch, integrated, runs
 from rodgen.judge.peers.tree import KNOWN
-from rodgen.judge.precision.contestant import Array, Contestant, Finish
+from rodgen.judge.precision.contestant import Array, Contestant, Finish, NotModelledError
 from rodgen.judge.precision.job import SAMPLES, Job
 
 LARGEST = 100  # links: mass matrices are full, and derivatives are made by differences
@@ -31,14 +31,14 @@ def generalized_alpha(job: Job, quick: bool) -> Iterator[Contestant]:
 def rk44(job: Job, quick: bool) -> Iterator[Contestant]:
     """The classical Runge-Kutta method of fourth order."""
     check(job, LARGEST_EXPLICIT)
-    return _fixed(job, "RK44", "RK44", 4.0, 2.8 / fastest(job).rate, quick)
+    return _fixed(job, "RK44", "RK44", 4.0, stable(2.8, fastest(job).rate), quick)
 
 
 def check(job: Job, most: int) -> None:
-    """Raise ValueError for what Exudyn cannot model, or not in time."""
+    """Raise NotModelledError for what Exudyn cannot model, or not in time."""
     loads.refuse("Exudyn", job.scene, KNOWN)
     if job.scene.rod.links > most:
-        raise ValueError(f"Exudyn: full matrices, too slow for more than {most} links")
+        raise NotModelledError(f"Exudyn: full matrices, too slow for more than {most} links")
 
 
 def _fixed(

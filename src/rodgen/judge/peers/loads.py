@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import rodgen
+from rodgen.judge.precision.contestant import NotModelledError
 from rodgen.scene.expression import Expression
 
 NAMES = ("sin", "cos", "tan", "exp", "log", "sqrt", "tanh")  # what is left of the grammar
@@ -16,10 +17,10 @@ PLAIN: Functions = {name: getattr(math, name) for name in NAMES}
 
 
 def refuse(who: str, scene: rodgen.Scene, known: Iterable[str]) -> None:
-    """Raise ValueError where the scene has a load that is not among those that are known."""
+    """Raise NotModelledError where the scene has a load that is not among those that are known."""
     for term in scene.structure.terms:
         if term not in known:
-            raise ValueError(f"{who}: this model has no {term.replace('_', ' ')}")
+            raise NotModelledError(f"{who}: this model has no {term.replace('_', ' ')}")
 
 
 Parameters = Callable[[Any], dict[str, Any]]  # t [s], a number or a symbol -> values by name

@@ -10,10 +10,10 @@ import numpy as np
 from rodgen.judge.peers import loads
 from rodgen.judge.peers.agreement import agreed
 from rodgen.judge.peers.mjcf import driven, mjcf
-from rodgen.judge.peers.settings import fastest, steps
+from rodgen.judge.peers.settings import fastest, stable, steps
 from rodgen.judge.peers.stretches import Stretch, integrated
 from rodgen.judge.peers.tree import KNOWN, Tree
-from rodgen.judge.precision.contestant import Array, Contestant, Deadline, Finish
+from rodgen.judge.precision.contestant import Array, Contestant, Deadline, Finish, NotModelledError
 from rodgen.judge.precision.job import Job
 
 mujoco.set_mju_user_warning(lambda _: None)  # else a file of warnings is left behind
@@ -25,26 +25,28 @@ LARGEST = 400  # links: mass matrices are full, and a step of more takes tens of
 def euler(job: Job, quick: bool) -> Iterator[Contestant]:
     """Semi-implicit Euler, MuJoCo's own choice; implicit in the damping of joints."""
     check(job)
-    return _family(job, "Euler", 2.0 / abs(_oscillator(job)), quick)
+    return _family(job, "Euler", stable(2.0, _oscillator(job)), quick)
 
 
 def implicitfast(job: Job, quick: bool) -> Iterator[Contestant]:
     """Euler, implicit in all forces that depend on velocities, but for those of Coriolis."""
     check(job)
-    return _family(job, "implicitfast", 2.0 / abs(_oscillator(job)), quick)
+    return _family(job, "implicitfast", stable(2.0, _oscillator(job)), quick)
 
 
 def rk4(job: Job, quick: bool) -> Iterator[Contestant]:
     """The Runge-Kutta method of fourth order."""
     check(job)
-    return _family(job, "RK4", 2.8 / fastest(job).rate, quick)
+    return _family(job, "RK4", stable(2.8, fastest(job).rate), quick)
 
 
 def check(job: Job) -> None:
-    """Raise ValueError for what MuJoCo cannot model."""
+    """Raise NotModelledError for what MuJoCo cannot model."""
     loads.refuse("MuJoCo", job.scene, KNOWN)
     if job.scene.rod.links > LARGEST:
-        raise ValueError(f"MuJoCo: full mass matrices, too slow for more than {LARGEST} links")
+        raise NotModelledError(
+            f"MuJoCo: full mass matrices, too slow for more than {LARGEST} links"
+        )
 
 
 def _oscillator(job: Job) -> float:

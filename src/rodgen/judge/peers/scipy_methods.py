@@ -12,7 +12,7 @@ from scipy.integrate import odeint, solve_ivp
 from rodgen.judge.peers.asked import Asked
 from rodgen.judge.peers.settings import SHARE, tolerances
 from rodgen.judge.peers.stretches import Stretch, integrated
-from rodgen.judge.precision.contestant import Array, Contestant, Finish
+from rodgen.judge.precision.contestant import Array, Contestant, Finish, NotModelledError
 from rodgen.judge.precision.job import Job
 
 ORDERS = {"RK45": 5.0, "DOP853": 8.0, "Radau": 5.0}
@@ -47,9 +47,11 @@ def lsoda(job: Job, quick: bool) -> Iterator[Contestant]:
 
 
 def check(job: Job, who: str) -> None:
-    """Raise ValueError for more links than a dense Jacobian can be factorised for in time."""
+    """Raise NotModelledError for more links than a dense Jacobian can be factorised for in time."""
     if job.scene.rod.links > LARGEST:
-        raise ValueError(f"{who}: a dense Jacobian, which {job.scene.rod.links} links make large")
+        raise NotModelledError(
+            f"{who}: a dense Jacobian, which {job.scene.rod.links} links make large"
+        )
 
 
 def _family(job: Job, method: str, quick: bool) -> Iterator[Contestant]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import ceil, inf
 
 from rodgen.integrate.spectrum import Dominant, spectrum
 from rodgen.judge.precision.job import SAMPLES, Job
@@ -22,13 +23,18 @@ def tolerances(quick: bool, tightest: int = TIGHTEST) -> Iterator[float]:
 def steps(job: Job, limit: float, quick: bool) -> Iterator[float]:
     """Steps [s] of which a whole number is the time between samples, from the limit down.
 
-    limit: the longest that is stable [s]; each is half of the one before.
+    limit: the longest that is stable [s], which may be infinite; each is half of the one before.
     """
     first, last = job.span
     between = (last - first) / SAMPLES
-    count = max(1, -int(-between // limit))
+    count = max(1, ceil(between / limit))
     for halving in range(0, HALVINGS, 2 if quick else 1):
         yield between / (count * 2**halving)
+
+
+def stable(limit: float, rate: float) -> float:
+    """The longest stable step [s]: limit over |lambda| [1/s]; infinite where nothing moves."""
+    return limit / rate if rate > 0 else inf
 
 
 def fastest(job: Job) -> Dominant:

@@ -17,11 +17,12 @@ import numpy as np
 from rodgen.judge.peers import chain, loads
 from rodgen.judge.peers.agreement import Accelerations, agreed
 from rodgen.judge.peers.stretches import Stretch, integrated, stretches
-from rodgen.judge.precision.contestant import Array, Contestant, Deadline, Finish
+from rodgen.judge.precision.contestant import Array, Contestant, Deadline, Finish, NotModelledError
 from rodgen.judge.precision.job import Job
 
 TOLERANCES = (1e-5, 1e-10, 1e-15)  # of one step; each is compiled anew, in 20 s of 50 links
-IN_SHORT = (1e-5, 1e-10)
+IN_SHORT = (1e-6, 1e-12)
+SHORT = 20  # links up to which there is time for all
 LARGEST = 60  # links whose settings are compiled within a minute
 FUNCTIONS = {name: getattr(hy, name) for name in loads.NAMES}
 hy.llvm_state.set_diskcache_enabled(False)  # set-up is that of a first compilation
@@ -33,9 +34,10 @@ def compact(job: Job, quick: bool) -> Iterator[Contestant]:
     """The order follows from the tolerance."""
     loads.refuse("heyoka", job.scene, chain.KNOWN)
     if job.scene.rod.links > LARGEST:
-        raise ValueError(f"heyoka: more than {LARGEST} links take minutes to compile")
+        raise NotModelledError(f"heyoka: more than {LARGEST} links take minutes to compile")
     off = agreed(job, _accelerations(job))
-    return (_contestant(job, tol, off) for tol in (IN_SHORT if quick else TOLERANCES))
+    few = quick or job.scene.rod.links > SHORT
+    return (_contestant(job, tol, off) for tol in (IN_SHORT if few else TOLERANCES))
 
 
 def _contestant(job: Job, tol: float, off: float) -> Contestant:

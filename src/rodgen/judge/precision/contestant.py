@@ -16,6 +16,13 @@ class TooSlowError(RuntimeError):
     """A run that was stopped at the deadline."""
 
 
+class NotModelledError(ValueError):
+    """What a peer cannot model, or not in any sensible time: a refusal, not a failure."""
+
+    def __init__(self, why: str):
+        super().__init__(f"not modelled: {why}")
+
+
 class Deadline:
     """When the run that is on its way is stopped: what can look at it now and then, does."""
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.judge.precision.contestant import Array
+from rodgen.judge.precision.contestant import Array, TooSlowError
 from rodgen.loading import BuildError, sources
 from rodgen.scene import Scene, Structure
 from rodgen.templates import c_build
@@ -23,7 +23,7 @@ from rodgen.templates import c_build
 BITS_OF_DOUBLE = 53
 # Long double is not computed in vectors; that nothing is aliased matters little there.
 FLAGS = {True: ("-O2", "-fno-math-errno"), False: ()}
-HEADERS = ("complex", "float", "math", "stdint", "stdlib", "string")
+HEADERS = ("complex", "float", "math", "stdint", "stdlib", "string", "time")
 # The sine of doubles in a generated file: everything from its comment to the end of `cosine`.
 SINE = re.compile(
     r"/\* Sine and cosine without branches.*?^static inline double cosine\(double v\)\n\{.*?^\}\n",
@@ -42,7 +42,14 @@ static inline double cosine(double v)
 """
 NUMBER = re.compile(r"(?<![\w.])(?:\d+\.\d*(?:[eE][-+]?\d+)?|\d+[eE][-+]?\d+)(?![\w.])")
 COUNTS = ("steps", "rejected", "rhs", "jacobian", "factorisations")
-STATUS = {-1: "steps become too small", -2: "too many steps", -3: "no memory"}
+TOO_SLOW = -4
+STATUS = {
+    -1: "steps become too small",
+    -2: "too many steps",
+    -3: "no memory",
+    TOO_SLOW: "time is up",
+    -5: "the rates are not finite",
+}
 
 _DOUBLES = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
 _COUNTS = np.ctypeslib.ndpointer(np.int64, flags="C_CONTIGUOUS")
@@ -110,22 +117,27 @@ class Library:
         times: Array,
         inside: tuple[Array, Array],
         quota: int = 10**9,
+        seconds: float = np.inf,
     ) -> tuple[Array, dict[str, int]]:
         """States (times, states) and counts; times[0] is the start.
 
         inside: between which times loads are asked for on the way to each time; tolerance: of the
-        error of a step, times the weights (states,); first: the step to begin with [s]. Raises
-        ArithmeticError where it gives up.
+        error of a step, times the weights (states,); first: the step to begin with [s]; quota,
+        seconds: of steps, and of processor time. Raises ArithmeticError where it gives up,
+        TooSlowError where the seconds are over.
         """
         states = np.zeros((len(times), len(start)))
         states[0] = start
         counts = np.zeros(len(COUNTS), dtype=np.int64)
         stops = [np.ascontiguousarray(a, dtype=float) for a in (times, *inside)]
         how = (implicit, columns, tolerance, first)
-        out = (states, counts, quota)
+        reached = np.array([times[0]], dtype=float)
+        out = (states, counts, quota, seconds, reached)
         status = self.library.extrapolate(*how, p, weights, len(times), *stops, *out)
         if status:
-            raise ArithmeticError(f"extrapolation: {STATUS[status]}")
+            kind = TooSlowError if status == TOO_SLOW else ArithmeticError
+            where = f"at t = {reached[0]:.4g} s of {times[-1]:.4g} s"
+            raise kind(f"extrapolation: {STATUS[status]} {where}")
         return states, dict(zip(COUNTS, map(int, counts), strict=True))
 
 
@@ -158,6 +170,6 @@ def _declare(loaded: Any) -> None:
     loaded.digits_of_real.restype = ctypes.c_int
     loaded.extrapolate.argtypes = [
         *(ctypes.c_int, ctypes.c_int, number, number, _DOUBLES, _DOUBLES, ctypes.c_size_t),
-        *(_DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES, _COUNTS, count),
+        *(_DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES, _COUNTS, count, number, _DOUBLES),
     ]
     loaded.extrapolate.restype = ctypes.c_int

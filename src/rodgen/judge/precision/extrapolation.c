@@ -21,6 +21,7 @@ struct extrapolation {
     struct newton newton;
     struct real_cells cells;
     long long counts[5]; /* steps, rejected, rhs, jacobian, factorisations */
+    clock_t begun;
 };
 
 static void rates_at(struct extrapolation *x, real t, const real *y, real *dy)
@@ -87,16 +88,27 @@ static real extrapolated(struct extrapolation *x, int implicit, int columns, rea
     return error;
 }
 
+static int all_finite(const real *values)
+{
+    for (ptrdiff_t i = 0; i < STATES; ++i)
+        if (!(values[i] - values[i] == 0))
+            return 0;
+    return 1;
+}
+
 /* To the next time; h: the step to try, kept for the next call. Ends with 0, -1 where steps become
-   too small, -2 where the quota of steps is used up. */
+   too small, -2 where the quota of steps is used up, -4 where the seconds of processor time since
+   x->begun are, -5 where rates are not finite. */
 static int to(struct extrapolation *x, int implicit, int columns, double tolerance, real *t, real end,
-              real *h, long long quota)
+              real *h, long long quota, double seconds)
 {
     const double power = implicit ? 1.0 / columns : 1.0 / (2 * columns - 1);
     int fresh = 0;
     while (*t < end) {
         if (!fresh) {
             rates_at(x, *t, x->y, x->f0);
+            if (!all_finite(x->f0))
+                return -5;
             if (implicit) {
                 const real inside = *t < x->low ? x->low : *t > x->high ? x->high : *t;
                 linearise(inside, x->y, x->p, &x->newton, &x->cells);
@@ -126,15 +138,18 @@ static int to(struct extrapolation *x, int implicit, int columns, double toleran
         }
         if (--quota < 0)
             return -2;
+        if ((double)(clock() - x->begun) > seconds * CLOCKS_PER_SEC)
+            return -4;
     }
     return 0;
 }
 
 /* States at the times that follow the first. times, low, high: (count), the loads on the way to
-   times[i] are asked for between low[i] and high[i]; counts: (5). */
+   times[i] are asked for between low[i] and high[i]; counts: (5); reached: where it ended. */
 int extrapolate(int implicit, int columns, double tolerance, double first, const double *p,
                 const double *weights, size_t count, const double *times, const double *low,
-                const double *high, double *states, long long *counts, long long quota)
+                const double *high, double *states, long long *counts, long long quota,
+                double seconds, double *reached)
 {
     struct extrapolation *const x = calloc(1, sizeof *x);
     if (!x)
@@ -144,16 +159,19 @@ int extrapolate(int implicit, int columns, double tolerance, double first, const
     for (ptrdiff_t i = 0; i < PARAMETER_COUNT; ++i)
         x->p[i] = p[i];
     x->weights = weights;
+    x->begun = clock();
     real t = times[0], h = first;
     int status = 0;
     for (size_t i = 1; i < count && status == 0; ++i) {
         x->low = low[i];
         x->high = high[i];
-        status = to(x, implicit, columns, tolerance, &t, times[i], &h, quota - x->counts[0] - x->counts[1]);
+        status = to(x, implicit, columns, tolerance, &t, times[i], &h,
+                    quota - x->counts[0] - x->counts[1], seconds);
         for (ptrdiff_t k = 0; k < STATES; ++k)
             states[i * STATES + k] = (double)x->y[k];
     }
     memcpy(counts, x->counts, sizeof x->counts);
+    *reached = (double)t;
     free(x);
     return status;
 }

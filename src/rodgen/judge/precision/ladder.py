@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rodgen.integrate.spectrum import spectrum
-from rodgen.judge.precision.contestant import Array
+from rodgen.judge.precision.contestant import Array, TooSlowError
 from rodgen.judge.precision.extended import Library
 from rodgen.judge.precision.job import Job
 
@@ -24,6 +24,7 @@ RUNGS = {
 }
 MOST_FACTOR = 3.0  # more steps than the one before: rounding errors are what it follows
 LOOSEST = 1e-7  # tolerance, beyond which nothing is tried
+FIRST, SECOND = 30.0, 60.0  # seconds of processor time up to which there is such a solution
 NUDGE = 8  # units in the last place that loads are asked for inside a stretch, as in every run
 
 
@@ -69,7 +70,11 @@ class Way:
 
 
 def ladder(job: Job, way: Way, methods: Library, seconds: float) -> list[Rung]:
-    """Solutions of rising accuracy, at least two; as long as rounding and the time allow."""
+    """Solutions of rising accuracy, at least two; as long as rounding and the time allow.
+
+    Raises TooSlowError where there are not two in time, ArithmeticError where rounding or rates
+    that are not finite leave less than two.
+    """
     times, inside = stops(job)
     samples = np.searchsorted(times, job.times)
     weights = np.ones(len(job.start))
@@ -88,7 +93,12 @@ def ladder(job: Job, way: Way, methods: Library, seconds: float) -> list[Rung]:
         try:
             how = (way.implicit, columns, tolerance, way.first)
             given = (job.p, weights, job.start)
-            states, counts = methods.extrapolate(*how, *given, times, inside, most)
+            left = (SECOND if found else FIRST) - (begun - start)
+            states, counts = methods.extrapolate(*how, *given, times, inside, most, left)
+        except TooSlowError:
+            if len(found) > 1:
+                break
+            raise
         except ArithmeticError:
             if len(found) > 1:
                 break

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import statistics
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -34,7 +33,8 @@ class Limits:
 
 @dataclass(frozen=True)
 class Tried:
-    """What came of a setting. seconds: the median of so many rounds; spent: on all of them."""
+    """What came of a setting. seconds: the median of so many rounds, of which finish
+    is that one; spent: on all of them."""
 
     seconds: float
     rounds: int
@@ -46,7 +46,7 @@ class Tried:
 
 def attempt(who: Contestant, limits: Limits) -> Tried:
     """Runs of a setting: one, or some where they are short. Whatever it raises is its failure."""
-    times: list[float] = []
+    ended: list[tuple[float, Finish]] = []
     begun = time.perf_counter()
     for _ in range(ROUNDS):
         start = time.perf_counter()
@@ -57,14 +57,16 @@ def attempt(who: Contestant, limits: Limits) -> Tried:
             taken = time.perf_counter() - start
             slow = isinstance(error, TooSlowError)
             reason = f"stopped after {limits.run:g} s" if slow else words(error)
-            return Tried(taken, len(times) + 1, time.perf_counter() - begun, None, reason, slow)
+            return Tried(taken, len(ended) + 1, time.perf_counter() - begun, None, reason, slow)
         finally:
             Deadline.at = float("inf")
-        times.append(time.perf_counter() - start)
-        if times[0] > SHORT:
+        ended.append((time.perf_counter() - start, finish))
+        if ended[0][0] > SHORT:
             break
     spent = time.perf_counter() - begun
-    return Tried(statistics.median(times), len(times), spent, finish)
+    # An odd number: the median is one of them, and what it counted goes with it.
+    seconds, finish = sorted(ended, key=lambda one: one[0])[len(ended) // 2]
+    return Tried(seconds, len(ended), spent, finish)
 
 
 def sweep(family: Family, label: Row, measures: Measures, limits: Limits) -> list[Row]:
@@ -135,7 +137,7 @@ def blank(label: Row) -> Row:
     return row | {"rounds": 0, "failed": ""} | label
 
 
-def words(error: BaseException) -> str:
+def words(error: BaseException | str) -> str:
     return " ".join(str(error).split())[:LONGEST] or repr(error)
 
 

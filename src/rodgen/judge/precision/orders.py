@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, pairwise
+from math import inf, log
 
 import numpy as np
 
 from rodgen.judge.unit import Row
 
 FLOOR, CEILING = 1e-12, 0.1  # errors between which an order shows: above rounding, below chaos
-LEAST, MOST = 3, 5  # points of a fit: the tightest
+LEAST = 3  # points of a fit
+# How far slopes from setting to setting may be apart in what counts as asymptotic. Evaluations of
+# adaptive methods follow their errors in whole steps only, to an exponent of up to 8.
+ALIKE = {"step": 0.3, "rtol": 0.3, "rhs": 1.0}
+Points = list[tuple[float, float]]  # logarithms of quantity and error
 KEYS = ("scene", "who", "method", "target", "kind")
 
 
@@ -41,6 +46,21 @@ class Fit:
         return {"step": self.exponent, "rhs": -self.exponent}.get(self.against)
 
 
+@dataclass(frozen=True)
+class NoFit:
+    """Why no exponent is seen in a family; points: with errors between floor and ceiling."""
+
+    scene: str
+    who: str
+    method: str
+    target: str
+    measure: str
+    against: str
+    nominal: float | None
+    points: int
+    why: str
+
+
 def families(rows: Iterable[Row]) -> Iterator[list[Row]]:
     """Rows by scene, who, method, target and kind of setting, in the order of settings: loose to
     tight."""
@@ -49,42 +69,84 @@ def families(rows: Iterable[Row]) -> Iterator[list[Row]]:
 
 
 def fits(rows: Iterable[Row], measure: str = "error_phi", floor: float = FLOOR) -> list[Fit]:
-    """One for every family of fixed steps, two for every adaptive one, where there are enough
-    points with errors above the floor."""
-    found: list[Fit] = []
+    """One for every family of fixed steps, two for every adaptive one, where slopes are steady.
+
+    floor: errors above which slopes are those of the method: ten times the reference's own, say.
+    """
+    return [one for one in looked_at(rows, measure, floor) if isinstance(one, Fit)]
+
+
+def unfitted(rows: Iterable[Row], measure: str = "error_phi", floor: float = FLOOR) -> list[NoFit]:
+    """What `fits` leaves out of families with settings that did not fail."""
+    return [one for one in looked_at(rows, measure, floor) if isinstance(one, NoFit)]
+
+
+def looked_at(rows: Iterable[Row], measure: str, floor: float) -> Iterator[Fit | NoFit]:
+    """Every family of which a setting did not fail."""
     for family in families(rows):
+        if all(row.get("failed") for row in family):
+            continue
         for against in ("step",) if family[0].get("kind") == "step" else ("rhs", "rtol"):
-            one = fit(family, measure, against, floor)
-            found += [one] if one else []
-    return found
+            yield fit(family, measure, against, floor)
 
 
-def fit(family: list[Row], measure: str, against: str, floor: float = FLOOR) -> Fit | None:
-    """Least squares in logarithms over the tightest points of a family, or None."""
-    quantity = "rhs" if against == "rhs" else "setting"
-    points = [
-        (_value(row, quantity), _value(row, measure))
-        for row in family
-        if not row.get("failed")
-        and floor < _value(row, measure) < CEILING
-        and _value(row, quantity) > 0
-    ][-MOST:]
-    if len({x for x, _ in points}) < LEAST:
-        return None
-    x, y = np.log(np.array(points)).T
-    exponent = float(np.polyfit(x, y, 1)[0])
+def fit(family: list[Row], measure: str, against: str, floor: float = FLOOR) -> Fit | NoFit:
+    """Least squares in logarithms over the longest run of neighbouring settings between which
+    slopes are alike; of runs as long as each other, over the tightest."""
+    runs = list(_between(family, measure, against, floor))
+    points = sum(map(len, runs))
+    best: Points = max((_steady(run, ALIKE[against]) for run in runs), key=len, default=[])
     first = family[0]
     names = {key: str(first[key]) for key in ("scene", "who", "method", "target")}
     nominal = first.get("order")
     order = float(nominal) if isinstance(nominal, int | float) else None
+    if len(best) < LEAST:
+        why = "not asymptotic in the steps tried" if against == "step" else "no steady slope"
+        if points < LEAST:
+            why = f"less than {LEAST} errors between {floor:.1e} and {CEILING:g}"
+        return NoFit(
+            **names, measure=measure, against=against, nominal=order, points=points, why=why
+        )
+    x, y = np.array(best).T
+    exponent = float(np.polyfit(x, y, 1)[0])
     return Fit(
         **names,
         measure=measure,
         against=against,
         exponent=exponent,
         nominal=order,
-        points=len(points),
+        points=len(best),
     )
+
+
+def _between(family: list[Row], measure: str, against: str, floor: float) -> Iterator[Points]:
+    """Runs of neighbouring settings with errors between floor and ceiling, tightest run first."""
+    quantity = "rhs" if against == "rhs" else "setting"
+    run: Points = []
+    for row in reversed(family):
+        x, y = _value(row, quantity), _value(row, measure)
+        if not row.get("failed") and x > 0 and floor < y < CEILING:
+            run.append((log(x), log(y)))
+        elif run:
+            yield run
+            run = []
+    if run:
+        yield run
+
+
+def _steady(run: Points, alike: float) -> Points:
+    """Its longest part in which slopes from point to point are alike, the first of several."""
+    best: Points = []
+    for start in range(len(run)):
+        slopes: list[float] = []
+        for (x, y), (other, above) in pairwise(run[start:]):
+            slope = (above - y) / (other - x) if other != x else inf
+            if not max([*slopes, slope]) - min([*slopes, slope]) <= alike:
+                break
+            slopes.append(slope)
+        if slopes and len(slopes) + 1 > len(best):
+            best = run[start : start + len(slopes) + 1]
+    return best
 
 
 def _key(row: Row) -> tuple[str, ...]:

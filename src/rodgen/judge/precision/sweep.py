@@ -13,17 +13,22 @@ from rodgen.judge.precision.errors import Measures
 from rodgen.judge.precision.job import Job
 from rodgen.judge.precision.measured import Limits, blank, in_a_row, sweep, words
 from rodgen.judge.precision.ours import Named
-from rodgen.judge.precision.references import Reference
+from rodgen.judge.precision.references import NoReferenceError, Reference
+from rodgen.judge.precision.setup import setups
 from rodgen.judge.unit import Row, Unit
 
+LIMIT = 180.0  # seconds of all of rodgen's methods, with their set-up
 MISSING = "not installed: pip install rodgen[bench]"
 
 
 def rodgens(name: str, table: dict[str, Any], folder: str, quick: bool) -> list[Row]:
     """All of rodgen's own methods on a scene."""
-    job, held, measures = prepared(name, table, folder)
+    try:
+        job, _, measures = prepared(name, table, folder)
+    except NoReferenceError as error:
+        return [without(name, table, "rodgen", error)]
     rows: list[Row] = []
-    for family in ours.families(job, quick, held.setup):
+    for family in ours.families(job, quick, setups(table)):
         rows += sweep(family.make(), label(job, family), measures, Limits.of(quick))
     return rows
 
@@ -32,28 +37,39 @@ def peers(
     name: str, table: dict[str, Any], folder: str, quick: bool, names: list[str]
 ) -> list[Row]:
     """Methods of a peer on a scene, by their names in rodgen.judge.peers.FAMILIES."""
-    job, _, measures = prepared(name, table, folder)
+    try:
+        job, _, measures = prepared(name, table, folder)
+    except NoReferenceError as error:
+        return [without(name, table, names[0].split()[0], error)]
     return [row for one in names for row in _of_peer(job, measures, quick, one)]
 
 
 def _of_peer(job: Job, measures: Measures, quick: bool, name: str) -> list[Row]:
-    from rodgen.judge.peers import family
+    from rodgen.judge.peers import PACKAGES, family
 
     known: Row = {"scene": job.name, "n": job.scene.rod.links, "family": name}
     nothing: Row = known | {"who": name.split()[0], "method": name.partition(" ")[2], "target": ""}
     try:
         return in_a_row(family(name, job, quick), nothing, measures, Limits.of(quick))
-    except ImportError:
-        return [blank(nothing) | {"failed": MISSING}]
+    except ModuleNotFoundError as error:
+        own = error.name == PACKAGES[name.split()[0]]
+        return [blank(nothing) | {"failed": MISSING if own else words(error)}]
     except Exception as error:  # another's library may fail in any way
         return [blank(nothing) | {"failed": words(error)}]
 
 
 def prepared(name: str, table: dict[str, Any], folder: str) -> tuple[Job, Reference, Measures]:
-    """A job with its reference solution."""
+    """A job with its reference solution. Raises NoReferenceError."""
     job = Job.of(name, table)
-    held = Reference.load(folder, name)
+    held = Reference.load(folder, name, table)
     return job, held, Measures(job, held.states)
+
+
+def without(name: str, table: dict[str, Any], who: str, why: NoReferenceError) -> Row:
+    """The row of a scene that has no reference solution."""
+    known: Row = {"scene": name, "n": table["rod"]["links"], "family": "", "who": who}
+    known |= {"method": "", "target": ""}
+    return blank(known) | {"failed": words(f"no reference: {why}")}
 
 
 def label(job: Job, family: Named) -> Row:
@@ -69,7 +85,8 @@ def units(cases: Sequence[Case], quick: bool, folder: str | Path) -> list[Unit]:
     for case in cases:
         known = {"name": case.name, "table": case.scene, "folder": str(folder), "quick": quick}
         name = f"precision-{case.name}"
-        planned.append(Unit("precision", f"{name}-rodgen", f"{__name__}:rodgens", known))
+        mine = Unit("precision", f"{name}-rodgen", f"{__name__}:rodgens", known, limit=LIMIT)
+        planned.append(mine)
         for peer, names in by_library().items():
             arguments = known | {"names": names}
             planned.append(Unit("precision", f"{name}-{peer}", f"{__name__}:peers", arguments))

@@ -17,6 +17,7 @@ Tables = dict[str, Any]
 
 SAMPLES = 8  # intervals between the states that are compared
 TURN = 2 * np.pi
+EPS = float(np.finfo(float).eps)
 KINDS = ("angles", "rates", "places", "speeds")
 ANGLES, RATES, PLACES, SPEEDS = KINDS
 
@@ -41,7 +42,7 @@ class Extreme:
     """A case of the matrix.
 
     truth: from the scene to its states; who: the contestants, all if not given; quick: it is in the
-    short report.
+    short report, there with few of them if those are given.
     """
 
     group: str
@@ -50,6 +51,7 @@ class Extreme:
     truth: Callable[[rodgen.Scene], Truth]
     who: Sequence[str] = ()
     quick: bool = False
+    few: Sequence[str] = ()
 
     @cached_property
     def scene(self) -> rodgen.Scene:
@@ -96,15 +98,26 @@ class Measure:
 
     def tolerated(self) -> dict[str, float]:
         """What the tolerances allow in each kind in a step, over its size; of turned and shifted
-        rods the turns and the shift do not count, but for the rounding of the states."""
+        rods the turns and the shift do not count."""
         settings, parts = self.scene.integrate, self.parts(self.truth)
-        first, last = settings.span
         most = {ANGLES: TURN, PLACES: self.sizes[PLACES], RATES: np.inf, SPEEDS: np.inf}
-        step = {}
-        for kind in KINDS:
-            value = _largest(parts[kind])
-            rounding = 4 * np.finfo(float).eps * value
-            step[kind] = settings.rtol * min(value, most[kind]) + settings.atol + rounding
+        return self._carried(
+            {
+                kind: settings.rtol * min(_largest(parts[kind]), most[kind]) + settings.atol
+                for kind in KINDS
+            }
+        )
+
+    def rounding(self) -> dict[str, float]:
+        """What rounding of the states makes in each kind in a step, over its size."""
+        parts = self.parts(self.truth)
+        step = {kind: 4 * EPS * _largest(parts[kind]) for kind in KINDS}
+        step[RATES] += step[SPEEDS] / self.scene.rod.length  # as the drag rounds with the speed
+        return self._carried(step)
+
+    def _carried(self, step: dict[str, float]) -> dict[str, float]:
+        """Errors of rates and speeds make errors of angles and places."""
+        first, last = self.scene.integrate.span
         step[ANGLES] += (last - first) * step[RATES]
         step[PLACES] += (last - first) * step[SPEEDS]
         return {kind: step[kind] / self.sizes[kind] for kind in KINDS}

@@ -51,6 +51,8 @@ def _row(case: str, target: str, method: str, said: Said) -> Row:
         "outcome": said.outcome,
         "digits": said.digits,
         "condition": 1.0,
+        "allowed": said.allowed,
+        "truth_error": 0.0,
         "seconds": 0.0,
         "said": said.said,
         "truth": "what is no number must not become one",

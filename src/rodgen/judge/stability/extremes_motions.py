@@ -60,9 +60,9 @@ def turned() -> Iterator[Extreme]:
         )
         plain = {**swings, "initial": {"phi": [0.1, 0.5], "omega": 0.0}}
         route = same_as(plain, partial(np.add, turns * TURN * np.array([1, 1, 0, 0])))
-        yield Extreme("turned", f"{turns} turns, a chain", swings, route, quick=turns > 0)
+        yield Extreme("turned", f"{turns} turns, a chain", swings, route)
     far = rod(initial={"phi": 1e16, "omega": 0.0})
-    yield Extreme("turned", "phi 1e16, which has no sine", far, rigid, quick=True)
+    yield Extreme("turned", "phi 1e16, which has no sine", far, rigid)
 
 
 def spinning() -> Iterator[Extreme]:

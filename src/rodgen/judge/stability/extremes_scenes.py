@@ -13,6 +13,15 @@ N, LENGTH, STIFFNESS, MASS, SPAN = 4, 2.0, 30.0, 3.0, 0.3
 CRITICAL = 109.9 * STIFFNESS / LENGTH**2  # follower force at which a free rod flutters [N]
 
 
+# Every load, none of it acting: with the module of `loaded`.
+IDLE: Tables = {
+    "follower": {"force": 0.0},
+    "gravity": {"g": 0.0},
+    "internal_damping": {"coefficient": 0.0},
+    "external_damping": {"coefficient": 0.0},
+}
+
+
 def rod(links: int = N, span: float = SPAN, **tables: Any) -> Tables:
     """A rod of 2 m, 30 N m^2 and 3 kg, bent and turning, if not told otherwise."""
     shape = {"links": links, "length": LENGTH, "bending_stiffness": STIFFNESS, "mass": MASS}

@@ -14,7 +14,7 @@ from rodgen.judge.stability.extremes_case import ANGLES, Array, Extreme, Measure
 from rodgen.scene.structure import TERMS
 
 Route = Callable[[rodgen.Scene], Truth]
-NUDGE = 100.0  # times the tolerance, by which the start is moved to see what becomes of it
+NUDGE = 1e-6  # of the motion at most: the start is moved by it, far above the errors of a run
 TIGHT = 1e-13
 DENSE = "numpy", "dense"
 LOADS = (
@@ -51,14 +51,16 @@ def _tight(text: str, method: str, judge: str) -> Truth:
     other = _ours(scene, judge, 1e-12)
     near = _judged(scene, y, other, f"SciPy's {method} at {rtol:g} on the dense form")
     measure = Measure(scene, y)
+    # In proportion to what the tolerances allow in each kind, and so small that it grows linearly.
     tolerated, draw = measure.tolerated(), np.random.default_rng(7)
+    by = NUDGE / max(tolerated.values())
     nudge = measure.parts(np.zeros_like(y0))
     for kind in nudge:
-        scale = tolerated[kind] * measure.sizes[kind]
-        nudge[kind][...] = NUDGE * scale * draw.choice([-1.0, 1.0], nudge[kind].shape)
+        scale = by * tolerated[kind] * measure.sizes[kind]
+        nudge[kind][...] = scale * draw.choice([-1.0, 1.0], nudge[kind].shape)
     half = np.concatenate((nudge["places"], nudge[ANGLES], nudge["speeds"], nudge["rates"]))
-    moved = measure.errors(_scipy(scene, y0 + half, method, 1e-9))
-    grown = max(moved[kind] / NUDGE / tolerated[kind] for kind in moved if tolerated[kind])
+    moved = measure.errors(_scipy(scene, y0 + half, method, rtol))
+    grown = max(moved[kind] / by / tolerated[kind] for kind in moved if tolerated[kind])
     return Truth(near.y, near.by, near.error, max(1.0, grown))
 
 

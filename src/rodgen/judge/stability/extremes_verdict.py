@@ -7,67 +7,95 @@ from dataclasses import dataclass
 import numpy as np
 
 from rodgen.integrate import Solution
-from rodgen.judge.stability.extremes_case import KINDS, RATES, SPEEDS, Measure, Truth
+from rodgen.judge.stability.extremes_case import EPS, KINDS, RATES, SPEEDS, Measure, Truth
 
-RIGHT, STOPPED, REFUSED, WARNED, LOST, WRONG, UNFINISHED = (
-    *("right", "stopped", "refused", "warned", "lost", "wrong", "unfinished"),
+RIGHT, STOPPED, REFUSED, WARNED, LOST, WRONG, UNFINISHED, INACCURATE = (
+    *("right", "stopped", "refused", "warned", "lost", "wrong", "unfinished", "inaccurate"),
 )
-SLACK = 300.0  # errors of many steps, beside what a tolerance allows in one
-HALF = 0.3  # no error above this share of the motion counts as right
+SLACK = 30.0  # errors of many steps, beside what a tolerance allows in one
+# LSODA controls the root mean square of what a step adds, to the tolerance and no better: over
+# thousands of steps of a steady motion this adds up, in one direction.
+SLACK_OF = {"lsoda": 1000.0}
+CAP, LOOSE = 0.03, 3.0  # of the motion, and of the relative tolerance: no more is allowed by it
+HALF = 0.3  # no error above this share of the motion counts as right, whatever its excuse
+TWO_DIGITS = 1e-2  # what the step of a fixed-step method has to reach
 SHRINKS = 0.8  # at least, the error of a fixed step when it is halved
 ALARM = 1e3  # times the tolerance, from which an energy balance is alarming
 LEAK = 1e-3  # of the largest exchange of energy, from which that of a fixed step is
+NOISE = 1e-12  # of the largest energy: a balance that is off by less shows rounding alone
 
 
 @dataclass(frozen=True)
 class Said:
-    """A verdict, with the digits that it rests on and what the run said."""
+    """A verdict, with the digits that it rests on, what the run said and the error allowed."""
 
     outcome: str
     digits: float | None = None
     said: str = ""
+    allowed: float | None = None
 
 
-def of_adaptive(truth: Truth, solution: Solution) -> Said:
+def of_adaptive(truth: Truth, solution: Solution, warned: bool = False) -> Said:
     """Errors, kind by kind, beside what the tolerance asks for; Gauss's method promises places
     and angles alone."""
     scene = solution.scene
     measure = Measure(scene, truth.y)
-    errors, allowed = measure.errors(solution.y), measure.tolerated()
+    errors, asked = measure.errors(solution.y), measure.tolerated()
     if scene.integrate.method == "gauss" or truth.positions:
         errors = {kind: e for kind, e in errors.items() if kind not in (RATES, SPEEDS)}
     off = max(errors.values())
     how = f"{solution.stats.steps} steps by {scene.integrate.method}"
-    excess = {
-        kind: e / min(HALF, SLACK * truth.condition * allowed[kind] + 3 * truth.error)
-        for kind, e in errors.items()
+    most = max(CAP, LOOSE * scene.integrate.rtol)
+    # At worst, the rounding of all steps goes in one direction.
+    unavoidable = _unavoidable(truth, measure, max(SLACK, solution.stats.steps / 4))
+    slack = SLACK_OF.get(scene.integrate.method or "", SLACK)
+    allowed = {
+        kind: min(HALF, min(slack * truth.condition * asked[kind], most) + unavoidable[kind])
+        for kind in errors
     }
-    worst = max(excess, key=lambda kind: excess[kind])
-    if excess[worst] <= 1:
-        return Said(RIGHT, digits(off), how)
-    text = f"{worst} off by {errors[worst]:.1e} of the motion; {how}"
-    return Said(_unless_told(solution, errors[worst]), digits(off), text)
+    worst = max(errors, key=lambda kind: errors[kind] / allowed[kind])
+    if errors[worst] <= allowed[worst]:
+        return Said(RIGHT, digits(off), how, allowed[worst])
+    text = f"{worst} off by {errors[worst]:.1e} of the motion, {allowed[worst]:.1e} allowed; {how}"
+    outcome = WARNED if warned else _unless_told(solution, errors[worst])
+    return Said(outcome, digits(off), text, allowed[worst])
 
 
 def of_fixed(truth: Truth, coarse: Solution, fine: Solution, warned: bool = False) -> Said:
-    """Errors of a step and of half of it."""
+    """The error of a step, which a finer one must make less, down to rounding."""
     measure = Measure(coarse.scene, truth.y)
     kinds = [kind for kind in KINDS if not truth.positions or kind not in (RATES, SPEEDS)]
     a, b = (max(measure.errors(sol.y)[kind] for kind in kinds) for sol in (coarse, fine))
-    floor = 3 * truth.error + SLACK * truth.condition * max(measure.tolerated().values())
-    step = coarse.scene.integrate.step
-    how = f"step {step:.3g} s: error {a:.1e} of the motion, half of it {b:.1e}"
-    how += f"; energy balances to {balance(fine):.1e}"
-    if b <= HALF and b <= max(SHRINKS * a, floor):
-        return Said(RIGHT, digits(b), how)
-    return Said(WARNED if warned else _unless_told(fine, b), digits(b), how)
+    allowed = min(HALF, TWO_DIGITS + max(_unavoidable(truth, measure).values()))
+    floor = max(_unavoidable(truth, measure, max(SLACK, fine.stats.steps / 4)).values())
+    how = f"step {coarse.scene.integrate.step:.3g} s: error {a:.1e} of the motion, "
+    how += f"{fine.scene.integrate.step:.3g} s: {b:.1e}; energy balances to {balance(coarse):.1e}"
+    converges = b <= max(SHRINKS * a, floor)
+    if a <= allowed and converges:
+        return Said(RIGHT, digits(a), how, allowed)
+    outcome = WARNED if warned else _unless_told(coarse, a)
+    if outcome == WRONG and converges:
+        outcome = INACCURATE
+        how = f"less than two digits, as its step allows; half the step is better; {how}"
+    return Said(outcome, digits(a), how, allowed)
+
+
+def _unavoidable(truth: Truth, measure: Measure, slack: float = SLACK) -> dict[str, float]:
+    """Errors of the truth and of rounding, which no method can help."""
+    rounding = measure.rounding()
+    return {
+        kind: 3 * truth.error + slack * truth.condition * (rounding[kind] + EPS) for kind in KINDS
+    }
 
 
 def _unless_told(solution: Solution, off: float) -> str:
     """Wrong, unless its energy balance says how wrong it is."""
     share, settings = balance(solution), solution.scene.integrate
     least = LEAK if settings.fixed else max(0.1 * min(off, 1.0), ALARM * settings.rtol)
-    return WRONG if share < least else LOST
+    with np.errstate(all="ignore"):
+        largest = max(float(np.abs(part).max(initial=0.0)) for part in solution.energy)
+    told = share >= least and not solution.energy_error <= NOISE * largest
+    return LOST if told else WRONG
 
 
 def balance(solution: Solution) -> float:

@@ -26,11 +26,8 @@ from rodgen.judge.unit import Row, Unit
 
 KINDS = (("free", "uniform"), ("pinned", "uniform"), ("clamped", "lumped"), ("free", "lumped"))
 LINKS = {"free-uniform": (1, 2, 3, 5, 20, 50, 200, 1000)}
-OTHERS, QUICK = (5, 20), (3, 20)
-MOST, MOST = (
-    200,
-    200,
-)  # links: of the dense form, and with which all cases are affordable
+OTHERS, QUICK = (5, 20), (20,)
+MOST = 200  # links: of the dense form, and with which all cases are affordable
 DRAWS = 4  # of inputs that are off
 LOST = 10.0  # times what the dense form and the inputs explain: a defect of the chain form
 FORMS: dict[str, tuple[str, str]] = {

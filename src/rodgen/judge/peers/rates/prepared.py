@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import rodgen
 from rodgen.judge.costs.rod import VALUES
-from rodgen.judge.precision.contestant import Array
+from rodgen.judge.precision.contestant import Array, NotModelledError
 from rodgen.judge.timing import Batch
 
 
@@ -34,6 +34,6 @@ def rod(links: int) -> rodgen.Scene:
 
 
 def at_most(who: str, links: int, most: int, why: str) -> None:
-    """Raise ValueError for more links."""
+    """Raise NotModelledError for more links."""
     if links > most:
-        raise ValueError(f"{who}: {why} for more than {most} links")
+        raise NotModelledError(f"{who}: {why} for more than {most} links")
