@@ -3,6 +3,7 @@
 #             [EXPLICIT=1]                       make reference    regenerate the reference modules
 # make figures    draw those of docs/derivation.md anew
 # make thesis     rebuild the tables of the thesis into results/thesis/
+# make guide      take the numbers of README and docs/which-method.md from the last report
 # make report [QUICK=1] [RESUME=1]    error against run time, stability, extremes, beside peers
 # make lint, make types                          make bench, bench-rhs, bench-analyse
 
@@ -17,7 +18,7 @@ TERMS ?= all
 TARGET ?= numpy
 FORM ?= chain
 
-.PHONY: demo derive test lint types bench bench-rhs bench-analyse reference figures thesis report clean
+.PHONY: demo derive test lint types bench bench-rhs bench-analyse reference figures thesis report guide clean
 
 demo: .venv/installed
 	@$(BIN)/rodgen derive 20 --out generated
@@ -63,6 +64,12 @@ thesis: .venv/installed
 # Peers that cannot be had here are named on the page.
 report: .venv/benchmarking
 	@$(BIN)/rodgen report $(if $(QUICK),--quick) $(if $(RESUME),--resume)
+
+# What README and docs/which-method.md show, from the report that was made last.
+guide: .venv/installed
+	@mkdir -p docs/report && cp results/report/report.json docs/report/
+	@$(BIN)/python -m rodgen.view.report_readme docs/report/report.json README.md
+	@$(BIN)/python -m rodgen.view.report_guide docs/report/report.json docs/pictures
 
 figures: .venv/installed
 	@$(BIN)/python -m rodgen.view.model_figures docs/pictures

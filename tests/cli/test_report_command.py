@@ -80,6 +80,20 @@ def test_a_scene_of_a_user(call: Call, tmp_path: Path) -> None:
     assert {file: file.stat().st_mtime_ns for file in measured} == measured
 
 
+@pytest.mark.compiler
+def test_a_scene_that_blows_up(call: Call, tmp_path: Path) -> None:
+    """It has no reference, which is said; its page is written all the same."""
+    loads = '[loads.tip]\ny = "exp(2000*t)"\n'
+    text = SCENE.format(name="blows").replace("[initial]", f"{loads}[initial]")
+    (tmp_path / "blows.toml").write_text(text, encoding="utf-8")
+    done = call("blows.toml", "--quick", "--only", "growth", "--out", "page")
+    assert done.status == 3
+    assert "without a reference nothing can be judged: blows" in done.err
+    page = (tmp_path / "page/index.html").read_text(encoding="utf-8")
+    assert "blows" in page
+    assert "no reference" in page
+
+
 def test_what_is_refused(call: Call, tmp_path: Path) -> None:
     (tmp_path / "again.toml").write_text(SCENE.format(name="swing"), encoding="utf-8")
     (tmp_path / "file").write_text("", encoding="utf-8")

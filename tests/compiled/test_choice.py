@@ -7,7 +7,7 @@ import pytest
 
 import rodgen
 from rodgen import Scene
-from rodgen.integrate.methods.choose import by_rule
+from rodgen.integrate.methods.choose import by_rule, warn_of_tolerance
 from rodgen.integrate.spectrum import Dominant
 
 
@@ -54,3 +54,28 @@ def test_choice_is_that_of_the_run_and_not_far_from_the_best(missile: Scene) -> 
         for method in ("dop853", "radau"):
             costs[method] = rodgen.simulate(scene, model=model, method=method).stats.rhs
         assert costs[expected] < 3 * min(costs.values())
+
+
+@pytest.mark.parametrize(
+    ("method", "rtol", "damping", "words"),
+    [
+        ("dop853", 1e-2, 20.0, "leave noise in its rates; take radau"),
+        ("dop853", 1e-6, 20.0, ""),
+        ("dop853", 1e-2, 1e-3, ""),  # nothing dies out
+        ("radau", 1e-2, 20.0, ""),
+        ("gauss", 2.3e-14, 1e-3, "rounding errors that are larger"),
+        ("dop853", 2.3e-14, 1e-3, ""),
+    ],
+)
+def test_tolerances_that_are_not_kept_are_warned_of(
+    missile: Scene, method: str, rtol: float, damping: float, words: str
+) -> None:
+    """A rod with or without strong damping inside, over a thousand radians and more."""
+    table = missile.model_dump(exclude_none=True)
+    table["loads"] = {"internal_damping": {"coefficient": damping}}
+    table["rod"]["links"] = 30
+    table["integrate"] = {"method": method, "rtol": rtol, "span": [0.0, 10.0]}
+    scene = Scene.from_dict(table)
+    text = warn_of_tolerance(scene, rodgen.build(scene, "c")) or ""
+    assert words in text
+    assert bool(words) == bool(text)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rodgen.cli.console import out, working
+from rodgen.cli.errors import FAILED_RUN, fail
 from rodgen.cli.folders import writable
 from rodgen.scene import Scene, SceneError
 
@@ -68,10 +69,13 @@ def report(
     }
     page = write_report(folder, found, made)
     for section in needed(chosen):
-        lost = failures[section]
-        rows = sum(len(one.rows) for one in found[section])
-        out.print(f"{section:14} {rows:5d} rows{f', {lost} units failed' if lost else ''}")
+        failed = failures[section]
+        count = sum(len(one.rows) for one in found[section])
+        out.print(f"{section:14} {count:5d} rows{f', {failed} units failed' if failed else ''}")
     out.print(f"written: {page}")
+    rows = (row for one in found.get("references", []) for row in one.rows)
+    if lost := [str(row["scene"]) for row in rows if row["failed"]]:
+        fail(f"without a reference nothing can be judged: {', '.join(lost)}", FAILED_RUN)
 
 
 def _cases(files: list[Path], quick: bool) -> list[Case]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -83,9 +84,26 @@ def html(contents: Contents, made: Mapping[str, Any], pictures: Pictures) -> str
 
 
 def json_text(contents: Contents, made: Mapping[str, Any]) -> str:
-    """All rows of all sections, what failed, and with what they were made."""
-    sections = {name: [asdict(one) for one in several] for name, several in contents.items()}
-    return json.dumps({"made": dict(made), "sections": sections}, indent=1) + "\n"
+    """All rows of all sections, what failed, and with what they were made; a unit a line."""
+    sections = [
+        f"{json.dumps(name)}: [\n" + ",\n".join(_strict(asdict(one)) for one in several) + "\n]"
+        for name, several in contents.items()
+    ]
+    body = ",\n".join(sections)
+    return f'{{"made": {json.dumps(dict(made))},\n"sections": {{\n{body}\n}}}}\n'
+
+
+def _strict(value: Any) -> str:
+    """JSON as others read it, which has neither infinity nor not-a-number: null."""
+
+    def finite(part: Any) -> Any:
+        if isinstance(part, dict):
+            return {key: finite(one) for key, one in part.items()}
+        if isinstance(part, list):
+            return [finite(one) for one in part]
+        return None if isinstance(part, float) and not math.isfinite(part) else part
+
+    return json.dumps(finite(value), allow_nan=False)
 
 
 def read_report(file: Path) -> tuple[dict[str, list[Measured]], dict[str, Any]]:

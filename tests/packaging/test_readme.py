@@ -1,0 +1,48 @@
+"""What the documents show of a report is what the committed report has."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from rodgen.judge.rows import fine, of
+from rodgen.view.report_guide import save_guide_figures
+from rodgen.view.report_page import read_report
+from rodgen.view.report_readme import renewed, speed
+
+ROOT = Path(__file__).parents[2]
+REPORT = ROOT / "docs" / "report" / "report.json"
+
+
+def test_speeds_of_readme_are_those_of_the_report() -> None:
+    contents, _ = read_report(REPORT)
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert renewed(readme, contents) == readme
+    duels = [row for row in of(contents, "equal_error", asked=1e-6) if fine(row)]
+    assert duels
+    for row in duels:  # by another route than the table's own
+        assert re.search(rf"`{row['scene']}` .*\| {row['ratio']:.2g} \|", readme)
+
+
+def test_speeds_are_taken_between_the_marks_alone() -> None:
+    contents, _ = read_report(REPORT)
+    text = "before\n<!-- speed: from docs/report/report.json -->\nold\n<!-- /speed -->\nafter\n"
+    made = renewed(text, contents)
+    assert made.startswith("before\n")
+    assert made.endswith("\nafter\n")
+    assert speed(contents) in made
+    assert "old" not in made
+    with pytest.raises(ValueError, match="unpack"):
+        renewed("no marks", contents)
+
+
+def test_guide_has_the_pictures_of_the_report(tmp_path: Path) -> None:
+    guide = (ROOT / "docs" / "which-method.md").read_text(encoding="utf-8")
+    shown = set(re.findall(r"pictures/(which_\w+\.svg)", guide))
+    drawn = {file.name for file in save_guide_figures(REPORT, tmp_path)}
+    assert shown
+    assert shown <= drawn
+    for name in shown:
+        assert (ROOT / "docs" / "pictures" / name).is_file()
