@@ -31,9 +31,11 @@ def _against_yardstick(report: Report, links: int) -> None:
     module = report.module(what, built, links, target="c")
     if module is None:
         return
-    ours, plain = native.of_module(module), native.yardstick(links, native.flags_of(module))
+    ours, plain = native.of_module(module), native.yardstick(links)
     y, p = state(links), packed(module)
-    if not report.agree(what, disagreement(ours(y, p), plain(y, p)), 1e-9, "the yardstick"):
+    if not report.agree(
+        what, disagreement(ours(0.0, y, p), plain(0.0, y, p)), 1e-9, "the yardstick"
+    ):
         return
     times = interleaved({"ours": ours.batch(y, p), "plain": plain.batch(y, p)})
     ratio, beside = times.ratio("ours", "plain"), f"the yardstick's {_us(times.median('plain'))}"
@@ -51,10 +53,10 @@ def _other(
     module = report.module(what, built, links, terms, "c", kind=kind)
     if module is None:
         return
-    ours, plain = native.of_module(module), native.yardstick(links, native.flags_of(module))
+    ours, plain = native.of_module(module), native.yardstick(links)
     y, p = state(links, base=2 if kind[0] == "free" else 0), packed(module)
     dense = built(links, terms, form="dense", kind=kind).rhs(0.0, y, p)
-    if not report.agree(what, disagreement(ours(y, p), dense), 1e-8, "the dense form"):
+    if not report.agree(what, disagreement(ours(0.0, y, p), dense), 1e-8, "the dense form"):
         return
     free, its = state(links), packed(built(links))
     times = interleaved({"ours": ours.batch(y, p), "plain": plain.batch(free, its)})
@@ -71,7 +73,7 @@ def _growth(report: Report) -> None:
             return
         y, p = state(links), packed(module)
         ours[str(links)] = native.of_module(module).batch(y, p)
-        plain[str(links)] = native.yardstick(links, native.flags_of(module)).batch(y, p)
+        plain[str(links)] = native.yardstick(links).batch(y, p)
     times = interleaved(ours, rounds=31, seconds=0.02)
     ratio, few, many = times.ratio("20000", "2000"), times.median("2000"), times.median("20000")
     shown = f"{ratio:.2f} times, {duration(few)} to {duration(many)}"

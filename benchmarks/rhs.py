@@ -16,16 +16,14 @@ from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 
 import costs
-import native
 from accuracy import accuracy
 from against_peers import against_peers
 from from_python import from_python
 from in_c import in_c
-from problem import built
 from report import Report
 from rich.console import Console
 
-from rodgen.loading import BuildError
+from rodgen.judge.surroundings import flags
 
 SECTIONS: dict[str, tuple[str, Callable[[Report], None]]] = {
     "c": ("C in a C loop", in_c),
@@ -37,14 +35,6 @@ VERSIONS = (
     *("rodgen", "sympy", "numpy", "scipy", "cffi"),
     *("numba", "casadi", "pin", "mujoco", "pydy", "cython", "heyoka", "scikit-sundae"),
 )
-
-
-def flags() -> str:
-    """What the C target is compiled with, where it can be."""
-    try:
-        return " ".join(native.flags_of(built(20, target="c")))
-    except BuildError:
-        return "no C target"
 
 
 def machine() -> str:

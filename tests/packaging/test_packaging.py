@@ -44,7 +44,7 @@ def test_wheel_holds_the_tree(wheel: Path) -> None:
     expected = set()
     for package, folder in MAPPED.items():
         for path in (ROOT / folder).rglob("*"):
-            if path.suffix in (".py", ".jinja", ".typed") and "__pycache__" not in path.parts:
+            if path.suffix in (".py", ".jinja", ".typed", ".c") and "__pycache__" not in path.parts:
                 expected.add(f"{package}/{path.relative_to(ROOT / folder).as_posix()}")
     assert packed == expected
     for name in ("numpy_dense.py.jinja", "numpy_chain.py.jinja", "c.c.jinja", "c.h.jinja"):

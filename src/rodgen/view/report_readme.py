@@ -20,10 +20,12 @@ ASKED = 1e-6  # rad
 LINKS = (20, 50, 200, 1000)
 EVALUATIONS = (
     ("rodgen C", "C, from Python, with an `out` array"),
+    ("rodgen C, from C", "C, from C"),
     ("rodgen C, of a batch", "C, `rhs_batch`, one state of many"),
     ("rodgen NumPy", "NumPy"),
     ("rodgen NumPy, dense", "NumPy, dense form"),
 )
+SHOWN = {"CasADi, generated C": "CasADi, generated C, from C"}
 WHOLE = (
     ("jacobian", "rodgen C", "exact Jacobian, C"),
     ("implicit step", "rodgen C, gauss", "a step of `gauss`"),
@@ -39,7 +41,9 @@ def speed(contents: Contents) -> str:
     costs = [row for row in of(contents, "costs") if fine(row)]
     head = ("scene", "n", "rodgen", "time", "fastest of the peers", "time", "times faster")
     peers = sorted({text(row, "who") for row in costs if not text(row, "who").startswith("rodgen")})
-    evaluations = [(who, shown) for who, shown in EVALUATIONS] + [(who, who) for who in peers]
+    evaluations = [(who, shown) for who, shown in EVALUATIONS] + [
+        (who, SHOWN.get(who, who)) for who in peers
+    ]
     lines = [
         *_table(head, map(_duel, duels)),
         "",
