@@ -115,7 +115,7 @@ _SET: tuple[tuple[Callable[[], Tables], str, bool], ...] = (
     (lambda: pushed("below_flutter", 300.0), "thrust of 0.69 of the critical force", False),
     (lambda: pushed("at_flutter", 437.68), "thrust at the critical force", False),
     (lambda: pushed("above_flutter", 500.0), "thrust of 1.14 of the critical force", False),
-    (missile, "the damped missile", True),
+    (missile, "the damped missile", False),
     (beck, "Beck's column beyond its critical force", False),
     (ivp_beam, "problem Beam of the Test Set for IVP Solvers", False),
     (falling_chain, "chaotic: errors grow until nothing is left", False),

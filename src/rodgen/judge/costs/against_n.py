@@ -20,7 +20,7 @@ from rodgen.judge.costs.whole import analyses, implicit_steps, jobs
 from rodgen.judge.unit import Row, Unit
 
 LINKS = (10, 20, 50, 100, 200, 500, 1000, 2000)
-QUICK = (10, 50, 200)
+QUICK = (10, 50)
 ANALYSED = 200  # links: of what makes eigenvalues
 LIMIT, PEER_LIMIT = 240.0, 120.0  # s
 PEER = "rodgen.judge.costs.peers_rates:of_peer"

@@ -19,7 +19,7 @@ from rodgen.judge.costs.rod import THRUST, why
 from rodgen.judge.unit import Row, Unit
 from rodgen.loading import sources
 
-ROUNDS, QUICK_ROUNDS = 5, 2
+ROUNDS, QUICK_ROUNDS = 5, 1
 LINKS = 20
 NAME = "rodgen"
 BUILT = (

@@ -33,8 +33,8 @@ Equations = list[tuple[Any, Any]]
 def compact(job: Job, quick: bool) -> Iterator[Contestant]:
     """The order follows from the tolerance."""
     loads.refuse("heyoka", job.scene, chain.KNOWN)
-    if job.scene.rod.links > LARGEST:
-        raise NotModelledError(f"heyoka: more than {LARGEST} links take minutes to compile")
+    if job.scene.rod.links > (SHORT if quick else LARGEST):
+        raise NotModelledError(f"heyoka: {job.scene.rod.links} links take too long to compile")
     off = agreed(job, _accelerations(job))
     few = quick or job.scene.rod.links > SHORT
     return (_contestant(job, tol, off) for tol in (IN_SHORT if few else TOLERANCES))

@@ -28,7 +28,10 @@ def rodgens(name: str, table: dict[str, Any], folder: str, quick: bool) -> list[
     except NoReferenceError as error:
         return [without(name, table, "rodgen", error)]
     rows: list[Row] = []
-    for family in ours.families(job, quick, setups(table)):
+    taken = (
+        {} if quick else setups(table)
+    )  # from cold they take longer than all runs of a short set
+    for family in ours.families(job, quick, taken):
         rows += sweep(family.make(), label(job, family), measures, Limits.of(quick))
     return rows
 
