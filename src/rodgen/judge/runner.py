@@ -14,7 +14,7 @@ from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 
-from rodgen.judge.unit import Measured, Unit
+from rodgen.judge.unit import Measured, Row, Unit
 from rodgen.loading.cache import write_whole
 
 AT_ONCE = 2  # of the units that are not timed
@@ -93,7 +93,7 @@ class Runner:
         write_whole(file, result.dump())
         return result
 
-    def _call(self, unit: Unit) -> tuple[list, str, float]:  # type: ignore[type-arg]
+    def _call(self, unit: Unit) -> tuple[list[Row], str, float]:
         """Rows, why there are none, and the seconds that it took."""
         process = subprocess.Popen(
             [sys.executable, "-m", "rodgen.judge.worker"],

@@ -17,6 +17,7 @@ from rodgen.judge.cases import Case
 from rodgen.judge.costs.peers_rates import known
 from rodgen.judge.costs.rates import jacobians, rates, set_up
 from rodgen.judge.costs.whole import analyses, implicit_steps, jobs
+from rodgen.judge.rows import number
 from rodgen.judge.unit import Row, Unit
 
 LINKS = (10, 20, 50, 100, 200, 500, 1000, 2000)
@@ -50,16 +51,20 @@ def costs(links: int, quick: bool = False) -> list[Row]:
     return rows + (analyses(links, quick) if links <= ANALYSED else [])
 
 
+def _curve(row: Row) -> tuple[str, str]:
+    """Of which curve a row is a point."""
+    return str(row["what"]), str(row["who"])
+
+
 def fits(rows: Iterable[Row]) -> list[Row]:
     """Exponents of the seconds by n, per what and who, over the upper half of its numbers of links.
 
     A line of least squares through the logarithms; exponent None where there are not two.
     """
     good = [r for r in rows if not r.get("failed") and isinstance(r.get("seconds"), float)]
-    key = lambda row: (str(row["what"]), str(row["who"]))  # noqa: E731
     found: list[Row] = []
-    for (what, who), some in groupby(sorted(good, key=key), key):
-        points = sorted((float(r["n"]), float(r["seconds"])) for r in some)  # type: ignore[arg-type]
+    for (what, who), some in groupby(sorted(good, key=_curve), _curve):
+        points = sorted((number(r, "n"), number(r, "seconds")) for r in some)
         upper = points[len(points) // 2 :] if len(points) > 3 else points
         found.append(
             {

@@ -38,7 +38,7 @@ def cold(table: dict[str, Any], cache: str) -> dict[str, float]:
 
 def main() -> None:
     """The process."""
-    import rodgen.emit  # noqa: F401, SymPy and the derivations with it
+    import rodgen.emit  # noqa: F401, taken in for what it takes: SymPy and the derivations with it
     from rodgen.loading import load_files, sources
     from rodgen.scene import Scene
 

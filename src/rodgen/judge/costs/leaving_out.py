@@ -128,7 +128,7 @@ def compared(
         rounds = QUICK_ROUNDS if quick else ROUNDS
         times = {what: _runs(scenes, models, how, rounds) for what, how in jobs.items()}
         times["rhs"] = _rates(scenes, models, rounds)
-    except Exception as error:
+    except Exception as error:  # a scene of a user may fail in any way
         return [{**empty(table, v, **sizes[v], failed=why(error)), **same} for v in scenes]
     return [
         {

@@ -42,7 +42,7 @@ def implicit_steps(links: int, quick: bool) -> list[Row]:
     damped rod from its start on; SciPy's with dense matrices."""
     try:
         module = built(links, DAMPED)
-    except Exception as error:
+    except Exception as error:  # of a compiler, say
         return [row("implicit step", "rodgen C", links, failed=why(error))]
     y, p = scene(links, VALUES["internal_damping"]).initial_state(), packed(module)
     made: dict[str, Callable[[], Batch]] = {
@@ -127,6 +127,6 @@ def _whole(what: str, who: str, links: int, call: Callable[[], object], times: i
     """A median of some calls that are long."""
     try:
         seconds = statistics.median(calls(call)(1) for _ in range(times))
-    except Exception as error:
+    except Exception as error:  # what fails is a row, and ends no other
         return row(what, who, links, failed=why(error))
     return row(what, who, links, seconds, rounds=times)
