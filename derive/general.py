@@ -315,6 +315,15 @@ class Equations:
         after = tuple(Sum(d[joint], (joint, i + 1, n)) for d in (drag_x, drag_y))
         return Work((x, y), self._reach * self._lean((after[0], after[1])))
 
+    def point_force(self, force: Vector, carrier: Expr, share: Expr) -> Work:
+        """A force on the point at the fraction ``share`` of link ``carrier``."""
+        reach = Piecewise(
+            (lever(BEFORE, share), i < carrier),
+            (lever(OWN, share), i <= carrier),
+            (lever(AFTER, share), True),
+        )
+        return Work(force, reach * self._lean(force))
+
     @cached_property
     def works(self) -> dict[str, Work]:
         """The loads of this scene that act as forces, by term."""

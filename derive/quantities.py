@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
-from sympy import Expr, Sum, cos, expand, sin
+from sympy import Eq, Expr, Integer, Piecewise, S, Sum, collect, cos, expand, sin
 from sympy.physics.mechanics import dynamicsymbols
 
 from .calculus import TIME
@@ -38,7 +38,17 @@ from .loads import (
     tip_force,
     weight,
 )
-from .symbols import ALPHA, i, m, n, omega, phi, s, xi
+from .symbols import ALPHA, i, k, m, n, omega, phi, s, xi
+
+
+@dataclass(frozen=True)
+class Acting:
+    """A load as forces [N] on the joints from ``low`` to ``high``; on one joint where these are the
+    same."""
+
+    low: Expr
+    high: Expr
+    force: Vector
 
 
 @dataclass(frozen=True)
@@ -70,6 +80,29 @@ class Quantities:
         """Energy of all springs [J]."""
         root = self.equations.hold.root * spring_potential(ALPHA, phi[0])
         return root + Sum(spring_potential(phi[s - 1], phi[s]), (s, 1, n - 1))
+
+    @cached_property
+    def bending_moment(self) -> Expr:
+        """Moment of the spring in a joint [N m]: the derivative of its energy by the angle of the
+        link after it, which is what it does to the link before; zero without a spring."""
+
+        def moment(energy: Expr, angle: Expr) -> Expr:
+            return collect(expand(energy.diff(angle)), k)
+
+        inner = moment(spring_potential(phi[joint - 1], phi[joint]), phi[joint])
+        root = moment(self.equations.hold.root * spring_potential(ALPHA, phi[0]), phi[0])
+        return Piecewise((root, Eq(joint, 0)), (S.Zero, Eq(joint, n)), (inner, True))
+
+    @cached_property
+    def forces(self) -> dict[str, Acting]:
+        """Loads that act as forces on joints, by term."""
+        moving = Integer(self.equations.hold.first_joint)
+        acting = {
+            "follower": Acting(n, n, follower_force(phi[n - 1])),
+            "tip_load": Acting(n, n, tip_force()),
+            "external_damping": Acting(moving, n, (drag_x[joint], drag_y[joint])),
+        }
+        return {term: acting[term] for term in self.equations.terms if term in acting}
 
     @cached_property
     def gravity_energy(self) -> Expr:

@@ -101,15 +101,16 @@ def test_many_states_at_once(stem: str) -> None:
     rod = load_module(GENERATED / f"{stem}.py")
     p = rod.parameters(**_values(rod))
     y = np.random.default_rng(3).normal(size=(4, 3, len(rod.STATE)))
-    for function in (rod.energy, rod.joints, rod.centre_of_gravity, rod.inertia):
+    whole = (rod.energy, rod.joints, rod.centre_of_gravity, rod.inertia, rod.bending_moments)
+    for function in whole:
         together = np.asarray(function(y, p))
         one = np.asarray(function(y[2, 1], p))
         if function in (rod.energy, rod.inertia):
             together = np.moveaxis(together, 0, -1)
         np.testing.assert_allclose(together[2, 1], one, rtol=1e-12, atol=1e-14)
-    if hasattr(rod, "power"):
-        together = rod.power(0.0, y, p)
-        one = rod.power(0.0, y[2, 1], p)
+    for function in (rod.forces, *([rod.power] if hasattr(rod, "power") else [])):
+        together = function(0.0, y, p)
+        one = function(0.0, y[2, 1], p)
         for term in one:
             np.testing.assert_allclose(together[term][2, 1], one[term], rtol=1e-12)
 

@@ -4,7 +4,20 @@ from __future__ import annotations
 
 import typer
 
-from rodgen.cli import audit, check, critical, derive, modes, report, run, show, static, thesis
+from rodgen.cli import (
+    animate,
+    audit,
+    check,
+    critical,
+    derive,
+    modes,
+    report,
+    run,
+    show,
+    static,
+    thesis,
+    view,
+)
 
 app = typer.Typer(
     help="Equations of motion of planar flexible rods: derived, proven, generated, integrated.",
@@ -16,6 +29,8 @@ app = typer.Typer(
 # A negative number is a value to refuse, not an option.
 app.command(context_settings={"ignore_unknown_options": True})(derive.derive)
 app.command()(run.run)
+app.command()(view.view)
+app.command()(animate.animate)
 app.command()(check.check)
 app.command()(show.show)
 app.command()(modes.modes)

@@ -16,11 +16,10 @@ from rodgen.derive.joint_forces import joint_system
 from rodgen.derive.joint_system import System, alpha, link_moment
 from rodgen.derive.quantities import Quantities
 from rodgen.derive.symbols import i, n
+from rodgen.emit.forces import bending, forces, point_force
 from rodgen.emit.program import Compiler, Solve
-from rodgen.emit.statements import SCALAR, Domain, Program
+from rodgen.emit.statements import SCALAR, Domain, Outputs, Program
 from rodgen.scene.structure import Structure
-
-Outputs = dict[str, tuple[Domain, Expr]]
 
 
 @dataclass(frozen=True)
@@ -307,8 +306,14 @@ class Functions:
             "joints": positions,
             "centre": _scalars(dict(zip(centre, quantities.centre, strict=True))),
             "inertia_moments": _scalars(near | moments),
+            "bending": bending(self.equations, self.links),
+            "forces": forces(self.equations, self.links),
         }
         return {name: self.compiler.compile(o, batch=True) for name, o in outputs.items()}
+
+    def point_force(self) -> Program:
+        """Generalised forces of a force on a point of a link."""
+        return self.compiler.compile(point_force(self.equations, self.links))
 
     @cached_property
     def power(self) -> Outputs:

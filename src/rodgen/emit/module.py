@@ -12,6 +12,7 @@ from typing import Any
 import sympy
 from jinja2 import DictLoader, Environment, StrictUndefined
 
+from rodgen.emit.forces import places
 from rodgen.emit.functions import Functions
 from rodgen.emit.native import native, segments
 from rodgen.emit.statements import PAIR
@@ -110,7 +111,9 @@ def _context(structure: Structure, target: str, form: str, template: str) -> dic
         "mass": functions.mass(),
         "implicit": functions.implicit(),
         **functions.quantities(),
+        "point_force": functions.point_force(),
     }
+    acting = places(functions.equations, n)
     provenance = {
         "rodgen": version("rodgen"),
         "sympy": sympy.__version__,
@@ -151,6 +154,8 @@ def _context(structure: Structure, target: str, form: str, template: str) -> dic
             "gravity_energy" if "gravity" in structure.terms else NO_ENERGY,
         ],
         "power_names": {name.removeprefix("power_"): name for name in programs["power"].outputs},
+        "force_places": acting,
+        "force_terms": _tuple(acting),
         "chain": _chain(functions),
         **({**native(functions), "tableaux": tableaux()} if target == "c" else {}),
         "works": list(programs["power"].outputs),

@@ -8,9 +8,9 @@ from typing import Any
 
 from rodgen.derive.implicit_form import UNKNOWNS
 from rodgen.derive.symbols import i
-from rodgen.emit.functions import Functions, Outputs
+from rodgen.emit.functions import Functions
 from rodgen.emit.loops import Code, LoopWriter
-from rodgen.emit.statements import Domain, Statement
+from rodgen.emit.statements import Domain, Outputs, Statement
 
 
 def native(functions: Functions) -> dict[str, Any]:

@@ -53,6 +53,8 @@ class Domain:
 
 
 SCALAR = Domain()
+# What a function gives, by name: over which indices, and as which expression.
+Outputs = dict[str, tuple[Domain, Expr]]
 
 
 @dataclass

@@ -15,7 +15,7 @@ from rodgen.integrate.events import Watch
 from rodgen.integrate.files.recorder import Recorder
 from rodgen.integrate.files.saver import Saver
 from rodgen.integrate.interrupts import HeldBack
-from rodgen.integrate.methods.choose import choose, machine, warn_of_tolerance
+from rodgen.integrate.methods.choose import choose, machine
 from rodgen.integrate.outcome import (
     CREEP,
     FAILED,
@@ -30,14 +30,13 @@ from rodgen.integrate.outcome import (
     turned,
 )
 from rodgen.integrate.solution import Event, Solution, Stats
-from rodgen.integrate.stability import warn_of_step
 from rodgen.integrate.stepper import Happened, StepError
+from rodgen.integrate.stretches import ends, inside
+from rodgen.integrate.warned import step_warnings
 from rodgen.loading import build, build_fastest
 from rodgen.scene import Scene
 from rodgen.scene.tables import AUTO
 
-WAKES = 1e-4  # share of the span around a break point in which a pulse is met anyway
-PULSE = 4  # steps that a pulse takes at least to be felt
 TICK = 0.1  # seconds between two calls of the progress callback
 
 
@@ -140,27 +139,8 @@ class _Run:
         """Warn of a step that is too long, or of a tolerance that is not kept, before the run."""
         if self.saver.resumed:
             return
-        if not self.settings.fixed:
-            text = warn_of_tolerance(self.scene, self.model)
-            if text:
-                warnings.warn(text, StepWarning, stacklevel=4)
-        if self.settings.step is None or not self.settings.fixed:
-            return
-        (start, end), y0 = self.settings.span, self.scene.initial_state()
-        method, step = self.settings.method, self.settings.step
-        text = warn_of_step(method, step, end - start, self.model, start, y0, self.p)
-        if text:
+        for text in step_warnings(self.scene, self.model, self.p):
             warnings.warn(text, StepWarning, stacklevel=4)
-        breaks, pole = self.scene.breaks(), self.scene.pole()
-        for begin, peak, over in () if pole else self.scene.pulses():
-            met = any(begin <= at <= over for at in breaks)  # and stepped onto
-            if begin < peak < over < begin + PULSE * step and not met:
-                text = (
-                    f"a load changes within {over - begin:.2g} s at t = {begin:.6g} s, for which "
-                    f"the step of {step:g} s is too long; take a smaller step, or dop853"
-                )
-                warnings.warn(text, StepWarning, stacklevel=4)
-                break
 
     def _walk(self) -> str:
         """All stretches; what there is to say of the end."""
@@ -172,11 +152,12 @@ class _Run:
             rows[0, : self.recorder.states] = self.machine.y
             self.recorder.took(1)
         try:
-            for end in self._ends(breaks):
+            pulses = () if self.settings.fixed else self.scene.pulses()
+            for end in ends(self.scene, breaks, pulses, self.pole):
                 if end <= self.machine.t:
                     continue
                 if not (taken_up and self.machine.end == end):
-                    self.machine.begin(end, *_inside(self.machine.t, end))
+                    self.machine.begin(end, *inside(self.machine.t, end))
                 taken_up = False
                 self._to(end)
         except Happened as event:
@@ -185,15 +166,6 @@ class _Run:
         if self.pole:  # a step across it would be finite, and wrong
             raise StepError("a load grows beyond all bounds")
         return ""
-
-    def _ends(self, breaks: list[float]) -> list[float]:
-        """Times to step to, one after the other: break points, and the end or the first pole."""
-        start, end = self.settings.span
-        last = self.pole[0] if self.pole else end
-        if not self.settings.fixed:  # what steps that grow in a time of rest would pass over
-            found = (at for begin, peak, _ in self.scene.pulses() for at in (begin, peak))
-            breaks = _apart(sorted({*breaks, *found}), set(breaks), WAKES * (end - start))
-        return [*(at for at in breaks if start < at < last), *([last] if last > start else [])]
 
     def _to(self, end: float) -> None:
         """Step to a break point or to the end of the span."""
@@ -245,17 +217,3 @@ class _Run:
             model=self.model,
             events=happened,
         )
-
-
-def _apart(times: list[float], kept: set[float], least: float) -> list[float]:
-    """Times without those that are closer than the least to one that is kept."""
-    fixed = np.array(sorted(kept))
-    return [at for at in times if at in kept or not len(fixed) or np.abs(fixed - at).min() > least]
-
-
-def _inside(start: float, end: float) -> tuple[float, float]:
-    """Times at which loads may be asked for their values between start and end.
-
-    There a load may jump: each side of it sees its own value.
-    """
-    return float(start + 8 * np.spacing(abs(start))), float(end - 8 * np.spacing(abs(end)))

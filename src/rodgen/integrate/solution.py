@@ -48,6 +48,17 @@ class PrincipalAxes(NamedTuple):
     moments: Array
 
 
+def principal_axes(x: Array, y: Array, xy: Array) -> PrincipalAxes:
+    """Of moments about x and y and the product of inertia [kg m^2], each (...)."""
+    tensor = np.stack((np.stack((x, -xy), -1), np.stack((-xy, y), -1)), -2)
+    moments, axes = np.linalg.eigh(tensor)
+    angle = np.arctan2(axes[..., 1, 0], axes[..., 0, 0])
+    # An axis has no direction: of its two angles the one in (-pi/2, pi/2].
+    angle = np.where(angle > np.pi / 2, angle - np.pi, angle)
+    angle = np.where(angle <= -np.pi / 2, angle + np.pi, angle)
+    return PrincipalAxes(angle, moments)
+
+
 class Event(NamedTuple):
     """Something that a scene looks out for has happened: its name, when [s], and the state then,
     (states,)."""
@@ -176,14 +187,7 @@ class Solution:
     @cached_property
     def principal_axes(self) -> PrincipalAxes:
         """Principal axes of inertia: that of the smaller moment runs along a straight rod."""
-        x, y, xy = self.inertia
-        tensor = np.stack((np.stack((x, -xy), -1), np.stack((-xy, y), -1)), -2)
-        moments, axes = np.linalg.eigh(tensor)
-        angle = np.arctan2(axes[:, 1, 0], axes[:, 0, 0])
-        # An axis has no direction: of its two angles the one in (-pi/2, pi/2].
-        angle = np.where(angle > np.pi / 2, angle - np.pi, angle)
-        angle = np.where(angle <= -np.pi / 2, angle + np.pi, angle)
-        return PrincipalAxes(angle, moments)
+        return principal_axes(*self.inertia)
 
     def until(self, count: int) -> Solution:
         """The same run with its first ``count`` samples alone."""

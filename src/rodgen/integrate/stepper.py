@@ -89,6 +89,10 @@ class Machine(Protocol):
         stretch. Raises StepError, and Happened where an event ends the run."""
         ...
 
+    def works(self, recorder: Recorder) -> Array:
+        """Work of every load since the start [J], (works,); in all samples there are as well."""
+        ...
+
     def state(self) -> State:
         """All that is needed to go on to the same bits; ValueError where that cannot be told."""
         ...

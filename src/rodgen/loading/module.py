@@ -13,6 +13,7 @@ CONTRACT = (
     *("N", "BOUNDARY", "INERTIA", "TERMS", "STATE", "PARAMETERS", "PROVENANCE"),
     *("parameters", "rhs", "jac", "mass_matrix", "energy"),
     *("joints", "centre_of_gravity", "inertia"),
+    *("bending_moments", "forces", "generalised_force"),
 )
 
 

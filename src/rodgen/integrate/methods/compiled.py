@@ -75,6 +75,10 @@ class Compiled:
         self._adapt(status, took)
         return self._judge(status)
 
+    def works(self, recorder: Recorder) -> Array:
+        work: Array = self._run.state[self._states :].copy()
+        return work
+
     def _adapt(self, status: int, took: float) -> None:
         """As many steps at a time as take a slice."""
         if status == self._model.PAUSED:

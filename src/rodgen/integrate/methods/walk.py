@@ -157,6 +157,10 @@ class Walk:
                 recorder.end_at(when, np.concatenate((y, self._work.totals)))
                 raise Happened(number, when)
 
+    def works(self, recorder: Recorder) -> Array:
+        self._work.flush(recorder)
+        return self._work.totals.copy()
+
     def state(self) -> State:
         """Raises ValueError for methods that cannot be put down."""
         raise ValueError("only compiled methods can be put down and taken up again")

@@ -66,18 +66,19 @@ def imports(rounds: int = ROUNDS) -> list[Row]:
 def _timed(codes: dict[str, str], folder: str, rounds: int) -> list[Row]:
     start, failures = "", {}
     seconds: dict[str, list[float]] = {name: [] for name in ["", *codes]}
-    for _ in range(rounds + 1):  # the first reads the files
+    reads = rounds > 1  # a first round, which is not kept, reads the files
+    for _ in range(rounds + reads):
         for name, code in {start: "pass", **codes}.items():
             try:
                 seconds[name].append(process(code, folder))
             except RuntimeError as error:
                 failures[name] = why(error)
-    plain = statistics.median(seconds[start][1:])
+    plain = statistics.median(seconds[start][reads:])
     rows = [_row("the interpreter itself", seconds=plain)]
     for name in codes:
         failed = failures.get(name, "")
         # What costs less than the interpreter's start varies costs nothing that can be told.
-        taken = None if failed else max(0.0, statistics.median(seconds[name][1:]) - plain)
+        taken = None if failed else max(0.0, statistics.median(seconds[name][reads:]) - plain)
         rows.append(_row(name, seconds=taken, failed=failed))
     return rows
 

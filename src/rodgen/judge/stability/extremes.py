@@ -35,7 +35,7 @@ LIMIT = 300.0  # s for a group, on a busy machine
 ALL = (*GROUPS, INVALID)
 # In the short report most of the time goes into making modules: those that run at once at first
 # have none in common.
-EARLY = ("stiffness", "links", "mass")
+EARLY = ("stiffness", "folded", "links", "damping")
 
 
 def units(cases: list[Case], quick: bool = False) -> list[Unit]:

@@ -14,7 +14,6 @@ from rodgen.judge.stability.extremes_exact import drifting, resting
 from rodgen.judge.stability.extremes_scenes import CRITICAL, IDLE, SPAN, N, rod
 from rodgen.judge.stability.extremes_truth import same_as, stiff, tight
 
-COMPILED = ("euler c", "rk4 c", "dop853 c", "gauss c", "radau c", "lsoda c")
 BEFORE = 7.2  # s, when a pulse at 7.3 s is not there yet
 
 
@@ -49,7 +48,7 @@ def follower() -> Iterator[Extreme]:
     )
     high = f"{0.8 * CRITICAL!r}"
     ramp = pushed(f"{high}*min(t/0.1, 1) if t < 0.2 else 0", 0.3)
-    yield Extreme("follower", "ramped, then switched off", ramp, tight, quick=True, few=COMPILED)
+    yield Extreme("follower", "ramped, then switched off", ramp, tight)
     for name, text in (
         ("switched 20 times", f"{high} if sin(20*pi*t) > 0 else -{high}"),
         ("reversed within 1e-9 s", f"{high}*tanh((0.5 - t)*1e9)"),

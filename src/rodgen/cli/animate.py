@@ -1,0 +1,59 @@
+"""rodgen animate: a result as a film."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rodgen.cli.console import err, out, progress, working
+
+
+def animate(
+    result: Annotated[Path, typer.Argument(metavar="RESULT", help="A result, in NetCDF.")],
+    out_file: Annotated[Path, typer.Option("--out", help="The film: a file .mp4 or .gif.")],
+    fps: Annotated[float, typer.Option(help="Frames a second.")] = 30.0,
+    speed: Annotated[
+        float | None,
+        typer.Option(
+            help="Simulated seconds in a second of film; if not given, 1 where the film then "
+            "takes 3 to 60 s."
+        ),
+    ] = None,
+    width: Annotated[int, typer.Option(help="Pixels, even.")] = 1280,
+    height: Annotated[int, typer.Option(help="Pixels, even.")] = 720,
+    view: Annotated[
+        str | None,
+        typer.Option(
+            help="fixed, centre (moves with the centre of gravity) or axes (turns with the "
+            "principal axes, too); if not given, fixed where the rod is then large enough."
+        ),
+    ] = None,
+    start: Annotated[float | None, typer.Option("--from", help="Where it begins [s].")] = None,
+    end: Annotated[float | None, typer.Option("--to", help="Where it ends [s].")] = None,
+) -> None:
+    """Draw the run in RESULT as a film: MP4, for which ffmpeg is needed, or GIF."""
+    from rodgen.integrate.files.excerpt import Excerpt
+    from rodgen.loading import build_fastest
+    from rodgen.view.animation import film
+    from rodgen.view.animation_files import check_file
+    from rodgen.view.animation_times import Settings, plan
+
+    settings = Settings(fps, speed, view, width, height, start, end)
+    check_file(out_file, settings)
+    stored = Excerpt(result)
+    times = plan(stored.t, settings).times
+    with working("generating"):
+        stored.model = build_fastest(stored.scene)
+    # What a batch system sends to end a program is to leave nothing behind either.
+    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
+    with progress(out_file.name, float(times[0]), float(times[-1])) as update:
+        made = film(stored.t, stored.at, out_file, settings, update)
+    for note in made.notes:
+        err.print(f"rodgen: {note}")
+    taken = f"speed {made.speed:g}{'' if speed else ' (chosen)'}"
+    taken += f", view {made.view}{'' if view else ' (chosen)'}"
+    frames = f"{made.frames} frames of {width} x {height}, {made.seconds:.4g} s"
+    out.print(f"Written: {out_file}: {frames}, {taken}.")

@@ -1,0 +1,48 @@
+"""rodgen view: the live view of a scene, in a browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rodgen.cli.console import out
+from rodgen.cli.errors import BAD_INPUT, fail
+from rodgen.cli.options import SceneFile
+
+
+def view(
+    scene_file: SceneFile,
+    folder: Annotated[
+        Path | None, typer.Option(help="Scenes to choose from; if not given, those beside SCENE.")
+    ] = None,
+    host: Annotated[
+        str, typer.Option(help="Address to listen on; other than the loopback, a token is needed.")
+    ] = "127.0.0.1",
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="Port; 0 takes any that is free.")
+    ] = 8642,
+    opened: Annotated[
+        bool, typer.Option("--open/--no-open", help="Whether to open the page in a browser.")
+    ] = True,
+) -> None:
+    """Watch SCENE move in a browser, change it while it runs, plot anything; Ctrl-C ends it."""
+    from rodgen.scene import Scene, SceneError
+
+    scene = Scene.from_toml(scene_file)
+    place = folder or scene_file.resolve().parent
+    if not place.is_dir():
+        raise SceneError("--folder", str(place), "a folder")
+    try:
+        from rodgen.view.live.web.server import Settings, serve
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] not in ("nicegui", "tomli_w"):
+            raise
+        fail('the live view needs more: pip install "rodgen[view]"', BAD_INPUT)
+
+    def said(address: str) -> None:
+        out.print(f"{scene.name} is shown at {address}\nCtrl-C ends it.")
+
+    serve(Settings(scene, place, host, port, opened, said))
+    out.print("\nEnded.")

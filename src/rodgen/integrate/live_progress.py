@@ -1,0 +1,162 @@
+"""Steps and samples of a run without an end, from one change to the next."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from rodgen.integrate.live_course import STOPS, Course
+from rodgen.integrate.live_samples import Samples, Tape
+from rodgen.integrate.stepper import Array, Counts
+
+
+class LiveError(ArithmeticError):
+    """A run that stands still until it is changed or restarted; t: where [s]; samples: those that
+    became known before."""
+
+    def __init__(self, message: str, t: float, samples: Samples):
+        super().__init__(message)
+        self.t, self.samples = t, samples
+
+
+class Progress:
+    """How far a run is, under the values that it has now.
+
+    works: names of the loads without potential; seconds: computing time since the start.
+    """
+
+    works: tuple[str, ...]
+    seconds: float
+    _course: Course
+    _tape: Tape
+    _spent: Counts  # of the courses before
+    _base: Array  # works before the course [J]
+    _known: tuple[float, Array, Array]  # the last sample given out, or the last change if later
+    _failed: str
+
+    def _start(self, course: Course, every: float, works: tuple[str, ...]) -> None:
+        """From the start of a course, all that is counted at zero."""
+        self._course, self._failed, self.works = course, "", works
+        self._spent, self.seconds = Counts(), 0.0
+        self._base = np.zeros(len(works))
+        self._known = self.t, self.y, self._base
+        self._tape = Tape(self.t, every, len(self.y), works)
+
+    def _take_up(self, course: Course, work: Array, every: float | None = None) -> None:
+        """Go on by another course, with the works up to here; every: other seconds between two
+        samples."""
+        self._spent += self._course.machine.counts
+        self._course, self._base, self._failed = course, work, ""
+        self._known = self.t, self.y, work
+        taken = self._tape.taken
+        if every is not None:
+            self._tape = Tape(self.t, every, self.states, self.works)
+        if taken:  # else the sample at the start is still to come
+            self._tape.skip(self.t)
+
+    @property
+    def p(self) -> Array:
+        """Parameters of the module."""
+        return self._course.p
+
+    @property
+    def t(self) -> float:
+        """Where the method is [s]; the samples given out may end before."""
+        return self._course.machine.t
+
+    @property
+    def y(self) -> Array:
+        """The state there."""
+        return self._course.machine.y.copy()
+
+    @property
+    def method(self) -> str:
+        """The method in use."""
+        return self._course.scene.integrate.method
+
+    @property
+    def every(self) -> float:
+        """Seconds between two samples."""
+        return self._tape.every
+
+    @property
+    def states(self) -> int:
+        """Length of a state."""
+        return self._tape.states
+
+    @property
+    def counts(self) -> Counts:
+        """What the run has cost since the start."""
+        total = Counts()
+        total += self._spent
+        total += self._course.machine.counts
+        # Some methods count in NumPy's integers, which JSON does not know.
+        rejected = None if total.rejected is None else int(total.rejected)
+        others = (total.rhs, total.jacobian, total.factorisations)
+        return Counts(int(total.steps), rejected, *map(int, others))
+
+    def here(self) -> Samples:
+        """Where a change or a kick would act now; after one, what has come of it."""
+        return _one(*self._here())
+
+    def advance(self, to: float, wall: float) -> Samples:
+        """Go on to a time [s] for so many seconds at most, or one step; the samples up to that time
+        that became known. Raises LiveError, again and again until something is changed."""
+        start, goal = time.perf_counter(), self._tape.up_to(to)
+
+        def on() -> None:
+            if self._tape.count == 0 < goal:
+                self._tape.begin(self._course.machine.y)
+            self._course.to(self._tape, goal, start + wall)
+
+        return self._go(on, goal, start)
+
+    def one_step(self) -> Samples:
+        """One step of the method, and a sample at its end; those before it that were not given out
+        are left out. Raises LiveError."""
+        self._go(lambda: self._course.one_step(self._tape), 0, time.perf_counter())
+        self._known = self._at_end()
+        self._tape.skip(self.t)
+        return _one(*self._known)
+
+    def _go(self, on: Callable[[], None], goal: int, start: float) -> Samples:
+        """Steps, and the samples before number ``goal`` that came of them."""
+        if self._failed:
+            raise LiveError(self._failed, self.t, self._taken(0))
+        try:
+            with np.errstate(all="ignore"):
+                on()
+        except STOPS as error:
+            with np.errstate(all="ignore"):
+                self._failed = self._course.told(error)
+            raise LiveError(self._failed, self.t, self._taken(goal)) from None
+        finally:
+            self.seconds += time.perf_counter() - start
+        return self._taken(goal)
+
+    def _taken(self, goal: int) -> Samples:
+        """Samples before number ``goal`` that were not given out yet."""
+        with np.errstate(all="ignore"):
+            self._course.machine.works(self._tape)  # as far as they were put off
+            t, y, work = self._tape.take(goal)
+            work += self._base
+        if len(t):
+            self._known = float(t[-1]), y[-1].copy(), work[-1].copy()
+        return Samples(t, y, work)
+
+    def _here(self) -> tuple[float, Array, Array]:
+        """Where a change acts: time [s], state, and works [J]."""
+        ahead = self._tape.time(self._tape.taken) <= self.t
+        return self._known if ahead else self._at_end()
+
+    def _at_end(self) -> tuple[float, Array, Array]:
+        """The same, of the end of the last step."""
+        with np.errstate(all="ignore"):
+            return self.t, self.y, self._base + self._course.machine.works(self._tape)
+
+
+def _one(t: float, y: Array, work: Array) -> Samples:
+    """A sample of its own."""
+    return Samples(np.array([t]), y[None].copy(), work[None].copy())

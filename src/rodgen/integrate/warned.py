@@ -1,0 +1,42 @@
+"""What a run is warned of before its first step: a step or a tolerance that will not do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import ModuleType
+
+from rodgen.integrate.methods.choose import warn_of_tolerance
+from rodgen.integrate.stability import warn_of_step
+from rodgen.integrate.stepper import Array
+from rodgen.scene import Scene
+
+PULSE = 4  # steps that a pulse takes at least to be felt
+
+
+def step_warnings(scene: Scene, model: ModuleType, p: Array) -> Iterator[str]:
+    """What is wrong with step or tolerance of a scene, in sentences; its method is chosen."""
+    settings = scene.integrate
+    if not settings.fixed:
+        text = warn_of_tolerance(scene, model)
+        if text:
+            yield text
+    if settings.step is None or not settings.fixed:
+        return
+    (start, end), y0 = settings.span, scene.initial_state()
+    text = warn_of_step(settings.method, settings.step, end - start, model, start, y0, p)
+    if text:
+        yield text
+    yield from _passed_over(scene, settings.step)
+
+
+def _passed_over(scene: Scene, step: float) -> Iterator[str]:
+    """The first pulse of a load that is too short for a fixed step [s]."""
+    breaks, pole = scene.breaks(), scene.pole()
+    for begin, peak, over in () if pole else scene.pulses():
+        met = any(begin <= at <= over for at in breaks)  # and stepped onto
+        if begin < peak < over < begin + PULSE * step and not met:
+            yield (
+                f"a load changes within {over - begin:.2g} s at t = {begin:.6g} s, for which "
+                f"the step of {step:g} s is too long; take a smaller step, or dop853"
+            )
+            return

@@ -1,0 +1,47 @@
+"""A module made in a process of its own, so that whoever needs it stays responsive meanwhile.
+
+    python -m rodgen.loading.ahead < structure.json
+
+Afterwards it is in the cache. Every stage is a line of standard output.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import asdict
+
+from rodgen.loading.build import build_fastest, sources
+from rodgen.loading.module import BuildError
+from rodgen.scene import SceneError, Structure
+
+DERIVING, COMPILING = "deriving the equations", "compiling"
+
+
+def dump(structure: Structure) -> str:
+    """A structure as the process reads it."""
+    return json.dumps(asdict(structure))
+
+
+def parse(text: str) -> Structure:
+    """A structure from `dump`. Raises SceneError, and ValueError for what is none."""
+    table = json.loads(text)
+    table["terms"] = tuple(table["terms"])
+    table["expressions"] = tuple((name, value) for name, value in table["expressions"])
+    return Structure(**table)
+
+
+def main() -> None:
+    """Make the module of the structure that is read from standard input."""
+    structure = parse(sys.stdin.read())
+    print(DERIVING, flush=True)
+    try:
+        sources(structure, "c")
+        print(COMPILING, flush=True)
+        build_fastest(structure)
+    except (BuildError, SceneError) as error:
+        sys.exit(str(error))
+
+
+if __name__ == "__main__":
+    main()

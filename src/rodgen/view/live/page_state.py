@@ -1,0 +1,165 @@
+"""What a page has seen of a run, and what is to be sent next."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rodgen.integrate.stepper import Array
+from rodgen.view.live.chunk import Chunk
+from rodgen.view.live.frames import Named, encode
+from rodgen.view.live.picture import drawn
+from rodgen.view.live.plots import Plot
+from rodgen.view.live.texts import texts
+from rodgen.view.live.thinning import MOST_ROWS, thinned
+
+if TYPE_CHECKING:
+    from rodgen.view.live.run import LiveRun
+
+AHEAD = 2  # messages that are sent before one is acknowledged
+TEXTS = 0.2  # seconds between two of them
+Send = Callable[[bytes], None]
+
+
+class PageState:
+    """One page at most looks at a run. What it has not seen waits here, one message's worth: with
+    a slow page, messages become fewer, not more.
+
+    `attach`, `detach` and `acknowledge` may come from another thread; the rest is the run's own.
+    """
+
+    def __init__(self) -> None:
+        self._send: Send | None = None
+        self._wanted: Send | None = None  # a page that has just come
+        self._frame = self._seen = 0
+        self._rows: dict[str, list[Array]] = {}
+        self._replaced: set[str] = set()
+        self._texts: dict[str, str] = {}
+        self._texts_at = -np.inf
+        self._dirty = True
+        self._state: Any = None
+
+    # The connection ----------------------------------------------------------------------------
+
+    def attach(self, send: Send) -> None:
+        """Messages go there from now on, the first with everything."""
+        self._wanted = send
+
+    def detach(self, send: Send) -> None:
+        """That page is gone."""
+        if send in (self._send, self._wanted):
+            self._send = self._wanted = None
+
+    @property
+    def watched(self) -> bool:
+        """Whether anybody looks."""
+        return (self._wanted or self._send) is not None
+
+    def acknowledge(self, frame: int) -> None:
+        """The page has drawn that message."""
+        if self._seen < frame <= self._frame:
+            self._seen = frame
+
+    @property
+    def waits(self) -> bool:
+        """Whether something is to be sent as soon as the page has drawn what it has."""
+        return self.watched and (self._dirty or self._wanted is not None)
+
+    # What comes in -----------------------------------------------------------------------------
+
+    def touched(self) -> None:
+        """Something is to be shown."""
+        self._dirty = True
+        self._texts_at = -np.inf
+
+    def fed(self, plots: Mapping[str, Plot], chunk: Chunk) -> None:
+        """Samples have come."""
+        self._dirty = True
+        for name, plot in plots.items():
+            rows = plot.feed(chunk)
+            if rows is not None:
+                self._keep(name, rows)
+
+    def _keep(self, name: str, rows: Array) -> None:
+        waiting = self._rows.setdefault(name, [])
+        waiting.append(rows)
+        if sum(map(len, waiting)) > 2 * MOST_ROWS:
+            self._rows[name] = [thinned(np.concatenate(waiting))]
+
+    def added(self, plot: Plot, before: Iterable[Chunk]) -> None:
+        """A plot, with what was before."""
+        name = plot.spec.id
+        self._rows[name], self._dirty = [plot.backlog(before)], True
+        self._replaced.add(name)
+
+    def removed(self, name: str) -> None:
+        self._rows.pop(name, None)
+        self._replaced.discard(name)
+
+    def restarted(self, plots: Mapping[str, Plot]) -> None:
+        """The run has begun again: plots are empty."""
+        for name, plot in plots.items():
+            plot.reset()
+            self._rows[name] = []
+            self._replaced.add(name)
+        self.touched()
+
+    def structure_changed(self) -> None:
+        """All texts are to be sent anew."""
+        self._texts = {}
+
+    # What goes out -----------------------------------------------------------------------------
+
+    def show(self, run: LiveRun) -> None:
+        """Send a message if there is something to show and the page can take it."""
+        if self._wanted is not None:
+            self._send, self._wanted = self._wanted, None
+            self._seen, self._texts = self._frame, {}
+            self._replaced.clear()
+            for plot in run.plots.values():
+                self.added(plot, run.store.chunks())
+            self.touched()
+        if self._send is None or not self._dirty or self._frame - self._seen >= AHEAD:
+            return
+        self._dirty = False
+        self._frame += 1
+        self._send(self._message(run))
+
+    def _message(self, run: LiveRun) -> bytes:
+        header: dict[str, Any] = {"frame": self._frame, "state": run.status}
+        arrays: list[Named] = []
+        if np.isfinite(run.shown.y[-1]).all():
+            header["t"] = float(run.shown.t[-1])
+            header["origin"], arrays = drawn(run.model, run.shown)
+        now = time.perf_counter()
+        if now - self._texts_at > TEXTS:
+            self._texts_at = now
+            header["texts"] = self._new_texts(run)
+        arrays += self._plotted(run)
+        return encode(header, arrays)
+
+    def _new_texts(self, run: LiveRun) -> dict[str, str]:
+        """Those that are other than before."""
+        every = texts(run.live.scene, run.model, run.present())
+        new = {key: text for key, text in every.items() if self._texts.get(key) != text}
+        self._texts |= new
+        return new
+
+    def _plotted(self, run: LiveRun) -> list[Named]:
+        """Rows of plots; what a page was not there for is kept until it is."""
+        found: list[Named] = []
+        for name, plot in run.plots.items():
+            waiting = self._rows.pop(name, [])
+            present = plot.present(run.shown) if plot.replaces else None
+            if present is not None:
+                found.append((f"plot!{name}", present.ravel()))
+            elif name in self._replaced:
+                every = np.concatenate(waiting) if waiting else np.zeros(0)
+                found.append((f"plot!{name}", every.ravel()))
+            elif waiting:
+                found.append((f"plot:{name}", np.concatenate(waiting).ravel()))
+            self._replaced.discard(name)
+        return found

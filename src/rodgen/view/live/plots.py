@@ -1,0 +1,196 @@
+"""The plots of a live run: which rows go to the page as samples come."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rodgen.integrate.stepper import Array
+from rodgen.view.live.catalogue import KINDS, PERIODS, Catalogue
+from rodgen.view.live.chunk import Chunk
+from rodgen.view.live.plot_spec import PlotSpec, title_of
+from rodgen.view.live.poincare import Condition, Section
+from rodgen.view.live.spectra import Window, spectrum
+from rodgen.view.live.thinning import MOST_ROWS, thinned
+
+__all__ = ["Plot", "PlotSpec"]
+
+MOST_SERIES = 200  # of one plot; of more, every k-th
+SPECTRA = 0.25  # seconds of wall time between two
+PIECE = 1024  # samples that are taken at once
+
+
+class Plot:
+    """A plot and what it keeps of the run.
+
+    `feed` with every chunk, in order; what it gives is appended. `present` when a picture is
+    drawn; what it gives replaces what is there. `backlog` first, for a plot that is added to a run
+    that has gone on for a while. Use from one thread at a time.
+    """
+
+    def __init__(
+        self, spec: PlotSpec, catalogue: Catalogue, clock: Callable[[], float] = time.monotonic
+    ):
+        self.spec, self.catalogue, self._clock = spec, catalogue, clock
+        self.names = _names(spec, catalogue)
+        self.replaces = spec.kind in ("profile", "spectrum")
+        self._window = Window(spec.window)
+        period = PERIODS.get(spec.when, 0.0)
+        condition = Condition(spec.value, spec.direction, spec.every, period)
+        self._section = Section(condition)
+        self.reset()
+
+    def reset(self) -> None:
+        """As before the first chunk."""
+        self._window.reset()
+        self._section.reset()
+        self._before: Chunk | None = None
+        self._due = -np.inf
+
+    def feed(self, chunk: Chunk) -> Array | None:
+        """Rows to append, or None where there are none (always of profile and spectrum)."""
+        if not len(chunk):
+            return None
+        rows = self._fed(chunk)
+        return rows if rows is not None and len(rows) else None
+
+    def _fed(self, chunk: Chunk) -> Array | None:
+        match self.spec.kind:
+            case "time" | "phase":
+                return self.catalogue.columns(self._row, chunk)
+            case "poincare":
+                joined = self._before is None or _smooth(self._before, chunk)
+                self._before = chunk.last()
+                return self._section.feed(self.catalogue.columns(self._row, chunk), joined)
+            case "spectrum":
+                self._window.feed(chunk.t, self.catalogue.columns(self.names, chunk)[:, 0])
+        return None
+
+    def present(self, chunk: Chunk) -> Array | None:
+        """Rows that replace those there, of the last sample: a profile, or a spectrum at most four
+        times a second; None where there is nothing new (always of the other kinds)."""
+        if self.spec.kind == "profile" and len(chunk):
+            values = self.catalogue.columns(self.names, chunk)[-1]
+            along = self.catalogue.along[self.spec.y[0]]
+            return np.stack((along[:: _stride(len(along))], values), axis=1)
+        if self.spec.kind == "spectrum" and self._clock() >= self._due:
+            self._due = self._clock() + SPECTRA
+            period = PERIODS.get(self.names[0])
+            x = np.unwrap(self._window.x, period=period) if period else self._window.x
+            rows = spectrum(self._window.t, x)
+            return rows if len(rows) else None
+        return None
+
+    def backlog(self, before: Iterable[Chunk]) -> Array:
+        """Rows of what was before the plot was there, at most 5000: of a curve those of the last
+        ``window`` seconds, thinned but with its extremes, of a section the last points; and the
+        present of the others. Chunks that are fed later follow these."""
+        self.reset()
+        chunks = [chunk for chunk in before if len(chunk)]
+        if self.spec.kind != "poincare":
+            chunks = _since(chunks, self.spec.window)
+        rows = [found for chunk in _pieces(chunks) if (found := self.feed(chunk)) is not None]
+        if self.replaces:
+            found = self.present(chunks[-1]) if chunks else None
+            return np.zeros((0, 2)) if found is None else found
+        every = np.concatenate(rows) if rows else np.zeros((0, self.width))
+        return every[-MOST_ROWS:] if self.spec.kind == "poincare" else thinned(every)
+
+    @property
+    def width(self) -> int:
+        """Columns of a row."""
+        return 2 if self.spec.kind != "time" else 1 + len(self.names)
+
+    @property
+    def _row(self) -> tuple[str, ...]:
+        """Quantities of a sample's row."""
+        spec = self.spec
+        first = ("t", spec.x) if spec.kind == "poincare" else (spec.x,)
+        last = (spec.when,) if spec.kind == "poincare" else ()
+        return (*(("t",) if spec.kind == "time" else first), *self.names, *last)
+
+    def to_json(self) -> dict[str, Any]:
+        """What the page needs to draw it."""
+        quantities = [self.catalogue.quantities[name] for name in self.names]
+        x, y = self._axes()
+        return {
+            "id": self.spec.id,
+            "kind": self.spec.kind,
+            "title": title_of(self.spec, self.catalogue),
+            "x": {"label": x[0], "unit": x[1]},
+            "y": {"label": y[0], "unit": y[1]},
+            "series": [{"name": q.name, "label": q.label, "unit": q.unit} for q in quantities],
+            "window": self.spec.window,
+        }
+
+    def _axes(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """Label and unit of x and y."""
+        quantities = [self.catalogue.quantities[name] for name in self.names]
+        units = {q.unit for q in quantities}
+        kinds = {q.kind for q in quantities}
+        label = KINDS[quantities[0].kind].symbol if len(kinds) == 1 else ""
+        y = (quantities[0].label if len(quantities) == 1 else label, "".join(units))
+        if len(units) > 1:  # no axis of one unit: the series tell
+            y = ("", "")
+        match self.spec.kind:
+            case "phase" | "poincare":
+                x = self.catalogue.quantities[self.spec.x]
+                return (x.label, x.unit), y
+            case "profile":
+                return ("position along the rod, 0 at joint 0, 1 at the tail", ""), y
+            case "spectrum":
+                return ("frequency", "Hz"), (f"amplitude of {y[0]}", y[1])
+        return ("t", "s"), y
+
+
+def _names(spec: PlotSpec, catalogue: Catalogue) -> tuple[str, ...]:
+    """The quantities on the y axis; of too many, every k-th."""
+    if spec.kind == "profile":
+        numbers = len(catalogue.along[spec.y[0]])
+        names = catalogue.kinds[spec.y[0]]
+        return tuple(names[:: _stride(numbers)])
+    every = dict.fromkeys(name for one in spec.y for name in catalogue.expand(one))
+    if spec.kind != "time":
+        return tuple(spec.y)
+    return tuple(list(every)[:: -(-len(every) // MOST_SERIES)])
+
+
+def _stride(count: int) -> int:
+    """Of so many links or joints, which are shown in a profile."""
+    return -(-count // MOST_ROWS)
+
+
+def _smooth(before: Chunk, after: Chunk) -> bool:
+    """Whether nothing was changed, and nobody kicked the rod, between two chunks."""
+    same = before.p is after.p or np.array_equal(before.p, after.p)
+    return same and (before.given, before.start) == (after.given, after.start)
+
+
+def _since(chunks: Sequence[Chunk], seconds: float) -> list[Chunk]:
+    """The samples of the last seconds, since the run started again at the latest."""
+    found: list[Chunk] = []
+    for chunk in reversed(chunks):
+        if found and chunk.t[-1] > found[-1].t[0]:
+            break
+        first = int(np.searchsorted(chunk.t, chunks[-1].t[-1] - seconds))
+        if first == len(chunk):
+            break
+        found.append(_part(chunk, first))
+    return found[::-1]
+
+
+def _pieces(chunks: Sequence[Chunk]) -> Iterator[Chunk]:
+    """The same samples in chunks that are not too large for what is made of them."""
+    for chunk in chunks:
+        for first in range(0, len(chunk), PIECE):
+            yield _part(chunk, first, first + PIECE)
+
+
+def _part(chunk: Chunk, first: int, last: int | None = None) -> Chunk:
+    """Some of the samples of a chunk."""
+    some = slice(first, last)
+    return replace(chunk, t=chunk.t[some], y=chunk.y[some], work=chunk.work[some])

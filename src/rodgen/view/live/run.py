@@ -1,0 +1,327 @@
+"""A live run in a thread of its own: it steps, keeps what came out, and tells one page of it."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import threading
+import time
+import traceback
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future
+from types import ModuleType
+from typing import Any, TypeVar
+
+import numpy as np
+
+from rodgen.integrate.live import Live, LiveError, Samples
+from rodgen.integrate.outcome import FAILED, FINISHED
+from rodgen.integrate.solution import Stats
+from rodgen.loading import build_fastest
+from rodgen.scene import Scene, SceneError
+from rodgen.view.live.catalogue import Catalogue
+from rodgen.view.live.chunk import Chunk
+from rodgen.view.live.critical import Critical
+from rodgen.view.live.following import followed
+from rodgen.view.live.pace import Pace
+from rodgen.view.live.page_state import PageState
+from rodgen.view.live.plots import Plot, PlotSpec
+from rodgen.view.live.present import Present
+from rodgen.view.live.recorded import Recorded
+from rodgen.view.live.store import Store
+
+RUNNING, PAUSED, STOPPED = "running", "paused", "stopped"
+FRAME = 1 / 60  # seconds
+SLICE = 0.012  # of them, for steps
+MOST_PLOTS = 24
+IDLE = 0.25  # seconds after which a run that is paused looks up
+T = TypeVar("T")
+
+
+class LiveRun:
+    """A run, its samples, its plots, and the page that looks at it.
+
+    Everything but `do`, `page` and `close` is for the run's own thread: others hand it work by
+    `do`. told: called in that thread when the status or the scene has changed.
+    """
+
+    def __init__(self, scene: Scene, told: Callable[[], None] = lambda: None):
+        """The module of the scene should be in the cache already: it is loaded here."""
+        self.told, self.page = told, PageState()
+        self.status, self.message, self.changes = PAUSED, "", 0
+        self.plots: dict[str, Plot] = {}
+        self._numbers, self.greeted = itertools.count(1), False  # whether it got its first plots
+        self.pace = Pace()
+        self.critical = Critical(self.wake_up)
+        self.take(scene)
+        self._work: deque[tuple[Callable[[], Any], Future[Any]]] = deque()
+        self._wake, self._closed = threading.Event(), False
+        self._thread = threading.Thread(target=self._loop, name="rodgen-run", daemon=True)
+        self._thread.start()
+
+    # From other threads ------------------------------------------------------------------------
+
+    def do(self, work: Callable[[], T]) -> Future[T]:
+        """Have the run's thread do something between two slices."""
+        future: Future[T] = Future()
+        if self._closed:
+            future.cancel()
+            return future
+        self._work.append((work, future))
+        self.wake_up()
+        return future
+
+    def close(self) -> None:
+        """End the thread, and with it the run."""
+        self._closed = True
+        self.wake_up()
+
+    def wake_up(self) -> None:
+        if hasattr(self, "_wake"):
+            self._wake.set()
+
+    # The thread --------------------------------------------------------------------------------
+
+    def _loop(self) -> None:
+        while not self._closed:
+            start = time.perf_counter()
+            self._wake.clear()
+            self._do_work()
+            if self.status == RUNNING:
+                self._guarded(self._slice)
+            self._guarded(lambda: self.page.show(self))
+            rest = FRAME - (time.perf_counter() - start)
+            if self.status != RUNNING:
+                rest = max(rest, IDLE if not self.page.waits else FRAME)
+            if rest > 0 and not self._work:
+                self._wake.wait(rest)
+        while self._work:
+            self._work.popleft()[1].cancel()
+
+    def _do_work(self) -> None:
+        while self._work:
+            work, future = self._work.popleft()
+            if not future.set_running_or_notify_cancel():
+                continue
+            try:
+                future.set_result(work())
+            except BaseException as error:
+                future.set_exception(error)
+
+    def _guarded(self, work: Callable[[], None]) -> None:
+        """A defect ends the run, not the thread: the page says so."""
+        try:
+            work()
+        except Exception as error:
+            traceback.print_exc()
+            self._stop(f"rodgen has failed: {error!r}")
+
+    def _slice(self) -> None:
+        due = self.pace.due()
+        most = self.live.t + 1000 * self.live.every  # samples, where it goes as fast as it can
+        try:
+            self._took(self.live.advance(min(due, most), SLICE))
+        except LiveError as error:
+            self._took(error.samples)
+            self._stop(str(error))
+        self.pace.reached(self.shown.t[-1])
+
+    def _took(self, samples: Samples) -> None:
+        if not len(samples.t):
+            return
+        chunk = self.store.add(samples)
+        self.shown = chunk.last()
+        self.page.fed(self.plots, chunk)
+
+    def _stop(self, message: str) -> None:
+        self.status, self.message = STOPPED, message
+        self._changed()
+
+    def _changed(self) -> None:
+        """Something that the page shows beside the picture is other than before."""
+        self.changes += 1
+        self.page.touched()
+        self.told()
+
+    # What can be asked of it: in its thread ----------------------------------------------------
+
+    def take(self, scene: Scene) -> None:
+        """Another scene, from its start; its plots go on as far as it has their quantities."""
+        self.model: ModuleType = build_fastest(scene)
+        self.live = Live(scene, self.model, self._every(scene))
+        catalogue = Catalogue(scene, self.model)
+        plots = self.plots.values()
+        specs = [followed(p.spec, self.new_name(), p.catalogue, catalogue) for p in plots]
+        self.plots = {spec.id: Plot(spec, catalogue) for spec in specs if spec}
+        self.catalogue = catalogue
+        self.page.structure_changed()
+        self._begin()
+
+    def restart(self, scene: Scene | None = None) -> None:
+        """Back to the initial state."""
+        self.live.restart(scene)
+        self._begin()
+
+    def _begin(self) -> None:
+        live = self.live
+        self.store = Store(live.states, live.works, live.energy_start)
+        self.store.change(live.p, 0.0)
+        self.history: list[str] = []
+        if self.status != RUNNING:
+            self.status = PAUSED
+        self.message = ""
+        self.page.restarted(self.plots)
+        self.shown = self._first()
+        self._resume()
+        self.critical.look(live.scene)
+        self._warned()
+        self._changed()
+
+    def _first(self) -> Chunk:
+        """The state at the start, before a sample is there."""
+        live, start = self.live, self.live.scene.integrate.span[0]
+        try:
+            samples = live.advance(start, 0.0)
+        except LiveError as error:
+            samples = error.samples
+            self.status, self.message = STOPPED, str(error)
+        if len(samples.t):
+            self._took(samples)
+            return self.shown
+        t, y = np.array([live.t]), live.y[None]
+        work = np.zeros((1, len(live.works)))
+        return Chunk(t, y, work, live.works, live.p, 0.0, live.energy_start)
+
+    def _resume(self) -> None:
+        self.pace.start(float(self.shown.t[-1]))
+
+    def _warned(self) -> None:
+        """What is wrong with the step or the tolerance; it is looked at where they change."""
+        self.warnings = self.live.warnings()
+
+    def go(self) -> None:
+        """Run on."""
+        if self.status == PAUSED:
+            self.status = RUNNING
+            self._resume()
+            self._changed()
+
+    def pause(self) -> None:
+        """Hold."""
+        if self.status == RUNNING:
+            self.status = PAUSED
+            self._changed()
+
+    def one_step(self) -> None:
+        """A single step of the method; the run is paused."""
+        self.pause()
+        if self.status == STOPPED:
+            return
+        try:
+            self._took(self.live.one_step())
+        except LiveError as error:
+            self._took(error.samples)
+            self._stop(str(error))
+        self._changed()
+
+    def change(self, scene: Scene, what: str = "") -> None:
+        """Other values of parameters, method, tolerances; what: in words, for the record."""
+        then, p = self.live.scene.integrate, self.live.p
+        self.live.change(scene)
+        if scene.integrate.output_every != then.output_every:
+            self.live.sample_every(self._every(scene))
+        if scene.integrate != then:
+            self._warned()
+        if p is not self.live.p:
+            self._note(what)
+            self.store.change(self.live.p, self.live.given)
+            self.critical.look(scene)
+        if self.status == STOPPED:
+            self.status, self.message = PAUSED, ""
+        self._changed()
+
+    def kick(self, link: int, share: float, impulse: tuple[float, float]) -> None:
+        """An impulse [N s] upon a link."""
+        self.live.kick(link, share, impulse)
+        self._note(f"kick ({impulse[0]:.4g}, {impulse[1]:.4g}) N s upon link {link}")
+        self.store.change(self.live.p, self.live.given)
+        self._changed()
+
+    def _note(self, what: str) -> None:
+        if what and len(self.history) < 1000:
+            self.history.append(f"{what} at t = {self.live.t:.6g} s")
+
+    def set_speed(self, speed: float) -> None:
+        """Simulated seconds per second, infinite for as fast as it goes."""
+        self.pace.speed = speed
+        every = self._every(self.live.scene)
+        if not math.isclose(every, self.live.every):
+            self.live.sample_every(every)
+        self._resume()
+        self._changed()
+
+    def _every(self, scene: Scene) -> float:
+        """Seconds between samples: the scene's, or less where frames need it."""
+        wanted = scene.integrate.output_every
+        return min(wanted, self.pace.speed * FRAME) if math.isfinite(self.pace.speed) else wanted
+
+    # Plots -------------------------------------------------------------------------------------
+
+    def new_name(self) -> str:
+        """Of a plot, unlike all before."""
+        return f"p{next(self._numbers)}"
+
+    def add_plot(self, choice: dict[str, Any]) -> None:
+        """A plot, with what was before it. Raises SceneError."""
+        if len(self.plots) >= MOST_PLOTS:
+            raise SceneError("plots", len(self.plots) + 1, f"at most {MOST_PLOTS} on a page")
+        spec = PlotSpec.from_dict({**choice, "id": self.new_name()}, self.catalogue)
+        self.plots[spec.id] = plot = Plot(spec, self.catalogue)
+        self.page.added(plot, self.store.chunks())
+        self._changed()
+
+    def remove_plot(self, name: str) -> None:
+        """It is shown no longer."""
+        self.plots.pop(name, None)
+        self.page.removed(name)
+        self._changed()
+
+    def arrange_plots(self, names: list[str]) -> None:
+        """Another order."""
+        place = {name: at for at, name in enumerate(names)}
+        ordered = sorted(self.plots, key=lambda name: place.get(name, len(place)))
+        self.plots = {name: self.plots[name] for name in ordered}
+
+    # What is taken away -------------------------------------------------------------------------
+
+    def solution(self) -> Recorded:
+        """All samples that are kept, each with the parameters that it was made with."""
+        pieces = tuple(self.store.chunks()) or (self.shown,)
+        work = np.concatenate([piece.work for piece in pieces])
+        settings = self.live.scene.integrate.model_copy(update={"method": self.live.method})
+        return Recorded(
+            scene=self.live.scene.model_copy(update={"integrate": settings}),
+            t=np.concatenate([piece.t for piece in pieces]),
+            y=np.concatenate([piece.y for piece in pieces]),
+            work={term: work[:, at] for at, term in enumerate(self.live.works)},
+            stats=Stats.of(self.live.counts, self.live.seconds),
+            status=FAILED if self.status == STOPPED else FINISHED,
+            message="; ".join(filter(None, (self.message, *self.history))),
+            model=self.model,
+            pieces=pieces,
+        )
+
+    # For the page ------------------------------------------------------------------------------
+
+    def present(self) -> Present:
+        """What the text panel is about."""
+        live = self.live
+        return Present(
+            chunk=self.shown,
+            counts=live.counts,
+            seconds=live.seconds,
+            ratio=self.pace.ratio if self.status == RUNNING else None,
+            method=live.method,
+            critical=self.critical.value,
+        )

@@ -1,0 +1,1 @@
+"""The page of the live view and its server (NiceGUI, from the extra `view`)."""

@@ -1,0 +1,172 @@
+"""Sliders and fields for every parameter of the scene, and for how it is integrated."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from nicegui import ui
+from nicegui.events import GenericEventArguments
+
+from rodgen.scene import SceneError
+from rodgen.scene.tables import FIXED_STEP, METHODS
+from rodgen.view.live.edits import Field, movable, scale_of
+from rodgen.view.live.web.entry import Entry, number, plain
+
+if TYPE_CHECKING:
+    from rodgen.view.live.web.page import Page
+
+THROTTLE = 0.04  # seconds between two values of a slider that is dragged
+STEPS = 1000  # of a slider
+SETTINGS = {"step": "s", "rtol": "", "atol": "", "output_every": "s"}
+
+
+class Knob:
+    """A slider with its field."""
+
+    def __init__(self, page: Page, field: Field):
+        self.page, self.field, self._scale = page, field, scale_of(field)
+        text = field.text if field.value is None else plain(field.value)
+        with ui.element("div").classes("rg-knob"):
+            self.entry = Entry(field.label, text, self._typed, unit=field.unit, key=field.key)
+            self.slider: ui.slider | None = None
+            if field.value is not None:
+                self.slider = ui.slider(min=0, max=STEPS, step=1, value=self._place(field.value))
+                self.slider.props(f'dense aria-label="{field.label}"')
+                self.slider.on("update:model-value", self._slid, throttle=THROTTLE)
+                self.slider.on("change", self._released)
+
+    def _place(self, value: float) -> float:
+        """Where on the slider a value is."""
+        low, high = self.field.reach(self._scale)
+        if self.field.decades:
+            share = math.log(max(value, low) / low) / math.log(high / low)
+        else:
+            share = (value - low) / (high - low)
+        return round(STEPS * min(1.0, max(0.0, share)))
+
+    def _value(self, place: float) -> float:
+        """The value at a place of the slider, rounded to what a step of it resolves."""
+        low, high = self.field.reach(self._scale)
+        share = place / STEPS
+        if self.field.decades:
+            return float(f"{low * (high / low) ** share:.4g}")
+        value = low + share * (high - low)
+        return float(f"{value:.4g}") if abs(value) > 1e-9 * self._scale else 0.0
+
+    async def _slid(self, event: GenericEventArguments) -> None:
+        value = self._value(float(event.args))
+        self.entry.show(plain(value))
+        with suppress(SceneError):  # it is said beside the field
+            await self._set(value)
+
+    async def _released(self) -> None:
+        """Sliders go farther where one was pushed to its end."""
+        value = self._current()
+        low, high = self.field.reach(self._scale)
+        if value in (low, high) and value and self.field.path[-1] not in ("angle", "clamp_angle"):
+            self._scale = abs(value)
+            if self.slider is not None:
+                self.slider.set_value(self._place(value))
+
+    async def _typed(self, text: str) -> None:
+        try:
+            value: float | str = number(text, self.field.key)
+        except SceneError:
+            if self.field.path[-1] not in ("force", "x", "y"):
+                raise
+            value = text  # an expression of time
+        await self._set(value)
+
+    async def _set(self, value: float | str) -> None:
+        try:
+            shown = plain(value) if isinstance(value, float) else value
+            what = f"{self.field.key} = {shown}"
+            await self.page.change([(self.field.path, value)], what)
+        except SceneError as error:
+            self.entry.said(f"must be {error.allowed}")
+            raise
+
+    def _current(self) -> float:
+        for field in movable(self.page.scene):
+            if field.path == self.field.path and field.value is not None:
+                return field.value
+        return 0.0
+
+    def refresh(self, field: Field) -> None:
+        """The value that the scene has now."""
+        if field.value is None:
+            self.entry.show(field.text)
+            return
+        self.entry.show(plain(field.value))
+        if self.slider is not None:
+            if self.field.decades and field.value <= 0:
+                return
+            low, high = field.reach(self._scale)
+            if not low <= field.value <= high:
+                self._scale = scale_of(field)
+            place = self._place(field.value)
+            if self.slider.value != place:
+                self.slider.set_value(place)
+
+
+class Parameters:
+    """All knobs, and the settings of the integration; built anew for another structure."""
+
+    def __init__(self, page: Page):
+        self.page = page
+        self._kinds: object = None
+        self._knobs: dict[str, Knob] = {}
+        self._settings: dict[str, Entry] = {}
+        ui.label("Parameters").classes("rg-title").props("role=heading aria-level=2")
+        self._box = ui.element("div").classes("rg-knobs")
+        ui.label("Integration").classes("rg-title").props("role=heading aria-level=2")
+        with ui.element("div").classes("rg-knobs"):
+            self.method = ui.select(list(METHODS), label="method", on_change=self._method)
+            self.method.props("dense outlined options-dense")
+            for name, unit in SETTINGS.items():
+                self._setting(name, unit)
+        self.warned = ui.label().classes("rg-warned")
+
+    def _setting(self, name: str, unit: str) -> None:
+        async def put(text: str) -> None:
+            value = number(text, f"integrate.{name}")
+            await self.page.change([(("integrate", name), value)], f"{name} = {text}")
+
+        self._settings[name] = Entry(name.replace("_", " "), "", put, unit=unit, key=name)
+
+    async def _method(self) -> None:
+        scene, method = self.page.scene, self.method.value
+        if method == scene.integrate.method:
+            return
+        changes: list[tuple[tuple[str, ...], object]] = [(("integrate", "method"), method)]
+        if method in FIXED_STEP and scene.integrate.step is None:
+            changes.append((("integrate", "step"), 1e-3))
+        try:
+            await self.page.change(changes, f"method {method}")
+        except SceneError as error:
+            self.page.say(str(error))
+            self.refresh()
+
+    def refresh(self) -> None:
+        """As the scene is now."""
+        scene = self.page.scene
+        fields = {field.key: field for field in movable(scene)}
+        kinds = [(key, field.value is None) for key, field in fields.items()]
+        if kinds != self._kinds:
+            self._kinds = kinds
+            self._box.clear()
+            with self._box:
+                self._knobs = {key: Knob(self.page, field) for key, field in fields.items()}
+        for key, field in fields.items():
+            self._knobs[key].refresh(field)
+        settings = scene.integrate
+        if self.method.value != settings.method:
+            self.method.set_value(settings.method)
+        for name, entry in self._settings.items():
+            entry.show(plain(getattr(settings, name)))
+        self._settings["step"].field.set_visibility(settings.fixed)
+        for name in ("rtol", "atol"):
+            self._settings[name].field.set_visibility(not settings.fixed)
+        self.warned.set_text("; ".join(self.page.run.warnings))

@@ -1,0 +1,84 @@
+// Scales that follow what is drawn without trembling: up at once, down after a while.
+
+import { above, end } from "./numbers.js";
+
+const PATIENCE = 3000;
+
+// Time that passes while something is drawn, in milliseconds; a pause counts as a frame.
+class Clock {
+  last = null;
+
+  passed(now) {
+    const passed = Math.min(now - (this.last ?? now), 100);
+    this.last = now;
+    return passed;
+  }
+}
+
+// A round number that the largest value seen stays below; `shown` moves to it smoothly.
+export class Scale {
+  clock = new Clock();
+
+  constructor() {
+    this.reset();
+  }
+
+  reset() {
+    this.value = this.shown = this.peak = this.quiet = 0;
+  }
+
+  follow(largest, now) {
+    if (!Number.isFinite(largest)) return this.shown;
+    const passed = this.clock.passed(now);
+    this.peak = Math.max(this.peak, largest);
+    this.quiet += passed;
+    if (largest > 0.35 * this.value) this.quiet = this.peak = 0;
+    if (largest > this.value) this.value = end(largest);
+    else if (this.quiet > PATIENCE && this.peak > 0) this.value = end(this.peak);
+    if (this.shown === 0) this.shown = this.value;
+    this.shown += (this.value - this.shown) * (1 - Math.exp(-passed / 120));
+    if (Math.abs(this.value - this.shown) < 0.01 * this.value) this.shown = this.value;
+    return this.shown;
+  }
+
+  get moving() {
+    return this.shown !== this.value;
+  }
+}
+
+// A range of round ends about the data: wider at once, narrower once the data have left more than
+// a third of it empty for a while.
+export class Range {
+  clock = new Clock();
+
+  constructor() {
+    this.reset();
+  }
+
+  reset() {
+    this.low = this.high = this.step = NaN;
+    this.quiet = 0;
+  }
+
+  get ends() {
+    return Number.isNaN(this.low) ? [0, 1] : [this.low, this.high];
+  }
+
+  follow(low, high, now) {
+    if (!(low <= high)) return;
+    this.quiet += this.clock.passed(now);
+    const inside = this.low <= low && high <= this.high;
+    if (high - low > 0.6 * (this.high - this.low) - this.step) this.quiet = 0;
+    if (!inside || this.quiet > PATIENCE) this.#take(low, high);
+  }
+
+  #take(low, high) {
+    const middle = (low + high) / 2;
+    // A little more than the data: a curve is not cut where it touches the edge.
+    const half = Math.max(0.515 * (high - low), 1e-9 * Math.abs(middle), Number.MIN_VALUE * 1e10);
+    this.step = above(half / 5);
+    this.low = Math.floor((middle - half) / this.step + 1e-9) * this.step;
+    this.high = Math.ceil((middle + half) / this.step - 1e-9) * this.step;
+    this.quiet = 0;
+  }
+}

@@ -1,0 +1,162 @@
+// A plot in its frame: title, buttons, key of its curves, picture.
+
+import { Chart, colours, MANY } from "./chart.js";
+import { Gestures } from "./chart_pointer.js";
+import { csv } from "./csv.js";
+import { Curves } from "./curves.js";
+import { button, make, relabel } from "./dom.js";
+import { named, save } from "./files.js";
+import { picture } from "./plot_png.js";
+
+export class Card {
+  dirty = true;
+  seen = false;
+  drawn = -Infinity; // when, in milliseconds
+  draws = 0;
+  cost = 0; // of a drawing, in milliseconds
+
+  // `on`: remove(), move(by), pause(paused), changed().
+  constructor(spec, on) {
+    Object.assign(this, { spec, on });
+    this.curves = new Curves(spec);
+    this.badge = make("span", { class: "rodgen-badge", "aria-live": "polite" });
+    this.title = make("h3", { title: spec.title }, spec.title);
+    this.key = make("div", { class: "rodgen-key" });
+    this.box = make("div", { class: "rodgen-chart" });
+    this.head = make("header", { draggable: "true" }, this.title, this.badge, this.#buttons());
+    this.frame = make(
+      "section",
+      { class: "rodgen-plot", "aria-label": spec.title, "data-plot": spec.id },
+      this.head,
+      this.key,
+      this.box,
+    );
+  }
+
+  #buttons() {
+    const { title } = this.spec;
+    this.hold = button("pause", `Pause ${title}`, () => this.pause(!this.curves.paused));
+    this.reset = button("zoom_out_map", `Reset zoom of ${title}`, () => this.zoom(null));
+    this.reset.disabled = true;
+    return make(
+      "div",
+      { class: "rodgen-buttons" },
+      this.hold,
+      this.reset,
+      button("image", `Save ${title} as PNG`, () => this.png()),
+      button("table_view", `Save ${title} as CSV`, () => this.csv()),
+      button("chevron_left", `Move ${title} left`, () => this.on.move(-1)),
+      button("chevron_right", `Move ${title} right`, () => this.on.move(1)),
+      button("close", `Remove ${title}`, () => this.on.remove()),
+    );
+  }
+
+  // Once it stands in the page: ECharts wants to know its size.
+  open() {
+    this.chart = new Chart(this.box, this.spec);
+    this.gestures = new Gestures(this);
+    this.sizes = new ResizeObserver(() => {
+      this.chart.resize();
+      this.changed();
+    });
+    this.sizes.observe(this.box);
+    this.sight = new IntersectionObserver((entries) => {
+      this.seen = entries.at(-1).isIntersecting;
+      if (this.dirty) this.on.changed();
+    });
+    this.sight.observe(this.box);
+    this.#legend();
+  }
+
+  close() {
+    this.sizes?.disconnect();
+    this.sight?.disconnect();
+    this.chart?.dispose();
+    this.frame.remove();
+  }
+
+  changed() {
+    this.dirty = true;
+    this.on.changed();
+  }
+
+  take(values, replace, t) {
+    this.curves.take(values, replace, t);
+    if (!this.curves.still || replace) this.dirty = true;
+  }
+
+  draw(now) {
+    const begin = performance.now();
+    this.chart.draw(this.curves.now(...this.chart.size, now));
+    this.gestures.drawn();
+    Object.assign(this, { dirty: false, drawn: now });
+    this.draws += 1;
+    this.cost += 0.3 * (performance.now() - begin - this.cost);
+  }
+
+  restyle() {
+    this.chart.style();
+    this.#legend();
+    this.dirty = true;
+  }
+
+  // Up to eight curves by name, more by the ends of the colour map.
+  #legend() {
+    const shades = colours(this.spec);
+    const { series, kind } = this.spec;
+    if (kind !== "time" || series.length < 2) return this.key.replaceChildren();
+    const entry = (one, colour) =>
+      make(
+        "span",
+        {},
+        make("i", { style: `background:${colour}`, "aria-hidden": "true" }),
+        one.label ?? one.name,
+      );
+    if (series.length <= MANY) {
+      return this.key.replaceChildren(...series.map((one, k) => entry(one, shades[k])));
+    }
+    const ramp = make("i", {
+      class: "rodgen-ramp",
+      style: `background:linear-gradient(90deg,${shades})`,
+    });
+    const ends = [series[0], series.at(-1)].map((one) => make("span", {}, one.label ?? one.name));
+    return this.key.replaceChildren(ends[0], ramp, ends[1]);
+  }
+
+  pause(paused) {
+    this.curves.pause(paused);
+    relabel(
+      this.hold,
+      paused ? "play_arrow" : "pause",
+      `${paused ? "Resume" : "Pause"} ${this.spec.title}`,
+    );
+    this.hold.setAttribute("aria-pressed", String(paused));
+    this.#settled();
+    this.on.pause(paused);
+  }
+
+  // view: {x: [low, high], y: [low, high] or null}; null for all.
+  zoom(view) {
+    this.curves.zoom(view);
+    this.reset.disabled = view === null;
+    this.#settled();
+  }
+
+  #settled() {
+    const { paused, view } = this.curves;
+    this.badge.textContent = paused ? "paused" : view ? "zoomed" : "";
+    this.changed();
+  }
+
+  png() {
+    if (this.dirty) this.draw(performance.now());
+    picture(this.spec, this.chart.picture()).toBlob((blob) =>
+      save(blob, named(this.spec.title, "png")),
+    );
+  }
+
+  csv() {
+    const text = csv(this.spec, this.curves.rows);
+    save(new Blob([text], { type: "text/csv" }), named(this.spec.title, "csv"));
+  }
+}

@@ -1,0 +1,200 @@
+// The rod as it is now, drawn on a canvas.
+
+import { around } from "./fitting.js";
+import { Camera } from "./camera.js";
+import { Scale } from "./calm.js";
+import { grid } from "./rod_grid.js";
+import { Layer } from "./layer.js";
+import { frame, legend } from "./rod_legend.js";
+import { joints, Links } from "./rod_links.js";
+import { Loads } from "./rod_loads.js";
+import { arrows, axes, centre, support } from "./rod_marks.js";
+import { Trail } from "./rod_trail.js";
+import { theme } from "./theme.js";
+
+const FONT = "12px Roboto, system-ui, sans-serif";
+const DENSEST = 2; // device pixels per pixel that are drawn at most
+
+export class Picture {
+  camera = new Camera();
+  points = new Float64Array(0); // joints in pixels
+  kick = null; // {link, share, dx, dy}, in pixels, while it is drawn
+  options = { show: {}, view: "fixed", moment: "signed", support: "free", clampAngle: 0 };
+  #grid = new Layer();
+  #key = new Layer();
+  #links = new Links();
+  #loads = new Loads();
+  #trail = new Trail();
+  #moments = new Scale();
+  #fitted = false;
+  #restless = false;
+
+  constructor(canvas, state) {
+    this.canvas = canvas;
+    this.state = state;
+    this.context = canvas.getContext("2d", { alpha: false });
+  }
+
+  resize() {
+    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    this.dense = Math.min(window.devicePixelRatio || 1, DENSEST);
+    Object.assign(this.canvas, { width: width * this.dense, height: height * this.dense });
+    Object.assign(this.camera, { width, height });
+    if (!this.#fitted) this.fit();
+  }
+
+  // True while it wants to be drawn again.
+  paint(now, fresh, fully) {
+    if (fresh) this.#take();
+    if (fresh || fully || this.#restless) this.#restless = this.draw(now);
+    return this.#restless;
+  }
+
+  #take() {
+    const { t, origin, joints: places, point } = this.state;
+    if (!places) return;
+    if (this.points.length !== places.length) {
+      this.forget();
+      this.points = new Float64Array(places.length);
+    }
+    if (!this.#fitted) this.fit();
+    this.#trail.add(t, origin, places, point);
+  }
+
+  view(mode) {
+    this.options.view = mode;
+    if (this.state.joints) this.camera.change(mode, this.state.origin, this.state.point);
+    else this.camera.mode = mode;
+  }
+
+  // Shows the whole rod, with room to swing.
+  fit() {
+    const places = this.state.joints;
+    if (!places || !(this.canvas.clientWidth > 0)) return;
+    this.camera.fit(
+      around(places, this.state.point, this.camera.mode, this.options.support),
+      this.state.origin,
+      this.state.point,
+    );
+    this.#fitted = true;
+  }
+
+  // Another rod: what was fitted to the one before is let go.
+  forget() {
+    this.#fitted = false;
+    this.clear();
+    this.resetScale();
+  }
+
+  clear() {
+    this.#trail.clear();
+  }
+
+  resetScale() {
+    this.#moments.reset();
+    this.#loads.reset();
+  }
+
+  // True while scales still move.
+  draw(now) {
+    const {
+      context,
+      camera,
+      state,
+      options: { show },
+    } = this;
+    const colours = theme();
+    if (!(camera.width > 1 && camera.height > 1)) return false;
+    context.setTransform(this.dense, 0, 0, this.dense, 0, 0);
+    context.font = FONT;
+    camera.follow(state.origin, state.point);
+    this.#ground(colours);
+    if (!this.points.length) return false;
+    camera.project(state.joints, this.points);
+    if (show.trail) this.#trail.draw(context, camera, state.origin, colours);
+    const moment = this.#rod(now, colours);
+    this.#centre(colours);
+    const rows = this.#loads.draw(context, camera, state, this.points, show, colours, now);
+    if (this.kick) this.#aim(colours);
+    this.#legend(moment, rows, colours);
+    this.#time(colours);
+    return this.#moments.moving || this.#loads.moving;
+  }
+
+  #ground(colours) {
+    const { context, camera, state, options } = this;
+    const paint = (on) => {
+      on.fillStyle = colours.background;
+      on.fillRect(0, 0, camera.width, camera.height);
+      if (options.show.grid) grid(on, camera, state.origin, colours);
+    };
+    if (camera.place === null) {
+      paint(context);
+      return;
+    }
+    const key = [camera.place, options.show.grid, colours.background].join();
+    this.#grid.put(context, this.dense, [0, 0, camera.width, camera.height], key, paint);
+  }
+
+  #legend(moment, rows, colours) {
+    if (!moment && !rows.length) return;
+    const box = frame(this.camera.width, moment, rows);
+    const key = JSON.stringify([moment, rows]) + colours.background;
+    const paint = (on) => legend(on, box, moment, rows, colours);
+    this.#key.put(this.context, this.dense, box, key, paint);
+  }
+
+  #rod(now, colours) {
+    const { context, points, state, options } = this;
+    const moments =
+      options.show.moment && 2 * (state.moment?.length ?? 0) === points.length
+        ? state.moment
+        : null;
+    const signed = options.moment !== "absolute";
+    let largest = 0;
+    for (const moment of moments ?? []) largest = Math.max(largest, Math.abs(moment));
+    const limit = moments ? this.#moments.follow(largest, now) : 0;
+    const [c, s] = [Math.cos(options.clampAngle), Math.sin(options.clampAngle)];
+    support(context, options.support, points[0], points[1], this.camera.direction(c, s), colours);
+    this.#links.draw(context, points, moments, limit, signed, colours);
+    if (options.show.joints)
+      joints(context, points, this.#links.width(points), Boolean(moments), colours);
+    return moments && limit > 0 ? { limit, signed } : null;
+  }
+
+  #centre(colours) {
+    const {
+      context,
+      camera,
+      state: { point },
+      options: { show },
+    } = this;
+    if (!Number.isFinite(point?.[0]) || !Number.isFinite(point?.[1])) return;
+    const [x, y] = camera.screen(point[0], point[1]);
+    if (show.axes && Number.isFinite(point[2])) {
+      const first = camera.direction(Math.cos(point[2]), Math.sin(point[2]));
+      axes(context, x, y, first, colours);
+    }
+    if (show.cg) centre(context, x, y, colours);
+  }
+
+  // The arrow begins at the link, wherever that has moved to.
+  #aim(colours) {
+    const { link, share, dx, dy } = this.kick;
+    const [ax, ay, bx, by] = this.points.subarray(2 * link, 2 * link + 4);
+    arrows(
+      this.context,
+      [[ax + share * (bx - ax), ay + share * (by - ay), dx, dy]],
+      colours.kick,
+      3,
+    );
+  }
+
+  #time(colours) {
+    if (this.state.t === null) return;
+    this.context.fillStyle = colours.ink;
+    this.context.textAlign = "left";
+    this.context.textBaseline = "top";
+    this.context.fillText(`t = ${this.state.t.toFixed(2)} s`, 8, 10);
+  }
+}

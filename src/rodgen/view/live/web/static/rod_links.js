@@ -1,0 +1,126 @@
+// Links and joints of a rod, coloured by the bending moment.
+
+import { classes } from "./theme.js";
+
+const CLASSES = 64;
+const SPACING = 16; // pixels from one joint drawn to the next
+
+export const stops = (colours, signed) => (signed ? colours.signed : colours.absolute);
+
+// 0 to CLASSES - 1 of a moment, on a scale that ends at `limit`.
+function classed(moment, limit, signed) {
+  const share = signed ? 0.5 + (0.5 * moment) / limit : Math.abs(moment) / limit;
+  return Math.min(Math.max(Math.floor(share * CLASSES), 0), CLASSES - 1);
+}
+
+export class Links {
+  #heads = new Int32Array(CLASSES);
+  #next = new Int32Array(0);
+
+  // points: x0, y0, x1, ... in pixels; moment: one a joint, or null.
+  draw(context, points, moment, limit, signed, colours) {
+    const links = points.length / 2 - 1;
+    const width = this.width(points);
+    context.lineCap = context.lineJoin = "round";
+    this.#outline(context, points, width, colours);
+    context.lineWidth = width;
+    if (!moment || !(limit > 0)) {
+      stroke(context, colours.link, () => path(context, points));
+      return;
+    }
+    this.#sort(links, moment, limit, signed);
+    const table = classes(stops(colours, signed), CLASSES);
+    for (let k = 0; k < CLASSES; k++) {
+      if (this.#heads[k] >= 0) stroke(context, table[k], () => this.#class(context, points, k));
+    }
+  }
+
+  width(points) {
+    let length = 0;
+    for (let at = 2; at < points.length; at += 2) {
+      length += Math.hypot(points[at] - points[at - 2], points[at + 1] - points[at - 1]);
+    }
+    return Math.min(Math.max(length / 70, 3), 9) || 3;
+  }
+
+  #outline(context, points, width, colours) {
+    context.lineWidth = width + 2;
+    context.globalAlpha = 0.5;
+    stroke(context, colours.edge, () => path(context, points));
+    context.globalAlpha = 1;
+  }
+
+  // Links by colour, as lists through #next: one stroke for all of a colour.
+  #sort(links, moment, limit, signed) {
+    if (this.#next.length !== links) this.#next = new Int32Array(links);
+    this.#heads.fill(-1);
+    for (let i = links - 1; i >= 0; i--) {
+      const mean = (moment[i] + moment[i + 1]) / 2;
+      const k = classed(mean, limit, signed);
+      this.#next[i] = this.#heads[k];
+      this.#heads[k] = i;
+    }
+  }
+
+  #class(context, points, k) {
+    let end = -1;
+    for (let i = this.#heads[k]; i >= 0; i = this.#next[i]) {
+      const at = 2 * i;
+      if (end !== i) context.moveTo(points[at], points[at + 1]);
+      context.lineTo(points[at + 2], points[at + 3]);
+      end = i + 1;
+    }
+  }
+}
+
+function stroke(context, colour, trace) {
+  context.strokeStyle = colour;
+  context.beginPath();
+  trace();
+  context.stroke();
+}
+
+function path(context, points) {
+  context.moveTo(points[0], points[1]);
+  for (let at = 2; at < points.length; at += 2) context.lineTo(points[at], points[at + 1]);
+}
+
+// Dots at the joints, every k-th where they would touch; rotary springs where there is room.
+export function joints(context, points, width, springs, colours) {
+  const count = points.length / 2;
+  const links = count - 1;
+  const length = (width * 70) / links;
+  const radius = Math.min(Math.max(width * 0.42, 1.6), 4);
+  const every = length > 3 * radius ? 1 : Math.ceil(SPACING / Math.max(length, 0.01));
+  if (springs && length > 34) spirals(context, points, Math.min(length / 4, 14), colours);
+  context.fillStyle = colours.joint;
+  context.strokeStyle = colours.edge;
+  context.lineWidth = 1;
+  context.beginPath();
+  for (let i = 0; i < count; i += every) {
+    const [x, y] = [points[2 * i], points[2 * i + 1]];
+    context.moveTo(x + radius, y);
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+  }
+  context.fill();
+  context.stroke();
+}
+
+// The usual sign of a rotary spring, about every inner joint.
+function spirals(context, points, radius, colours) {
+  context.strokeStyle = colours.faint;
+  context.lineWidth = 1.2;
+  context.beginPath();
+  for (let at = 2; at < points.length - 2; at += 2) {
+    const begin =
+      Math.atan2(points[at + 1] - points[at - 1], points[at] - points[at - 2]) + Math.PI;
+    for (let k = 0; k <= 40; k++) {
+      const angle = begin + (k / 40) * 4 * Math.PI;
+      const r = radius * (1 - (0.6 * k) / 40);
+      const [x, y] = [points[at] + r * Math.cos(angle), points[at + 1] + r * Math.sin(angle)];
+      if (k) context.lineTo(x, y);
+      else context.moveTo(x, y);
+    }
+  }
+  context.stroke();
+}

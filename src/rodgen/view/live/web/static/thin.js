@@ -1,0 +1,63 @@
+// As many points as a picture can show, and no more.
+
+// x, y of rows from..to (exclusive): where there are more than two a column, the least and the
+// largest of each column `width` wide. Columns stand at multiples of the width, so that they do
+// not tremble while the window moves on.
+export function extremes(rows, column, from, to, width) {
+  const out = [];
+  let [place, low, high] = [null, -1, -1];
+  const flush = () => {
+    if (low < 0) return;
+    for (const row of low === high ? [low] : [Math.min(low, high), Math.max(low, high)]) {
+      out.push(rows.at(row, 0), rows.at(row, column));
+    }
+    low = high = -1;
+  };
+  for (let row = from; row < to; row++) {
+    const [x, y] = [rows.at(row, 0), rows.at(row, column)];
+    const now = Math.floor(x / width);
+    if (now !== place || Number.isNaN(y)) flush();
+    place = now;
+    if (Number.isNaN(y)) out.push(x, NaN);
+    else if (low < 0) low = high = row;
+    else if (y < rows.at(low, column)) low = row;
+    else if (y > rows.at(high, column)) high = row;
+  }
+  flush();
+  return Float64Array.from(out);
+}
+
+export function whole(rows, column, from, to) {
+  const out = new Float64Array(2 * (to - from));
+  for (let row = from, at = 0; row < to; row++, at += 2) {
+    out[at] = rows.at(row, 0);
+    out[at + 1] = rows.at(row, column);
+  }
+  return out;
+}
+
+// A curve in the plane without the points that lie within (dx, dy) of the last one taken.
+export function spaced(rows, from, to, dx, dy) {
+  const out = [];
+  let [px, py] = [Infinity, Infinity];
+  for (let row = from; row < to; row++) {
+    const [x, y] = [rows.at(row, 0), rows.at(row, 1)];
+    if (row < to - 1 && Math.abs(x - px) < dx && Math.abs(y - py) < dy) continue;
+    out.push(x, y);
+    [px, py] = [x, y];
+  }
+  return Float64Array.from(out);
+}
+
+// Least and largest finite value of columns first..last (exclusive) in rows from..to (exclusive).
+export function bounds(rows, first, last, from, to) {
+  let [low, high] = [Infinity, -Infinity];
+  for (let row = from; row < to; row++) {
+    for (let column = first; column < last; column++) {
+      const value = rows.at(row, column);
+      if (value < low && value > -Infinity) low = value;
+      if (value > high && value < Infinity) high = value;
+    }
+  }
+  return [low, high];
+}

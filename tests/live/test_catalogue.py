@@ -1,0 +1,279 @@
+"""Quantities of the live view by second routes: a Solution's own, exact motions, kinematics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.integrate import Solution
+from rodgen.integrate.stepper import Array
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.structure import BOUNDARIES, INERTIAS, TERMS
+from rodgen.scene.tables import DERIVED
+from rodgen.view.live.catalogue import KINDS, Catalogue
+from rodgen.view.live.chunk import Chunk
+
+Make = Callable[..., Scene]
+HELD = ("cantilever", "clamped")  # at a clamp_angle
+CLAMP = 0.4
+
+
+def chunk_of(sol: Solution) -> Chunk:
+    """All samples of a run."""
+    p = rodgen.build(sol.scene).parameters(**sol.scene.parameters)
+    work = np.array(list(sol.work.values())).reshape(-1, len(sol.t)).T
+    return Chunk(sol.t, sol.y, work, tuple(sol.work), p, start=float(sol.energy.total[0]))
+
+
+def at_rest(scene: Scene, y: Array, t: Array | None = None) -> tuple[Catalogue, Chunk]:
+    """States (K, states) that nobody has integrated."""
+    model = rodgen.build(scene)
+    catalogue = Catalogue(scene, model)
+    works = catalogue.source.works
+    t = np.arange(float(len(y))) if t is None else t
+    p = model.parameters(**scene.parameters)
+    return catalogue, Chunk(t, y, np.zeros((len(y), len(works))), works, p)
+
+
+def clamped_at(boundary: str) -> dict[str, Any]:
+    return {"clamp_angle": CLAMP} if boundary in HELD else {}
+
+
+def some_states(scene: Scene, count: int = 3) -> Array:
+    size = len(scene.initial_state())
+    return np.random.default_rng(7).normal(size=(count, size))
+
+
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+def test_columns_are_the_quantities_of_a_solution(make_scene: Make, boundary: str) -> None:
+    scene = make_scene(4, boundary, TERMS, rod=clamped_at(boundary), span=[0.0, 0.2])
+    sol = rodgen.simulate(scene, output_every=0.02, target="numpy")
+    catalogue, chunk = Catalogue(scene, rodgen.build(scene)), chunk_of(sol)
+    axes, inertia = sol.principal_axes, sol.inertia
+    expected = {
+        "t": sol.t,
+        **{f"phi_{i}": sol.phi[:, i] for i in range(4)},
+        **{f"omega_{i}": sol.omega[:, i] for i in range(4)},
+        **{f"joint_{s}_{'xy'[d]}": sol.joints[:, s, d] for s in range(5) for d in (0, 1)},
+        "tip_x": sol.tip[:, 0],
+        "tip_y": sol.tip[:, 1],
+        "centre_of_gravity_x": sol.centre_of_gravity[:, 0],
+        "centre_of_gravity_y": sol.centre_of_gravity[:, 1],
+        "kinetic_energy": sol.energy.kinetic,
+        "spring_energy": sol.energy.spring,
+        "gravity_energy": sol.energy.gravity,
+        "total_energy": sol.energy.total,
+        "energy_balance": sol.energy_balance,
+        **{f"work_{term}": work for term, work in sol.work.items()},
+        "inertia_x": inertia.x,
+        "inertia_y": inertia.y,
+        "product_xy": inertia.xy,
+        "principal_angle": axes.angle,
+        "principal_moment_1": axes.moments[:, 0],
+        "principal_moment_2": axes.moments[:, 1],
+    }
+    if boundary == "free":
+        names = ("x0", "y0", "vx0", "vy0")
+        expected |= {name: sol.y[:, i] for name, i in zip(names, (0, 1, 6, 7), strict=True)}
+    found = catalogue.columns(list(expected), chunk)
+    # The same functions of the same states: rounding of some sums of tens of joules.
+    np.testing.assert_allclose(found.T, list(expected.values()), rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+def test_all_that_events_can_watch_is_there(make_scene: Make, boundary: str) -> None:
+    scene = make_scene(3, boundary)
+    model = rodgen.build(scene)
+    quantities = Catalogue(scene, model).quantities
+    assert set(model.STATE) <= set(quantities)
+    assert set(DERIVED) <= set(quantities)
+    for s in range(4):
+        for name in (f"joint_{s}_x", f"joint_{s}_y"):
+            assert name in quantities
+    for name, quantity in quantities.items():  # and so they can be watched, if they move
+        assert quantity.name == name
+        assert quantity.unit == KINDS[quantity.kind].unit
+
+
+@pytest.mark.parametrize("inertia", INERTIAS)
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+def test_bending_moments_store_the_springs_energy(
+    make_scene: Make, boundary: str, inertia: str
+) -> None:
+    """k = EI/l between links, 2 EI/l at the root of a clamped rod: M^2/2k is the energy."""
+    n, k = 4, 30.0 / (2.0 / 4)
+    scene = make_scene(n, boundary, rod={**clamped_at(boundary), "inertia": inertia})
+    catalogue, chunk = at_rest(scene, some_states(scene))
+    names, stiffness = catalogue.kinds["bending_moment"], np.full(n + 1, k)
+    stiffness[0] = 2 * k
+    numbers = [int(name.rsplit("_", 1)[1]) for name in names]
+    assert numbers == list(range(boundary == "cantilever", n + 1))  # a held link has no joint 0
+    moments = catalogue.columns(names, chunk)
+    energy = (moments**2 / (2 * stiffness[numbers])).sum(axis=1)
+    np.testing.assert_allclose(catalogue.columns(["spring_energy"], chunk)[:, 0], energy, 1e-12)
+    bends = catalogue.kinds["bend"]
+    at = [names.index(name.replace("bend_", "bending_moment_")) for name in bends]
+    opened = catalogue.columns(bends, chunk) * stiffness[[numbers[i] for i in at]]
+    np.testing.assert_allclose(opened, moments[:, at], 1e-12, 1e-10)
+
+
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+@pytest.mark.parametrize("away", [0.0, 1e12])
+def test_velocities_are_those_of_rigid_links(make_scene: Make, boundary: str, away: float) -> None:
+    n, l = 4, 0.5
+    scene = make_scene(n, boundary, rod=clamped_at(boundary))
+    y = some_states(scene)
+    if boundary == "free":
+        y[:, 0] += away
+    catalogue, chunk = at_rest(scene, y)
+    phi = catalogue.columns(catalogue.kinds["phi"], chunk)
+    omega = catalogue.columns(catalogue.kinds["omega"], chunk)
+    start = y[:, n + 2 : n + 4] if boundary == "free" else np.zeros((3, 2))
+    turning = l * omega[..., None] * np.stack((-np.sin(phi), np.cos(phi)), axis=-1)
+    joints = start[:, None] + np.concatenate((np.zeros((3, 1, 2)), turning.cumsum(axis=1)), axis=1)
+    centre = (joints[:, :-1] + joints[:, 1:]).mean(axis=1) / 2
+    kinds = (("tip_velocity", joints[:, -1]), ("centre_velocity", centre))
+    for kind, expected in kinds:
+        found = catalogue.columns(catalogue.kinds[kind], chunk)
+        # A difference over 1e-5 rad misses 1e-10/6 of what the links turn with; some m/s here.
+        np.testing.assert_allclose(found, expected, atol=1e-8)
+
+
+def test_a_free_bar_that_turns(make_scene: Make) -> None:
+    """A thin bar of 2 m and 3 kg about its middle: nothing along it, M L^2/12 across."""
+    scene = make_scene(1)
+    angles = np.array([-1.5, -0.2, 0.0, 0.9, 1.5, 2.0])
+    y = np.zeros((6, 6))
+    y[:, 2], y[:, 3], y[:, 5] = angles, 0.5, 2.0
+    catalogue, chunk = at_rest(scene, y)
+    names = ["principal_angle", "principal_moment_1", "principal_moment_2", "kinetic_energy"]
+    found = catalogue.columns(names, chunk)
+    inertia = 3.0 * 2.0**2 / 12
+    centre = np.stack((0.5 - 2.0 * np.sin(angles), 2.0 * np.cos(angles)), axis=-1)
+    kinetic = 0.5 * 3.0 * (centre**2).sum(axis=1) + 0.5 * inertia * 2.0**2
+    folded = np.where(angles > np.pi / 2, angles - np.pi, angles)
+    np.testing.assert_allclose(found[:, 0], folded, atol=1e-14)
+    np.testing.assert_allclose(found[:, 1:3], [[0.0, inertia]] * 6, atol=1e-14)
+    np.testing.assert_allclose(found[:, 3], kinetic, rtol=1e-14)
+    velocity = catalogue.columns(["centre_of_gravity_vx", "centre_of_gravity_vy"], chunk)
+    np.testing.assert_allclose(velocity, centre, atol=1e-9)
+
+
+def test_given_energy_and_another_start_are_in_the_balance(make_scene: Make) -> None:
+    scene = make_scene(2, terms=("follower",))
+    catalogue, plain = at_rest(scene, some_states(scene))
+    total = catalogue.columns(["total_energy"], plain)[:, 0]
+    work = np.array([[0.5], [1.5], [-2.0]])
+    chunk = Chunk(plain.t, plain.y, work, plain.works, plain.p, given=7.0, start=11.0)
+    found = catalogue.columns(["energy_balance", "work_follower"], chunk)
+    np.testing.assert_allclose(found[:, 0], total - 11.0 - work[:, 0] - 7.0, rtol=1e-14)
+    np.testing.assert_array_equal(found[:, 1], work[:, 0])
+
+
+def test_loads_and_powers_at_their_times(make_scene: Make) -> None:
+    scene = make_scene(3, "pinned", ("follower", "tip_load"))
+    t = np.array([0.0, 0.3, 1.7])
+    catalogue, chunk = at_rest(scene, some_states(scene), t)
+    found = catalogue.columns(catalogue.kinds["load"], chunk)
+    assert catalogue.kinds["load"] == ["follower_force", "tip_force_x", "tip_force_y"]
+    np.testing.assert_allclose(found.T, [[40.0] * 3, [6.0] * 3, -4 * np.cos(3 * t)], rtol=1e-14)
+    # A dead force at the tail has the power F.v.
+    vx, vy = catalogue.columns(["tip_vx", "tip_vy"], chunk).T
+    power = catalogue.columns(["power_tip_load"], chunk)[:, 0]
+    np.testing.assert_allclose(power, 6.0 * vx - 4 * np.cos(3 * t) * vy, rtol=1e-8)
+
+
+def test_parameters_are_those_of_the_chunk(make_scene: Make) -> None:
+    scene = make_scene(2, "clamped", ("follower",))
+    catalogue, plain = at_rest(scene, some_states(scene))
+    model = rodgen.build(scene)
+    p = model.parameters(**{**scene.parameters, "clamp_angle": 1.0, "follower_force": 5.0})
+    chunk = Chunk(plain.t, plain.y, plain.work, plain.works, p)
+    bend, load = catalogue.columns(["bend_0", "follower_force"], chunk).T
+    np.testing.assert_allclose(bend, plain.y[:, 0] - 1.0, rtol=1e-14)
+    np.testing.assert_array_equal(load, 5.0)
+
+
+def test_a_held_link_keeps_its_clamp(make_scene: Make) -> None:
+    scene = make_scene(3, "cantilever", rod={"clamp_angle": CLAMP})
+    catalogue, chunk = at_rest(scene, some_states(scene))
+    phi, omega, bend = catalogue.columns(["phi_0", "omega_0", "bend_1"], chunk).T
+    np.testing.assert_array_equal(phi, CLAMP)
+    np.testing.assert_array_equal(omega, 0.0)
+    np.testing.assert_allclose(bend, chunk.y[:, 0] - CLAMP, rtol=1e-14)
+
+
+def test_each_group_is_made_once_and_only_if_asked_for(make_scene: Make) -> None:
+    scene = make_scene(3, "free", TERMS)
+    model, calls = rodgen.build(scene), []
+
+    def counted(name: str) -> Any:
+        def call(*arguments: Any) -> Any:
+            calls.append(name)
+            return getattr(model, name)(*arguments)
+
+        return call
+
+    names = ("joints", "energy", "inertia", "power", "centre_of_gravity", "bending_moments")
+    members = {name: counted(name) for name in names}
+    proxy: Any = SimpleNamespace(**{**vars(model), **members})
+    catalogue = Catalogue(scene, proxy)
+    _, chunk = at_rest(scene, some_states(scene))
+    calls.clear()
+    catalogue.columns(["phi_1", "t", "omega_2", "x0", "bend_1", "work_follower"], chunk)
+    assert calls == []
+    catalogue.columns(["tip_x", "joint_1_y", "kinetic_energy", "total_energy"], chunk)
+    catalogue.columns(["energy_balance", "joint_0_x"], chunk)
+    assert sorted(calls) == ["energy", "joints"]
+    catalogue.columns(["tip_x"], chunk.last())
+    assert sorted(calls) == ["energy", "joints", "joints"]
+
+
+@pytest.mark.parametrize(
+    ("name", "close"), [("phi_4", "phi_"), ("kinetic", "kinetic_energy"), (3, ""), (None, "")]
+)
+def test_an_unknown_name_is_refused_with_what_there_is(
+    make_scene: Make, name: Any, close: str
+) -> None:
+    scene = make_scene(3)
+    catalogue, chunk = at_rest(scene, some_states(scene))
+    with pytest.raises(SceneError, match=rf"quantity = .*one of t, .*tip_x.*{close}"):
+        catalogue.columns([name], chunk)
+    with pytest.raises(SceneError, match="plot"):
+        catalogue.expand(name, "plot")
+
+
+def test_what_a_rod_does_not_have_is_not_offered(make_scene: Make) -> None:
+    scene = make_scene(1)
+    catalogue = Catalogue(scene, rodgen.build(scene))
+    absent = {"bend", "bend_rate", "work", "power", "load"}
+    assert absent.isdisjoint(catalogue.kinds)
+    assert absent.isdisjoint(catalogue.along)
+    every = [name for names in catalogue.kinds.values() for name in names]
+    assert sorted(every) == sorted(catalogue.quantities)
+
+
+def test_a_state_that_is_not_finite_gives_no_warning(make_scene: Make) -> None:
+    scene = make_scene(2, "free", TERMS)
+    y = some_states(scene)
+    y[1, 3], y[2, 5] = np.inf, np.nan
+    catalogue, chunk = at_rest(scene, y)
+    names = list(catalogue.quantities)
+    found = catalogue.columns(names, chunk)
+    assert np.isfinite(found[0]).all()
+    for name in ("tip_x", "total_energy", "inertia_x", "principal_angle", "principal_moment_1"):
+        assert np.isnan(found[1, names.index(name)]), name
+
+
+def test_labels_have_greek_and_subscripts(make_scene: Make) -> None:
+    scene = make_scene(13)
+    quantities = Catalogue(scene, rodgen.build(scene)).quantities
+    assert quantities["phi_3"].label == "φ₃"
+    assert quantities["omega_12"].label == "ω₁₂"
+    assert quantities["bending_moment_10"].label == "M₁₀"
+    assert quantities["vx0"].unit == "m/s"

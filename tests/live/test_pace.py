@@ -1,0 +1,50 @@
+"""How fast a live run should go and goes, by a clock that is moved by hand."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from rodgen.view.live.pace import Pace
+
+
+class Clock:
+    now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.mark.parametrize("speed", [0.01, 1.0, 5.0])
+def test_time_due_follows_the_clock(speed: float) -> None:
+    clock = Clock()
+    pace = Pace(speed, clock)
+    pace.start(3.0)
+    clock.now += 2.0
+    assert pace.due() == pytest.approx(3.0 + 2.0 * speed)
+
+
+def test_run_that_cannot_keep_up_is_not_chased() -> None:
+    """It comes to half of what is due each time: the arrears do not grow."""
+    clock = Clock()
+    pace, t = Pace(1.0, clock), 0.0
+    pace.start(t)
+    for _ in range(600):
+        clock.now += 1 / 60
+        t += (pace.due() - t) * 0.5 if pace.due() - t > 0.01 else 0.0
+        pace.reached(t)
+    assert pace.due() - t < 0.11  # seconds
+    for _ in range(120):  # half as fast as the clock
+        clock.now += 1 / 60
+        t += 0.5 / 60
+        pace.reached(t)
+    assert pace.due() - t < 0.11
+    assert pace.ratio == pytest.approx(0.5, rel=0.02)
+
+
+def test_as_fast_as_it_goes() -> None:
+    pace = Pace(math.inf, Clock())
+    pace.start(1.0)
+    assert pace.due() == math.inf
+    assert pace.ratio is None

@@ -1,0 +1,300 @@
+"""What plots of the live view show, against exact motions: sines, circles, straight rods."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.integrate.stepper import Array
+from rodgen.scene import Scene, SceneError
+from rodgen.view.live.catalogue import Catalogue
+from rodgen.view.live.chunk import Chunk
+from rodgen.view.live.plots import MOST_SERIES, Plot, PlotSpec
+from rodgen.view.live.thinning import MOST_ROWS, thinned
+
+Make = Callable[..., Scene]
+GOOD = {"id": "p1", "kind": "time", "y": ["phi_0"]}
+
+
+def prepared(scene: Scene) -> tuple[Catalogue, Callable[..., Chunk]]:
+    """The quantities of a scene, and chunks of times (K,) and states (K, states)."""
+    model = rodgen.build(scene)
+    catalogue = Catalogue(scene, model)
+    p = model.parameters(**scene.parameters)
+
+    def chunk(t: Array, y: Array, **other: Any) -> Chunk:
+        return Chunk(t, y, np.zeros((len(t), 0)), (), other.pop("p", p), **other)
+
+    return catalogue, chunk
+
+
+@pytest.fixture
+def bar(make_scene: Make) -> tuple[Catalogue, Callable[..., Chunk]]:
+    """One link of 2 m that turns about a pin: y = [phi, omega]."""
+    return prepared(make_scene(1, "pinned"))
+
+
+def turning(chunk: Callable[..., Chunk], t: Array, rate: float) -> Chunk:
+    """The bar at the angles rate t."""
+    return chunk(t, np.stack((rate * t, np.full(len(t), rate)), axis=1))
+
+
+def cut(whole: Chunk, *at: int) -> Iterator[Chunk]:
+    """The same samples in several chunks."""
+    for first, last in zip((0, *at), (*at, len(whole)), strict=True):
+        some = slice(first, last)
+        yield replace(whole, t=whole.t[some], y=whole.y[some], work=whole.work[some])
+
+
+def plot(catalogue: Catalogue, **choice: Any) -> Plot:
+    return Plot(PlotSpec.from_dict({"id": "p1", **choice}, catalogue), catalogue)
+
+
+def fed(made: Plot, chunks: Iterator[Chunk]) -> Array:
+    rows = [found for chunk in chunks if (found := made.feed(chunk)) is not None]
+    return np.concatenate(rows) if rows else np.zeros((0, made.width))
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("kind", "pie"),
+        ("id", "a b"),
+        ("id", 3),
+        ("y", []),
+        ("y", ["phi_7"]),
+        ("y", 3),
+        ("y", ["phi_0", None]),
+        ("title", "x" * 81),
+        ("title", "two\nlines"),
+        ("window", 0),
+        ("window", float("nan")),
+        ("window", "20"),
+        ("window", True),
+        ("value", float("inf")),
+        ("every", -1.0),
+        ("direction", "up"),
+        ("colour", "red"),
+    ],
+)
+def test_a_senseless_choice_is_refused(bar: Any, field: str, value: Any) -> None:
+    with pytest.raises(SceneError) as refused:
+        PlotSpec.from_dict({**GOOD, field: value}, bar[0])
+    assert field in f"{refused.value.field} {refused.value.value}"
+
+
+@pytest.mark.parametrize(
+    ("choice", "field"),
+    [
+        ({"kind": "profile", "y": ["tip_x"]}, "plot.y[0]"),
+        ({"kind": "profile", "y": ["phi", "omega"]}, "plot.y"),
+        ({"kind": "profile", "y": ["bend"]}, "plot.y[0]"),  # one link has no neighbour
+        ({"kind": "phase", "y": ["omega_0"], "x": "phi_9"}, "plot.x"),
+        ({"kind": "phase", "y": ["omega"]}, "plot.y[0]"),  # a kind is no quantity
+        ({"kind": "poincare", "y": ["omega_0"], "x": "phi_0"}, "plot.when"),
+        ({"kind": "spectrum", "y": ["phi_0", "tip_x"]}, "plot.y"),
+    ],
+)
+def test_a_kind_of_plot_takes_what_it_can_show(
+    bar: Any, choice: dict[str, Any], field: str
+) -> None:
+    with pytest.raises(SceneError) as refused:
+        PlotSpec.from_dict({"id": "p", **choice}, bar[0])
+    assert refused.value.field == field
+
+
+def test_a_choice_goes_through_json_and_back(bar: Any) -> None:
+    choice = {**GOOD, "kind": "poincare", "x": "tip_x", "when": "t", "every": 0.5, "window": 3}
+    spec = PlotSpec.from_dict(choice, bar[0])
+    again = PlotSpec.from_dict(json.loads(json.dumps(spec.to_dict())), bar[0])
+    assert again == spec
+
+
+def test_time_and_phase_have_a_row_for_every_sample(bar: Any) -> None:
+    catalogue, chunk = bar
+    t = np.linspace(0, 1, 7)
+    whole = turning(chunk, t, 2.0)
+    over_time = fed(plot(catalogue, kind="time", y=["phi", "tip_x"]), cut(whole, 2, 2, 3))
+    expected = np.stack((t, 2 * t, 2 * np.cos(2 * t)), axis=1)
+    np.testing.assert_allclose(over_time, expected, atol=1e-15)
+    phase = fed(plot(catalogue, kind="phase", x="tip_x", y="tip_y"), cut(whole, 4))
+    circle = np.stack((2 * np.cos(2 * t), 2 * np.sin(2 * t)), axis=1)
+    np.testing.assert_allclose(phase, circle, atol=1e-15)
+
+
+def test_of_too_many_series_every_kth_is_shown(make_scene: Make) -> None:
+    catalogue, chunk = prepared(make_scene(MOST_SERIES + 50, "pinned"))
+    made = plot(catalogue, kind="time", y=["omega"])
+    assert made.names == tuple(f"omega_{i}" for i in range(0, MOST_SERIES + 50, 2))
+    y = np.arange(2.0 * (MOST_SERIES + 50))[None]
+    row = made.feed(chunk(np.zeros(1), y))
+    assert row is not None
+    np.testing.assert_array_equal(row[0, 1:], y[0, MOST_SERIES + 50 :: 2])
+
+
+def test_a_profile_goes_along_the_rod(make_scene: Make) -> None:
+    catalogue, chunk = prepared(make_scene(4, "pinned"))
+    state = chunk(np.array([1.0, 2.0]), np.stack((np.full(8, 0.3), np.arange(8.0))))
+    joints = plot(catalogue, kind="profile", y=["joint_x"])
+    angles = plot(catalogue, kind="profile", y=["phi"])
+    assert joints.feed(state) is None
+    found = joints.present(replace(state, y=state.y[:1], t=state.t[:1], work=state.work[:1]))
+    assert found is not None
+    share = np.linspace(0, 1, 5)
+    np.testing.assert_allclose(found.T, [share, 2.0 * share * np.cos(0.3)], atol=1e-15)
+    found = angles.present(state)  # of the last sample
+    assert found is not None
+    np.testing.assert_allclose(found.T, [[0.125, 0.375, 0.625, 0.875], [0, 1, 2, 3]], atol=1e-15)
+
+
+def test_a_section_of_a_circle_is_exact_to_the_fourth_order(bar: Any) -> None:
+    """The tip rises through y = 1 m on a circle of 2 m: at x = sqrt(3), phi = pi/6 + 2 pi k."""
+    catalogue, chunk = bar
+    errors = []
+    for h in (0.1, 0.05, 0.025):
+        made = plot(catalogue, kind="poincare", x="tip_x", y="phi_0", when="tip_y", value=1.0)
+        points = fed(made, cut(turning(chunk, np.arange(0.0, 20.0, h), 1.0), 3, 4, 5, 50, 90))
+        turns = np.arange(len(points))
+        assert len(points) == 4  # pi/6 + 6 pi is 19.4
+        errors.append(np.abs(points[:, 0] - np.sqrt(3)).max())
+        np.testing.assert_allclose(points[:, 1], np.pi / 6 + 2 * np.pi * turns, atol=h**4)
+    # Order 4, but for where in its interval each crossing happens to lie.
+    assert 8 < errors[0] / errors[1] < 32
+    assert 8 < errors[1] / errors[2] < 32
+
+
+@pytest.mark.parametrize(
+    ("direction", "expected"),
+    [("rising", [1 / 6]), ("falling", [5 / 6]), ("either", [1 / 6, 5 / 6])],
+)
+def test_a_section_has_its_direction(bar: Any, direction: str, expected: list[float]) -> None:
+    catalogue, chunk = bar
+    choice = {"x": "tip_x", "y": "phi_0", "when": "tip_y", "value": 1.0, "direction": direction}
+    whole = turning(chunk, np.linspace(0, 6, 301), 1.0)
+    points = fed(plot(catalogue, kind="poincare", **choice), cut(whole))
+    np.testing.assert_allclose(points[:, 1], np.pi * np.array(expected), atol=1e-6)  # h^4 = 1.6e-7
+
+
+def test_chunks_of_any_length_give_the_same_section(bar: Any) -> None:
+    catalogue, chunk = bar
+    choice = {"x": "tip_x", "y": "phi_0", "when": "tip_y"}
+    times = np.cumsum(np.random.default_rng(3).uniform(0.02, 0.06, 800))
+    whole = turning(chunk, times, 1.3)
+    at_once = fed(plot(catalogue, kind="poincare", **choice), cut(whole))
+    one_by_one = fed(plot(catalogue, kind="poincare", **choice), cut(whole, *range(1, 800)))
+    assert len(at_once) == 6  # the upward crossings of 41 rad
+    np.testing.assert_array_equal(at_once, one_by_one)
+    np.testing.assert_allclose(at_once[:, 0], 2.0, atol=1e-5)  # h^4 of 0.06 * 1.3 rad
+
+
+def test_a_stroboscope_sees_a_phase(bar: Any) -> None:
+    """Every 0.7 s of a turn of 1 rad/s; samples do not lie there, nor does the first instant."""
+    catalogue, chunk = bar
+    choice = {"x": "tip_x", "y": "tip_y", "when": "t", "value": 0.25, "every": 0.7}
+    whole = turning(chunk, np.linspace(0, 5, 501), 1.0)
+    points = fed(plot(catalogue, kind="poincare", **choice), cut(whole, 100))
+    instants = 0.25 + 0.7 * np.arange(7)
+    circle = 2 * np.stack((np.cos(instants), np.sin(instants)), axis=1)
+    np.testing.assert_allclose(points, circle, atol=1e-8)  # 0.01^4
+
+
+def test_a_kick_is_not_smoothed_over(bar: Any) -> None:
+    """A bar that turns at 1 rad/s and is turned back at 0.55 s: samples on either side of the kick
+    are joined by a straight line, and by no curve, which would leave the lines phi(t) as well."""
+    catalogue, chunk = bar
+    t = np.arange(0.0, 1.01, 0.1)
+    before = turning(chunk, t[:6], 1.0)
+    back = np.stack((0.55 - 3 * (t[6:] - 0.55), np.full(5, -3.0)), axis=1)
+    after = chunk(t[6:], back, given=4.0)
+    choice = {"x": "t", "y": "phi_0", "when": "phi_0", "direction": "either"}
+    for value, expected in ((0.47, [0.47, 0.53]), (0.23, [0.23, 0.55 + 0.32 / 3])):
+        made = plot(catalogue, kind="poincare", value=value, **choice)
+        points = fed(made, iter((before, after)))
+        np.testing.assert_allclose(points[:, 0], expected, atol=1e-14)
+
+
+def test_the_jump_of_an_axis_is_no_crossing(bar: Any) -> None:
+    """The axis of a bar that turns twice has the angle 0 at 0 (the start), pi, 2 pi, 3 pi; between
+    them it jumps from pi/2 to -pi/2."""
+    catalogue, chunk = bar
+    choice = {"x": "t", "y": "phi_0", "when": "principal_angle", "direction": "either"}
+    whole = turning(chunk, np.arange(0.0, 12.0, 0.05), 1.0)
+    points = fed(plot(catalogue, kind="poincare", **choice), cut(whole))
+    np.testing.assert_allclose(points[:, 0], np.pi * np.array([1, 2, 3]), atol=1e-12)
+
+
+def test_a_run_that_starts_again_starts_the_section_again(bar: Any) -> None:
+    catalogue, chunk = bar
+    choice = {"x": "t", "y": "phi_0", "when": "tip_y", "value": 1.0}
+    whole = turning(chunk, np.linspace(0.0, 1.0, 51), 1.0)
+    points = fed(plot(catalogue, kind="poincare", **choice), iter((whole, whole)))
+    np.testing.assert_allclose(points[:, 0], [np.pi / 6] * 2, atol=1e-6)
+
+
+def test_a_backlog_keeps_the_window_and_the_extremes(bar: Any) -> None:
+    catalogue, chunk = bar
+    t = np.arange(0.0, 100.0, 0.001)
+    y = np.stack((np.sin(t), np.zeros(len(t))), axis=1)
+    y[70_003, 0], y[90_007, 0] = 5.0, -7.0
+    old = chunk(t[:60_000], y[:60_000])
+    new = chunk(t[60_000:], y[60_000:], given=1.0)
+    rows = plot(catalogue, kind="time", y=["phi_0"], window=50.0).backlog([old, new])
+    assert MOST_ROWS // 2 < len(rows) <= MOST_ROWS
+    assert rows[0, 0] == pytest.approx(t[-1] - 50.0, abs=0.0011)
+    assert rows[-1, 0] == t[-1]
+    assert rows[:, 1].max() == 5.0
+    assert rows[:, 1].min() == -7.0
+    assert (np.diff(rows[:, 0]) > 0).all()
+    again = chunk(t[:10], y[:10])  # the run has started again
+    rows = plot(catalogue, kind="time", y=["phi_0"]).backlog([old, again])
+    np.testing.assert_array_equal(rows[:, 0], t[:10])
+    assert plot(catalogue, kind="time", y=["phi_0"]).backlog([]).shape == (0, 2)
+
+
+def test_a_section_added_later_is_the_same(bar: Any) -> None:
+    catalogue, chunk = bar
+    choice = {"x": "tip_x", "y": "phi_0", "when": "tip_y"}
+    first, second = cut(turning(chunk, np.arange(0.0, 30.0, 0.05), 1.0), 257)
+    from_the_start = fed(plot(catalogue, kind="poincare", **choice), iter((first, second)))
+    later = plot(catalogue, kind="poincare", **choice)
+    points = np.concatenate((later.backlog([first]), fed(later, iter((second,)))))
+    np.testing.assert_array_equal(points, from_the_start)
+
+
+@pytest.mark.parametrize("columns", [2, 9, 1300])
+def test_thinned_rows_are_few_and_keep_their_order(columns: int) -> None:
+    rows = np.random.default_rng(1).normal(size=(7001, columns))
+    rows[:, 0] = np.arange(7001.0)
+    rows[17, 1] = np.nan
+    few = thinned(rows)
+    assert len(few) <= MOST_ROWS
+    assert (np.diff(few[:, 0]) > 0).all()
+    assert few[0, 0] == 0
+    assert few[-1, 0] == 7000
+    if columns < 10:  # the extremes of every column
+        np.testing.assert_array_equal(np.nanmax(few, axis=0), np.nanmax(rows, axis=0))
+        np.testing.assert_array_equal(np.nanmin(few, axis=0), np.nanmin(rows, axis=0))
+    assert thinned(rows[:100]) is not None
+    np.testing.assert_array_equal(thinned(rows[:100]), rows[:100])
+
+
+def test_the_page_is_told_what_to_draw(bar: Any) -> None:
+    catalogue, _ = bar
+    made = plot(catalogue, kind="phase", x="phi_0", y=["omega_0"]).to_json()
+    json.dumps(made)
+    assert made["x"] == {"label": "φ₀", "unit": "rad"}
+    assert made["y"] == {"label": "ω₀", "unit": "rad/s"}
+    assert made["series"] == [{"name": "omega_0", "label": "ω₀", "unit": "rad/s"}]
+    assert (made["id"], made["kind"], made["window"]) == ("p1", "phase", 20.0)
+    mixed = plot(catalogue, kind="time", y=["phi_0", "tip_x"], title="two").to_json()
+    assert mixed["y"]["unit"] == ""  # rad and m: the series tell
+    assert mixed["title"] == "two"
+    energies = plot(catalogue, kind="time", y=["energy"]).to_json()
+    assert energies["y"] == {"label": "energy", "unit": "J"}
+    assert len(energies["series"]) == 4

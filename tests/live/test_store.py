@@ -1,0 +1,54 @@
+"""What is kept of a run: the whole of it, in bounded memory, each sample with its parameters."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rodgen.integrate.live import Samples
+from rodgen.view.live.store import MOST, Store
+
+
+def _samples(first: int, last: int, states: int = 4) -> Samples:
+    """Samples whose every number tells which one it is."""
+    t = np.arange(first, last, dtype=float)
+    return Samples(t, np.repeat(t[:, None], states, axis=1), t[:, None] * 10)
+
+
+def test_all_samples_come_back_with_their_parameters() -> None:
+    store = Store(4, ("follower",), start=3.0)
+    store.change(np.array([1.0]), 0.0)
+    store.add(_samples(0, 10))
+    store.change(np.array([2.0]), 0.5)
+    store.add(_samples(10, 15))
+    first, second = store.chunks()
+    assert first.t.tolist() == list(range(10))
+    assert (first.p.tolist(), first.given, first.start) == ([1.0], 0.0, 3.0)
+    assert second.y[:, 3].tolist() == list(range(10, 15))
+    assert second.work[:, 0].tolist() == [100, 110, 120, 130, 140]
+    assert (second.p.tolist(), second.given) == ([2.0], 0.5)
+
+
+@pytest.mark.parametrize("at_once", [1, 7, 1000, 3 * MOST])
+def test_full_store_keeps_evenly_spread_samples_from_start_to_end(at_once: int) -> None:
+    store, total = Store(4, (), start=0.0), 5 * MOST + 3 if at_once > 5 else 2 * MOST + 3
+    store.change(np.array([1.0]), 0.0)
+    for first in range(0, total, at_once):
+        last = min(first + at_once, total)
+        samples = _samples(first, last)
+        store.add(Samples(samples.t, samples.y, np.empty((len(samples.t), 0))))
+    t = np.concatenate([chunk.t for chunk in store.chunks()])
+    assert len(t) <= MOST
+    assert t[0] == 0.0
+    assert len(set(np.diff(t))) == 1  # every so-manieth, no gap
+    assert total - t[-1] <= np.diff(t)[0]
+
+
+def test_changes_without_end_cost_no_memory() -> None:
+    """A slider that is dragged for hours: what no sample needs is forgotten."""
+    store = Store(2, (), start=0.0)
+    for k in range(3 * MOST):
+        store.change(np.array([float(k)]), 0.0)
+        store.add(Samples(np.array([float(k)]), np.full((1, 2), float(k)), np.empty((1, 0))))
+    assert len(store._epochs) <= MOST + 1
+    assert all(chunk.p[0] == chunk.t[0] for chunk in store.chunks())

@@ -1,0 +1,288 @@
+"""A run without an end: the steps of `simulate`, one span after the other."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.integrate.live import Live, LiveError, Samples
+from rodgen.integrate.live_samples import Tape
+from rodgen.scene import Scene
+
+Make = Callable[..., Scene]
+FRAME = 0.0137  # seconds between two times asked for, which are no samples
+COMPILED = ("dop853", "gauss", "radau", "rk4", "euler", "semi_implicit_euler", "thesis_runge_kutta")
+MISSILE: dict[str, Any] = {
+    "name": "missile",
+    "rod": {"links": 6, "length": 5.0, "bending_stiffness": 100.0, "mass": 50.0},
+    "loads": {
+        "follower": {"force": "300*min(t/0.3, 1)", "angle": 0.01},  # a break point at 0.3 s
+        "gravity": {},
+        "internal_damping": {"coefficient": 0.01},
+        "external_damping": {"coefficient": 0.5},
+    },
+    "initial": {"phi": "1.4+0.1*s", "velocity": [3.0, 5.0]},
+    "integrate": {"span": [0.0, 1.0], "output_every": 0.01, "step": 0.002, "rtol": 1e-6},
+}
+
+
+def live_of(scene: Scene, target: str = "c", every: float | None = None) -> Live:
+    return Live(scene, rodgen.build(scene, target), every or scene.integrate.output_every)
+
+
+def gone_on(live: Live, to: float, frame: float = FRAME) -> Samples:
+    """All samples up to a time, asked for frame by frame."""
+    parts, at = [], live.here().t[0]
+    while at < to:
+        at = min(at + frame, to)
+        parts.append(live.advance(at, 60.0))
+    return Samples(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+
+
+def other(scene: Scene, **tables: dict[str, Any]) -> Scene:
+    """The scene with other values in its tables."""
+    table = scene.model_dump(exclude_none=True)
+    for name, values in tables.items():
+        table[name] = {**table[name], **values}
+    return Scene.from_dict(table)
+
+
+@pytest.mark.compiler
+@pytest.mark.parametrize("method", COMPILED)
+def test_compiled_steps_are_those_of_a_run_with_an_end(method: str) -> None:
+    """To the bit, whatever times are asked for: up to the end of the span steps are the same."""
+    scene = Scene.from_dict(MISSILE).with_integrate(method=method)
+    live = live_of(scene)
+    t, y, work = gone_on(live, 1.0)
+    sol = rodgen.simulate(scene, model=live.model)
+    np.testing.assert_array_equal(t, sol.t)
+    np.testing.assert_array_equal(y, sol.y)
+    np.testing.assert_array_equal(work, np.stack(list(sol.work.values()), axis=1))
+    assert live.works == tuple(sol.work)
+    assert (live.counts.steps, live.counts.rhs) == (sol.stats.steps, sol.stats.rhs)
+
+
+@pytest.mark.parametrize("method", ["lsoda", "radau", "gauss", "dop853", "bdf", "rk4"])
+def test_steps_in_python_are_those_of_a_run_with_an_end(method: str) -> None:
+    """States to the bit; works are sums of as many terms, up to 3e4 J in all, in another order: a
+    thousand roundings of 1e-16 of that."""
+    scene = Scene.from_dict(MISSILE).with_integrate(method=method, span=[0.0, 0.5])
+    live = live_of(scene, "numpy")
+    t, y, work = gone_on(live, 0.5)
+    sol = rodgen.simulate(scene, model=live.model)
+    np.testing.assert_array_equal(t, sol.t)
+    np.testing.assert_array_equal(y, sol.y)
+    expected = np.stack(list(sol.work.values()), axis=1)
+    np.testing.assert_allclose(work, expected, rtol=0, atol=3e4 * 1e-13)
+    assert live.counts.steps == sol.stats.steps
+
+
+@pytest.mark.compiler
+@pytest.mark.parametrize(("method", "near"), [("rk4", 1e-12), ("dop853", 1e-6)])
+def test_second_span_goes_on_from_the_first(method: str, near: float) -> None:
+    """As a run of that span from the state at the end of the first. Equal steps give equal bits but
+    for the rounding of turned angles; others (dop853 keeps its step) differ by the tolerance."""
+    scene = Scene.from_dict(MISSILE).with_integrate(method=method, rtol=1e-9)
+    live = live_of(scene)
+    end = gone_on(live, 1.0).y[-1]
+    n, half = scene.rod.links, len(end) // 2
+    initial = {
+        "position": end[:2].tolist(),
+        "phi": end[2 : 2 + n].tolist(),
+        "velocity": end[half : half + 2].tolist(),
+        "omega": end[half + 2 :].tolist(),
+    }
+    second = other(scene, initial=initial, integrate={"span": [1.0, 2.0]})
+    sol = rodgen.simulate(second, model=live.model)
+    np.testing.assert_allclose(gone_on(live, 2.0).y, sol.y[1:], rtol=near, atol=near)
+
+
+@pytest.mark.parametrize(
+    ("method", "target"),
+    [
+        *((method, "c") for method in COMPILED),
+        *((method, "numpy") for method in ("lsoda", "radau", "dop853", "gauss", "cvode", "rk4")),
+    ],
+)
+@pytest.mark.compiler
+def test_one_step_is_one(method: str, target: str) -> None:
+    """Across breaks and ends of spans, after others, with one sample at its end each time."""
+    scene = Scene.from_dict(MISSILE).with_integrate(method=method, span=[0.0, 0.31], step=0.01)
+    live = live_of(scene, target)
+    if method == "cvode":
+        pytest.importorskip("sksundae")
+    live.advance(0.25, 60.0)
+    before, steps = live.t, live.counts.steps
+    for k in range(1, 40):
+        t, y, work = live.one_step()
+        assert live.counts.steps == steps + k
+        assert (t.shape, y.shape, work.shape) == ((1,), (1, live.states), (1, len(live.works)))
+        assert t[0] == live.t > before
+        np.testing.assert_array_equal(y[0], live.y)
+        before = live.t
+    behind = live.advance(before + 0.05, 60.0).t
+    assert len(behind) in (4, 5)
+    assert (behind > before).all()
+
+
+@pytest.mark.compiler
+def test_works_of_single_steps_are_those_of_the_run() -> None:
+    """A sum of fixed steps does not depend on where samples are."""
+    scene = Scene.from_dict(MISSILE).with_integrate(method="rk4", step=0.01)
+    live = live_of(scene)
+    for _ in range(50):
+        t, y, work = live.one_step()
+    sol = rodgen.simulate(scene, model=live.model)
+    assert t[0] == sol.t[50]
+    np.testing.assert_array_equal(y[0], sol.y[50])
+    np.testing.assert_array_equal(work[0], [values[50] for values in sol.work.values()])
+
+
+def test_samples_stand_where_the_grid_has_them() -> None:
+    """Of a time in the grid one more is there than of the double before it."""
+    for start, every in ((0.0, 0.1), (-3.3, 0.7), (1e6, 1 / 60), (0.1, 1e-3)):
+        tape = Tape(start, every, 1, ())
+        for k in (0, 1, 2, 3, 7, 1000, 123_457, 10**8 + 1):
+            at = start + every * k
+            assert tape.up_to(at) == k + 1
+            assert tape.up_to(float(np.nextafter(at, -np.inf))) == k
+    assert tape.up_to(-np.inf) == tape.up_to(np.nan) == 0
+    assert tape.up_to(np.inf) > 10**15
+
+
+def test_clock_holds_a_run_that_is_slow() -> None:
+    """Ten million steps of 0.1 ms at least are asked for; it gives up after 0.05 s, or a second on
+    a machine that does much else."""
+    scene = Scene.from_dict(MISSILE).with_integrate(method="rk4", step=1e-6)
+    live = live_of(scene, "numpy")
+    start = time.perf_counter()
+    samples = live.advance(10.0, 0.05)
+    assert time.perf_counter() - start < 1.0
+    assert 0 < live.t < 1.0
+    assert (samples.t <= live.t).all()
+    assert 0.04 < live.seconds < 1.0
+    assert not len(live.advance(-1.0, 0.05).t)
+
+
+# Loads that change in time ---------------------------------------------------------------------
+
+
+def tip(force: dict[str, str], span: float, **integrate: Any) -> Scene:
+    """A bar of 3 kg and 2 m at rest under a force on its tail."""
+    return Scene.from_dict(
+        {
+            "name": "bar",
+            "rod": {"links": 1, "length": 2.0, "bending_stiffness": 1.0, "mass": 3.0},
+            "loads": {"tip": force},
+            "integrate": {"span": [0.0, span], "output_every": 0.1, **integrate},
+        }
+    )
+
+
+@pytest.mark.compiler
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("method", ["dop853", "radau"])
+@pytest.mark.parametrize("border", [7.4, 7.98, 8.0, 8.02, 8.03, 8.7])
+def test_pulse_after_a_rest_is_felt(border: float, method: str, target: str) -> None:
+    """Be it in the third span or at its beginning, with the rest in the span before. An impulse J
+    at the end of a bar, here 0.05 N s within 0.03 s, turns it by 6 J/(M L); it turns meanwhile by
+    0.05 rad/s for 0.01 s, squared."""
+    height = 0.05 / (0.01 * math.sqrt(math.pi))
+    pulse = {"y": f"{height!r}*exp(-((t - 8)/0.01)**2)"}
+    live = live_of(tip(pulse, border / 2, method=method), target)
+    samples = gone_on(live, 9.0, 0.5)
+    assert samples.y[-1, -1] == pytest.approx(6 * 0.05 / (3.0 * 2.0), rel=1e-5)
+
+
+@pytest.mark.compiler
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("span", [0.4, 0.5, 2.5])
+def test_switched_load_is_stepped_onto(span: float, target: str) -> None:
+    """Along a straight bar of 2 kg: 6 N for a second, then -2 N; parabolas, which every method of
+    order 2 has to rounding, if no step reaches across the switch, be it at the border of a span."""
+    table = {
+        "name": "switched",
+        "rod": {"links": 1, "length": 1.0, "bending_stiffness": 1.0, "mass": 2.0},
+        "loads": {"tip": {"x": "6 if t <= 1 else -2"}},
+        "integrate": {"span": [0.0, span], "method": "dop853", "rtol": 1e-6},
+    }
+    t, y, work = gone_on(live_of(Scene.from_dict(table), target, 0.03), 3.0)
+    after = np.maximum(t - 1.0, 0.0)
+    x = np.where(t <= 1.0, 1.5 * t**2, 1.5 + 3.0 * after - 0.5 * after**2)
+    v = np.where(t <= 1.0, 3.0 * t, 3.0 - after)
+    np.testing.assert_allclose(y[:, 0], x, atol=1e-13)
+    np.testing.assert_allclose(y[:, 3], v, atol=1e-13)
+    np.testing.assert_allclose(work[:, 0], v**2, atol=1e-12)  # M v^2/2
+
+
+@pytest.mark.compiler
+@pytest.mark.parametrize("span", [4.0, 2.5, 1.25, 1.0])
+def test_pole_is_told_as_a_run_with_an_end_tells_it(span: float) -> None:
+    """Inside the first or the third span, or at the end of the first or the second."""
+    scene = tip({"x": "1/(2.5 - t)"}, span, method="dop853")
+    live = live_of(scene, every=0.25)
+    with pytest.raises(LiveError) as caught:
+        live.advance(9.0, 60.0)
+    with pytest.raises(rodgen.RunError) as expected:
+        rodgen.simulate(scene, model=live.model, span=[0.0, 4.0])
+    assert "loads.tip.x = '1/(2.5 - t)' is not finite at t = 2.5 s" in str(caught.value)
+    assert str(caught.value).partition(": ")[2] == str(expected.value).partition(": ")[2]
+    assert caught.value.t == pytest.approx(2.5)
+    assert len(caught.value.samples.t) == 10
+
+
+# How it fails ----------------------------------------------------------------------------------
+
+
+@pytest.mark.compiler
+@pytest.mark.parametrize(("target", "method"), [("c", "rk4"), ("numpy", "rk4"), ("c", "euler")])
+def test_blow_up_is_told_and_can_be_mended(target: str, method: str) -> None:
+    """With a step beyond the stability limit: in the words of `simulate`, with its samples; a
+    smaller step goes on, here after a restart to a state that is no wreck."""
+    scene = Scene.from_dict(MISSILE).with_integrate(method=method, step=0.05, span=[0.0, 60.0])
+    scene = other(scene, rod={"bending_stiffness": 1e5})
+    live = live_of(scene, target)
+    with pytest.raises(LiveError) as caught:
+        live.advance(60.0, 60.0)
+    with (
+        pytest.raises(rodgen.RunError) as expected,
+        pytest.warns(rodgen.StepWarning) as warned,
+    ):
+        rodgen.simulate(scene, model=live.model)
+    assert str(caught.value) == str(expected.value)
+    assert str(caught.value).startswith(f"stopped at t = {live.t:.9g} s: ")
+    np.testing.assert_array_equal(caught.value.samples.y, expected.value.solution.y)
+    assert live.warnings() == [str(warning.message) for warning in warned]
+    steps = live.counts.steps
+    with pytest.raises(LiveError, match="stopped at t = ") as again:
+        live.one_step()
+    assert not len(again.value.samples.t)
+    assert live.counts.steps == steps
+    live.change(scene.with_integrate(method="rk4", step=1e-4))
+    live.restart()
+    assert live.warnings() == []
+    assert gone_on(live, 0.1).t[-1] == 0.1
+
+
+@pytest.mark.compiler
+def test_failed_run_goes_on_where_it_is() -> None:
+    """A tolerance below rounding stops bdf; dop853 goes on from there, and what comes out is the
+    motion still, to ten times the tolerance of either."""
+    scene = Scene.from_dict(MISSILE).with_integrate(method="bdf", rtol=2.3e-14, atol=1e-60)
+    live = live_of(scene)
+    with pytest.raises(LiveError, match="the method gave up") as caught:
+        live.advance(1.0, 60.0)
+    samples = caught.value.samples
+    assert 0.01 < samples.t[-1] <= live.t == caught.value.t < 1.0
+    mended = scene.with_integrate(method="dop853", rtol=1e-9, atol=1e-10)
+    live.change(mended)
+    assert live.method == "dop853"
+    y = np.concatenate((samples.y, gone_on(live, 1.0).y))
+    expected = rodgen.simulate(mended, model=live.model, rtol=1e-12).y
+    np.testing.assert_allclose(y, expected, rtol=1e-8, atol=1e-8)

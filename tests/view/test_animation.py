@@ -1,0 +1,292 @@
+"""Animations, decoded again: marks are where the angles say, and nothing is left of a failure."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from rodgen.integrate import Solution
+from rodgen.integrate.files.layout import NO_STATS
+from rodgen.scene import Scene, SceneError
+from rodgen.view.animation import animate
+from rodgen.view.animation_files import ffmpeg
+from rodgen.view.animation_times import Settings, nearest, plan
+
+Make = Callable[..., Solution]
+Pixels = np.ndarray
+SMALL: dict[str, Any] = {"width": 640, "height": 480, "fps": 10, "speed": 1}
+AXES = np.s_[40:430, 60:500]  # pixels of such a film that are inside the axes, without the clock
+LARGE = np.s_[90:650, 90:1070]  # the same of 1280 x 720
+TAIL = 217, 131, 15  # red, green, blue of its mark
+needs_ffmpeg = pytest.mark.skipif(ffmpeg() is None, reason="no ffmpeg")
+
+
+@pytest.fixture
+def moved(make_scene: Callable[..., Scene]) -> Make:
+    """A solution with the given states over time; no integration is needed for a picture."""
+
+    def make(t: Any, y: Any, **rod: Any) -> Solution:
+        return Solution(make_scene(**rod), np.array(t, float), np.array(y, float), {}, NO_STATS)
+
+    return make
+
+
+@pytest.fixture
+def pendulum(moved: Make) -> Solution:
+    """One link, from 0 to 180 degrees in 13 samples."""
+    phi = np.pi * np.arange(13) / 12
+    return moved(phi * 0 + np.arange(13) / 10, np.c_[phi, phi], links=1, boundary="pinned")
+
+
+def frames(path: Path) -> Iterator[Pixels]:
+    """Those of a GIF, (height, width, 3)."""
+    with Image.open(path) as film:
+        for k in range(film.n_frames):
+            film.seek(k)
+            yield np.asarray(film.convert("RGB"))
+
+
+def tail(frame: Pixels, tolerance: int = 12, inside: Any = AXES) -> Pixels:
+    """Middle of the tail's mark [pixels], x and y to the right and up."""
+    away = np.abs(frame[inside].astype(int) - TAIL).max(axis=-1)
+    rows, columns = np.nonzero(away <= tolerance)
+    assert len(rows) > 5, "no mark of the tail"
+    return np.array([columns.mean(), -rows.mean()])
+
+
+def on_a_circle(places: Pixels, phi: Pixels, tolerance: float) -> None:
+    """Places of the tail are on a circle, at angles phi from 0 to pi."""
+    middle, across = (places[0] + places[-1]) / 2, (places[0] - places[-1]) / 2
+    radius = np.hypot(*across)
+    assert radius > 100  # pixels: the rod fills the picture
+    expected = middle + radius * np.c_[np.cos(phi), np.sin(phi)]
+    assert np.abs(places - expected).max() < tolerance
+
+
+def test_gif_shows_the_tail_where_the_angle_says(pendulum: Solution, tmp_path: Path) -> None:
+    told: list[float] = []
+    path = tmp_path / "film.gif"
+    film = animate(pendulum, path, progress=told.append, **SMALL)
+    assert (film.frames, film.seconds, film.view) == (13, 1.3, "fixed")
+    shown = list(frames(path))
+    assert len(shown) == 13
+    assert {frame.shape for frame in shown} == {(480, 640, 3)}
+    # Half a pixel of rounding in each of the mark and the two that the circle is made of.
+    on_a_circle(np.array([tail(frame) for frame in shown]), pendulum.phi[:, 0], 1.5)
+    assert told == pytest.approx(pendulum.t)
+    with Image.open(path) as opened:
+        assert opened.info["loop"] == 0  # without an end
+        assert tuple(np.asarray(opened.convert("RGB"))[2, 2]) == (255, 255, 255)
+    assert [found.name for found in tmp_path.iterdir()] == ["film.gif"]
+
+
+def test_gif_goes_at_its_speed(pendulum: Solution, tmp_path: Path) -> None:
+    """Frames of 1/30 s in hundredths: 3, 3, 4, so that the whole is right."""
+    path = tmp_path / "film.gif"
+    animate(pendulum, path, **SMALL | {"fps": 30})
+    with Image.open(path) as film:
+        durations = []
+        for k in range(film.n_frames):
+            film.seek(k)
+            durations.append(film.info["duration"])
+    assert sum(durations) == pytest.approx(1000 * 37 / 30, abs=5)  # half a hundredth
+    assert set(durations) == {30, 40}
+
+
+@needs_ffmpeg
+def test_mp4_shows_the_same(pendulum: Solution, tmp_path: Path) -> None:
+    path = tmp_path / "film.MP4"
+    film = animate(pendulum, path, fps=10, speed=1)
+    command = [str(ffmpeg()), "-hide_banner", "-i", str(path), "-f", "rawvideo"]
+    done = subprocess.run(
+        [*command, "-pix_fmt", "rgb24", "-"], capture_output=True, check=True, timeout=60
+    )
+    stream = re.search(r"Video: h264.*", done.stderr.decode())
+    assert stream
+    assert "yuv420p" in stream[0]
+    assert "1280x720" in stream[0]
+    assert "10 fps" in stream[0]
+    shown = np.frombuffer(done.stdout, np.uint8).reshape(-1, 720, 1280, 3)
+    assert len(shown) == film.frames == 13
+    # Colour has half of the pixels, and is compressed: its mark is less sharp.
+    places = np.array([tail(frame, 40, LARGE) for frame in shown])
+    on_a_circle(places, pendulum.phi[:, 0], 2.5)
+
+
+@pytest.mark.parametrize(("view", "stays"), [("fixed", False), ("centre", False), ("axes", True)])
+def test_views_of_a_turning_rod(moved: Make, tmp_path: Path, view: str, stays: bool) -> None:
+    """A rod that turns about its middle while that flies away, 5 m/s: the tail's mark stays where
+    it is if the view turns with the rod, turns if it only moves along, and else flies."""
+    t = np.arange(9) / 10
+    phi = 2.0 * t
+    nose = np.c_[5 * t, 0 * t] - np.c_[np.cos(phi), np.sin(phi)]
+    zero = np.zeros((9, 3))
+    sol = moved(t, np.c_[nose, phi, zero], links=1)
+    path = tmp_path / "film.gif"
+    animate(sol, path, view=view, **SMALL)
+    places = np.array([tail(frame) for frame in frames(path)])
+    moves = np.ptp(places, axis=0)
+    if view == "fixed":
+        ahead = np.c_[5 * t + np.cos(phi), np.sin(phi)]
+        scale = np.hypot(*(places[-1] - places[0])) / np.hypot(*(ahead[-1] - ahead[0]))
+        assert np.abs(places - places[0] - scale * (ahead - ahead[0])).max() < 1.5
+    else:
+        assert (moves.max() < 1.0) == stays
+    if view == "centre":  # two ends of a chord of a circle about the middle of the rod
+        chord = np.hypot(*(places[-1] - places[0])) / np.hypot(*(places[4] - places[0]))
+        assert chord == pytest.approx(np.sin(0.8) / np.sin(0.4), abs=0.02)  # a pixel of 100
+
+
+@pytest.mark.parametrize(("angle", "warm"), [(0.5, True), (-0.5, False)])
+def test_colour_tells_the_sign_of_the_bending(
+    moved: Make, tmp_path: Path, angle: float, warm: bool
+) -> None:
+    sol = moved([0.0], [[0, 0, 0, angle, 0, 0, 0, 0]], links=2)
+    path = tmp_path / "film.gif"
+    animate(sol, path, **SMALL)
+    red, _, blue = np.moveaxis(next(frames(path))[AXES].astype(int), -1, 0)
+    reds, blues = np.count_nonzero(red - blue > 205), np.count_nonzero(blue - red > 205)
+    # 205: the mark of the tail has 202, that of the centre of gravity less. 50: some of the rod.
+    assert (reds > 50, blues > 50) == (warm, not warm)
+
+
+def test_run_that_blew_up_is_drawn_up_to_there(pendulum: Solution, tmp_path: Path) -> None:
+    path = tmp_path / "film.gif"
+    for bad in (np.nan, np.inf, -1e16):
+        pendulum.y[7:] = bad
+        film = animate(pendulum, path, **SMALL)
+        assert film.frames == len(list(frames(path))) == 7
+        assert "from t = 0.7 s on" in film.notes[0]
+    pendulum.y[0] = np.nan
+    path.unlink()
+    with pytest.raises(SceneError, match="can be drawn"):
+        animate(pendulum, path, **SMALL)
+    assert not list(tmp_path.iterdir())
+
+
+def test_far_from_the_origin_the_shape_stays(moved: Make, tmp_path: Path) -> None:
+    """At 1e12 m doubles are 1.2e-4 m apart: less than a pixel of a rod of 2 m."""
+    y = np.array(
+        [[1.0000000002e12, -3e11, 0.3, 0, 0, 0], [1.0000000002e12 + 1, -3e11, 0.9, 0, 0, 0]]
+    )
+    near = y - np.array([1.0000000002e12, -3e11, 0, 0, 0, 0])
+    places = []
+    for k, states in enumerate((y, near)):
+        animate(moved([0.0, 0.1], states, links=1), tmp_path / f"{k}.gif", view="fixed", **SMALL)
+        first, last = (tail(frame) for frame in frames(tmp_path / f"{k}.gif"))
+        places.append(last - first)
+    assert np.abs(places[0] - places[1]).max() < 1.0
+
+
+def test_trail_is_behind_the_tail(pendulum: Solution, tmp_path: Path) -> None:
+    """Half way along the arc there is a trail at the end, and none at the start."""
+    path = tmp_path / "film.gif"
+    animate(pendulum, path, **SMALL)
+    shown = list(frames(path))
+    column, row = np.round(tail(shown[3]) * [1, -1]).astype(int)
+    around = np.s_[row - 3 : row + 4, column - 3 : column + 4]
+    first, last = (np.abs(shown[k][AXES][around].astype(int) - TAIL).sum(-1) for k in (0, -1))
+    assert last.min() < 150 < first.min()  # it is transparent, by a quarter, and thin
+
+
+@pytest.mark.parametrize("ending", ["gif", pytest.param("mp4", marks=needs_ffmpeg)])
+def test_nothing_is_left_of_what_was_stopped(
+    pendulum: Solution, tmp_path: Path, ending: str
+) -> None:
+    before = tmp_path / f"film.{ending}"
+    before.write_text("an older film")
+
+    def stop(t: float) -> None:
+        if t > 0.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        animate(pendulum, before, progress=stop, **SMALL)
+    assert [path.name for path in tmp_path.iterdir()] == [before.name]
+    assert before.read_text() == "an older film"
+
+
+@pytest.mark.parametrize(
+    ("file", "change", "message"),
+    [
+        ("film.avi", {}, r"\.mp4 or \.gif"),
+        ("film", {}, r"\.mp4 or \.gif"),
+        ("nowhere/film.gif", {}, "in a folder that exists"),
+        ("film.gif", {"fps": 60}, "at most 50"),
+        ("film.gif", {"fps": 0}, "from 1 to 120"),
+        ("film.gif", {"fps": float("nan")}, "from 1 to 120"),
+        ("film.gif", {"speed": 0.0}, "a positive number"),
+        ("film.gif", {"speed": float("inf")}, "a positive number"),
+        ("film.gif", {"speed": 1e-9}, "frames at most"),
+        ("film.gif", {"view": "sideways"}, "one of fixed, centre, axes"),
+        ("film.gif", {"width": 641}, "an even number"),
+        ("film.gif", {"height": 100_000}, "an even number"),
+        ("film.gif", {"start": -1.0}, "from 0 to 1.2 s"),
+        ("film.gif", {"end": float("nan")}, "from 0 to 1.2 s"),
+        ("film.gif", {"start": 0.5, "end": 0.4}, "later than 0.5 s"),
+    ],
+)
+def test_bad_input_is_refused(
+    pendulum: Solution, tmp_path: Path, file: str, change: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(SceneError, match=message):
+        animate(pendulum, tmp_path / file, **SMALL | change)
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_ffmpeg_it_is_said_what_to_do(
+    pendulum: Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(SceneError, match=r'a \.gif, or ffmpeg .*pip install "rodgen\[view\]"'):
+        animate(pendulum, tmp_path / "film.mp4", **SMALL)
+
+
+def test_ffmpeg_that_fails_is_quoted(
+    pendulum: Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = tmp_path / "ffmpeg"
+    program.write_text("#!/bin/sh\necho 'Unknown encoder libx264' >&2\nexit 1\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(SceneError, match="Unknown encoder libx264"):
+        animate(pendulum, tmp_path / "film.mp4", **SMALL)
+    assert list(tmp_path.iterdir()) == [program]
+
+
+@pytest.mark.parametrize(
+    ("span", "samples", "speed"),
+    [
+        (120.0, 10_000, 2.0),  # a minute of film
+        (10.0, 10_000, 1.0),
+        (0.3, 10_000, 0.1),  # three seconds of film
+        (0.3, 46, 0.2),  # 45 intervals, shown at 30 a second: 1.5 s
+        (1e-6, 10_000, 3.4e-7),  # a third, with two digits, rounded up
+    ],
+)
+def test_speed_is_chosen(span: float, samples: int, speed: float) -> None:
+    planned = plan(np.linspace(0, span, samples), Settings())
+    assert planned.speed == pytest.approx(speed)
+    assert len(planned.frames) == int(span / speed * 30 + 1e-9) + 1
+
+
+def test_nearest_samples_are_taken() -> None:
+    random = np.random.default_rng(7)
+    t = np.sort(random.uniform(0, 1, 50))
+    times = random.uniform(-0.1, 1.1, 400)
+    by_search = np.abs(t[:, None] - times).argmin(axis=0)
+    assert (nearest(t, times) == by_search).all()
+    assert (nearest(t[:1], times) == 0).all()
+    planned = plan(t, Settings(start=float(t[10]), end=float(t[30])))
+    assert np.abs(t[planned.kept[planned.frames]] - planned.times).max() == pytest.approx(
+        np.abs(t[:, None] - planned.times).min(axis=0).max()
+    )
