@@ -1,7 +1,7 @@
 # make demo     the main job, end to end         make test     all tests
 # make derive N=20 [BOUNDARY=free] [INERTIA=uniform] [TERMS=all] [TARGET=numpy] [FORM=chain]
 #             [EXPLICIT=1]                       make reference    regenerate the reference modules
-# make figures    draw those of docs/derivation.md anew
+# make figures    draw those of docs/derivation.md anew       make screenshot   the live view's picture
 # make thesis     rebuild the tables of the thesis into results/thesis/
 # make guide      take the numbers of README and docs/which-method.md from the last report
 # make report [QUICK=1] [RESUME=1]    error against run time, stability, extremes, beside peers
@@ -18,7 +18,8 @@ TERMS ?= all
 TARGET ?= numpy
 FORM ?= chain
 
-.PHONY: demo derive test lint types bench bench-rhs bench-analyse reference figures thesis report guide clean
+.PHONY: demo derive test lint types bench bench-rhs bench-analyse reference figures screenshot thesis \
+	report guide clean
 
 demo: .venv/installed
 	@$(BIN)/rodgen derive 20 --out generated
@@ -73,6 +74,9 @@ guide: .venv/installed
 
 figures: .venv/installed
 	@$(BIN)/python -m rodgen.view.model_figures docs/pictures
+
+screenshot: .venv/developing
+	$(BIN)/python -m pytest tests/live/test_screenshots.py --update
 
 .venv/bin/python:
 	@$(PYTHON) -c "import sys; sys.exit(None if sys.version_info >= (3, 11) else \

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 import signal
@@ -45,14 +44,13 @@ class Server:
         return self.process.returncode, out + err
 
 
-def start(*arguments: str, **environment: str) -> Server:
+def start(*arguments: str) -> Server:
     """`rodgen view` with these arguments, once it has told its address."""
     process = subprocess.Popen(
         [Path(sys.executable).with_name("rodgen"), "view", *arguments, "--no-open"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env={**os.environ, **environment},
     )
     assert process.stdout is not None
     line = process.stdout.readline()
@@ -71,6 +69,21 @@ def server() -> Iterator[Server]:
     code, text = served.end()
     assert code == 0, text
     assert "Traceback" not in text, text
+
+
+@pytest.fixture
+def serve() -> Iterator[Callable[..., Server]]:
+    """Starts servers with arguments of one's own."""
+    made: list[Server] = []
+
+    def make(*arguments: str) -> Server:
+        made.append(start(*arguments))
+        return made[-1]
+
+    yield make
+    for served in made:
+        code, text = served.end()
+        assert (code, "Traceback" in text) == (0, False), text
 
 
 @pytest.fixture(scope="session")

@@ -68,8 +68,10 @@ def test_slider_changes_the_number_in_the_simulation(view: View) -> None:
 
     # 90 % of the way from -3 to 3 times 9.81, and the pointer's half of the knob.
     view.until(lambda: 20.0 < typed() < 29.5, "the field does not follow")
+    view.page.wait_for_timeout(200)
+    wanted = pytest.approx(typed(), rel=1e-4)
     view.tab("Values")
-    view.until(lambda: float(view.text("gravity")) == pytest.approx(typed(), rel=1e-4), "unchanged")
+    view.until(lambda: float(view.text("gravity")) == wanted, "unchanged")
     assert float(view.text("gravity_energy")) != 0.0
 
 

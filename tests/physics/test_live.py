@@ -188,7 +188,7 @@ def tip(force: dict[str, str], span: float, **integrate: Any) -> Scene:
 @pytest.mark.compiler
 @pytest.mark.parametrize("target", ["c", "numpy"])
 @pytest.mark.parametrize("method", ["dop853", "radau"])
-@pytest.mark.parametrize("border", [7.4, 7.98, 8.0, 8.02, 8.03, 8.7])
+@pytest.mark.parametrize("border", [7.4, 7.95, 7.98, 8.0, 8.03, 8.7])
 def test_pulse_after_a_rest_is_felt(border: float, method: str, target: str) -> None:
     """Be it in the third span or at its beginning, with the rest in the span before. An impulse J
     at the end of a bar, here 0.05 N s within 0.03 s, turns it by 6 J/(M L); it turns meanwhile by
@@ -286,3 +286,26 @@ def test_failed_run_goes_on_where_it_is() -> None:
     y = np.concatenate((samples.y, gone_on(live, 1.0).y))
     expected = rodgen.simulate(mended, model=live.model, rtol=1e-12).y
     np.testing.assert_allclose(y, expected, rtol=1e-8, atol=1e-8)
+
+
+@pytest.mark.compiler
+def test_steps_that_go_nowhere_are_stopped() -> None:
+    """A link on a spring at 5e15 rad/s, whose stable steps of 1e-15 s would take a year."""
+    table = {
+        "name": "rigid",
+        "rod": {
+            "links": 1,
+            "length": 2.0,
+            "bending_stiffness": 1e32,
+            "mass": 3.0,
+            "boundary": "clamped",
+        },
+        "initial": {"phi": 0.5},
+        "integrate": {"span": [0.0, 4.0], "method": "dop853"},
+    }
+    live = live_of(Scene.from_dict(table), every=0.01)
+    while live.counts.steps < 9000:
+        live.advance(1.0, 1e-4)
+    with pytest.raises(LiveError, match="10000 steps brought it no further"):
+        live.advance(1.0, 60.0)
+    assert 10_000 <= live.counts.steps < 20_000

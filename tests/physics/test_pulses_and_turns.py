@@ -43,7 +43,7 @@ def test_pulse_upon_a_rod_at_rest_is_felt(method: str, target: str) -> None:
     sol = rodgen.simulate(_struck(0.01), method=method, target=target)
     near = 2e-4 if method == "gauss" else 1e-5
     assert sol.omega[-1, 0] == pytest.approx(6 * 0.05 / (3.0 * 2.0), rel=near)
-    assert abs(sol.omega[7, 0]) < 1e-100  # before it
+    assert abs(sol.omega[7, 0]) < 1e-20  # before it, where its tail is exp(-900)
 
 
 @pytest.mark.parametrize("target", ["c", "numpy"])

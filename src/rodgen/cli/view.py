@@ -20,9 +20,7 @@ def view(
     host: Annotated[
         str, typer.Option(help="Address to listen on; other than the loopback, a token is needed.")
     ] = "127.0.0.1",
-    port: Annotated[
-        int, typer.Option(min=0, max=65535, help="Port; 0 takes any that is free.")
-    ] = 8642,
+    port: Annotated[int, typer.Option(help="Port; 0 takes any that is free.")] = 8642,
     opened: Annotated[
         bool, typer.Option("--open/--no-open", help="Whether to open the page in a browser.")
     ] = True,
@@ -31,6 +29,8 @@ def view(
     from rodgen.scene import Scene, SceneError
 
     scene = Scene.from_toml(scene_file)
+    if not 0 <= port <= 65535:
+        raise SceneError("--port", port, "a whole number from 0 to 65535")
     place = folder or scene_file.resolve().parent
     if not place.is_dir():
         raise SceneError("--folder", str(place), "a folder")

@@ -47,7 +47,8 @@ def costs(links: int, quick: bool = False) -> list[Row]:
         rows += rates(links, module, quick)
         rows += jacobians(links, module, quick)
         rows += jobs(links, module, quick)
-    rows += implicit_steps(links, quick)
+    if not quick or links == QUICK[-1]:  # another module is to be made for them
+        rows += implicit_steps(links, quick)
     return rows + (analyses(links, quick) if links <= ANALYSED else [])
 
 

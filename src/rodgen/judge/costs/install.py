@@ -20,7 +20,7 @@ from rodgen.judge.unit import Row, Unit
 from rodgen.loading import sources
 
 ROUNDS, QUICK_ROUNDS = 5, 1
-LINKS = 20
+LINKS = 10  # a module that the costs have made already
 NAME = "rodgen"
 BUILT = (
     "from rodgen import Structure, build, simulate; "

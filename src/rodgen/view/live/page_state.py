@@ -75,6 +75,10 @@ class PageState:
         self._dirty = True
         self._texts_at = -np.inf
 
+    def moved(self) -> None:
+        """There is another state to draw."""
+        self._dirty = True
+
     def fed(self, plots: Mapping[str, Plot], chunk: Chunk) -> None:
         """Samples have come."""
         self._dirty = True

@@ -10,7 +10,6 @@ import traceback
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
-from types import ModuleType
 from typing import Any, TypeVar
 
 import numpy as np
@@ -34,7 +33,7 @@ from rodgen.view.live.store import Store
 RUNNING, PAUSED, STOPPED = "running", "paused", "stopped"
 FRAME = 1 / 60  # seconds
 SLICE = 0.012  # of them, for steps
-MOST_PLOTS = 24
+MOST_PLOTS, MOST_NOTES = 24, 200
 IDLE = 0.25  # seconds after which a run that is paused looks up
 T = TypeVar("T")
 
@@ -43,13 +42,13 @@ class LiveRun:
     """A run, its samples, its plots, and the page that looks at it.
 
     Everything but `do`, `page` and `close` is for the run's own thread: others hand it work by
-    `do`. told: called in that thread when the status or the scene has changed.
+    `do`. told: called in that thread when the status, the scene or the plots have changed.
     """
 
     def __init__(self, scene: Scene, told: Callable[[], None] = lambda: None):
         """The module of the scene should be in the cache already: it is loaded here."""
         self.told, self.page = told, PageState()
-        self.status, self.message, self.changes = PAUSED, "", 0
+        self.status, self.message = PAUSED, ""
         self.plots: dict[str, Plot] = {}
         self._numbers, self.greeted = itertools.count(1), False  # whether it got its first plots
         self.pace = Pace()
@@ -84,18 +83,19 @@ class LiveRun:
     # The thread --------------------------------------------------------------------------------
 
     def _loop(self) -> None:
+        due = time.perf_counter()
         while not self._closed:
-            start = time.perf_counter()
             self._wake.clear()
             self._do_work()
             if self.status == RUNNING:
                 self._guarded(self._slice)
             self._guarded(lambda: self.page.show(self))
-            rest = FRAME - (time.perf_counter() - start)
-            if self.status != RUNNING:
-                rest = max(rest, IDLE if not self.page.waits else FRAME)
-            if rest > 0 and not self._work:
-                self._wake.wait(rest)
+            busy = self.status == RUNNING or self.page.waits
+            # By the clock, not by what a wait takes: frames are to come evenly.
+            now = time.perf_counter()
+            due = max(due + FRAME, now) if busy else now + IDLE
+            if due > now and not self._work:
+                self._wake.wait(due - now)
         while self._work:
             self._work.popleft()[1].cancel()
 
@@ -121,10 +121,14 @@ class LiveRun:
         due = self.pace.due()
         most = self.live.t + 1000 * self.live.every  # samples, where it goes as fast as it can
         try:
-            self._took(self.live.advance(min(due, most), SLICE))
+            samples = self.live.advance(min(due, most), SLICE)
         except LiveError as error:
-            self._took(error.samples)
+            samples = error.samples
             self._stop(str(error))
+        self._took(samples)
+        if not len(samples.t):  # steps are slow: the picture moves on between samples
+            self._look()
+            self.page.moved()
         self.pace.reached(self.shown.t[-1])
 
     def _took(self, samples: Samples) -> None:
@@ -140,7 +144,6 @@ class LiveRun:
 
     def _changed(self) -> None:
         """Something that the page shows beside the picture is other than before."""
-        self.changes += 1
         self.page.touched()
         self.told()
 
@@ -148,13 +151,12 @@ class LiveRun:
 
     def take(self, scene: Scene) -> None:
         """Another scene, from its start; its plots go on as far as it has their quantities."""
-        self.model: ModuleType = build_fastest(scene)
-        self.live = Live(scene, self.model, self._every(scene))
-        catalogue = Catalogue(scene, self.model)
+        model = build_fastest(scene)
+        live, catalogue = Live(scene, model, self._every(scene)), Catalogue(scene, model)
         plots = self.plots.values()
         specs = [followed(p.spec, self.new_name(), p.catalogue, catalogue) for p in plots]
         self.plots = {spec.id: Plot(spec, catalogue) for spec in specs if spec}
-        self.catalogue = catalogue
+        self.model, self.live, self.catalogue = model, live, catalogue
         self.page.structure_changed()
         self._begin()
 
@@ -172,26 +174,25 @@ class LiveRun:
             self.status = PAUSED
         self.message = ""
         self.page.restarted(self.plots)
-        self.shown = self._first()
+        self._first()
         self._resume()
         self.critical.look(live.scene)
         self._warned()
         self._changed()
 
-    def _first(self) -> Chunk:
-        """The state at the start, before a sample is there."""
-        live, start = self.live, self.live.scene.integrate.span[0]
+    def _first(self) -> None:
+        """The sample at the start."""
+        self._look()
         try:
-            samples = live.advance(start, 0.0)
+            self._took(self.live.advance(self.live.scene.integrate.span[0], 0.0))
         except LiveError as error:
-            samples = error.samples
+            self._took(error.samples)
             self.status, self.message = STOPPED, str(error)
-        if len(samples.t):
-            self._took(samples)
-            return self.shown
-        t, y = np.array([live.t]), live.y[None]
-        work = np.zeros((1, len(live.works)))
-        return Chunk(t, y, work, live.works, live.p, 0.0, live.energy_start)
+
+    def _look(self) -> None:
+        """Show the state as it is now, after something has changed it."""
+        live, (t, y, work) = self.live, self.live.here()
+        self.shown = Chunk(t, y, work, live.works, live.p, live.given, live.energy_start)
 
     def _resume(self) -> None:
         self.pace.start(float(self.shown.t[-1]))
@@ -234,8 +235,7 @@ class LiveRun:
         if scene.integrate != then:
             self._warned()
         if p is not self.live.p:
-            self._note(what)
-            self.store.change(self.live.p, self.live.given)
+            self._changed_motion(what)
             self.critical.look(scene)
         if self.status == STOPPED:
             self.status, self.message = PAUSED, ""
@@ -244,12 +244,23 @@ class LiveRun:
     def kick(self, link: int, share: float, impulse: tuple[float, float]) -> None:
         """An impulse [N s] upon a link."""
         self.live.kick(link, share, impulse)
-        self._note(f"kick ({impulse[0]:.4g}, {impulse[1]:.4g}) N s upon link {link}")
-        self.store.change(self.live.p, self.live.given)
+        self._changed_motion(f"kick ({impulse[0]:.4g}, {impulse[1]:.4g}) N s upon link {link}")
+        if self.status == STOPPED:
+            self.status, self.message = PAUSED, ""
         self._changed()
 
+    def _changed_motion(self, what: str) -> None:
+        """From here on, the rod moves otherwise."""
+        self._note(what)
+        self.store.change(self.live.p, self.live.given)
+        self._look()
+
     def _note(self, what: str) -> None:
-        if what and len(self.history) < 1000:
+        """For the record; of a slider that is dragged, the last value."""
+        key = what.partition(" = ")[0]
+        if self.history and " = " in what and self.history[-1].startswith(f"{key} = "):
+            self.history.pop()
+        if what and len(self.history) < MOST_NOTES:
             self.history.append(f"{what} at t = {self.live.t:.6g} s")
 
     def set_speed(self, speed: float) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
@@ -27,7 +28,7 @@ SPEEDS = {
     100.0: "100 ×",
     math.inf: "as fast as it goes",
 }
-FASTEST = "fastest"
+ADVICE = ". Reset it, or change a parameter, the method or its step to go on from there."
 
 
 class Bar:
@@ -35,15 +36,16 @@ class Bar:
 
     def __init__(self, page: Page):
         self.page = page
+        self._now: object = None
         with ui.element("header").classes("rg-bar"):
             ui.label("rodgen").classes("rg-name")
             self.scenes = ui.select(
                 self._names(), value=None, on_change=self._chosen, label="Scene"
             ).props("dense outlined options-dense")
             self.scenes.classes("rg-scenes")
-            self.go = _button("play_arrow", "Run (space)", self._go)
-            self.step = _button("skip_next", "One step of the method (.)", self._step)
-            self.back = _button("replay", "Reset to the initial state (r)", self._reset)
+            self.go, self.hint = _button("play_arrow", "Run (space)", self._go)
+            self.step, _ = _button("skip_next", "One step of the method (.)", self._step)
+            _button("replay", "Reset to the initial state (r)", self._reset)
             self.speed = ui.select(
                 {str(v): name for v, name in SPEEDS.items()},
                 value=str(page.run.pace.speed),
@@ -56,7 +58,6 @@ class Bar:
                 _live("t", "s", "time")
                 _live("ratio", "× real time", "ratio")
             ui.element("span").classes("rg-lost").props('data-text="connection" role="alert"')
-            self.dark = ui.dark_mode()
             _button("dark_mode", "Light or dark (d)", self._shade)
         self.failure = ui.label().classes("rg-failure").props('role="alert"')
         ui.keyboard(on_key=self._key, ignore=["input", "select", "textarea", "button"])
@@ -66,21 +67,22 @@ class Bar:
 
     def refresh(self) -> None:
         """As the run is now."""
-        run = self.page.run
-        running = run.status == RUNNING
-        self.go.props(f"icon={'pause' if running else 'play_arrow'}")
+        run, scene = self.page.run, self.page.scene
+        now = (run.status, run.message, scene.name)
+        if now == self._now:
+            return
+        self._now = now
+        running, stopped = run.status == RUNNING, run.status == STOPPED
         name = "Pause (space)" if running else "Run (space)"
-        self.go.props(f'aria-label="{name}"')
+        self.go.props(f'icon={"pause" if running else "play_arrow"} aria-label="{name}"')
         for button in (self.go, self.step):
-            button.set_enabled(run.status != STOPPED)
+            button.set_enabled(not stopped)
         self.state.set_text(run.status)
-        text = run.message[:1].upper() + run.message[1:]
-        advice = ". Reset it, or change a parameter, the method or its step to go on from there."
-        self.failure.set_text(text + advice if run.status == STOPPED else "")
-        self.failure.set_visibility(run.status == STOPPED)
-        here = self.page.scene.name
-        names = self._names()
-        self.scenes.set_options(names, value=here if here in names else None)
+        self.failure.set_text(_sentence(run.message) + ADVICE if stopped else "")
+        self.failure.set_visibility(stopped)
+        self.hint.set_text(name)
+        names = [name for name in self._names() if name != scene.name]
+        self.scenes.set_options(sorted([scene.name, *names]), value=scene.name)
 
     # What is done ------------------------------------------------------------------------------
 
@@ -126,12 +128,15 @@ class Bar:
             self._shade()
 
 
-def _button(icon: str, label: str, clicked: object) -> ui.button:
-    button = ui.button(icon=icon, on_click=clicked)  # type: ignore[arg-type]
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _button(icon: str, label: str, clicked: Callable[[], object]) -> tuple[ui.button, ui.tooltip]:
+    button = ui.button(icon=icon, on_click=clicked)
     button.props(f'flat round dense aria-label="{label}"')
     with button:
-        ui.tooltip(label)
-    return button
+        return button, ui.tooltip(label)
 
 
 def _live(key: str, unit: str, label: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from importlib.resources import files
 from typing import Any, TypeVar
 
@@ -109,7 +110,11 @@ class Page:
         with ui.tabs().props("dense no-caps align=justify") as tabs:
             values, parameters = ui.tab("Values"), ui.tab("Parameters")
             scene, save = ui.tab("Scene"), ui.tab("Save")
-        with ui.tab_panels(tabs, value=parameters).props("keep-alive").classes("rg-panels"):
+        with (
+            ui.tab_panels(tabs, value=parameters, animated=False)
+            .props("keep-alive")
+            .classes("rg-panels")
+        ):
             with ui.tab_panel(values):
                 self.values = Values(self)
             with ui.tab_panel(parameters):
@@ -124,7 +129,8 @@ class Page:
         loop = asyncio.get_running_loop()
 
         def told() -> None:
-            loop.call_soon_threadsafe(self.refresh)
+            with suppress(RuntimeError):  # the server is ending
+                loop.call_soon_threadsafe(self.refresh)
 
         self.run.told = told
         self.refresh()

@@ -86,7 +86,7 @@ class RodPanel:
                 self.switches[name].set_visibility(term in scene.structure.terms)
             self.per_metre.show(plain(scene.rod.mass))
             self.strength = scene.rod.mass
-        self.canvas.set(label=_described(scene))
+            self.canvas.set(label=_described(scene))
 
     def _view(self, event: ValueChangeEventArguments[Any]) -> None:
         self.canvas.set(view=event.value)

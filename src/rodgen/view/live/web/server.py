@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import secrets
 import socket
 import webbrowser
@@ -24,6 +25,7 @@ from rodgen.view.live.web.sessions import Sessions
 
 LOOPBACK = "127.0.0.1"
 SWEEP = 0.5  # seconds
+PORT_ERRORS = (errno.EADDRINUSE, errno.EACCES)
 
 
 @dataclass(frozen=True)
@@ -108,10 +110,10 @@ def _listen(host: str, port: int) -> socket.socket:
     found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         found.bind((host, port))
-    except (OSError, OverflowError) as error:
+        found.listen(128)  # so that the address answers as soon as it is told
+    except OSError as error:
         found.close()
         reason = getattr(error, "strerror", None) or str(error)
-        where = "--port" if port else "--host"
-        given: object = port if port else host
-        raise SceneError(where, given, f"one that can be listened on ({reason})") from None
+        named, given = ("--port", port) if error.errno in PORT_ERRORS else ("--host", host)
+        raise SceneError(named, given, f"one that can be listened on ({reason})") from None
     return found

@@ -1,0 +1,238 @@
+"""A live run without a page: what it does when told, and what it sends to whom."""
+
+from __future__ import annotations
+
+import json
+import struct
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.scene import Scene, SceneError
+from rodgen.view.live.edits import edited
+from rodgen.view.live.run import PAUSED, RUNNING, STOPPED, LiveRun
+
+SCENE = {
+    "name": "free",
+    "rod": {"links": 4, "length": 2.0, "bending_stiffness": 5.0, "mass": 3.0},
+    "loads": {"gravity": {"g": 9.81}, "follower": {"force": 2.0}},
+    "initial": {"phi": "0.2*cos(pi*s)"},
+    "integrate": {"span": [0.0, 5.0], "output_every": 0.01, "method": "dop853"},
+}
+GRAVITY = ("loads", "gravity", "g")
+
+
+@pytest.fixture
+def scene() -> Scene:
+    return Scene.from_dict(SCENE)
+
+
+@pytest.fixture
+def run(scene: Scene) -> Iterator[LiveRun]:
+    made = LiveRun(scene)
+    yield made
+    made.close()
+
+
+def until(true: Callable[[], bool], seconds: float = 30.0) -> None:
+    end = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < end
+        time.sleep(0.005)
+
+
+class Page:
+    """What a page sees."""
+
+    def __init__(self, run: LiveRun):
+        self.run, self.headers, self.rows = run, [], {}
+        self.headers: list[dict[str, Any]]
+        self.rows: dict[str, list[Any]]
+        run.page.attach(self.take)
+        run.wake_up()
+
+    def take(self, message: bytes) -> None:
+        (length,) = struct.unpack_from("<I", message)
+        header, at = json.loads(message[4 : 4 + length]), 4 + length
+        for name, kind, count in header["arrays"]:
+            array = np.frombuffer(message, f"<{kind}", count, at)
+            at += -(-array.nbytes // 8) * 8
+            if name.startswith("plot!"):
+                self.rows[name[5:]] = [array]
+            elif name.startswith("plot:"):
+                self.rows.setdefault(name[5:], []).append(array)
+            header[name] = array
+        self.headers.append(header)
+
+    def acknowledge(self) -> None:
+        self.run.page.acknowledge(self.headers[-1]["frame"])
+
+    def column(self, plot: str, width: int, column: int) -> np.ndarray:
+        rows = np.concatenate(self.rows[plot]).reshape(-1, width)
+        return np.asarray(rows[:, column])
+
+
+def test_run_goes_by_the_clock_and_pauses(run: LiveRun) -> None:
+    assert run.status == PAUSED
+    run.do(run.go).result()
+    start = time.monotonic()
+    until(lambda: run.shown.t[-1] > 0.5)
+    assert time.monotonic() - start > 0.45  # real time, not faster
+    run.do(run.pause).result()
+    assert run.status == PAUSED
+    t = run.shown.t[-1]
+    time.sleep(0.2)
+    assert run.shown.t[-1] == t
+
+
+def test_samples_are_those_of_simulate(run: LiveRun, scene: Scene) -> None:
+    run.do(lambda: run.set_speed(np.inf)).result()
+    run.do(run.go).result()
+    until(lambda: run.shown.t[-1] >= 1.0)
+    run.do(run.pause).result()
+    sol = run.do(run.solution).result()
+    again = rodgen.simulate(scene)
+    count = min(len(sol.t), len(again.t))
+    assert count > 100
+    assert np.array_equal(sol.y[:count], again.y[:count])
+    assert sol.energy_error < 1e-6  # of rtol 1e-8, and energies of some joules
+
+
+def test_change_holds_from_its_sample_on(run: LiveRun, scene: Scene) -> None:
+    """The energies of a saved run know what gravity was at each sample: falling from rest on,
+    the balance closes over the change."""
+    run.do(lambda: run.set_speed(np.inf)).result()
+    run.do(run.go).result()
+    until(lambda: run.shown.t[-1] >= 0.5)
+    run.do(lambda: run.change(edited(scene, [(GRAVITY, 1.0)]), "g = 1.0")).result()
+    t = run.shown.t[-1]
+    until(lambda: run.shown.t[-1] >= t + 0.5)
+    run.do(run.pause).result()
+    sol = run.do(run.solution).result()
+    g = -np.diff(sol.centre_of_gravity[:, 1], 2) / 0.01**2
+    # Thrust acts too, of 2/3 m/s^2 at most.
+    before, after = sol.t[1:-1] < t - 0.02, sol.t[1:-1] > t + 0.02
+    assert np.all(np.abs(g[before] - 9.81) < 0.7)
+    assert np.all(np.abs(g[after] - 1.0) < 0.7)
+    assert sol.energy_error < 1e-6
+    assert "g = 1.0 at t = " in sol.message
+
+
+def test_nonsense_leaves_the_run_as_it_was(run: LiveRun, scene: Scene) -> None:
+    for work in (
+        lambda: run.kick(99, 0.5, (1.0, 0.0)),
+        lambda: run.kick(0, 0.5, (float("nan"), 0.0)),
+        lambda: run.add_plot({"kind": "time", "y": ["nothing"]}),
+        lambda: run.change(Scene.from_dict({**SCENE, "rod": {**SCENE["rod"], "links": 5}})),
+    ):
+        with pytest.raises((SceneError, ValueError)):
+            run.do(work).result()
+    run.do(run.go).result()
+    until(lambda: run.shown.t[-1] > 0.05)
+    assert run.status == RUNNING
+
+
+def test_kick_of_a_run_at_rest_is_seen_at_once(run: LiveRun) -> None:
+    """A free rod gets the velocity J/M, whatever the link."""
+    page = Page(run)
+    until(lambda: bool(page.headers))
+    run.do(lambda: run.kick(2, 0.3, (0.6, -0.9))).result()
+    chunk = run.shown
+    h = 1e-7
+    model, y, p = run.model, chunk.y[-1], chunk.p
+    half = len(y) // 2
+    ahead = np.concatenate((y[:half] + h * y[half:], y[half:]))
+    velocity = (model.centre_of_gravity(ahead, p) - model.centre_of_gravity(y, p)) / h
+    assert velocity == pytest.approx([0.2, -0.3], abs=1e-6)  # a difference over 1e-7 s
+    page.acknowledge()
+    until(lambda: len(page.headers) > 1)
+
+
+def test_blow_up_stops_and_a_change_mends(run: LiveRun, scene: Scene) -> None:
+    told: list[str] = []
+    run.told = lambda: told.append(run.status)
+    method = [(("integrate", "method"), "euler"), (("integrate", "step"), 0.2)]
+    run.do(lambda: run.set_speed(np.inf)).result()
+    run.do(lambda: run.change(edited(scene, method))).result()
+    run.do(run.go).result()
+    until(lambda: run.status == STOPPED)
+    assert "stopped at t =" in run.message
+    assert told[-1] == STOPPED
+    run.do(run.restart).result()
+    run.do(lambda: run.change(scene)).result()
+    run.do(run.go).result()
+    until(lambda: run.shown.t[-1] > 0.2)
+    assert run.status == RUNNING
+
+
+def test_slow_page_gets_fewer_messages_and_all_rows(run: LiveRun) -> None:
+    page = Page(run)
+    run.do(lambda: run.add_plot({"kind": "time", "y": ["phi_0"]})).result()
+    run.do(run.go).result()
+    until(lambda: run.shown.t[-1] > 0.5)
+    assert len(page.headers) <= 2  # nothing is acknowledged
+    while run.shown.t[-1] < 1.5:  # two frames a second
+        page.acknowledge()
+        time.sleep(0.4)
+        assert page.headers[-1]["frame"] - page.headers[0]["frame"] < 20
+    run.do(run.pause).result()
+    for _ in range(6):
+        page.acknowledge()
+        time.sleep(0.1)
+    t = page.column("p1", 2, 0)
+    assert np.allclose(np.diff(t), 0.01, atol=1e-9)  # no sample is missing
+    assert t[-1] == pytest.approx(run.shown.t[-1])
+
+
+def test_page_that_comes_back_gets_everything(run: LiveRun) -> None:
+    first = Page(run)
+    run.do(lambda: run.add_plot({"kind": "time", "y": ["phi_0"], "window": 100.0})).result()
+    run.do(run.go).result()
+    while run.shown.t[-1] < 0.5:
+        first.acknowledge() if first.headers else None
+        time.sleep(0.01)
+    run.page.detach(first.take)
+    seen = len(first.headers)
+    until(lambda: run.shown.t[-1] > 0.8)
+    assert len(first.headers) == seen
+    second = Page(run)
+    until(lambda: bool(second.headers))
+    assert {"texts", "t", "origin", "joints"} <= set(second.headers[0])
+    assert second.column("p1", 2, 0)[0] == 0.0
+    assert len(second.column("p1", 2, 0)) > 75
+
+
+def test_other_structure_keeps_the_plots_that_still_mean_something(run: LiveRun) -> None:
+    page = Page(run)
+    for choice in (
+        {"kind": "time", "y": ["phi_3", "phi_0"]},  # of the tail, of the nose
+        {"kind": "time", "y": ["gravity_energy"]},
+        {"kind": "phase", "y": "vy0", "x": "y0"},  # which a pinned rod does not have
+    ):
+        run.do(lambda choice=choice: run.add_plot(choice)).result()
+    other = Scene.from_dict(
+        {**SCENE, "rod": {**SCENE["rod"], "links": 6, "boundary": "pinned"}, "name": "pinned"}
+    )
+    run.do(lambda: run.take(other)).result()
+    assert [plot.names for plot in run.plots.values()] == [("phi_5", "phi_0"), ("gravity_energy",)]
+    run.do(run.go).result()
+    until(lambda: run.shown.t[-1] > 0.1)
+    assert run.status == RUNNING
+    assert page.headers
+
+
+def test_saved_run_is_a_result_like_others(run: LiveRun, tmp_path: Path) -> None:
+    run.do(run.go).result()
+    until(lambda: run.shown.t[-1] > 0.3)
+    run.do(run.pause).result()
+    sol = run.do(run.solution).result()
+    sol.save(tmp_path / "run.nc")
+    again = rodgen.load(tmp_path / "run.nc")
+    assert np.array_equal(again.y, sol.y)
+    assert again.scene.integrate.method == "dop853"
+    assert again.energy.total == pytest.approx(sol.energy.total)
