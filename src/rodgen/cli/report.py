@@ -38,7 +38,7 @@ def report(
     """Measure methods, steps and forms against each other; how far the numbers can be trusted.
 
     Without a SCENE: the fixed set, costs, stability and extreme cases, in less than 30 minutes
-    on two cores, with --quick in three to four. Peers take part as far as they are installed.
+    on two cores, with --quick in three. Peers take part as far as they are installed.
     """
     from rodgen.judge.report import OF_SCENES, SECTIONS, measure, needed
     from rodgen.judge.surroundings import machine, versions

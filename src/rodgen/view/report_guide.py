@@ -102,7 +102,9 @@ def steps(contents: Contents) -> Figure | None:
 
 def extremes(contents: Contents) -> Figure | None:
     """By group and method: how many cases are right, coloured by the worst outcome."""
+    # What cannot be computed at all is no matter of methods.
     rows = [row for row in of(contents, "extremes") if row.get("outcome")]
+    rows = [row for row in rows if _group(row) != "invalid"]
     groups, methods = (list(dict.fromkeys(map(name, rows))) for name in (_group, label))
     if not rows:
         return None
