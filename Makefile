@@ -1,11 +1,12 @@
 # make demo     the main job, end to end         make test     all tests
+# make view [SCENE=scenes/missile.toml]          the live view, in a browser
 # make derive N=20 [BOUNDARY=free] [INERTIA=uniform] [TERMS=all] [TARGET=numpy] [FORM=chain]
 #             [EXPLICIT=1]                       make reference    regenerate the reference modules
 # make figures    draw those of docs/derivation.md anew       make screenshot   the live view's picture
 # make thesis     rebuild the tables of the thesis into results/thesis/
 # make guide      take the numbers of README and docs/which-method.md from the last report
 # make report [QUICK=1] [RESUME=1]    error against run time, stability, extremes, beside peers
-# make lint, make types                          make bench, bench-rhs, bench-analyse
+# make lint, make types                          make bench, bench-rhs, bench-analyse, bench-live
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -17,13 +18,17 @@ INERTIA ?= uniform
 TERMS ?= all
 TARGET ?= numpy
 FORM ?= chain
+SCENE ?= scenes/missile.toml
 
-.PHONY: demo derive test lint types bench bench-rhs bench-analyse reference figures screenshot thesis \
+.PHONY: demo view derive test lint types bench bench-rhs bench-analyse bench-live reference figures screenshot thesis \
 	report guide clean
 
 demo: .venv/installed
 	@$(BIN)/rodgen derive 20 --out generated
 	@$(BIN)/rodgen run scenes/missile.toml
+
+view: .venv/viewing
+	@$(BIN)/rodgen view "$(SCENE)"
 
 derive: .venv/installed
 	@$(BIN)/rodgen derive "$(N)" --boundary "$(BOUNDARY)" --inertia "$(INERTIA)" \
@@ -56,6 +61,9 @@ bench-rhs: .venv/installed
 bench-analyse: .venv/installed
 	@$(BIN)/python benchmarks/analyse.py
 
+bench-live: .venv/developing
+	@$(BIN)/python benchmarks/live.py $(SECONDS)
+
 reference: .venv/developing
 	$(BIN)/python -m pytest tests/generated/test_reference_modules.py --update
 
@@ -87,6 +95,10 @@ screenshot: .venv/developing
 # What using rodgen needs; working on it needs more, and has this with it.
 .venv/installed: pyproject.toml | .venv/bin/python
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[c]"
+	@touch $@
+
+.venv/viewing: pyproject.toml | .venv/installed
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[view]"
 	@touch $@
 
 .venv/developing: pyproject.toml | .venv/bin/python

@@ -11,7 +11,7 @@ pytest.importorskip("nicegui", reason="the extra view is not installed")
 
 from rodgen.view.live.web.guard import Guard
 
-TOKEN = "s3cret-token"
+TOKEN, PORT = "s3cret-token", 8642
 
 
 def ask(
@@ -38,7 +38,7 @@ def ask(
         "headers": [(name.encode(), value.encode()) for name, value in headers.items()],
         "query_string": query.encode(),
     }
-    asyncio.run(Guard(app, token)(scope, receive, send))
+    asyncio.run(Guard(app, token, PORT)(scope, receive, send))
     if kind == "websocket":
         return (101 if sent[0]["type"] == "websocket.accept" else sent[0]["code"]), {}
     found = {name.decode(): value.decode() for name, value in sent[0]["headers"]}
@@ -73,9 +73,64 @@ def test_token_is_asked_for_and_kept() -> None:
     assert status == 200
     cookie = headers["set-cookie"]
     assert "HttpOnly" in cookie
-    assert "SameSite=Strict" in cookie
+    assert "SameSite=Lax" in cookie  # Strict ones are not sent by who follows a link in a mail
     kept = cookie.split(";")[0]
     assert ask(TOKEN, host=host, cookie=kept)[0] == 200
     assert ask(TOKEN, kind="websocket", host=host, cookie=kept)[0] == 101
     assert ask(TOKEN, kind="websocket", host=host)[0] == 1008
-    assert ask(TOKEN, host=host, cookie="rodgen_token=" + "\u00e9")[0] == 403
+    assert ask(TOKEN, host=host, cookie=kept.split("=")[0] + "=\u00e9")[0] == 403
+
+
+def test_token_of_a_server_on_another_port_is_left_alone() -> None:
+    """Cookies are those of a host: with one name for all ports, the servers of a host would take
+    each other's away."""
+    cookies = []
+    for port in (PORT, PORT + 1):
+        sent: list[Any] = []
+
+        async def app(scope: Any, _: Any, send: Any) -> None:
+            await send({"type": "http.response.start", "status": 200, "headers": []})
+
+        async def send(message: Any, sent: list[Any] = sent) -> None:
+            sent.append(message)
+
+        scope = {
+            "type": "http",
+            "headers": [(b"host", f"lan:{port}".encode())],
+            "query_string": f"token={TOKEN}".encode(),
+        }
+        asyncio.run(Guard(app, TOKEN, port)(scope, send, send))  # type: ignore[arg-type]
+        cookies.append(dict(sent[0]["headers"])[b"set-cookie"].partition(b"=")[0])
+    assert cookies[0] != cookies[1]
+
+
+@pytest.mark.parametrize("kind", ["iframe", "frame", "embed", "object", "image", "script", "empty"])
+@pytest.mark.parametrize("site", ["cross-site", "same-site"])
+def test_pages_of_other_servers_may_link_and_no_more(site: str, kind: str) -> None:
+    """Navigations of frames say no origin, but where they are from and what for."""
+    theirs = {"sec-fetch-site": site, "sec-fetch-dest": kind}
+    assert ask(None, "scene=x", **theirs)[0] == 403
+    assert ask(None, "scene=x", **{**theirs, "sec-fetch-dest": "document"})[0] == 200
+    assert ask(None, "scene=x", **{**theirs, "sec-fetch-site": "same-origin"})[0] == 200
+
+
+def test_pages_are_in_no_frame() -> None:
+    for token, query in ((None, ""), (TOKEN, f"token={TOKEN}")):
+        headers = ask(token, query)[1]
+        assert headers["x-frame-options"] == "DENY"
+        assert headers["content-security-policy"] == "frame-ancestors 'none'"
+
+
+@pytest.mark.parametrize(
+    ("said", "status"),
+    [
+        ({"content-length": str(2 * 1024 * 1024)}, 200),
+        ({"content-length": str(2 * 1024 * 1024 + 1)}, 403),
+        ({"content-length": "9" * 5000}, 403),
+        ({"content-length": "-1"}, 403),
+        ({"transfer-encoding": "chunked"}, 403),
+    ],
+)
+def test_long_requests_are_refused(said: dict[str, str], status: int) -> None:
+    """Before anything is read: at most 2 MiB, a scene of 1 MiB and what is around it."""
+    assert ask(None, **said)[0] == status

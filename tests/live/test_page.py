@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
+import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -185,6 +188,64 @@ def test_link_reproduces_scene_and_parameters(view: View, another: Callable[[], 
     view.until(lambda: "scene=" in link.input_value(), "no link")
     other = another().open(link.input_value())
     assert other.field("bending stiffness EI").input_value() == "123"
+    view.run().pause()
+    assert link.is_visible()
+    view.tab("Parameters").fill("bending stiffness EI", "124")
+    view.tab("Save")
+    view.until(lambda: not link.is_visible(), "a link to what was before is still shown")
+
+
+def test_what_cannot_be_written_is_said(
+    serve: Callable[..., Any],
+    another: Callable[[], View],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A folder for temporary files that is gone stands for a full disk."""
+    folder = tmp_path / "tmp"
+    folder.mkdir()
+    monkeypatch.setenv("TMPDIR", str(folder))
+    served = serve(str(SCENES / "missile.toml"), "--port", "0")
+    view = another().open(served.address).tab("Save")
+    folder.rmdir()
+    view.button("Run as NetCDF").click()
+    view.page.get_by_text("No such file").wait_for()
+    folder.mkdir()
+    with view.page.expect_download() as waiting:  # it can be done again
+        view.button("Run as NetCDF").click()
+    assert waiting.value.path().stat().st_size > 0
+    view.page.get_by_text("missile.nc: ").wait_for()
+    with view.page.expect_download():  # one file at a time is kept
+        view.button("Run as NetCDF").click()
+    assert len(list(folder.glob("rodgen-*"))) == 1
+    view.page.close()
+    another().until(lambda: not list(folder.glob("rodgen-*")), "the file is kept", 20.0)
+
+
+def test_defect_is_said_on_the_page(blank: View, tmp_path: Path) -> None:
+    """An event that no browser sends raises what nobody expects."""
+    command = [Path(sys.executable).with_name("rodgen"), "view", SCENES / "missile.toml"]
+    with open(tmp_path / "said", "w") as said:
+        process = subprocess.Popen(
+            [*command, "--port", "0", "--no-open"],
+            stdout=subprocess.PIPE,
+            stderr=said,
+            text=True,
+        )
+        with process:
+            assert process.stdout is not None
+            blank.open(next(word for word in process.stdout.readline().split() if "://" in word))
+            canvas = blank.page.get_by_role("img", name="missile")
+            identity = canvas.evaluate("e => e.closest('[id^=c]').id.slice(1)")
+            blank.page.evaluate(f"getElement({identity}).$emit('kick', {{link: 'x'}})")
+            blank.page.locator(".q-notification", has_text="rodgen has failed").wait_for()
+            process.send_signal(signal.SIGINT)
+    assert "Traceback" in (tmp_path / "said").read_text()
+
+
+def test_page_says_its_language_and_has_one_main_part(view: View) -> None:
+    assert view.page.evaluate("document.documentElement.lang") == "en-US"
+    assert view.page.get_by_role("main").count() == 1
 
 
 def test_two_pages_have_their_own_runs_and_reload_keeps_them(
@@ -211,11 +272,21 @@ def test_another_number_of_links_is_made_while_the_page_lives(view: View) -> Non
     view.tab("Scene").fill("number of links", "0")
     view.button("Apply").click()
     view.page.locator(".q-field__messages", has_text="whole number from 1").wait_for()
+    view.page.wait_for_timeout(300)
+    assert view.page.locator(".q-notification").count() == 0  # it is said once
+    view.fill("number of links", "7")
+    view.fill("phi: a number", "sin(")
+    view.button("Apply").click()
+    wrong = view.page.locator(".q-field--error")
+    view.until(lambda: "phi" in (wrong.first.text_content() or ""), "not said beside the field")
+    assert wrong.count() == 1  # the number of links is not at fault any more
+    assert view.page.locator(".q-notification").count() == 0
 
 
 def test_kick_turns_the_rod(view: View) -> None:
     """Of a free rod, an impulse J at rest gives the velocity J/M to the centre of gravity."""
     view.page.get_by_role("switch", name="kick").click()
+    view.field("N s per metre").wait_for()
     canvas = view.page.get_by_role("img", name="missile")
     box = canvas.bounding_box()
     assert box is not None

@@ -13,6 +13,7 @@ import pytest
 import rodgen
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
+from rodgen.view.live import plots
 from rodgen.view.live.catalogue import Catalogue
 from rodgen.view.live.chunk import Chunk
 from rodgen.view.live.plots import MOST_SERIES, Plot, PlotSpec
@@ -136,6 +137,31 @@ def test_of_too_many_series_every_kth_is_shown(make_scene: Make) -> None:
     row = made.feed(chunk(np.zeros(1), y))
     assert row is not None
     np.testing.assert_array_equal(row[0, 1:], y[0, MOST_SERIES + 50 :: 2])
+    assert made.to_json()["title"] == "rates of the links, every 2nd"
+
+
+@pytest.mark.parametrize(
+    ("count", "ending"),
+    [
+        (1, ""),
+        (2, ", every 2nd"),
+        (3, ", every 3rd"),
+        (4, ", every 4th"),
+        (11, ", every 11th"),
+        (13, ", every 13th"),
+        (21, ", every 21st"),
+    ],
+)
+def test_the_title_says_which_series_are_shown(
+    make_scene: Make, monkeypatch: pytest.MonkeyPatch, count: int, ending: str
+) -> None:
+    """As words are in English; one series alone may be shown here."""
+    monkeypatch.setattr(plots, "MOST_SERIES", 1)
+    catalogue, _ = prepared(make_scene(21, "pinned"))
+    names = [f"omega_{i}" for i in range(count)]
+    made = plot(catalogue, kind="time", y=names, title="all").to_json()
+    assert made["title"] == "all" + ending
+    assert [one["name"] for one in made["series"]] == ["omega_0"]
 
 
 def test_a_profile_goes_along_the_rod(make_scene: Make) -> None:
@@ -202,6 +228,22 @@ def test_a_stroboscope_sees_a_phase(bar: Any) -> None:
     instants = 0.25 + 0.7 * np.arange(7)
     circle = 2 * np.stack((np.cos(instants), np.sin(instants)), axis=1)
     np.testing.assert_allclose(points, circle, atol=1e-8)  # 0.01^4
+
+
+@pytest.mark.parametrize("direction", ["rising", "falling", "either"])
+@pytest.mark.parametrize("every", [0.01, 0.02, 0.07])
+def test_a_value_on_a_sample_is_reached_once(bar: Any, every: float, direction: str) -> None:
+    """Samples lie on every value but for rounding, on either side: none is lost or counts twice,
+    of an angle that rises as of one that falls."""
+    catalogue, chunk = bar
+    t = np.arange(1000) * 0.01
+    choice = {"x": "t", "y": "phi_0", "when": "phi_0", "every": every, "direction": direction}
+    rate = -1.0 if direction == "falling" else 1.0
+    whole = turning(chunk, t, rate)
+    points = fed(plot(catalogue, kind="poincare", **choice), cut(whole, 3, 500, 501))
+    instants = every * np.arange(1, 1001)
+    instants = instants[instants < 9.985]  # known two samples late
+    np.testing.assert_allclose(points[:, 0], instants, atol=1e-12)
 
 
 def test_a_kick_is_not_smoothed_over(bar: Any) -> None:
@@ -297,4 +339,5 @@ def test_the_page_is_told_what_to_draw(bar: Any) -> None:
     assert mixed["title"] == "two"
     energies = plot(catalogue, kind="time", y=["energy"]).to_json()
     assert energies["y"] == {"label": "energy", "unit": "J"}
+    assert energies["title"] == "energies"
     assert len(energies["series"]) == 4

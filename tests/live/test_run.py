@@ -207,6 +207,39 @@ def test_page_that_comes_back_gets_everything(run: LiveRun) -> None:
     assert len(second.column("p1", 2, 0)) > 75
 
 
+def test_critical_force_comes_while_the_run_is_paused(run: LiveRun, scene: Scene) -> None:
+    page = Page(run)
+    wanted = rodgen.critical_force(scene).force
+
+    def shown() -> float:
+        if page.headers:
+            page.acknowledge()
+        texts = [header.get("texts", {}) for header in page.headers]
+        found = [new["critical_force"] for new in texts if "critical_force" in new]
+        try:
+            return float(found[-1].replace("\u2007", ""))
+        except (IndexError, ValueError):  # "computing"
+            return 0.0
+
+    until(lambda: shown() == pytest.approx(wanted, rel=1e-4))  # five digits are shown
+    assert run.status == PAUSED
+
+
+def test_rows_of_plots_that_are_gone_are_not_kept(run: LiveRun, scene: Scene) -> None:
+    """Nobody looks: what waits is bounded, also over other scenes."""
+    for _ in range(3):
+        for _ in range(4):
+            run.do(lambda: run.add_plot({"kind": "time", "y": ["phi"]})).result()
+        run.do(lambda: run.set_speed(np.inf)).result()
+        run.do(run.go).result()
+        t = run.shown.t[-1]
+        until(lambda t=t: run.shown.t[-1] > t + 20.0)
+        run.do(lambda: run.take(scene)).result()
+        assert set(run.page._rows) <= set(run.plots)
+    waiting = sum(part.size for parts in run.page._rows.values() for part in parts)
+    assert waiting < len(run.plots) * 2**18 + 2**16
+
+
 def test_other_structure_keeps_the_plots_that_still_mean_something(run: LiveRun) -> None:
     page = Page(run)
     for choice in (

@@ -1,16 +1,18 @@
-"""The server as a process: addresses, tokens, ports, what a page may hand in, and how runs end."""
+"""The server as a process: addresses, tokens, ports, and what a page may hand in."""
 
 from __future__ import annotations
 
+import http.server
 import socket
 import subprocess
 import sys
-import time
+import threading
 import urllib.error
 import urllib.request
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -71,9 +73,12 @@ def test_loopback_server_refuses_strangers(server: Any) -> None:
 
 def test_token_opens_the_page_elsewhere(serve: Callable[..., Any], blank: Any) -> None:
     served = serve(MISSILE, "--host", "0.0.0.0", "--port", "0")
-    address = served.address.replace("0.0.0.0", "127.0.0.1")
-    place, _, token = address.partition("?token=")
+    told = urlsplit(served.address)
+    assert told.hostname != "0.0.0.0"  # no browser elsewhere gets there by it
+    assert status(served.address) == 200
+    place, token = f"http://127.0.0.1:{told.port}/", told.query.partition("=")[2]
     assert len(token) > 20
+    address = f"{place}?token={token}"
     assert status(place) == 403
     assert status(f"{place}?token=guess") == 403
     blank.open(address).run()
@@ -82,30 +87,32 @@ def test_token_opens_the_page_elsewhere(serve: Callable[..., Any], blank: Any) -
     blank.ready()
 
 
-def threads(process: int) -> int:
-    """Of a process, those of its runs among them."""
-    return len(list(Path(f"/proc/{process}/task").iterdir()))
+def test_long_upload_is_refused_unread(server: Any) -> None:
+    """At most 2 MiB, whatever a browser lets through."""
+    told = urlsplit(server.address)
+    with socket.create_connection((told.hostname, told.port), timeout=30) as asking:
+        head = f"POST / HTTP/1.1\r\nHost: {told.netloc}\r\nContent-Length: {3 * 2**20}\r\n\r\n"
+        asking.sendall(head.encode())
+        assert asking.recv(100).startswith(b"HTTP/1.1 403")
 
 
-@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="threads are counted in /proc")
-def test_closed_page_frees_its_run(serve: Callable[..., Any], another: Callable[[], Any]) -> None:
-    # Without thrust: the critical force would be computed in a thread that comes and goes.
-    served = serve(str(SCENES / "hanging_chain.toml"), "--port", "0")
-    first = another().open(served.address).run()
-    first.until(lambda: first.live("t") > 0.2, "time does not pass")
-    pages = [another() for _ in range(3)]
-    before = threads(served.process.pid)
-    for page in pages:
-        page.open(served.address)
-    first.until(lambda: threads(served.process.pid) >= before + 3, "runs have no threads")
-    with_runs = threads(served.process.pid)
-    for page in pages:
-        page.page.close()
-    start = time.monotonic()
-    first.until(lambda: threads(served.process.pid) <= with_runs - 3, "runs are kept", 15.0)
-    assert time.monotonic() - start < 10.0
-    t = first.live("t")
-    first.until(lambda: first.live("t") > t, "the other run has ended too")
+def test_page_of_another_server_cannot_hold_ours_in_a_frame(server: Any, blank: Any) -> None:
+    class Theirs(http.server.BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            self.send_response(200)
+            self.send_header("Content-Type", "text/html")
+            self.end_headers()
+            self.wfile.write(f'<iframe src="{server.address}"></iframe>'.encode())
+
+        def log_message(self, *_: object) -> None:
+            pass
+
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Theirs) as made:
+        threading.Thread(target=made.serve_forever, daemon=True).start()
+        with blank.page.expect_response(server.address) as answer:
+            blank.page.goto(f"http://127.0.0.1:{made.server_port}/")
+        made.shutdown()
+    assert answer.value.status == 403
 
 
 def test_uploads_go_through_the_checks_of_files(view: Any, tmp_path: Path) -> None:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from rodgen.integrate.changes import Changes
 from rodgen.integrate.stepper import Array, Counts
 from rodgen.loading import build
 from rodgen.scene import Scene
@@ -95,7 +98,8 @@ class Solution:
     t: times [s], (T,); y: states in the order of the module's STATE, (T, states); work: work done
     by each load without potential since the start [J], by term, each (T,); status: finished,
     failed or interrupted, with a message where there is something to say; model: the generated
-    module; events: those of the scene that happened.
+    module; events: those of the scene that happened; changes: what held at each sample, where that
+    is not the same all along.
     """
 
     scene: Scene
@@ -107,6 +111,7 @@ class Solution:
     message: str = ""
     model: ModuleType | None = None
     events: tuple[Event, ...] = ()
+    changes: Changes | None = None
 
     def __repr__(self) -> str:
         span = f", t = {self.t[0]:g} to {self.t[-1]:g} s" if len(self.t) else ""
@@ -123,26 +128,41 @@ class Solution:
         p: Array = self._model.parameters(**self.scene.parameters)
         return p
 
-    def _links(self, half: int, held: float) -> Array:
+    def _follow(self, made: Callable[..., Any], *of: Array, axis: int = 0) -> Any:
+        """What is made of arrays over the samples and of the parameters that held there; axis: its
+        axis of time."""
+        if self.changes is None:
+            return made(*of, self._p)
+        return self.changes.follow(made, of, axis)
+
+    def parameter(self, name: str) -> Array:
+        """A parameter of the scene that is a number, at every sample, (T,)."""
+        if self.changes is None:
+            return np.full(len(self.t), float(self.scene.parameters[name]))
+        column: Array = self.changes.p[:, self.scene.structure.parameters.index(name)]
+        return column
+
+    def _links(self, half: int, held: Array) -> Array:
         states = np.array_split(self.y, 2, axis=1)[half]
         moving = states[:, 2:] if self.scene.hold.translates else states
-        first = np.full((len(self.t), self.scene.held), held)
+        first = np.repeat(held[:, None], self.scene.held, axis=1)
         return np.concatenate((first, moving), axis=1)
 
     @cached_property
     def phi(self) -> Array:
         """Angles of all n links [rad], held ones included, (T, n)."""
-        return self._links(0, self.scene.rod.clamp_angle or 0.0)
+        zero = np.zeros(len(self.t))
+        return self._links(0, self.parameter("clamp_angle") if self.scene.held else zero)
 
     @cached_property
     def omega(self) -> Array:
         """Rates of all n links [rad/s], (T, n)."""
-        return self._links(1, 0.0)
+        return self._links(1, np.zeros(len(self.t)))
 
     @cached_property
     def joints(self) -> Array:
         """Positions of the joints [m], nose to tail, (T, n+1, 2)."""
-        positions: Array = self._model.joints(self.y, self._p)
+        positions: Array = self._follow(self._model.joints, self.y)
         return positions
 
     @property
@@ -153,7 +173,7 @@ class Solution:
     @cached_property
     def energy(self) -> Energy:
         """Kinetic, spring and gravity energy [J]."""
-        return Energy(*self._model.energy(self.y, self._p))
+        return Energy(*self._follow(self._model.energy, self.y, axis=1))
 
     @cached_property
     def total_work(self) -> Array:
@@ -163,10 +183,14 @@ class Solution:
 
     @cached_property
     def energy_balance(self) -> Array:
-        """Energy gained since the start less the work done [J], (T,): zero but for errors."""
-        total = self.energy.total
-        balance: Array = total - total[0] - self.total_work
-        return balance
+        """Energy gained since the start less the work done, and less what changes have put in [J],
+        (T,): zero but for errors."""
+        return self.balance(self.energy.total[0])
+
+    def balance(self, start: float) -> Array:
+        """The same, of a run that began with this energy [J]."""
+        balance: Array = self.energy.total - start - self.total_work
+        return balance if self.changes is None else balance - self.changes.given
 
     @cached_property
     def energy_error(self) -> float:
@@ -176,13 +200,13 @@ class Solution:
     @cached_property
     def centre_of_gravity(self) -> Array:
         """Centre of gravity [m], (T, 2)."""
-        centre: Array = self._model.centre_of_gravity(self.y, self._p)
+        centre: Array = self._follow(self._model.centre_of_gravity, self.y)
         return centre
 
     @cached_property
     def inertia(self) -> Inertia:
         """Moments and product of inertia about the centre of gravity [kg m^2]."""
-        return Inertia(*self._model.inertia(self.y, self._p))
+        return Inertia(*self._follow(self._model.inertia, self.y, axis=1))
 
     @cached_property
     def principal_axes(self) -> PrincipalAxes:
@@ -191,10 +215,15 @@ class Solution:
 
     def until(self, count: int) -> Solution:
         """The same run with its first ``count`` samples alone."""
-        work = {term: values[:count] for term, values in self.work.items()}
-        t = self.t[:count]
-        events = tuple(event for event in self.events if len(t) and event.t <= t[-1])
-        return replace(self, t=t, y=self.y[:count], work=work, events=events)
+        first = self.taken(slice(count))
+        end = first.t[-1] if len(first.t) else -np.inf
+        return replace(first, events=tuple(event for event in self.events if event.t <= end))
+
+    def taken(self, kept: NDArray[np.intp] | slice) -> Solution:
+        """The same run with some of its samples alone, and without events."""
+        work = {term: values[kept] for term, values in self.work.items()}
+        changes = self.changes and self.changes.taken(kept)
+        return replace(self, t=self.t[kept], y=self.y[kept], work=work, events=(), changes=changes)
 
     def to_xarray(self) -> xarray.Dataset:
         """All quantities with names, dimensions and units."""

@@ -2,12 +2,14 @@
 
     python -m rodgen.loading.ahead < structure.json
 
-Afterwards it is in the cache. Every stage is a line of standard output.
+Afterwards it is in the cache. Every stage is a line of standard output. It can be ended by
+SIGTERM, and then ends its compiler.
 """
 
 from __future__ import annotations
 
 import json
+import signal
 import sys
 from dataclasses import asdict
 
@@ -33,6 +35,8 @@ def parse(text: str) -> Structure:
 
 def main() -> None:
     """Make the module of the structure that is read from standard input."""
+    # As an exception it reaches whoever waits for the compiler, which has a session of its own.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("it was ended"))
     structure = parse(sys.stdin.read())
     print(DERIVING, flush=True)
     try:

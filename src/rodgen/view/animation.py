@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -54,7 +54,7 @@ def animate(
     called in any thread. Raises SceneError for what cannot be used.
     """
     settings = Settings(fps, speed, view, width, height, start, end)
-    return film(solution.t, lambda kept: _at(solution, kept), path, settings, progress)
+    return film(solution.t, solution.taken, path, settings, progress)
 
 
 def film(
@@ -83,11 +83,6 @@ def film(
                 progress(float(when))
     count = len(frames)
     return Film(count, count / settings.fps, planned.speed, picture.camera.view, tuple(notes))
-
-
-def _at(solution: Solution, kept: NDArray[np.intp]) -> Solution:
-    """The samples of a solution with these numbers."""
-    return replace(solution, t=solution.t[kept], y=solution.y[kept], work={}, events=())
 
 
 def _drawable(solution: Solution, planned: Plan) -> tuple[NDArray[np.intp], list[str]]:

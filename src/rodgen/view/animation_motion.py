@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
+from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
@@ -61,12 +63,13 @@ def motion(solution: Solution) -> Motion:
 
 def _bending(solution: Solution) -> tuple[Array, str]:
     """Bending moments, or the curvature of a rod without stiffness, in every joint, (S, n+1)."""
-    rod = solution.scene.rod
-    if rod.bending_stiffness:
-        moments: Array = solution._model.bending_moments(solution.y, solution._p)
+    links = solution.scene.rod.links
+    if solution.parameter("bending_stiffness").any():
+        moments: Array = solution._follow(solution._model.bending_moments, solution.y)
         return moments, "bending moment [N m]"
-    curvature = np.zeros((len(solution.t), rod.links + 1))
-    curvature[:, 1:-1] = np.diff(solution.phi, axis=1) * (rod.links / rod.length)
+    curvature = np.zeros((len(solution.t), links + 1))
+    per_metre = links / solution.parameter("length")
+    curvature[:, 1:-1] = np.diff(solution.phi, axis=1) * per_metre[:, None]
     return curvature, "curvature [1/m]"
 
 
@@ -81,14 +84,18 @@ def _axis(solution: Solution) -> Array:
 
 def _loads(solution: Solution) -> dict[str, Load]:
     """Weight at the centre of gravity, and the forces on the tail."""
-    found = {}
-    gravity = solution.scene.loads.gravity
-    if gravity is not None:
-        weight = np.array([0.0, -gravity.g * solution.scene.rod.mass])
-        force = np.broadcast_to(weight, solution.centre_of_gravity.shape)
+    found, terms = {}, solution.scene.loads.terms
+    if "gravity" in terms:
+        force = np.zeros_like(solution.centre_of_gravity)
+        force[:, 1] = -solution.parameter("gravity") * solution.parameter("mass")
         found["weight"] = Load(solution.centre_of_gravity, force)
-    forces = solution._model.forces(solution.t, solution.y, solution._p)
     for term, name in NAMES.items():
-        if term in forces:
-            found[name] = Load(solution.tip, forces[term][:, -1])
+        if term in terms:
+            at_tail = partial(_at_tail, solution._model, term)
+            found[name] = Load(solution.tip, solution._follow(at_tail, solution.t, solution.y))
     return found
+
+
+def _at_tail(model: ModuleType, term: str, t: Array, y: Array, p: Array) -> Array:
+    force: Array = model.forces(t, y, p)[term][:, -1]
+    return force

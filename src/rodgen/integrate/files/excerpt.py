@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from rodgen.integrate.files.layout import NO_STATS, Run, open_header
 from rodgen.integrate.files.netcdf import RecordFile
+from rodgen.integrate.files.quantities import changes_in, plain
 from rodgen.integrate.solution import Solution
-from rodgen.integrate.stepper import Array
 from rodgen.scene import SceneError
 
 
@@ -29,7 +29,7 @@ class Excerpt:
         try:
             with RecordFile(path, self._header, "r") as file:
                 self._run = Run.of(file.fixed("run").tobytes(), path)
-                self.t = np.array(file.records()["time"], dtype=float)
+                self.t = plain(file.records()["time"])
                 states = file.records()["y"].shape[1:]
         except (LookupError, OSError, TypeError, ValueError) as error:
             raise SceneError("file", str(path), f"written by rodgen ({error})") from None
@@ -40,9 +40,11 @@ class Excerpt:
         """The samples with these numbers, without their work and events."""
         try:
             with RecordFile(self.path, self._header, "r") as file:
-                y: Array = np.array(file.records()["y"][kept], dtype=float, order="C")
+                records = file.records()
+                y, changes = plain(records["y"][kept]), changes_in(records, kept)
         except (OSError, ValueError) as error:  # it was changed meanwhile
             raise SceneError("file", str(self.path), f"as it was ({error})") from None
         stats = self._run.stats or NO_STATS
         run = self._run
-        return Solution(self.scene, self.t[kept], y, {}, stats, run.status, run.message, self.model)
+        how = run.status, run.message, self.model
+        return Solution(self.scene, self.t[kept], y, {}, stats, *how, changes=changes)

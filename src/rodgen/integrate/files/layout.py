@@ -14,9 +14,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.integrate.changes import Changes
 from rodgen.integrate.files.header import Header, read_header
 from rodgen.integrate.files.netcdf import MOST, PAGE
-from rodgen.integrate.files.quantities import WORK, Quantity, event_variables, quantities
+from rodgen.integrate.files.quantities import (
+    PARAMETERS,
+    WORK,
+    Quantity,
+    event_variables,
+    parameter_names,
+    quantities,
+)
 from rodgen.integrate.solution import Solution, Stats
 from rodgen.integrate.stepper import Array, Counts
 from rodgen.scene import Scene, SceneError
@@ -58,17 +66,23 @@ class Run(NamedTuple):
 
 
 def contents(
-    scene: Scene, model: ModuleType, p: Array, terms: Sequence[str], events: int
+    scene: Scene,
+    model: ModuleType,
+    p: Array,
+    terms: Sequence[str],
+    events: int,
+    changed: bool = False,
 ) -> tuple[dict[str, int | None], dict[str, Quantity], dict[str, str]]:
     """Dimensions, variables (with one sample at rest) and attributes of a file without samples.
 
-    Raises SceneError for more than the format can hold.
+    changed: each sample has parameters of its own. Raises SceneError for more than the format can
+    hold.
     """
     states, n = len(model.STATE), scene.rod.links
     zero = np.zeros(1)
     work = dict.fromkeys(terms, zero)
     rest = Solution(scene, zero, np.zeros((1, states)), work, NO_STATS, model=model)
-    rest._p = p
+    rest._p, rest.changes = p, Changes(p[None], zero) if changed else None
     with np.errstate(all="ignore"):
         sample = quantities(rest)
     if sum(quantity.values.nbytes for quantity in sample.values()) > MOST:
@@ -90,6 +104,11 @@ def contents(
         dimensions["event"] = events
         none = np.broadcast_to(np.nan, (events, states))
         variables |= event_variables(np.full(events, -1), none[:, 0], none)
+    if changed:
+        labels = np.array(parameter_names(scene), dtype="S")
+        dimensions |= {"parameter": len(labels), "parameter_letter": labels.itemsize}
+        over = ("parameter", "parameter_letter")
+        variables["parameter"] = Quantity(over, _letters(labels), TEXT)
     how = {key: model.PROVENANCE[key] for key in ("target", "form")}
     return dimensions, variables | sample, {**attributes(scene), **how}
 
@@ -128,7 +147,7 @@ def check_layout(header: Header, scene: Scene, model: ModuleType, p: Array, path
     found = {name: (v.dimensions, v.dtype, v.shape) for name, v in header.variables.items()}
     terms = [name[len(WORK) :] for name in found if name.startswith(WORK)]
     events = header.variables["event_number"].shape[0] if "event_number" in found else 0
-    _, variables, _ = contents(scene, model, p, terms, events)
+    _, variables, _ = contents(scene, model, p, terms, events, PARAMETERS in found)
     due = {
         name: (over, values.dtype.newbyteorder(">"), values.shape["time" in over :])
         for name, (over, values, _) in variables.items()

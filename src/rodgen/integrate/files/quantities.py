@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.integrate.changes import Changes
 from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import Array
+from rodgen.scene import Scene
 
 WORK = "work_"  # and the name of the term
+PARAMETERS, GIVEN = "parameters", "energy_given"  # of a run that was changed while it went on
 
 
 class Quantity(NamedTuple):
@@ -48,7 +52,33 @@ def quantities(solution: Solution) -> dict[str, Quantity]:
     }
     for term, values in solution.work.items():
         found[WORK + term] = in_time(values, "J", f"work of {term.replace('_', ' ')}")
+    if solution.changes is not None:
+        changes = solution.changes
+        held = {"long_name": "parameters that held"}
+        found[PARAMETERS] = Quantity(("time", "parameter"), changes.p, held)
+        found[GIVEN] = in_time(changes.given, "J", "energy that changes and kicks have put in")
     return found
+
+
+def parameter_names(scene: Scene) -> list[str]:
+    """What the columns of parameters are; fin factors by joint."""
+    joints = [f"fin_factor_{joint}" for joint in range(scene.rod.links + 1)]
+    names = scene.structure.parameters
+    return [label for name in names for label in (joints if name == "fin_factor" else [name])]
+
+
+def changes_in(
+    records: NDArray[Any], kept: NDArray[np.intp] | slice = slice(None)
+) -> Changes | None:
+    """What was changed in the run of these records of a file, of some of them alone."""
+    if PARAMETERS not in (records.dtype.names or ()):
+        return None
+    return Changes(plain(records[PARAMETERS][kept]), plain(records[GIVEN][kept]))
+
+
+def plain(values: NDArray[Any]) -> Array:
+    """A copy, C-contiguous and in the byte order of this machine."""
+    return np.array(values, dtype=float, order="C")
 
 
 def event_variables(number: NDArray[Any], t: Array, y: Array) -> dict[str, Quantity]:

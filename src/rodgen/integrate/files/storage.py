@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 
 from rodgen.integrate.files.layout import NO_STATS, RUNNING, Run, attributes, open_header
 from rodgen.integrate.files.netcdf import RecordFile
-from rodgen.integrate.files.quantities import WORK, event_variables, quantities
+from rodgen.integrate.files.quantities import (
+    WORK,
+    changes_in,
+    event_variables,
+    parameter_names,
+    plain,
+    quantities,
+)
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.files.whole import replaced
 from rodgen.integrate.solution import Event, Solution
@@ -37,6 +44,8 @@ def to_xarray(solution: Solution) -> xarray.Dataset:
         "joint": np.arange(n + 1),
         "axis": ["x", "y"],
     }
+    if solution.changes is not None:
+        coordinates["parameter"] = parameter_names(solution.scene)
     notes = {
         **attributes(solution.scene),
         "stats": json.dumps(asdict(solution.stats)),
@@ -60,9 +69,12 @@ def _event_numbers(solution: Solution) -> list[int]:
 def save(solution: Solution, path: Path) -> None:
     """Write a NetCDF file, whole or not at all; raises SceneError where there is no folder."""
     parts = (solution.scene, solution._model, solution._p, list(solution.work))
-    room = len(solution.events)
-    with replaced(path) as part, Stream.create(part, *parts, events=room) as stream:
-        stream.append(solution.t, solution.y, solution.work)
+    room, changes = len(solution.events), solution.changes
+    with (
+        replaced(path) as part,
+        Stream.create(part, *parts, events=room, changed=changes is not None) as stream,
+    ):
+        stream.append(solution.t, solution.y, solution.work, changes)
         for number, event in zip(_event_numbers(solution), solution.events, strict=True):
             stream.add_event(number, event.t, event.y)
         stream.finish(solution.status, solution.message, solution.stats)
@@ -83,8 +95,9 @@ def load(path: str | Path, most: int | None = None) -> Solution:
             off = float(np.abs(whole["energy_balance"]).max(initial=0.0))
             records = _thinned(whole, most)
             terms = [name for name in header.record.names or () if name.startswith(WORK)]
-            work = {name[len(WORK) :]: _plain(records[name]) for name in terms}
-            t, y = _plain(records["time"]), _plain(records["y"])
+            work = {name[len(WORK) :]: plain(records[name]) for name in terms}
+            t, y = plain(records["time"]), plain(records["y"])
+            changes = changes_in(records)
     except (LookupError, OSError, TypeError, ValueError) as error:
         raise SceneError("file", str(path), f"written by rodgen ({error})") from None
     run = Run.of(text, path)
@@ -94,7 +107,7 @@ def load(path: str | Path, most: int | None = None) -> Solution:
     stats = run.stats or NO_STATS
     if run.lost:
         message = f"{message}; {run.lost} more events than the file has room for".lstrip("; ")
-    solution = Solution(scene, t, y, work, stats, status, message, events=events)
+    solution = Solution(scene, t, y, work, stats, status, message, events=events, changes=changes)
     solution.energy_error = off  # of all samples, also of those that are not read
     return solution
 
@@ -113,15 +126,10 @@ def _how_far(t: Array, scene: Scene) -> str:
     return f"{at} of {scene.integrate.span[1]:.9g} s; rodgen run --resume continues it"
 
 
-def _plain(values: NDArray[Any]) -> Array:
-    """A copy, C-contiguous and in the byte order of this machine."""
-    return np.array(values, dtype=float, order="C")
-
-
 def _events(file: RecordFile, scene: Scene) -> tuple[Event, ...]:
     if "event_number" not in file.header.variables:
         return ()
     number, t, y = (file.fixed(f"event_{what}") for what in ("number", "time", "y"))
     kept = np.flatnonzero(number >= 0)
     names = (scene.events[k].name for k in number[kept])
-    return tuple(map(Event, names, map(float, t[kept]), _plain(y[kept])))
+    return tuple(map(Event, names, map(float, t[kept]), plain(y[kept])))

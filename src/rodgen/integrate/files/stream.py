@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Self
 
 import numpy as np
 
+from rodgen.integrate.changes import Changes
 from rodgen.integrate.files.header import Header
 from rodgen.integrate.files.layout import (
     NO_STATS,
@@ -20,7 +20,7 @@ from rodgen.integrate.files.layout import (
     open_header,
 )
 from rodgen.integrate.files.netcdf import MOST, RecordFile, empty_file
-from rodgen.integrate.files.quantities import WORK, quantities
+from rodgen.integrate.files.quantities import GIVEN, PARAMETERS, WORK, quantities
 from rodgen.integrate.files.whole import replaced
 from rodgen.integrate.solution import Solution, Stats
 from rodgen.integrate.stepper import Array
@@ -28,6 +28,7 @@ from rodgen.loading import build
 from rodgen.scene import Scene, SceneError
 
 BLOCK = 2**20  # bytes of records that are made at once
+INPUT = "time", "y", PARAMETERS, GIVEN  # and works: all else follows from them
 
 
 class Stream:
@@ -65,13 +66,15 @@ class Stream:
         p: Array,
         work_terms: Sequence[str],
         events: int = 0,
+        changed: bool = False,
     ) -> Self:
-        """A file without samples; p: parameters of the model; events: room for so many.
+        """A file without samples; p: parameters of the model; events: room for so many; changed:
+        each sample has parameters of its own.
 
         Raises SceneError where there is no such folder, or for more than the format can hold.
         """
         with replaced(path) as part:
-            parts = contents(scene, model, p, work_terms, events)
+            parts = contents(scene, model, p, work_terms, events, changed)
             part.write_bytes(empty_file(*parts, aligned="run"))
         return cls(path, *open_header(path), model, p)
 
@@ -102,34 +105,36 @@ class Stream:
         """Events added so far, with those for which there was no room."""
         return self._kept + self._run.lost
 
-    def append(self, t: Array, y: Array, work: Mapping[str, Array]) -> None:
-        """Samples at times t (K,) [s]: states y (K, S), work [J] by term, each (K,).
+    def append(
+        self, t: Array, y: Array, work: Mapping[str, Array], changes: Changes | None = None
+    ) -> None:
+        """Samples at times t (K,) [s]: states y (K, S), work [J] by term, each (K,); what held
+        then, if the file was created for changes.
 
         Raises ValueError for other shapes or terms, SceneError where no more samples fit in.
         """
         record, count = self._file.header.record, len(t)
         given = {"time": t, "y": y, **{WORK + term: values for term, values in work.items()}}
+        if changes is not None:
+            given |= {PARAMETERS: changes.p, GIVEN: changes.given}
         shapes = {name: values.shape for name, values in given.items()}
-        names = [name for name in record.names or () if name in given or name.startswith(WORK)]
+        names = [name for name in record.names or () if name in INPUT or name.startswith(WORK)]
         due = {name: (count, *record[name].shape) for name in names}
         if shapes != due:
             raise ValueError(f"samples of shapes {shapes}, not {due}")
         if self.count + count > MOST:
             raise SceneError("samples", self.count + count, f"at most {MOST} in a file")
-        whole = Solution(self.scene, t, y, dict(work), NO_STATS, model=self.model)
+        whole = Solution(self.scene, t, y, dict(work), NO_STATS, model=self.model, changes=changes)
         at_once = max(1, BLOCK // record.itemsize)
         for at in range(0, count, at_once):
-            part = slice(at, at + at_once)
-            terms = {term: values[part] for term, values in work.items()}
-            self._append(replace(whole, t=t[part], y=y[part], work=terms))
+            self._append(whole.taken(slice(at, at + at_once)))
 
     def _append(self, block: Solution) -> None:
         block._p = self._p
         with np.errstate(all="ignore"):  # of a run that blew up
-            total = block.energy.total
             if self._first is None:
-                self._first = total[0]
-            block.energy_balance = total - self._first - block.total_work
+                self._first = block.energy.total[0]
+            block.energy_balance = block.balance(self._first)
             found = quantities(block)
         records = np.zeros(len(block.t), self._file.header.record)
         for name, quantity in found.items():

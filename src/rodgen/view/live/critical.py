@@ -16,16 +16,14 @@ class Critical:
     """value: critical force [N] of the scene looked at last, or in words why there is none, or
     None where no force follows the rod. done: called when it is there, from another thread."""
 
-    def __init__(self, done: Callable[[], None]):
+    def __init__(self, done: Callable[[], object]):
         self._done = done
         self._timer: threading.Timer | None = None
         self.value: float | str | None = None
 
     def look(self, scene: Scene) -> None:
         """Another scene counts."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self.cancel()
         if "follower" not in scene.structure.terms:
             self.value = None
         elif scene.rod.links > MOST_LINKS:
@@ -35,6 +33,12 @@ class Critical:
             self._timer = threading.Timer(PATIENCE, self._compute, (scene,))
             self._timer.daemon = True
             self._timer.start()
+
+    def cancel(self) -> None:
+        """What is not begun is not wanted any more, nor is the result of what is."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
 
     def _compute(self, scene: Scene) -> None:
         from rodgen.analyse.critical import critical_force

@@ -31,6 +31,7 @@ SIGNED = {"follower_force", "follower_angle", "gravity", "tip_force_x", "tip_for
 ANGLES = {"follower_angle", "clamp_angle"}
 # How far a slider goes where the value itself says nothing of its size.
 TYPICAL = {"gravity": 9.81, "internal_damping": 0.1, "external_damping": 1.0}
+MOST_FINS = 12  # of a list of them that can be moved one by one
 PI = 3.141592653589793
 
 
@@ -62,7 +63,8 @@ class Field:
 
 
 def movable(scene: Scene) -> Iterator[Field]:
-    """All values that are arguments of the scene's module, and loads that are expressions."""
+    """All values that are arguments of the scene's module, and loads that are expressions; of a
+    long list of fin factors the first and the last."""
     names = scene.structure.parameters
     for name, (label, unit, decades) in ROD.items():
         if name in names:
@@ -87,8 +89,10 @@ def _fins(scene: Scene) -> Iterator[Field]:
         for part in ("nose", "body", "tail"):
             yield Field((*path, part), f"fin factor, {part}", "", float(getattr(fins, part)))
     else:
-        for joint, value in enumerate(fins):
-            yield Field((*path, str(joint)), f"fin factor, joint {joint}", "", float(value))
+        last = len(fins) - 1
+        for joint in range(len(fins)) if last < MOST_FINS else (0, last):  # the ends count most
+            value = float(fins[joint])
+            yield Field((*path, str(joint)), f"fin factor, joint {joint}", "", value)
 
 
 def scale_of(field: Field) -> float:

@@ -41,7 +41,7 @@ def reached(
     """Time between two of the samples, by their numbers, at which the polynomial through all of
     them reaches a level, by halving; these two are on either side of the level, or at it."""
     below, above = t[low], t[high]
-    rises = values[low] < level
+    rises = values[low] < values[high]
     for _ in range(HALVINGS):
         middle = (below + above) / 2
         if (lagrange(t, values, middle) < level) == rises:

@@ -14,13 +14,14 @@ from rodgen.view.live.frames import Named, encode
 from rodgen.view.live.picture import drawn
 from rodgen.view.live.plots import Plot
 from rodgen.view.live.texts import texts
-from rodgen.view.live.thinning import MOST_ROWS, thinned
+from rodgen.view.live.thinning import thinned
 
 if TYPE_CHECKING:
     from rodgen.view.live.run import LiveRun
 
 AHEAD = 2  # messages that are sent before one is acknowledged
 TEXTS = 0.2  # seconds between two of them
+MOST_WAITING, LEAST = 2**18, 500  # numbers of a plot that wait for a page, rows at least
 Send = Callable[[bytes], None]
 
 
@@ -50,8 +51,10 @@ class PageState:
 
     def detach(self, send: Send) -> None:
         """That page is gone."""
-        if send in (self._send, self._wanted):
-            self._send = self._wanted = None
+        if self._send == send:
+            self._send = None
+        if self._wanted == send:
+            self._wanted = None
 
     @property
     def watched(self) -> bool:
@@ -90,8 +93,9 @@ class PageState:
     def _keep(self, name: str, rows: Array) -> None:
         waiting = self._rows.setdefault(name, [])
         waiting.append(rows)
-        if sum(map(len, waiting)) > 2 * MOST_ROWS:
-            self._rows[name] = [thinned(np.concatenate(waiting))]
+        if sum(part.size for part in waiting) > MOST_WAITING:
+            rows = np.concatenate(waiting)
+            self._rows[name] = [thinned(rows, max(LEAST, len(rows) // 2))]
 
     def added(self, plot: Plot, before: Iterable[Chunk]) -> None:
         """A plot, with what was before."""
@@ -104,7 +108,8 @@ class PageState:
         self._replaced.discard(name)
 
     def restarted(self, plots: Mapping[str, Plot]) -> None:
-        """The run has begun again: plots are empty."""
+        """The run has begun again: plots are empty, and others than these are gone."""
+        self._rows, self._replaced = {}, set()
         for name, plot in plots.items():
             plot.reset()
             self._rows[name] = []
@@ -128,12 +133,13 @@ class PageState:
             self.touched()
         if self._send is None or not self._dirty or self._frame - self._seen >= AHEAD:
             return
+        message = self._message(run, self._frame + 1)
         self._dirty = False
         self._frame += 1
-        self._send(self._message(run))
+        self._send(message)
 
-    def _message(self, run: LiveRun) -> bytes:
-        header: dict[str, Any] = {"frame": self._frame, "state": run.status}
+    def _message(self, run: LiveRun, frame: int) -> bytes:
+        header: dict[str, Any] = {"frame": frame, "state": run.status}
         arrays: list[Named] = []
         if np.isfinite(run.shown.y[-1]).all():
             header["t"] = float(run.shown.t[-1])

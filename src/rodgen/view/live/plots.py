@@ -19,7 +19,7 @@ from rodgen.view.live.thinning import MOST_ROWS, thinned
 
 __all__ = ["Plot", "PlotSpec"]
 
-MOST_SERIES = 200  # of one plot; of more, every k-th
+MOST_SERIES = 200  # of one plot; of more, every k-th is shown
 SPECTRA = 0.25  # seconds of wall time between two
 PIECE = 1024  # samples that are taken at once
 
@@ -36,7 +36,10 @@ class Plot:
         self, spec: PlotSpec, catalogue: Catalogue, clock: Callable[[], float] = time.monotonic
     ):
         self.spec, self.catalogue, self._clock = spec, catalogue, clock
-        self.names = _names(spec, catalogue)
+        every = tuple(dict.fromkeys(name for one in spec.y for name in catalogue.expand(one)))
+        # Of too many, one in so many is shown.
+        self.stride = -(-len(every) // (MOST_ROWS if spec.kind == "profile" else MOST_SERIES))
+        self.names = every[:: self.stride]
         self.replaces = spec.kind in ("profile", "spectrum")
         self._window = Window(spec.window)
         period = PERIODS.get(spec.when, 0.0)
@@ -76,7 +79,7 @@ class Plot:
         if self.spec.kind == "profile" and len(chunk):
             values = self.catalogue.columns(self.names, chunk)[-1]
             along = self.catalogue.along[self.spec.y[0]]
-            return np.stack((along[:: _stride(len(along))], values), axis=1)
+            return np.stack((along[:: self.stride], values), axis=1)
         if self.spec.kind == "spectrum" and self._clock() >= self._due:
             self._due = self._clock() + SPECTRA
             period = PERIODS.get(self.names[0])
@@ -120,7 +123,7 @@ class Plot:
         return {
             "id": self.spec.id,
             "kind": self.spec.kind,
-            "title": title_of(self.spec, self.catalogue),
+            "title": title_of(self.spec, self.catalogue) + _thinned_out(self.stride),
             "x": {"label": x[0], "unit": x[1]},
             "y": {"label": y[0], "unit": y[1]},
             "series": [{"name": q.name, "label": q.label, "unit": q.unit} for q in quantities],
@@ -147,21 +150,11 @@ class Plot:
         return ("t", "s"), y
 
 
-def _names(spec: PlotSpec, catalogue: Catalogue) -> tuple[str, ...]:
-    """The quantities on the y axis; of too many, every k-th."""
-    if spec.kind == "profile":
-        numbers = len(catalogue.along[spec.y[0]])
-        names = catalogue.kinds[spec.y[0]]
-        return tuple(names[:: _stride(numbers)])
-    every = dict.fromkeys(name for one in spec.y for name in catalogue.expand(one))
-    if spec.kind != "time":
-        return tuple(spec.y)
-    return tuple(list(every)[:: -(-len(every) // MOST_SERIES)])
-
-
-def _stride(count: int) -> int:
-    """Of so many links or joints, which are shown in a profile."""
-    return -(-count // MOST_ROWS)
+def _thinned_out(stride: int) -> str:
+    """Says which of the quantities are shown, where not all are."""
+    teens = stride // 10 % 10 == 1
+    ending = "th" if teens else {1: "st", 2: "nd", 3: "rd"}.get(stride % 10, "th")
+    return f", every {stride}{ending}" if stride > 1 else ""
 
 
 def _smooth(before: Chunk, after: Chunk) -> bool:

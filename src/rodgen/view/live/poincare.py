@@ -17,6 +17,7 @@ import numpy as np
 from rodgen.integrate.stepper import Array
 from rodgen.view.live.lagrange import lagrange, reached
 
+DIGITS = 9  # of the number of a value, beyond which a sample is on it
 DIRECTIONS = ("rising", "falling", "either")
 
 
@@ -33,19 +34,25 @@ class Condition:
     def levels(self, before: Array, after: Array) -> Array:
         """The values that are reached between samples and the next, (N,); not-a-number where none
         is. One that starts on a value leaves it, which is no crossing."""
-        rises, falls = self._next(after, np.floor), self._next(after, np.ceil)
-        rising = (before < rises) & (rises <= after) & (self.direction != "falling")
-        falling = (before > falls) & (falls >= after) & (self.direction != "rising")
-        levels = np.where(rising, rises, np.where(falling, falls, np.nan))
+        (below, risen), (above, fallen) = (
+            (self._number(before, rounded), self._number(after, rounded))
+            for rounded in (np.floor, np.ceil)
+        )
+        rising = (below < risen) & (self.direction != "falling")
+        falling = (above > fallen) & (self.direction != "rising")
+        reached = np.where(rising, risen, np.where(falling, fallen, np.nan))
+        levels = self.value + self.every * reached
         if self.period:
             levels[np.abs(after - before) > self.period / 2] = np.nan
         return np.where(np.isfinite(before) & np.isfinite(after), levels, np.nan)
 
-    def _next(self, after: Array, rounded: np.ufunc) -> Array:
-        if not self.every:
-            return np.full(after.shape, self.value)
-        found: Array = self.value + self.every * rounded((after - self.value) / self.every)
-        return found
+    def _number(self, c: Array, rounded: np.ufunc) -> Array:
+        """The number k of the value next to c, below or above it. Each sample has one number of
+        each, and is on a value that it misses by rounding: so none is lost or counted twice."""
+        beyond = c - self.value
+        k = np.round(beyond / self.every, DIGITS) if self.every else np.sign(beyond) / 2
+        number: Array = rounded(k)
+        return number
 
 
 class Section:

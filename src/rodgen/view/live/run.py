@@ -42,7 +42,8 @@ class LiveRun:
     """A run, its samples, its plots, and the page that looks at it.
 
     Everything but `do`, `page` and `close` is for the run's own thread: others hand it work by
-    `do`. told: called in that thread when the status, the scene or the plots have changed.
+    `do`. taken: how many scenes it has taken up so far. told: called in that thread when the
+    status, the scene or the plots have changed.
     """
 
     def __init__(self, scene: Scene, told: Callable[[], None] = lambda: None):
@@ -51,11 +52,11 @@ class LiveRun:
         self.status, self.message = PAUSED, ""
         self.plots: dict[str, Plot] = {}
         self._numbers, self.greeted = itertools.count(1), False  # whether it got its first plots
-        self.pace = Pace()
-        self.critical = Critical(self.wake_up)
-        self.take(scene)
+        self.pace, self.taken = Pace(), 0
         self._work: deque[tuple[Callable[[], Any], Future[Any]]] = deque()
         self._wake, self._closed = threading.Event(), False
+        self.critical = Critical(lambda: self.do(self.page.touched))
+        self.take(scene)
         self._thread = threading.Thread(target=self._loop, name="rodgen-run", daemon=True)
         self._thread.start()
 
@@ -74,11 +75,12 @@ class LiveRun:
     def close(self) -> None:
         """End the thread, and with it the run."""
         self._closed = True
+        self.critical.cancel()
         self.wake_up()
 
     def wake_up(self) -> None:
-        if hasattr(self, "_wake"):
-            self._wake.set()
+        """Look up, if it is idle: somebody has come, or something is to be done."""
+        self._wake.set()
 
     # The thread --------------------------------------------------------------------------------
 
@@ -157,6 +159,7 @@ class LiveRun:
         specs = [followed(p.spec, self.new_name(), p.catalogue, catalogue) for p in plots]
         self.plots = {spec.id: Plot(spec, catalogue) for spec in specs if spec}
         self.model, self.live, self.catalogue = model, live, catalogue
+        self.taken += 1
         self.page.structure_changed()
         self._begin()
 
@@ -260,8 +263,9 @@ class LiveRun:
         key = what.partition(" = ")[0]
         if self.history and " = " in what and self.history[-1].startswith(f"{key} = "):
             self.history.pop()
-        if what and len(self.history) < MOST_NOTES:
+        if what:
             self.history.append(f"{what} at t = {self.live.t:.6g} s")
+            del self.history[MOST_NOTES:-1]  # the first ones, and the last
 
     def set_speed(self, speed: float) -> None:
         """Simulated seconds per second, infinite for as fast as it goes."""

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
-from nicegui.events import KeyEventArguments, ValueChangeEventArguments
+from nicegui.events import ValueChangeEventArguments
 
 from rodgen.scene import SceneError
 from rodgen.view.live.run import PAUSED, RUNNING, STOPPED
+from rodgen.view.live.web.elements import Keys
 
 if TYPE_CHECKING:
     from rodgen.view.live.web.page import Page
@@ -29,6 +31,17 @@ SPEEDS = {
     math.inf: "as fast as it goes",
 }
 ADVICE = ". Reset it, or change a parameter, the method or its step to go on from there."
+OTHER = ""  # in the list of scenes: what is shown is none of the folder's; no file is called so
+MOST_COMPARED = 50  # files that the first scene of a page is looked for in
+SHADE = """
+    const dark = !document.body.classList.contains("body--dark");
+    Quasar.Dark.set(dark);
+    localStorage.setItem("rodgen-dark", dark);
+"""
+SHADE_AS_BEFORE = """
+    const dark = localStorage.getItem("rodgen-dark");
+    if (dark !== null) Quasar.Dark.set(dark === "true");
+"""
 
 
 class Bar:
@@ -37,12 +50,13 @@ class Bar:
     def __init__(self, page: Page):
         self.page = page
         self._now: object = None
+        self._file = self._first_file()
+        self._taken = page.run.taken if self._file else 0  # the run's count when it took the file
         with ui.element("header").classes("rg-bar"):
             ui.label("rodgen").classes("rg-name")
-            self.scenes = ui.select(
-                self._names(), value=None, on_change=self._chosen, label="Scene"
-            ).props("dense outlined options-dense")
-            self.scenes.classes("rg-scenes")
+            self.scenes = ui.select([], on_change=self._chosen, label="Scene")
+            self.scenes.props("dense outlined options-dense").classes("rg-scenes")
+            self.again, self.again_hint = _button("folder_open", "Load again", self._again)
             self.go, self.hint = _button("play_arrow", "Run (space)", self._go)
             self.step, _ = _button("skip_next", "One step of the method (.)", self._step)
             _button("replay", "Reset to the initial state (r)", self._reset)
@@ -53,22 +67,20 @@ class Bar:
                 label="Speed",
             ).props("dense outlined options-dense")
             self.speed.classes("rg-speed")
-            with ui.element("div").classes("rg-now").props('role="status"'):
-                self.state = ui.label().classes("rg-state")
+            with ui.element("div").classes("rg-now"):
+                self.state = ui.label().classes("rg-state").props('role="status"')
                 _live("t", "s", "time")
                 _live("ratio", "× real time", "ratio")
             ui.element("span").classes("rg-lost").props('data-text="connection" role="alert"')
             _button("dark_mode", "Light or dark (d)", self._shade)
         self.failure = ui.label().classes("rg-failure").props('role="alert"')
-        ui.keyboard(on_key=self._key, ignore=["input", "select", "textarea", "button"])
-
-    def _names(self) -> list[str]:
-        return self.page.folder.names()
+        Keys({" ": self._go, ".": self._step, "r": self._reset, "d": self._shade}, held=".")
+        ui.run_javascript(SHADE_AS_BEFORE)
 
     def refresh(self) -> None:
         """As the run is now."""
         run, scene = self.page.run, self.page.scene
-        now = (run.status, run.message, scene.name)
+        now = (run.status, run.message, run.taken, self._file)
         if now == self._now:
             return
         self._now = now
@@ -81,8 +93,51 @@ class Bar:
         self.failure.set_text(_sentence(run.message) + ADVICE if stopped else "")
         self.failure.set_visibility(stopped)
         self.hint.set_text(name)
-        names = [name for name in self._names() if name != scene.name]
-        self.scenes.set_options(sorted([scene.name, *names]), value=scene.name)
+        self._list(scene.name)
+
+    # Scenes of the folder ----------------------------------------------------------------------
+
+    def _first_file(self) -> str:
+        """The file of the folder that holds the scene of the run, or nothing."""
+        scene, folder = self.page.scene, self.page.folder
+        names = sorted(folder.names(), key=lambda name: name != scene.name)  # the likely one first
+        for name in names[:MOST_COMPARED]:
+            with suppress(SceneError):
+                if folder.scene(name) == scene:
+                    return name
+        return OTHER
+
+    @property
+    def _shown(self) -> str:
+        """The file that the scene of the run was taken from, or nothing."""
+        return self._file if self._taken == self.page.run.taken else OTHER
+
+    def _list(self, present: str) -> None:
+        """What can be chosen; present: name of the scene of the run."""
+        names = {name: name for name in sorted({*self.page.folder.names(), self._file} - {OTHER})}
+        other = {OTHER: f"{present} (other)"} if self._shown == OTHER else {}
+        self.scenes.set_options(names | other, value=self._shown)
+        label = f"Load {self._file} again, as it is in its file"
+        self.again.props["aria-label"] = label
+        self.again_hint.set_text(label)
+        self.again.set_enabled(self._file != OTHER)
+
+    async def _chosen(self, event: ValueChangeEventArguments[Any]) -> None:
+        if event.value not in (None, OTHER, self._shown):
+            await self._load(event.value)
+
+    async def _again(self) -> None:
+        await self._load(self._file)
+
+    async def _load(self, name: str) -> None:
+        """Take up the scene of a file; if it cannot be, what is there stays, in the list too."""
+        try:
+            await self.page.take(self.page.folder.scene(name))
+            self._file, self._taken = name, self.page.run.taken
+        except SceneError as error:
+            self.page.say(str(error))
+        self._now = None
+        self.page.refresh()
 
     # What is done ------------------------------------------------------------------------------
 
@@ -91,7 +146,8 @@ class Bar:
         self.page.soon(run.pause if run.status == RUNNING else run.go)
 
     def _step(self) -> None:
-        self.page.soon(self.page.run.one_step)
+        if self.page.run.status in (RUNNING, PAUSED):
+            self.page.soon(self.page.run.one_step)
 
     def _reset(self) -> None:
         self.page.soon(self.page.run.restart)
@@ -101,31 +157,7 @@ class Bar:
         self.page.soon(lambda: self.page.run.set_speed(speed))
 
     def _shade(self) -> None:
-        ui.run_javascript(
-            "const dark = document.body.classList.contains('body--dark');Quasar.Dark.set(!dark);"
-        )
-
-    async def _chosen(self, event: ValueChangeEventArguments[Any]) -> None:
-        if event.value is None or event.value == self.page.scene.name:
-            return
-        try:
-            await self.page.take(self.page.folder.scene(event.value))
-        except SceneError as error:
-            self.page.say(str(error))
-            self.refresh()
-
-    def _key(self, event: KeyEventArguments) -> None:
-        if not event.action.keydown or event.modifiers.ctrl or event.modifiers.meta:
-            return
-        run = self.page.run
-        if event.key == " " and not event.action.repeat:
-            self._go()
-        elif event.key == "." and run.status in (RUNNING, PAUSED):
-            self._step()
-        elif event.key == "r":
-            self._reset()
-        elif event.key == "d":
-            self._shade()
+        ui.run_javascript(SHADE)
 
 
 def _sentence(text: str) -> str:
@@ -141,6 +173,6 @@ def _button(icon: str, label: str, clicked: Callable[[], object]) -> tuple[ui.bu
 
 def _live(key: str, unit: str, label: str) -> None:
     """A text that the channel keeps up to date."""
-    with ui.element("span").classes("rg-live").props(f'aria-label="{label}"'):
+    with ui.element("span").classes("rg-live").props(f'role="group" aria-label="{label}"'):
         ui.element("b").props(f'data-text="{key}"')
         ui.label(unit).classes("rg-unit")

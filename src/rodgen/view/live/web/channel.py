@@ -46,7 +46,8 @@ async def _forward(socket: WebSocket, waiting: asyncio.Queue[bytes]) -> None:
 
 
 async def _listen(socket: WebSocket, run: LiveRun) -> None:
-    with suppress(WebSocketDisconnect):
+    # A RuntimeError: sending has found out first that the page is gone.
+    with suppress(WebSocketDisconnect, RuntimeError):
         while True:
             text = await socket.receive_text()
             frame = _frame(text)

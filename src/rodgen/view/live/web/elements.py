@@ -1,4 +1,4 @@
-"""The components of the page: connection, picture of the rod, plots (static/).
+"""The components of the page: keys, connection, picture of the rod, plots (static/).
 
 Which arrays a message carries: frames.py. In the page, window.rodgenLive tells what was drawn:
 {fps, frames, t, state, connected, milliseconds (of script a frame), plots: {id: {rows, draws}}}.
@@ -8,7 +8,7 @@ writes the key "connection", empty while it stands.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 import nicegui.elements.echart  # noqa: F401  ECharts into the import map of the page
@@ -16,7 +16,6 @@ from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
 View = Literal["fixed", "centre", "axes"]
-Moment = Literal["signed", "absolute"]
 
 # What the picture can show, and whether it does at first.
 SHOWN = {
@@ -32,7 +31,7 @@ SHOWN = {
     "grid": True,
 }
 
-Handler = Callable[[dict[str, Any]], None]
+Handler = Callable[[dict[str, Any]], object]
 
 
 def _listen(element: Element, event: str, keys: list[str], handler: Handler) -> None:
@@ -42,19 +41,30 @@ def _listen(element: Element, event: str, keys: list[str], handler: Handler) -> 
     element.on(event, handle, keys)
 
 
+class Keys(Element, component="static/keys.js"):
+    """Keys of the whole page, by name as in KeyboardEvent.key, and what each of them does.
+    Controls keep the keys that they use themselves, and the browser its shortcuts.
+
+    Props: keys, and held: those that count again while they are held down.
+    Events: "key" {key}.
+    """
+
+    def __init__(self, does: Mapping[str, Callable[[], object]], held: str = "") -> None:
+        super().__init__()
+        self._props.update(keys=list(does), held=list(held))
+        _listen(self, "key", ["key"], lambda e: does[e["key"]]())
+
+
 class Channel(Element, component="static/channel.js", esm={"rodgen-live": "static"}):
     """The WebSocket of the page at `address`, relative to the page's own host ("/live?id=..."),
     opened again after 1 s to 5 s where it is lost. It shows nothing. One a page.
 
-    Props: address. Events: "connection" {connected}.
+    Props: address.
     """
 
     def __init__(self, address: str) -> None:
         super().__init__()
         self._props["address"] = address
-
-    def on_connection(self, handler: Callable[[bool], None]) -> None:
-        _listen(self, "connection", ["connected"], lambda e: handler(bool(e["connected"])))
 
 
 class RodCanvas(Element, component="static/rod.js"):
@@ -66,44 +76,30 @@ class RodCanvas(Element, component="static/rod.js"):
     its drawing away.
 
     Props: show {name: bool} (see SHOWN), view ("fixed", "centre": the centre of gravity stays
-    where it is, "axes": and the principal axes as well), moment ("signed", "absolute"), support
-    (the scene's boundary), clampAngle [rad], kick (dragging from a link draws a kick), label (for
-    screen readers), rod (any text: another one fits the picture anew and clears trail and scales;
-    another number of links does so too).
-    Events: "link" {link, share, x, y}: a link was clicked, at `share` (0 start, 1 end), in metres;
-    "kick" {link, share, dx, dy}: what was dragged from there, in metres.
-    Methods in the page: fit(), reset_scale(), clear_trail(), png(name).
+    where it is, "axes": and the principal axes as well), support (the scene's boundary),
+    clampAngle [rad], kick (links can be kicked), label (for screen readers), rod (any number:
+    another one fits the picture anew and clears trail and scales; another number of links does so
+    too).
+    Events, both while `kick` is on: "link" {link, share}: a link was clicked, at `share` (0 start,
+    1 end); "kick" {link, share, dx, dy}: what was dragged from there, in metres.
+    Methods in the page: fit(), reset_scale(), png(name).
     """
 
-    def __init__(
-        self,
-        *,
-        support: str = "free",
-        clamp_angle: float = 0.0,
-        view: View = "fixed",
-        moment: Moment = "signed",
-        show: Mapping[str, bool] | None = None,
-        label: str = "The rod, drawn live",
-        rod: str = "",
-    ) -> None:
+    def __init__(self, view: View = "fixed") -> None:
         super().__init__()
-        self._props["show"] = SHOWN | dict(show or {})
-        self._props["kick"] = False
-        self.set(view=view, moment=moment, label=label)
-        self.rod(rod, support, clamp_angle)
+        self._props.update(show=dict(SHOWN), view=view, kick=False)
 
     def set(self, **props: Any) -> None:
-        """Props by name: view, moment, kick, label."""
+        """Props by name: view, kick, clampAngle."""
         self._props.update(props)
-        self.update()
 
     def show(self, **shown: bool) -> None:
         """Switches what is drawn: show(trail=False)."""
         self.set(show={**self._props["show"], **shown})
 
-    def rod(self, identity: str, support: str, clamp_angle: float = 0.0) -> None:
-        """Another rod: `identity` is any text that the one before did not have."""
-        self.set(rod=identity, support=support, **{"clamp-angle": clamp_angle})
+    def rod(self, number: int, support: str, label: str) -> None:
+        """Another rod: `number` is other than that of the one before."""
+        self.set(rod=number, support=support, label=label)
 
     def fit(self) -> None:
         self.run_method("fit")
@@ -112,16 +108,13 @@ class RodCanvas(Element, component="static/rod.js"):
         """Colours and arrows from the present state on, not from what came before."""
         self.run_method("reset_scale")
 
-    def clear_trail(self) -> None:
-        self.run_method("clear_trail")
-
     def png(self, name: str = "rod.png") -> None:
         """The browser downloads the picture."""
         self.run_method("png", name)
 
     def on_link(self, handler: Handler) -> None:
-        """handler({"link": int, "share": float, "x": m, "y": m})"""
-        _listen(self, "link", ["link", "share", "x", "y"], handler)
+        """handler({"link": int, "share": float})"""
+        _listen(self, "link", ["link", "share"], handler)
 
     def on_kick(self, handler: Handler) -> None:
         """handler({"link": int, "share": float, "dx": m, "dy": m})"""
@@ -139,14 +132,14 @@ class Plots(Element, component="static/plots.js"):
     Props: specs, a list of plots as JSON, in the order shown: {"id", "kind" ("time", "phase",
     "profile", "spectrum", "poincare"), "title", "x": {"label", "unit"}, "y": {"label", "unit"},
     "series": [{"name", "label"}], "window": s}.
-    Events: "removed" {id}, "moved" {ids} (all, in the new order), "paused" {id, paused}. Removing
-    and moving is taken up in specs before a handler is called.
+    Events: "removed" {id}, "moved" {ids} (all, in the new order). Removing and moving is taken up
+    in specs before a handler is called.
     Rows that come before their plot are kept for it.
     """
 
-    def __init__(self, specs: Iterable[Mapping[str, Any]] = ()) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        self.put([dict(spec) for spec in specs])
+        self.put([])
         _listen(self, "removed", ["id"], lambda e: self.drop(str(e["id"])))
         _listen(self, "moved", ["ids"], lambda e: self._arrange(e["ids"]))
 
@@ -158,10 +151,6 @@ class Plots(Element, component="static/plots.js"):
         """All plots, in their order."""
         self._props["specs"] = specs
         self.update()
-
-    def add(self, spec: Mapping[str, Any]) -> None:
-        """Adds a plot; one of the same id makes room for it."""
-        self.put([*(old for old in self.specs if old["id"] != spec["id"]), dict(spec)])
 
     def drop(self, plot: str) -> None:
         """Removes the plot of this id, if it is there."""
@@ -176,7 +165,3 @@ class Plots(Element, component="static/plots.js"):
 
     def on_moved(self, handler: Callable[[list[str]], None]) -> None:
         _listen(self, "moved", ["ids"], lambda e: handler([str(plot) for plot in e["ids"]]))
-
-    def on_paused(self, handler: Callable[[str, bool], None]) -> None:
-        keys = ["id", "paused"]
-        _listen(self, "paused", keys, lambda e: handler(str(e["id"]), bool(e["paused"])))

@@ -14,19 +14,26 @@ Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 OWN = {"localhost", "127.0.0.1", "::1"}
-TOKEN, COOKIE = "token", "rodgen_token"
+TOKEN = "token"
+LONGEST = 2 * 2**20  # bytes of a request: a scene, and what is around it
+# For browsers that do not say who asks.
+UNFRAMED = [
+    (b"x-frame-options", b"DENY"),
+    (b"content-security-policy", b"frame-ancestors 'none'"),
+]
 
 
 class Guard:
     """Refuses requests that come from pages of other servers, under other names of this machine
-    (a name that a stranger's DNS gives it), and where there is a token, without it.
+    (a name that a stranger's DNS gives it), that are too long, and where there is a token, without
+    it. Pages of other servers may link to ours, but not hold it in a frame.
 
     token: asked for in the address of the first request, and kept by a cookie; None on the
-    loopback address.
+    loopback address. port: the server's; cookies are those of a host, whatever its port.
     """
 
-    def __init__(self, app: App, token: str | None):
-        self._app, self._token = app, token
+    def __init__(self, app: App, token: str | None, port: int):
+        self._app, self._token, self._cookie = app, token, f"rodgen_token_{port}"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] not in ("http", "websocket"):
@@ -37,10 +44,10 @@ class Guard:
         refusal = self._refusal(headers, given)
         if refusal:
             await _refuse(scope, send, refusal)
-        elif given and self._token and scope["type"] == "http":
-            await self._app(scope, receive, self._remembering(send))
-        else:
+        elif scope["type"] == "websocket":
             await self._app(scope, receive, send)
+        else:
+            await self._app(scope, receive, self._adding(send, remember=bool(given)))
 
     def _refusal(self, headers: dict[str, str], given: str) -> str:
         """Why a request is refused, or nothing."""
@@ -49,19 +56,28 @@ class Guard:
             return f"this server is not called {host[:100]!r}"
         if origin is not None and urlsplit(origin).netloc != host:
             return "requests from pages of other servers are refused"
+        if _beyond_a_link(headers):
+            return "pages of other servers can link to this one, and nothing else"
+        if _too_long(headers):
+            return f"a request has at most {LONGEST >> 20} MiB"
         if self._token is not None:
-            kept, wanted = _cookie(headers.get("cookie", "")), self._token.encode()
+            kept = _cookie(headers.get("cookie", ""), self._cookie)
+            wanted = self._token.encode()
             if not any(hmac.compare_digest(one.encode(), wanted) for one in (given, kept)):
                 return "the address needs the token that `rodgen view` has printed: /?token=..."
         return ""
 
-    def _remembering(self, send: Send) -> Send:
-        assert self._token is not None
-        value = f"{COOKIE}={self._token}; HttpOnly; SameSite=Strict; Path=/"
+    def _adding(self, send: Send, *, remember: bool) -> Send:
+        """Answers with headers of ours, and the token for the browser to remember."""
+        headers = list(UNFRAMED)
+        if remember and self._token:
+            # Lax: whoever comes by a link, such as one in a mail, has it with them.
+            value = f"{self._cookie}={self._token}; HttpOnly; SameSite=Lax; Path=/"
+            headers.append((b"set-cookie", value.encode()))
 
         async def sending(message: MutableMapping[str, Any]) -> None:
             if message["type"] == "http.response.start":
-                message["headers"] = [*message["headers"], (b"set-cookie", value.encode())]
+                message["headers"] = [*message["headers"], *headers]
             await send(message)
 
         return sending
@@ -75,10 +91,24 @@ def _name(host: str) -> str:
         return ""
 
 
-def _cookie(header: str) -> str:
-    """The token that a page keeps."""
+def _beyond_a_link(headers: dict[str, str]) -> bool:
+    """Whether a page of another server has this as its frame, image or script: like a link that
+    is followed, these are asked for without an origin."""
+    others = headers.get("sec-fetch-site") in ("cross-site", "same-site")
+    return others and headers.get("sec-fetch-dest") != "document"
+
+
+def _too_long(headers: dict[str, str]) -> bool:
+    """Whether the body of a request is longer than it may be, or does not say how long it is."""
+    length = headers.get("content-length", "0")
+    told = "transfer-encoding" not in headers and length.isdecimal() and len(length) < 10
+    return not told or int(length) > LONGEST
+
+
+def _cookie(header: str, name: str) -> str:
+    """The token that a browser keeps."""
     try:
-        found = SimpleCookie(header).get(COOKIE)
+        found = SimpleCookie(header).get(name)
     except CookieError:
         return ""
     return found.value if found else ""

@@ -3,65 +3,61 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Sequence
 from contextlib import suppress
 from importlib.resources import files
-from typing import Any, TypeVar
+from typing import Any
 
-from nicegui import app, background_tasks, ui
+from nicegui import app, ui
 
 from rodgen.scene import Scene, SceneError
-from rodgen.view.live.edits import Path, edited
 from rodgen.view.live.run import LiveRun
 from rodgen.view.live.scenes import Folder, unpacked
 from rodgen.view.live.web.bar import Bar
 from rodgen.view.live.web.channel import ADDRESS
 from rodgen.view.live.web.elements import Channel
-from rodgen.view.live.web.making import make
 from rodgen.view.live.web.parameters import Parameters
 from rodgen.view.live.web.plots import PlotsPanel
 from rodgen.view.live.web.progress import Progress
 from rodgen.view.live.web.rod import RodPanel
 from rodgen.view.live.web.saving import Saving
 from rodgen.view.live.web.sessions import Sessions
+from rodgen.view.live.web.shared import Shared
 from rodgen.view.live.web.structure import StructurePanel
 from rodgen.view.live.web.values import Values
 
 RUN = "run"  # what a tab remembers
-T = TypeVar("T")
+# The token is kept by a cookie: it is not to be copied with the address.
+FORGET_TOKEN = """
+    const url = new URL(location.href);
+    url.searchParams.delete("token");
+    history.replaceState(null, "", url);
+"""
 
 
-class Page:
-    """One page, one run.
-
-    Its parts call `do` for what is for the run's thread, and `apply` for another scene; when
-    something has changed, all of them are told by `refresh`.
-    """
-
-    run: LiveRun
+class Page(Shared):
+    """One page, one run; when something has changed, all parts are told by `refresh`."""
 
     def __init__(self, sessions: Sessions, folder: Folder, first: Scene):
+        super().__init__()
         self.sessions, self.folder, self._first = sessions, folder, first
         self._parts: list[Any] = []
-        self._making = asyncio.Lock()
-
-    @property
-    def scene(self) -> Scene:
-        """As it is now."""
-        return self.run.live.scene
 
     async def show(self, packed: str) -> None:
         """Build the page: of the run that this tab had, of a scene in the address, or of the first
         scene."""
         self.client = ui.context.client
+        self.client.on_exception(lambda error: self.say(f"rodgen has failed: {error!r}"))
         ui.add_css(files(__package__).joinpath("static/page.css").read_text(encoding="utf-8"))
-        self.root = ui.element("main").classes("rg-page")
+        self.root = ui.element("div").classes("rg-page")
         self.progress = Progress()
+        self.client.on_delete(self.progress.close)
         await self.client.connected()
+        if self.client.is_deleted:  # it was asked for, and never shown
+            return
+        ui.run_javascript(FORGET_TOKEN)
         tab = app.storage.tab
         known = self.sessions.get(tab.get(RUN))
-        asked = (packed, tab.get("packed"))
-        if known is not None and not known.page.watched and asked[0] in ("", asked[1]):
+        if known is not None and packed in ("", tab.get("packed")) and await _left(known):
             self.name, self.run = str(tab[RUN]), known
         elif not await self._begin(packed):
             return
@@ -71,24 +67,30 @@ class Page:
 
     async def _begin(self, packed: str) -> bool:
         """A run of its own."""
+        scene = await self._asked(packed) if packed else self._first
         try:
-            scene = unpacked(packed) if packed else self._first
+            with self.sessions.room():
+                await self.progress.make(scene)
+                self.name = await asyncio.to_thread(self.sessions.open, scene)
         except SceneError as error:
-            self.say(f"The scene in the address cannot be used: {error}")
-            scene = self._first
-        try:
-            self.sessions.check_room()
-            with self.progress(scene):
-                await make(scene.structure, self.progress.stage)
-            self.name = await asyncio.to_thread(self.sessions.open, scene)
-        except SceneError as error:
-            with self.root:
-                ui.label(str(error)).classes("rg-failed")
+            if not self.client.is_deleted:
+                with self.root:
+                    ui.label(str(error)).classes("rg-failed")
             return False
         run = self.sessions.get(self.name)
-        assert run is not None
+        if run is None or self.client.is_deleted:  # it has gone meanwhile
+            self.sessions.close(self.name)
+            return False
         self.run = run
         return True
+
+    async def _asked(self, packed: str) -> Scene:
+        """The scene in the address, or the first one where that is none."""
+        try:
+            return await asyncio.to_thread(unpacked, packed)
+        except SceneError as error:
+            self.say(f"The scene in the address cannot be used: {error}")
+            return self._first
 
     def _build(self) -> None:
         with self.root:
@@ -98,23 +100,18 @@ class Page:
                 with ui.element("div").classes("rg-left"):
                     self.rod = RodPanel(self)
                     self.plots = PlotsPanel(self)
-                with (
-                    ui.element("aside")
-                    .classes("rg-right")
-                    .props('aria-label="Values and settings"')
-                ):
+                panel = ui.element("aside").classes("rg-right")
+                with panel.props('aria-label="Values and settings"'):
                     self._tabs()
-        self._parts = [self.bar, self.rod, self.plots, self.values, self.parameters, self.structure]
+        self._parts = [self.bar, self.rod, self.plots]
+        self._parts += [self.values, self.parameters, self.structure, self.saving]
 
     def _tabs(self) -> None:
         with ui.tabs().props("dense no-caps align=justify") as tabs:
             values, parameters = ui.tab("Values"), ui.tab("Parameters")
             scene, save = ui.tab("Scene"), ui.tab("Save")
-        with (
-            ui.tab_panels(tabs, value=parameters, animated=False)
-            .props("keep-alive")
-            .classes("rg-panels")
-        ):
+        panels = ui.tab_panels(tabs, value=parameters, animated=False).props("keep-alive")
+        with panels.classes("rg-panels"):
             with ui.tab_panel(values):
                 self.values = Values(self)
             with ui.tab_panel(parameters):
@@ -140,46 +137,18 @@ class Page:
         if self.client.is_deleted:
             return
         with self.client:
-            for part in self._parts:
-                part.refresh()
-
-    # For the parts -----------------------------------------------------------------------------
-
-    def say(self, text: str, kind: Any = "warning") -> None:
-        """A message that goes away by itself."""
-        with self.client:
-            ui.notify(text, type=kind, multi_line=True, close_button="Close", timeout=8000)
-
-    async def do(self, work: Callable[[], T]) -> T:
-        """Have the run's thread do something."""
-        return await asyncio.wrap_future(self.run.do(work))
-
-    def soon(self, work: Callable[[], Any]) -> None:
-        """The same, from a handler that does not wait; what is refused is said."""
-
-        async def doing() -> None:
             try:
-                await self.do(work)
-            except SceneError as error:
-                self.say(str(error))
+                for part in self._parts:
+                    part.refresh()
+            except Exception as error:
+                app.handle_exception(error)
 
-        background_tasks.create(doing())
 
-    async def change(self, changes: Sequence[tuple[Path, Any]], what: str) -> None:
-        """Other values in the scene, in words for the record. Raises SceneError."""
-        await self.apply(edited(self.scene, changes), what)
-
-    async def apply(self, scene: Scene, what: str = "") -> None:
-        """Another scene: taken up while it runs where the module stays, else from its start.
-        Raises SceneError."""
-        if scene.structure == self.scene.structure:
-            await self.do(lambda: self.run.change(scene, what))
-        else:
-            await self.take(scene)
-
-    async def take(self, scene: Scene) -> None:
-        """Another scene, from its start; its module is made first. Raises SceneError."""
-        async with self._making:
-            with self.progress(scene):
-                await make(scene.structure, self.progress.stage)
-                await self.do(lambda: self.run.take(scene))
+async def _left(run: LiveRun) -> bool:
+    """Whether a run's page has gone: on a reload, it may do so a moment late; a tab that was
+    duplicated has the name of a run that is another's."""
+    for _ in range(20):
+        if not run.page.watched:
+            return True
+        await asyncio.sleep(0.1)
+    return False

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from nicegui import ui
@@ -27,13 +26,15 @@ class Knob:
 
     def __init__(self, page: Page, field: Field):
         self.page, self.field, self._scale = page, field, scale_of(field)
+        self._waiting: float | None = None  # where the slider is by now
         text = field.text if field.value is None else plain(field.value)
         with ui.element("div").classes("rg-knob"):
-            self.entry = Entry(field.label, text, self._typed, unit=field.unit, key=field.key)
+            self.entry = Entry(field.label, text, self._typed, unit=field.unit)
             self.slider: ui.slider | None = None
             if field.value is not None:
                 self.slider = ui.slider(min=0, max=STEPS, step=1, value=self._place(field.value))
                 self.slider.props(f'dense aria-label="{field.label}"')
+                self._spoken(field.value)
                 self.slider.on("update:model-value", self._slid, throttle=THROTTLE)
                 self.slider.on("change", self._released)
 
@@ -51,24 +52,35 @@ class Knob:
         low, high = self.field.reach(self._scale)
         share = place / STEPS
         if self.field.decades:
-            return float(f"{low * (high / low) ** share:.4g}")
-        value = low + share * (high - low)
-        return float(f"{value:.4g}") if abs(value) > 1e-9 * self._scale else 0.0
+            return min(high, max(low, float(f"{low * (high / low) ** share:.4g}")))
+        value = float(f"{low + share * (high - low):.4g}")
+        return min(high, max(low, value)) if abs(value) > 1e-9 * self._scale else 0.0
 
     async def _slid(self, event: GenericEventArguments) -> None:
-        value = self._value(float(event.args))
-        self.entry.show(plain(value))
-        with suppress(SceneError):  # it is said beside the field
-            await self._set(value)
+        """Of the places that come while one is taken up, the last counts."""
+        busy, self._waiting = self._waiting is not None, float(event.args)
+        if busy:
+            return
+        try:
+            while self._waiting is not None:
+                place = self._waiting
+                value = self._value(place)
+                self.entry.show(plain(value))
+                await self._set(value)
+                if self._waiting == place:
+                    self._waiting = None
+        except SceneError as error:
+            self.entry.said(f"must be {error.allowed}")
+        finally:
+            self._waiting = None
 
-    async def _released(self) -> None:
-        """Sliders go farther where one was pushed to its end."""
-        value = self._current()
-        low, high = self.field.reach(self._scale)
-        if value in (low, high) and value and self.field.path[-1] not in ("angle", "clamp_angle"):
+    def _released(self, event: GenericEventArguments) -> None:
+        """A slider reaches farther where it was pushed to its end."""
+        angle = self.field.path[-1] in ("angle", "clamp_angle")
+        value = self._value(float(event.args))
+        if float(event.args) in (0, STEPS) and value and not angle and self.slider is not None:
             self._scale = abs(value)
-            if self.slider is not None:
-                self.slider.set_value(self._place(value))
+            self.slider.set_value(self._place(value))
 
     async def _typed(self, text: str) -> None:
         try:
@@ -80,35 +92,33 @@ class Knob:
         await self._set(value)
 
     async def _set(self, value: float | str) -> None:
-        try:
-            shown = plain(value) if isinstance(value, float) else value
-            what = f"{self.field.key} = {shown}"
-            await self.page.change([(self.field.path, value)], what)
-        except SceneError as error:
-            self.entry.said(f"must be {error.allowed}")
-            raise
+        shown = plain(value) if isinstance(value, float) else value
+        await self.page.change([(self.field.path, value)], f"{self.field.key} = {shown}")
 
-    def _current(self) -> float:
-        for field in movable(self.page.scene):
-            if field.path == self.field.path and field.value is not None:
-                return field.value
-        return 0.0
+    def _spoken(self, value: float) -> None:
+        """For who hears the slider: its value, not its place."""
+        if self.slider is not None:
+            self.slider.props(f'aria-valuetext="{plain(value)} {self.field.unit}"')
 
     def refresh(self, field: Field) -> None:
         """The value that the scene has now."""
         if field.value is None:
             self.entry.show(field.text)
             return
-        self.entry.show(plain(field.value))
-        if self.slider is not None:
-            if self.field.decades and field.value <= 0:
-                return
-            low, high = field.reach(self._scale)
-            if not low <= field.value <= high:
-                self._scale = scale_of(field)
-            place = self._place(field.value)
-            if self.slider.value != place:
-                self.slider.set_value(place)
+        text = plain(field.value)
+        if text == plain(self.field.value) and self.entry.shows(text):
+            return
+        self.field = field
+        self.entry.show(text)
+        if self.slider is None or (self.field.decades and field.value <= 0):
+            return
+        low, high = field.reach(self._scale)
+        if not low <= field.value <= high:
+            self._scale = scale_of(field)
+        self._spoken(field.value)
+        place = self._place(field.value)
+        if self._waiting is None and self.slider.value != place:
+            self.slider.set_value(place)
 
 
 class Parameters:
@@ -134,7 +144,7 @@ class Parameters:
             value = number(text, f"integrate.{name}")
             await self.page.change([(("integrate", name), value)], f"{name} = {text}")
 
-        self._settings[name] = Entry(name.replace("_", " "), "", put, unit=unit, key=name)
+        self._settings[name] = Entry(name.replace("_", " "), "", put, unit=unit)
 
     async def _method(self) -> None:
         scene, method = self.page.scene, self.method.value

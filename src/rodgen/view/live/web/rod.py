@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 from nicegui.events import ValueChangeEventArguments
 
-from rodgen.scene import Scene, SceneError
-from rodgen.view.live.web.elements import SHOWN, RodCanvas
+from rodgen.scene import Scene
+from rodgen.view.live.web.elements import SHOWN, RodCanvas, View
 from rodgen.view.live.web.entry import Entry, number, plain
+from rodgen.view.live.web.kick_dialog import KickDialog
 
 if TYPE_CHECKING:
     from rodgen.view.live.web.page import Page
@@ -40,19 +41,19 @@ class RodPanel:
 
     def __init__(self, page: Page):
         self.page = page
-        self.strength = page.scene.rod.mass  # N s for a metre that is dragged
+        self._taken, self._angle = 0, 0.0  # of the run's scenes, and how the rod is clamped [rad]
         with ui.element("section").classes("rg-rod").props('aria-label="The rod"'):
             with ui.element("div").classes("rg-tools"):
                 self._tools()
-            self.canvas = RodCanvas(label="The rod, drawn live", view=self.view.value)
+            self.canvas = RodCanvas(self._first)
             self.canvas.classes("rg-canvas")
-        self.canvas.on_kick(self._kicked)
-        self.canvas.on_link(self._link)
-        self._identity: object = None
+        self.canvas.on_kick(self._dragged)
+        self.canvas.on_link(lambda event: self._ask(int(event["link"]), float(event["share"])))
 
     def _tools(self) -> None:
-        first = "centre" if self.page.scene.hold.translates else "fixed"  # else it flies out
-        self.view = ui.select(VIEWS, value=first, label="View", on_change=self._view)
+        self._first = _first_view(self.page.scene)
+        self.view = ui.select(VIEWS, value=self._first, label="View")
+        self.view.on_value_change(self._view)
         self.view.props("dense outlined options-dense").classes("rg-view")
         with _tool("layers", "What is shown"), ui.menu().props("auto-close=false"):
             self.switches = {
@@ -66,27 +67,36 @@ class RodPanel:
         _tool("photo_camera", "Save the picture as PNG").on_click(
             lambda: self.canvas.png(f"{self.page.scene.name}.png")
         )
-        self.kick = ui.switch("kick", on_change=self._kicking).props("dense")
-        with self.kick:
+        kick = ui.switch("kick by dragging", on_change=self._kicking).props("dense")
+        with kick:
             ui.tooltip("Drag from a link to kick it, or click it to type the impulse")
-        self.per_metre = Entry(
-            "N s per metre dragged", plain(self.strength), self._strength, key="kick strength"
-        )
+        self.per_metre = Entry("N s per metre dragged", "", self._strength)
         self.per_metre.field.classes("rg-strength")
         self.per_metre.field.set_visibility(False)
+        ui.button("Kick…", on_click=self._ask_tail).props("flat dense no-caps")
 
     def refresh(self) -> None:
         """As the scene is now."""
-        scene = self.page.scene
-        identity = (id(self.page.run.model), scene.rod.boundary, scene.rod.clamp_angle)
-        if identity != self._identity:
-            self._identity = identity
-            self.canvas.rod(str(hash(identity)), scene.rod.boundary, scene.rod.clamp_angle or 0.0)
-            for name, term in TERMS.items():
-                self.switches[name].set_visibility(term in scene.structure.terms)
-            self.per_metre.show(plain(scene.rod.mass))
-            self.strength = scene.rod.mass
-            self.canvas.set(label=_described(scene))
+        run, scene = self.page.run, self.page.scene
+        angle = scene.rod.clamp_angle or 0.0
+        if angle != self._angle:
+            self._angle = angle
+            self.canvas.set(clampAngle=angle)
+        if run.taken != self._taken:
+            self._taken = run.taken
+            self._another(scene)
+
+    def _another(self, scene: Scene) -> None:
+        """Another scene."""
+        view = _first_view(scene)
+        if view != self._first:  # what was chosen for a rod that flies is not for one that is held
+            self._first = view
+            self.view.set_value(view)
+        self.canvas.rod(self._taken, scene.rod.boundary, _described(scene))
+        for name, term in TERMS.items():
+            self.switches[name].set_visibility(term in scene.structure.terms)
+        self.strength = scene.rod.mass  # N s for a metre that is dragged
+        self.per_metre.show(plain(self.strength))
 
     def _view(self, event: ValueChangeEventArguments[Any]) -> None:
         self.canvas.set(view=event.value)
@@ -101,41 +111,27 @@ class RodPanel:
     async def _strength(self, text: str) -> None:
         self.strength = number(text, "kick strength")
 
-    def _kicked(self, event: dict[str, Any]) -> None:
+    def _dragged(self, event: dict[str, Any]) -> None:
+        link, share = int(event["link"]), float(event["share"])
         impulse = (float(event["dx"]) * self.strength, float(event["dy"]) * self.strength)
-        self._kick(int(event["link"]), float(event["share"]), impulse)
-
-    def _kick(self, link: int, share: float, impulse: tuple[float, float]) -> None:
         self.page.soon(lambda: self.page.run.kick(link, share, impulse))
 
-    def _link(self, event: dict[str, Any]) -> None:
-        """A link was clicked: in kick mode, its impulse can be typed."""
-        link, share = int(event["link"]), float(event["share"])
-        if not self.kick.value:
-            self.page.say(f"Link {link}, at {100 * share:.0f} % of its length", "info")
-            return
-        with self.page.root, ui.dialog() as dialog, ui.card():
-            ui.label(f"Kick link {link} at {100 * share:.0f} % of its length").classes("rg-title")
-            x = ui.input("impulse along x [N s]", value="0").props("dense outlined autofocus")
-            y = ui.input("impulse along y [N s]", value=plain(self.strength / 10))
-            y.props("dense outlined")
+    async def _kick(self, link: int, share: float, impulse: tuple[float, float]) -> None:
+        await self.page.do(lambda: self.page.run.kick(link, share, impulse))
 
-            def kick() -> None:
-                for field in (x, y):
-                    field.error = None
-                try:
-                    impulse = (number(x.value, "x"), number(y.value, "y"))
-                except SceneError as error:
-                    (x if error.field == "x" else y).error = "must be a number"
-                    return
-                dialog.close()
-                self._kick(link, share, impulse)
+    def _ask(self, link: int, share: float) -> None:
+        """For a kick in numbers; link, share: where it is, if nothing else is typed."""
+        links, strength = self.page.scene.rod.links, self.strength / 10
+        with self.page.root:
+            KickDialog(links, link, share, strength, self._kick)
 
-            with ui.row():
-                ui.button("Kick", on_click=kick)
-                ui.button("Cancel", on_click=dialog.close).props("flat")
-        dialog.on("hide", dialog.delete)
-        dialog.open()
+    def _ask_tail(self) -> None:
+        self._ask(self.page.scene.rod.links - 1, 1.0)
+
+
+def _first_view(scene: Scene) -> View:
+    """The one in which a rod stays in the picture."""
+    return "centre" if scene.hold.translates else "fixed"
 
 
 def _tool(icon: str, label: str) -> ui.button:

@@ -8,10 +8,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nicegui import ui
+import numpy as np
+from nicegui import app, ui
 
 from rodgen.integrate.solution import Solution
-from rodgen.scene import SceneError
+from rodgen.scene import Scene, SceneError
 from rodgen.view.live.scenes import packed, to_toml
 
 if TYPE_CHECKING:
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float], None]  # told the share that is done
 Make = Callable[[Solution, Path, Progress], object]
+
+
+class GoneError(Exception):
+    """Nobody waits for what is made."""
 
 
 class Saving:
@@ -41,19 +46,24 @@ class Saving:
         self.said = ui.label().classes("rg-hint").props('role="status"')
         self.link = ui.input("link").props("dense outlined readonly").classes("rg-wide")
         self.link.set_visibility(False)
+        self._linked: Scene | None = None
         self._busy = False
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
+        page.client.on_delete(self._left)
 
     def refresh(self) -> None:
-        """Nothing here changes with the scene but the link."""
-        self.link.set_visibility(False)
+        """A link to another scene than the present one is shown no longer."""
+        if self.page.scene is not self._linked:
+            self.link.set_visibility(False)
 
     def _scene(self) -> None:
         scene = self.page.scene
         ui.download.content(to_toml(scene).encode(), f"{scene.name}.toml", "application/toml")
 
-    async def _link(self) -> None:
-        place = await ui.run_javascript("window.location.origin")
-        self.link.set_value(f"{place}/?scene={packed(self.page.scene)}")
+    def _link(self) -> None:
+        self._linked = self.page.scene
+        place = self.page.client.request.base_url
+        self.link.set_value(f"{place}?scene={packed(self._linked)}")
         self.link.set_visibility(True)
         ui.clipboard.write(str(self.link.value))
         self.said.set_text("The link reproduces the scene with its present parameters.")
@@ -65,35 +75,64 @@ class Saving:
         from rodgen.view.animation import animate
 
         def made(solution: Solution, path: Path, progress: Progress) -> None:
-            start, end = float(solution.t[0]), float(solution.t[-1])
-            animate(solution, path, progress=lambda t: progress((t - start) / (end - start)))
+            start, span = float(solution.t[0]), float(np.ptp(solution.t)) or 1.0
+            animate(solution, path, progress=lambda t: progress((t - start) / span))
 
         await self._made(ending, made)
 
     async def _made(self, ending: str, make: Make) -> None:
-        """A file from all samples so far, made in a thread, then downloaded."""
+        """A file from all samples so far, downloaded."""
         if self._busy:
             return
         self._busy = True
         self.progress.set_value(0.0)
         self.progress.set_visibility(True)
         self.said.set_text("writing")
+        said = ""
+        try:
+            said = await self._file(ending, make)
+        except (SceneError, OSError) as error:
+            said = str(error)
+        except GoneError:
+            pass
+        finally:
+            self._busy = False
+            if self.page.client.is_deleted:
+                self._left()
+            else:
+                self.progress.set_visibility(False)
+                self.said.set_text(said)
+
+    async def _file(self, ending: str, make: Make) -> str:
+        """Made in a thread, and kept until the next one, as downloads may be slow."""
+        solution = await self.page.do(self.page.run.solution)
+        self._clear()
+        self._folder = tempfile.TemporaryDirectory(prefix="rodgen-", ignore_cleanup_errors=True)
+        path = Path(self._folder.name, f"{solution.scene.name}.{ending}")
+        progress = self._progress()
+        await asyncio.to_thread(make, solution, path, progress)
+        progress(1.0)
+        ui.download.file(path, path.name)
+        span = f"t = {solution.t[0]:.6g} s to {solution.t[-1]:.6g} s"
+        return f"{path.name}: {len(solution.t)} samples, {span}"
+
+    def _left(self) -> None:
+        """The page is gone; what is being written ends by itself."""
+        if not self._busy:
+            self._clear()
+
+    def _clear(self) -> None:
+        if self._folder is not None:
+            self._folder.cleanup()
+            self._folder = None
+
+    def _progress(self) -> Progress:
+        """Tells the page from another thread; ends the work there when there is no page."""
         loop = asyncio.get_running_loop()
 
         def progress(share: float) -> None:
+            if self.page.client.is_deleted or not app.is_started:
+                raise GoneError
             loop.call_soon_threadsafe(self.progress.set_value, share)
 
-        try:
-            solution = await self.page.do(self.page.run.solution)
-            with tempfile.TemporaryDirectory(prefix="rodgen-") as folder:
-                path = Path(folder, f"{solution.scene.name}.{ending}")
-                await asyncio.to_thread(make, solution, path, progress)
-                content = await asyncio.to_thread(path.read_bytes)
-            ui.download.content(content, path.name)
-            span = f"t = {solution.t[0]:.6g} s to {solution.t[-1]:.6g} s"
-            self.said.set_text(f"{path.name}: {len(solution.t)} samples, {span}")
-        except SceneError as error:
-            self.said.set_text(str(error))
-        finally:
-            self._busy = False
-            self.progress.set_visibility(False)
+        return progress

@@ -24,6 +24,8 @@ from rodgen.view.live.web.page import Page
 from rodgen.view.live.web.sessions import Sessions
 
 LOOPBACK = "127.0.0.1"
+EVERYWHERE = {"0.0.0.0", "::"}
+ELSEWHERE = ("192.0.2.1", 9)  # of RFC 5737: nobody has it
 SWEEP = 0.5  # seconds
 PORT_ERRORS = (errno.EADDRINUSE, errno.EACCES)
 
@@ -31,7 +33,8 @@ PORT_ERRORS = (errno.EADDRINUSE, errno.EACCES)
 @dataclass(frozen=True)
 class Settings:
     """scene: shown first; folder: scenes to choose from; host, port: where the server listens,
-    port 0: at any that is free; opens: whether a browser is started; said: told the address."""
+    port 0: at any that is free; opens: whether a browser is started; said: told the address,
+    that for other machines where they are let in."""
 
     scene: Scene
     folder: Path
@@ -45,20 +48,20 @@ def serve(settings: Settings) -> None:
     """Serve until Ctrl-C. Raises SceneError for a port that is taken or a host that is not here."""
     with _listen(settings.host, settings.port) as listening:
         token = None if settings.host in OWN else secrets.token_urlsafe(16)
-        server = uvicorn.Server(
-            uvicorn.Config(
-                Guard(_site(settings, _address(settings, listening, token)), token),
-                log_level="warning",
-                ws_per_message_deflate=False,
-                timeout_graceful_shutdown=2,
-            )
+        port = listening.getsockname()[1]
+        site = _site(settings, *_addresses(settings.host, port, token))
+        config = uvicorn.Config(
+            Guard(site, token, port),
+            log_level="warning",
+            ws_per_message_deflate=False,
+            timeout_graceful_shutdown=2,
         )
         with suppress(KeyboardInterrupt):  # Ctrl-C: it has ended by then
-            server.run(sockets=[listening])
+            uvicorn.Server(config).run(sockets=[listening])
 
 
-def _site(settings: Settings, address: str) -> FastAPI:
-    """Page and channel; the address is told once they are there."""
+def _site(settings: Settings, told: str, opened: str) -> FastAPI:
+    """Page and channel; an address is told, and one opened, once they are there."""
     site, sessions, folder = FastAPI(openapi_url=None), Sessions(), Folder(settings.folder)
 
     @site.websocket(ADDRESS + "{name}")
@@ -70,10 +73,10 @@ def _site(settings: Settings, address: str) -> FastAPI:
         await Page(sessions, folder, settings.scene).show(scene)
 
     async def begin() -> None:
-        settings.said(address)
+        settings.said(told)
         background_tasks.create(_sweep(sessions))
         if settings.opens:
-            await asyncio.to_thread(webbrowser.open, address)
+            await asyncio.to_thread(webbrowser.open, opened)
 
     app.on_startup(begin)
     app.on_shutdown(sessions.close_all)
@@ -81,6 +84,7 @@ def _site(settings: Settings, address: str) -> FastAPI:
         site,
         title="rodgen",
         dark=None,
+        language="en-US",
         tailwind=False,
         reconnect_timeout=5.0,
         binding_refresh_interval=None,
@@ -95,12 +99,28 @@ async def _sweep(sessions: Sessions) -> None:
         sessions.sweep()
 
 
-def _address(settings: Settings, listening: socket.socket, token: str | None) -> str:
-    """What to type into a browser."""
-    name = "localhost" if settings.host in OWN else settings.host
-    port = listening.getsockname()[1]
-    place = f"[{name}]" if ":" in name else name
-    return f"http://{place}:{port}/" + (f"?{TOKEN}={token}" if token else "")
+def _addresses(host: str, port: int, token: str | None) -> tuple[str, str]:
+    """What to type into a browser, elsewhere where that is possible, and on this machine."""
+    everywhere = host in EVERYWHERE
+    here = "localhost" if everywhere or host in OWN else host
+    elsewhere = _name() if everywhere else here
+
+    def address(name: str) -> str:
+        place = f"[{name}]" if ":" in name else name
+        return f"http://{place}:{port}/" + (f"?{TOKEN}={token}" if token else "")
+
+    return address(elsewhere), address(here)
+
+
+def _name() -> str:
+    """This machine as others in its network call it: by the address from which it would send
+    (nothing is sent), else by its name."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as outward:
+        try:
+            outward.connect(ELSEWHERE)
+        except OSError:
+            return socket.gethostname()
+        return str(outward.getsockname()[0])
 
 
 def _listen(host: str, port: int) -> socket.socket:

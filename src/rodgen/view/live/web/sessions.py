@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import secrets
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from rodgen.scene import Scene, SceneError
@@ -29,18 +30,25 @@ class Sessions:
     def __init__(self, clock: Callable[[], float] = time.monotonic):
         self._clock = clock
         self._sessions: dict[str, Session] = {}
+        self._coming = 0
 
     def __len__(self) -> int:
         return len(self._sessions)
 
-    def check_room(self) -> None:
-        """Raises SceneError where no other run fits."""
-        if len(self) >= MOST:
+    @contextmanager
+    def room(self) -> Iterator[None]:
+        """Keeps a place for a run whose module is being made. Raises SceneError where there is
+        none."""
+        if len(self) + self._coming >= MOST:
             raise SceneError("runs", len(self) + 1, f"at most {MOST} on one server; close a tab")
+        self._coming += 1
+        try:
+            yield
+        finally:
+            self._coming -= 1
 
     def open(self, scene: Scene) -> str:
-        """A new run. Raises SceneError."""
-        self.check_room()
+        """A new run, within `room`. Raises SceneError."""
         name = secrets.token_urlsafe(16)
         self._sessions[name] = Session(LiveRun(scene), self._clock() + FIRST)
         return name

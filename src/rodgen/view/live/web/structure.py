@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING, Any
 
 from nicegui import events, ui
@@ -73,14 +74,14 @@ class StructurePanel:
     async def _apply(self) -> None:
         self._refused({})
         try:
-            scene = restructured(self.page.scene, self._form(), self._initial())
-            if scene.structure == self.page.scene.structure:
-                await self.page.do(lambda: self.page.run.restart(scene))
-            else:
-                await self.page.take(scene)
+            form, initial = self._form(), self._initial()
+            run = self.page.run
+            await self.page.alter(lambda scene: restructured(scene, form, initial), run.restart)
         except SceneError as error:
-            self._refused({error.field.rpartition(".")[2]: f"must be {error.allowed}"})
-            if not any(field.error for field in self._fields().values()):
+            name = error.field.rpartition(".")[2]
+            if name in self._fields():
+                self._refused({name: f"must be {error.allowed}"})
+            else:
                 self.page.say(str(error))
 
     def _form(self) -> Form:
@@ -118,14 +119,13 @@ class StructurePanel:
     def _refused(self, texts: dict[str, str]) -> None:
         """What is said beside each field."""
         for name, field in self._fields().items():
-            field.props(remove="error error-message")
-            if name in texts:
-                field.props("error").props(f"error-message={texts[name]!r}")
+            field.error = texts.get(name)
 
     async def _uploaded(self, event: events.UploadEventArguments) -> None:
         event.sender.reset()  # type: ignore[attr-defined]
         try:
-            await self.page.take(from_toml_text(await event.file.read()))
+            content = await event.file.read()  # the server has refused what is longer than 2 MiB
+            await self.page.take(await asyncio.to_thread(from_toml_text, content))
         except SceneError as error:
             self.page.say(str(error))
 

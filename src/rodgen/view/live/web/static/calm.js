@@ -3,6 +3,7 @@
 import { above, end } from "./numbers.js";
 
 const PATIENCE = 3000;
+const [LEAST, MOST] = [2, 12]; // decimals of a time
 
 // Time that passes while something is drawn, in milliseconds; a pause counts as a frame.
 class Clock {
@@ -43,6 +44,23 @@ export class Scale {
 
   get moving() {
     return this.shown !== this.value;
+  }
+}
+
+// A time as text: with so many decimals that a step of it is seen.
+export class Written {
+  #last = null;
+  #decimals = LEAST;
+
+  of(t) {
+    const step = Math.abs(t - (this.#last ?? t));
+    this.#last = t;
+    if (step > 0) {
+      const needed = Math.min(Math.max(Math.ceil(-Math.log10(step) - 1e-6), LEAST), MOST);
+      // Steps about a power of ten: one decimal too many is let be.
+      if (needed !== this.#decimals - 1) this.#decimals = needed;
+    }
+    return t.toFixed(this.#decimals);
   }
 }
 

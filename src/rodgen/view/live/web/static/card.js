@@ -15,7 +15,7 @@ export class Card {
   draws = 0;
   cost = 0; // of a drawing, in milliseconds
 
-  // `on`: remove(), move(by), pause(paused), changed().
+  // `on`: remove(), move(by), changed().
   constructor(spec, on) {
     Object.assign(this, { spec, on });
     this.curves = new Curves(spec);
@@ -132,7 +132,6 @@ export class Card {
     );
     this.hold.setAttribute("aria-pressed", String(paused));
     this.#settled();
-    this.on.pause(paused);
   }
 
   // view: {x: [low, high], y: [low, high] or null}; null for all.

@@ -34,7 +34,6 @@ export default {
       socket.onopen = () => {
         this.wait = FIRST;
         hub.connected((text) => socket.readyState === WebSocket.OPEN && socket.send(text));
-        this.$emit("connection", { connected: true });
       };
       socket.onmessage = (event) => {
         if (event.data instanceof ArrayBuffer) hub.receive(event.data);
@@ -45,7 +44,6 @@ export default {
     closed(socket) {
       if (socket !== this.socket || this.gone) return;
       hub.connected(null);
-      this.$emit("connection", { connected: false });
       this.again = setTimeout(() => this.open(), this.wait);
       this.wait = Math.min(1.5 * this.wait, LONGEST);
     },

@@ -2,7 +2,7 @@
 
 import { around } from "./fitting.js";
 import { Camera } from "./camera.js";
-import { Scale } from "./calm.js";
+import { Scale, Written } from "./calm.js";
 import { grid } from "./rod_grid.js";
 import { Layer } from "./layer.js";
 import { frame, legend } from "./rod_legend.js";
@@ -19,14 +19,15 @@ export class Picture {
   camera = new Camera();
   points = new Float64Array(0); // joints in pixels
   kick = null; // {link, share, dx, dy}, in pixels, while it is drawn
-  options = { show: {}, view: "fixed", moment: "signed", support: "free", clampAngle: 0 };
+  options = { show: {}, view: "fixed", support: "free", clampAngle: 0 };
   #grid = new Layer();
   #key = new Layer();
   #links = new Links();
   #loads = new Loads();
   #trail = new Trail();
   #moments = new Scale();
-  #fitted = false;
+  #clock = new Written();
+  settled = false; // what is shown was fitted to this rod, or chosen since
   #restless = false;
 
   constructor(canvas, state) {
@@ -40,7 +41,7 @@ export class Picture {
     this.dense = Math.min(window.devicePixelRatio || 1, DENSEST);
     Object.assign(this.canvas, { width: width * this.dense, height: height * this.dense });
     Object.assign(this.camera, { width, height });
-    if (!this.#fitted) this.fit();
+    if (!this.settled) this.fit();
   }
 
   // True while it wants to be drawn again.
@@ -57,7 +58,7 @@ export class Picture {
       this.forget();
       this.points = new Float64Array(places.length);
     }
-    if (!this.#fitted) this.fit();
+    if (!this.settled) this.fit();
     this.#trail.add(t, origin, places, point);
   }
 
@@ -76,18 +77,16 @@ export class Picture {
       this.state.origin,
       this.state.point,
     );
-    this.#fitted = true;
+    this.settled = true;
   }
 
-  // Another rod: what was fitted to the one before is let go.
+  // Another rod: what was fitted to the one before is let go. Its state may be there already, or
+  // come next.
   forget() {
-    this.#fitted = false;
-    this.clear();
-    this.resetScale();
-  }
-
-  clear() {
+    this.fit();
+    this.settled = false;
     this.#trail.clear();
+    this.resetScale();
   }
 
   resetScale() {
@@ -112,11 +111,11 @@ export class Picture {
     if (!this.points.length) return false;
     camera.project(state.joints, this.points);
     if (show.trail) this.#trail.draw(context, camera, state.origin, colours);
-    const moment = this.#rod(now, colours);
+    const limit = this.#rod(now, colours);
     this.#centre(colours);
     const rows = this.#loads.draw(context, camera, state, this.points, show, colours, now);
     if (this.kick) this.#aim(colours);
-    this.#legend(moment, rows, colours);
+    this.#legend(limit, rows, colours);
     this.#time(colours);
     return this.#moments.moving || this.#loads.moving;
   }
@@ -136,11 +135,11 @@ export class Picture {
     this.#grid.put(context, this.dense, [0, 0, camera.width, camera.height], key, paint);
   }
 
-  #legend(moment, rows, colours) {
-    if (!moment && !rows.length) return;
-    const box = frame(this.camera.width, moment, rows);
-    const key = JSON.stringify([moment, rows]) + colours.background;
-    const paint = (on) => legend(on, box, moment, rows, colours);
+  #legend(limit, rows, colours) {
+    if (!limit && !rows.length) return;
+    const box = frame(this.camera.width, limit, rows);
+    const key = JSON.stringify([limit, rows]) + colours.background;
+    const paint = (on) => legend(on, box, limit, rows, colours);
     this.#key.put(this.context, this.dense, box, key, paint);
   }
 
@@ -150,16 +149,15 @@ export class Picture {
       options.show.moment && 2 * (state.moment?.length ?? 0) === points.length
         ? state.moment
         : null;
-    const signed = options.moment !== "absolute";
     let largest = 0;
     for (const moment of moments ?? []) largest = Math.max(largest, Math.abs(moment));
     const limit = moments ? this.#moments.follow(largest, now) : 0;
     const [c, s] = [Math.cos(options.clampAngle), Math.sin(options.clampAngle)];
     support(context, options.support, points[0], points[1], this.camera.direction(c, s), colours);
-    this.#links.draw(context, points, moments, limit, signed, colours);
+    this.#links.draw(context, points, moments, limit, colours);
     if (options.show.joints)
       joints(context, points, this.#links.width(points), Boolean(moments), colours);
-    return moments && limit > 0 ? { limit, signed } : null;
+    return limit;
   }
 
   #centre(colours) {
@@ -195,6 +193,6 @@ export class Picture {
     this.context.fillStyle = colours.ink;
     this.context.textAlign = "left";
     this.context.textBaseline = "top";
-    this.context.fillText(`t = ${this.state.t.toFixed(2)} s`, 8, 10);
+    this.context.fillText(`t = ${this.#clock.of(this.state.t)} s`, 8, 10);
   }
 }

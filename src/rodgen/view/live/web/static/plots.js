@@ -46,7 +46,6 @@ export default {
       const card = new Card(JSON.parse(text), {
         remove: () => this.removed(id),
         move: (by) => this.move(id, by),
-        pause: (paused) => this.$emit("paused", { id, paused }),
         changed: () => hub.repaint(),
       });
       card.text = text;

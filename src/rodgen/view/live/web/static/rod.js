@@ -13,12 +13,11 @@ export default {
   props: {
     show: Object,
     view: String,
-    moment: String,
     support: String,
     clampAngle: Number,
     kick: Boolean,
     label: String,
-    rod: String,
+    rod: Number,
   },
   mounted() {
     const picture = new Picture(this.$refs.canvas, hub.rod);
@@ -45,7 +44,6 @@ export default {
   },
   watch: {
     show: "set",
-    moment: "set",
     support: "set",
     clampAngle: "set",
     kick: "set",
@@ -60,8 +58,8 @@ export default {
   },
   methods: {
     set() {
-      const { show, view, moment, support, clampAngle } = this;
-      Object.assign(this.picture.options, { show: { ...show }, view, moment, support, clampAngle });
+      const { show, view, support, clampAngle } = this;
+      Object.assign(this.picture.options, { show: { ...show }, view, support, clampAngle });
       this.pointer.kicks = this.kick;
       hub.repaint();
     },
@@ -71,10 +69,6 @@ export default {
     },
     reset_scale() {
       this.picture.resetScale();
-      hub.repaint();
-    },
-    clear_trail() {
-      this.picture.clear();
       hub.repaint();
     },
     png(name) {

@@ -5,11 +5,9 @@ import { classes } from "./theme.js";
 const CLASSES = 64;
 const SPACING = 16; // pixels from one joint drawn to the next
 
-export const stops = (colours, signed) => (signed ? colours.signed : colours.absolute);
-
 // 0 to CLASSES - 1 of a moment, on a scale that ends at `limit`.
-function classed(moment, limit, signed) {
-  const share = signed ? 0.5 + (0.5 * moment) / limit : Math.abs(moment) / limit;
+function classed(moment, limit) {
+  const share = 0.5 + (0.5 * moment) / limit;
   return Math.min(Math.max(Math.floor(share * CLASSES), 0), CLASSES - 1);
 }
 
@@ -18,7 +16,7 @@ export class Links {
   #next = new Int32Array(0);
 
   // points: x0, y0, x1, ... in pixels; moment: one a joint, or null.
-  draw(context, points, moment, limit, signed, colours) {
+  draw(context, points, moment, limit, colours) {
     const links = points.length / 2 - 1;
     const width = this.width(points);
     context.lineCap = context.lineJoin = "round";
@@ -28,8 +26,8 @@ export class Links {
       stroke(context, colours.link, () => path(context, points));
       return;
     }
-    this.#sort(links, moment, limit, signed);
-    const table = classes(stops(colours, signed), CLASSES);
+    this.#sort(links, moment, limit);
+    const table = classes(colours.moments, CLASSES);
     for (let k = 0; k < CLASSES; k++) {
       if (this.#heads[k] >= 0) stroke(context, table[k], () => this.#class(context, points, k));
     }
@@ -51,12 +49,12 @@ export class Links {
   }
 
   // Links by colour, as lists through #next: one stroke for all of a colour.
-  #sort(links, moment, limit, signed) {
+  #sort(links, moment, limit) {
     if (this.#next.length !== links) this.#next = new Int32Array(links);
     this.#heads.fill(-1);
     for (let i = links - 1; i >= 0; i--) {
       const mean = (moment[i] + moment[i + 1]) / 2;
-      const k = classed(mean, limit, signed);
+      const k = classed(mean, limit);
       this.#next[i] = this.#heads[k];
       this.#heads[k] = i;
     }

@@ -3,7 +3,7 @@
 const NEAR = 12; // pixels from a link that still meet it
 const STILL = 4; // pixels that a click may move
 
-// The link nearest to (px, py): {link, share, x, y, distance}, in pixels; points as x0, y0, ...
+// The link nearest to (px, py): {link, share, distance}, in pixels; points as x0, y0, ...
 export function nearest(points, px, py) {
   let best = { distance: Infinity };
   for (let at = 0; at + 3 < points.length; at += 2) {
@@ -14,7 +14,7 @@ export function nearest(points, px, py) {
     const share = Math.min(Math.max(along, 0), 1);
     const distance = Math.hypot(x + share * dx - px, y + share * dy - py);
     if (distance < best.distance) {
-      best = { link: at / 2, share, x: x + share * dx, y: y + share * dy, distance };
+      best = { link: at / 2, share, distance };
     }
   }
   return best;
@@ -42,6 +42,7 @@ export class Pointer {
   }
 
   #do(change) {
+    this.picture.settled = true;
     change();
     this.changed();
   }
@@ -60,8 +61,7 @@ export class Pointer {
       this.#drop();
       return;
     }
-    const hit = nearest(this.picture.points, x, y);
-    this.#start = { x, y, hit: hit.distance <= NEAR ? hit : null };
+    this.#start = { x, y, hit: this.#hit(x, y) };
     this.#moved = false;
   }
 
@@ -79,13 +79,18 @@ export class Pointer {
     this.#moved ||= Math.hypot(dx, dy) > STILL;
     if (!this.#moved) return;
     const { hit } = this.#start;
-    if (this.kicks && hit) this.#do(() => (this.picture.kick = { ...hit, dx, dy }));
+    if (hit) this.#do(() => (this.picture.kick = { ...hit, dx, dy }));
     else this.#do(() => this.picture.camera.pan(now[0] - before[0], now[1] - before[1]));
   }
 
   #hover([x, y]) {
-    const near = nearest(this.picture.points, x, y).distance <= NEAR;
-    this.picture.canvas.style.cursor = near ? (this.kicks ? "crosshair" : "pointer") : "grab";
+    this.picture.canvas.style.cursor = this.#hit(x, y) ? "crosshair" : "grab";
+  }
+
+  // The link that a kick from there is for.
+  #hit(x, y) {
+    const hit = this.kicks ? nearest(this.picture.points, x, y) : null;
+    return hit?.distance <= NEAR ? hit : null;
   }
 
   #pinch(id, before, now) {
@@ -102,18 +107,13 @@ export class Pointer {
     if (!this.#down.delete(event.pointerId) || !this.#start) return;
     const [x, y] = this.#place(event);
     const { hit, x: fromX, y: fromY } = this.#start;
-    if (hit && !this.#moved) this.#touched(hit);
-    else if (hit && this.kicks) {
+    if (hit) {
+      const { link, share } = hit;
       const [dx, dy] = this.picture.camera.metres(x - fromX, y - fromY);
-      this.emit("kick", { link: hit.link, share: hit.share, dx, dy });
+      if (this.#moved) this.emit("kick", { link, share, dx, dy });
+      else this.emit("link", { link, share });
     }
     this.#drop();
-  }
-
-  #touched({ link, share, x, y }) {
-    const [wx, wy] = this.picture.camera.world(x, y);
-    const [ox, oy] = this.picture.state.origin;
-    this.emit("link", { link, share, x: ox + wx, y: oy + wy });
   }
 
   #cancel(event) {

@@ -20,8 +20,7 @@ const LIGHT = {
   external_damping: "#15803d",
   principal: "#0f766e",
   kick: "#dc2626",
-  signed: ["#08519c", "#4a90c9", "#a7adb5", "#e0705a", "#a50f15"],
-  absolute: ["#a7adb5", "#7a87c4", "#a24fa8", "#cf3a63", "#8f0c1e"],
+  moments: ["#08519c", "#4a90c9", "#a7adb5", "#e0705a", "#a50f15"],
   along: ["#440154", "#3b528b", "#21918c", "#3fa34d", "#b59d00"],
   series: ["#0068b5", "#c2410c", "#0f8a5f", "#a8327e", "#7a6a00", "#0891b2", "#6d28d9", "#4b5563"],
 };
@@ -43,8 +42,7 @@ const DARK = {
   external_damping: "#86efac",
   principal: "#5eead4",
   kick: "#f87171",
-  signed: ["#3b9cff", "#7cb8ee", "#808994", "#f0907a", "#ff4d4d"],
-  absolute: ["#808994", "#9a9ee0", "#c77fd0", "#f4739b", "#ffd166"],
+  moments: ["#3b9cff", "#7cb8ee", "#808994", "#f0907a", "#ff4d4d"],
   along: ["#8f7bff", "#5aa0ff", "#35c9c0", "#8ddf5f", "#fde725"],
   series: ["#5ab4ff", "#ff944d", "#3fd6a5", "#f29bc6", "#e8c547", "#67e8f9", "#b794ff", "#c9ced6"],
 };

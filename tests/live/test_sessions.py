@@ -1,0 +1,105 @@
+"""How long runs are kept without a page, by a clock that is moved by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+
+import pytest
+
+from rodgen.scene import Scene, SceneError
+from rodgen.view.live.web.sessions import Sessions
+
+SCENE = Scene.from_dict(
+    {
+        "name": "small",
+        "rod": {"links": 2, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0},
+        "integrate": {"span": [0.0, 1.0]},
+    }
+)
+
+
+class Clock:
+    """Seconds, as they are told."""
+
+    now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+@pytest.fixture
+def sessions(clock: Clock) -> Iterator[Sessions]:
+    made = Sessions(clock)
+    yield made
+    made.close_all()
+
+
+def test_run_waits_half_a_minute_for_its_first_page(sessions: Sessions, clock: Clock) -> None:
+    name = sessions.open(SCENE)
+    run = sessions.get(name)
+    assert run is not None
+    clock.now += 29.0
+    sessions.sweep()
+    assert sessions.get(name) is run
+    clock.now += 2.0
+    sessions.sweep()
+    assert sessions.get(name) is None
+    assert run.do(lambda: None).cancelled()  # it does nothing any more
+
+
+def test_run_outlives_a_reload_and_not_its_page(sessions: Sessions, clock: Clock) -> None:
+    def send(message: bytes) -> None:
+        pass
+
+    name = sessions.open(SCENE)
+    run = sessions.get(name)
+    assert run is not None
+    run.page.attach(send)
+    for _ in range(100):  # for as long as the page is there
+        clock.now += 60.0
+        sessions.sweep()
+    run.page.detach(send)
+    clock.now += 5.0  # a page that is reloaded is back by then
+    sessions.sweep()
+    assert sessions.get(name) is run
+    run.page.attach(send)
+    clock.now += 60.0
+    sessions.sweep()
+    run.page.detach(send)
+    clock.now += 10.0
+    sessions.sweep()
+    assert sessions.get(name) is None
+
+
+def test_one_run_ends_without_the_other(sessions: Sessions, clock: Clock) -> None:
+    first = sessions.open(SCENE)
+    clock.now += 20.0
+    second = sessions.open(SCENE)
+    clock.now += 20.0
+    sessions.sweep()
+    assert (sessions.get(first), len(sessions)) == (None, 1)
+    assert sessions.get(second) is not None
+
+
+def test_runs_that_are_being_made_count(sessions: Sessions) -> None:
+    """Sixteen a server: fifteen are being made, one is open."""
+    sessions.open(SCENE)
+    with ExitStack() as making:
+        for _ in range(15):
+            making.enter_context(sessions.room())
+        with pytest.raises(SceneError, match="at most 16"), sessions.room():
+            pass
+    with sessions.room():  # those were cancelled
+        pass
+
+
+@pytest.mark.parametrize("name", ["", "x" * 22, None, 3, ["x"]])
+def test_names_of_no_run(sessions: Sessions, name: object) -> None:
+    sessions.open(SCENE)
+    assert sessions.get(name) is None
