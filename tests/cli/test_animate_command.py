@@ -16,7 +16,7 @@ from PIL import Image
 import rodgen as package
 from rodgen.integrate.files.excerpt import Excerpt
 from rodgen.scene import Scene
-from rodgen.view.animation_files import ffmpeg
+from rodgen.view.animation.files import ffmpeg
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 SIZE = ("--width", 480, "--height", 320)

@@ -15,8 +15,8 @@ from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.structure import BOUNDARIES, INERTIAS, TERMS
 from rodgen.scene.tables import DERIVED
-from rodgen.view.live.catalogue import KINDS, Catalogue
 from rodgen.view.live.chunk import Chunk
+from rodgen.view.live.quantities.catalogue import KINDS, Catalogue
 
 Make = Callable[..., Scene]
 HELD = ("cantilever", "clamped")  # at a clamp_angle

@@ -14,10 +14,10 @@ import rodgen
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 from rodgen.view.live import plots
-from rodgen.view.live.catalogue import Catalogue
 from rodgen.view.live.chunk import Chunk
-from rodgen.view.live.plots import MOST_SERIES, Plot, PlotSpec
-from rodgen.view.live.thinning import MOST_ROWS, thinned
+from rodgen.view.live.plots.plot import MOST_SERIES, Plot, PlotSpec
+from rodgen.view.live.plots.thinning import MOST_ROWS, thinned
+from rodgen.view.live.quantities.catalogue import Catalogue
 
 Make = Callable[..., Scene]
 GOOD = {"id": "p1", "kind": "time", "y": ["phi_0"]}

@@ -14,9 +14,9 @@ import rodgen
 from rodgen.integrate import Solution
 from rodgen.integrate.files.excerpt import Excerpt
 from rodgen.scene import Scene
-from rodgen.view.animation import animate
-from rodgen.view.animation_motion import motion
-from rodgen.view.animation_times import Settings, plan
+from rodgen.view.animation.film import animate
+from rodgen.view.animation.motion import motion
+from rodgen.view.animation.times import Settings, plan
 from rodgen.view.live.edits import Path as Place
 from rodgen.view.live.edits import edited
 from rodgen.view.live.run import LiveRun

@@ -13,8 +13,8 @@ from rodgen.integrate.stepper import Array, Counts
 from rodgen.scene import Scene
 from rodgen.scene.structure import BOUNDARIES, INERTIAS, TERMS
 from rodgen.view.live.chunk import Chunk
-from rodgen.view.live.numbers import WIDTH, five, fixed, three, whole
-from rodgen.view.live.texts import Present, groups, texts
+from rodgen.view.live.quantities.numbers import WIDTH, five, fixed, three, whole
+from rodgen.view.live.quantities.texts import Present, groups, texts
 
 Make = Callable[..., Scene]
 

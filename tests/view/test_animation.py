@@ -16,9 +16,9 @@ from PIL import Image
 from rodgen.integrate import Solution
 from rodgen.integrate.files.layout import NO_STATS
 from rodgen.scene import Scene, SceneError
-from rodgen.view.animation import animate
-from rodgen.view.animation_files import ffmpeg
-from rodgen.view.animation_times import Settings, nearest, plan
+from rodgen.view.animation.files import ffmpeg
+from rodgen.view.animation.film import animate
+from rodgen.view.animation.times import Settings, nearest, plan
 
 Make = Callable[..., Solution]
 Pixels = np.ndarray

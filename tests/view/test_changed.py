@@ -14,9 +14,9 @@ from rodgen.integrate.changes import Changes
 from rodgen.integrate.files.excerpt import Excerpt
 from rodgen.integrate.files.layout import NO_STATS
 from rodgen.scene import Scene
-from rodgen.view.animation import animate, film
-from rodgen.view.animation_motion import motion
-from rodgen.view.animation_times import Settings, plan
+from rodgen.view.animation.film import animate, film
+from rodgen.view.animation.motion import motion
+from rodgen.view.animation.times import Settings, plan
 
 SMALL: dict[str, Any] = {"width": 640, "height": 480, "fps": 10, "speed": 1}
 SAMPLES, CHANGE = 1001, 400

@@ -37,9 +37,9 @@ def animate(
     """Draw the run in RESULT as a film: MP4, for which ffmpeg is needed, or GIF."""
     from rodgen.integrate.files.excerpt import Excerpt
     from rodgen.loading import build_fastest
-    from rodgen.view.animation import film
-    from rodgen.view.animation_files import check_file
-    from rodgen.view.animation_times import Settings, plan
+    from rodgen.view.animation.files import check_file
+    from rodgen.view.animation.film import film
+    from rodgen.view.animation.times import Settings, plan
 
     settings = Settings(fps, speed, view, width, height, start, end)
     check_file(out_file, settings)

@@ -12,9 +12,9 @@ from rodgen.integrate.stepper import Array
 from rodgen.view.live.chunk import Chunk
 from rodgen.view.live.frames import Named, encode
 from rodgen.view.live.picture import drawn
-from rodgen.view.live.plots import Plot
-from rodgen.view.live.texts import texts
-from rodgen.view.live.thinning import thinned
+from rodgen.view.live.plots.plot import Plot
+from rodgen.view.live.plots.thinning import thinned
+from rodgen.view.live.quantities.texts import texts
 
 if TYPE_CHECKING:
     from rodgen.view.live.run import LiveRun

@@ -19,14 +19,14 @@ from rodgen.integrate.outcome import FAILED, FINISHED
 from rodgen.integrate.solution import Stats
 from rodgen.loading import build_fastest
 from rodgen.scene import Scene, SceneError
-from rodgen.view.live.catalogue import Catalogue
 from rodgen.view.live.chunk import Chunk
 from rodgen.view.live.critical import Critical
-from rodgen.view.live.following import followed
 from rodgen.view.live.pace import Pace
 from rodgen.view.live.page_state import PageState
-from rodgen.view.live.plots import Plot, PlotSpec
-from rodgen.view.live.present import Present
+from rodgen.view.live.plots.following import followed
+from rodgen.view.live.plots.plot import Plot, PlotSpec
+from rodgen.view.live.quantities.catalogue import Catalogue
+from rodgen.view.live.quantities.present import Present
 from rodgen.view.live.recorded import Recorded
 from rodgen.view.live.store import Store
 

@@ -8,8 +8,8 @@ from typing import Any
 from nicegui import ui
 
 from rodgen.scene import SceneError
-from rodgen.view.live.catalogue import KINDS, Catalogue
-from rodgen.view.live.poincare import DIRECTIONS
+from rodgen.view.live.plots.poincare import DIRECTIONS
+from rodgen.view.live.quantities.catalogue import KINDS, Catalogue
 from rodgen.view.live.web.entry import number
 
 KINDS_OF_PLOTS = {

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from rodgen.view.live.catalogue import Catalogue
+from rodgen.view.live.quantities.catalogue import Catalogue
 from rodgen.view.live.web.elements import Plots
 from rodgen.view.live.web.plot_dialog import PlotDialog
 

@@ -72,7 +72,7 @@ class Saving:
         await self._made("nc", lambda solution, path, _: solution.save(path))
 
     async def _animation(self, ending: str) -> None:
-        from rodgen.view.animation import animate
+        from rodgen.view.animation.film import animate
 
         def made(solution: Solution, path: Path, progress: Progress) -> None:
             start, span = float(solution.t[0]), float(np.ptp(solution.t)) or 1.0

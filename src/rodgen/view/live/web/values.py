@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
-from rodgen.view.live.texts import groups
+from rodgen.view.live.quantities.texts import groups
 
 if TYPE_CHECKING:
     from rodgen.view.live.web.page import Page

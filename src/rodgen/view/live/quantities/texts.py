@@ -8,10 +8,10 @@ from types import ModuleType
 import numpy as np
 
 from rodgen.scene import Scene
-from rodgen.view.live.now import Entry, Now
-from rodgen.view.live.present import Present, Row
-from rodgen.view.live.rows_motion import energies, geometry, integration
-from rodgen.view.live.rows_scene import critical, loads, rod
+from rodgen.view.live.quantities.now import Entry, Now
+from rodgen.view.live.quantities.present import Present, Row
+from rodgen.view.live.quantities.rows_motion import energies, geometry, integration
+from rodgen.view.live.quantities.rows_scene import critical, loads, rod
 
 __all__ = ["Present", "Row", "groups", "texts"]
 

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene
-from rodgen.view.animation_arrows import Arrows
-from rodgen.view.animation_camera import camera, ground
-from rodgen.view.animation_motion import Motion
-from rodgen.view.animation_stage import BENDING, CENTRE, GRID, INK, TAIL, Stage
-from rodgen.view.animation_times import Settings
+from rodgen.view.animation.arrows import Arrows
+from rodgen.view.animation.camera import camera, ground
+from rodgen.view.animation.motion import Motion
+from rodgen.view.animation.stage import BENDING, CENTRE, GRID, INK, TAIL, Stage
+from rodgen.view.animation.times import Settings
 
 TRAIL = 5.0  # seconds of film
 LEAST_LINK = 8.0  # points: the joints of shorter links would hide the rod

@@ -13,10 +13,10 @@ from rodgen.integrate import Solution
 from rodgen.integrate.files.whole import replaced
 from rodgen.integrate.stepper import Array
 from rodgen.scene import SceneError
-from rodgen.view.animation_files import check_file, writer
-from rodgen.view.animation_motion import motion
-from rodgen.view.animation_picture import Picture
-from rodgen.view.animation_times import Plan, Settings, plan
+from rodgen.view.animation.files import check_file, writer
+from rodgen.view.animation.motion import motion
+from rodgen.view.animation.picture import Picture
+from rodgen.view.animation.times import Plan, Settings, plan
 
 LARGEST = 1e15  # of any state: beyond, a double has no digits left for the shape
 PALETTE = 8  # frames from which a GIF has its colours

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rodgen.integrate.stepper import Array
-from rodgen.view.animation_motion import Motion
+from rodgen.view.animation.motion import Motion
 
 SMALLEST_ROD = 0.25  # of the picture's height: below, the view moves with the rod
 MARGIN = 1.12, 1.28  # round what is seen: without arrows, and with them

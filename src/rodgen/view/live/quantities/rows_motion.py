@@ -9,9 +9,9 @@ import numpy as np
 
 from rodgen.scene import Scene
 from rodgen.scene.tables import AUTO
-from rodgen.view.live.now import Entry, Now, column
-from rodgen.view.live.numbers import NOTHING, five, fixed, padded, three, whole
-from rodgen.view.live.present import Row
+from rodgen.view.live.quantities.now import Entry, Now, column
+from rodgen.view.live.quantities.numbers import NOTHING, five, fixed, padded, three, whole
+from rodgen.view.live.quantities.present import Row
 
 ANGLE = 3  # decimals of degrees
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rodgen.scene import Scene
-from rodgen.view.live.now import Entry, Now, parameter
-from rodgen.view.live.numbers import NOTHING, five, fixed, padded, whole
-from rodgen.view.live.present import Row
+from rodgen.view.live.quantities.now import Entry, Now, parameter
+from rodgen.view.live.quantities.numbers import NOTHING, five, fixed, padded, whole
+from rodgen.view.live.quantities.present import Row
 
 # Label and unit of the parameters of loads; that of fin factors stands for each of their rows.
 LOADS = {

@@ -14,8 +14,8 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from rodgen.scene import Scene
-from rodgen.view.animation_camera import Camera
-from rodgen.view.animation_times import Settings
+from rodgen.view.animation.camera import Camera
+from rodgen.view.animation.times import Settings
 
 INK, PALE = "#30343a", "#b9bec6"
 GRID: dict[str, Any] = {"color": PALE, "alpha": 0.45, "linewidth": 0.7}

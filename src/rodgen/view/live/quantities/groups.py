@@ -13,7 +13,7 @@ import numpy as np
 from rodgen.integrate.solution import principal_axes
 from rodgen.integrate.stepper import Array
 from rodgen.view.live.chunk import Chunk
-from rodgen.view.live.source import Source
+from rodgen.view.live.quantities.source import Source
 
 TURN = 1e-5  # rad, by which the links turn in a difference: errors are its square, and eps over it
 

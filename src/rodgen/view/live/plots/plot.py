@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from rodgen.integrate.stepper import Array
-from rodgen.view.live.catalogue import KINDS, PERIODS, Catalogue
 from rodgen.view.live.chunk import Chunk
-from rodgen.view.live.plot_spec import PlotSpec, title_of
-from rodgen.view.live.poincare import Condition, Section
-from rodgen.view.live.spectra import Window, spectrum
-from rodgen.view.live.thinning import MOST_ROWS, thinned
+from rodgen.view.live.plots.poincare import Condition, Section
+from rodgen.view.live.plots.spec import PlotSpec, title_of
+from rodgen.view.live.plots.spectra import Window, spectrum
+from rodgen.view.live.plots.thinning import MOST_ROWS, thinned
+from rodgen.view.live.quantities.catalogue import KINDS, PERIODS, Catalogue
 
 __all__ = ["Plot", "PlotSpec"]
 

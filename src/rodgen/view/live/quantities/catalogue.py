@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 from rodgen.view.live.chunk import Chunk
-from rodgen.view.live.groups import Groups
-from rodgen.view.live.named import KINDS, PERIODS, Kind, Place, Quantity, named, numbered
-from rodgen.view.live.source import Source
+from rodgen.view.live.quantities.groups import Groups
+from rodgen.view.live.quantities.named import KINDS, PERIODS, Kind, Place, Quantity, named, numbered
+from rodgen.view.live.quantities.source import Source
 
 __all__ = ["KINDS", "PERIODS", "Catalogue", "Kind", "Quantity"]
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.scene import SceneError
-from rodgen.view.animation_gif import FASTEST, gif
-from rodgen.view.animation_times import Settings
+from rodgen.view.animation.gif import FASTEST, gif
+from rodgen.view.animation.times import Settings
 
 Pixels = NDArray[np.uint8]
 Writer = Callable[[Pixels], None]

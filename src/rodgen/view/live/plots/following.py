@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rodgen.scene import SceneError
-from rodgen.view.live.catalogue import Catalogue
-from rodgen.view.live.plot_spec import PlotSpec
+from rodgen.view.live.plots.spec import PlotSpec
+from rodgen.view.live.quantities.catalogue import Catalogue
 
 
 def followed(spec: PlotSpec, name: str, before: Catalogue, after: Catalogue) -> PlotSpec | None:

@@ -7,11 +7,11 @@ from types import ModuleType
 
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene
-from rodgen.view.live.groups import Groups
-from rodgen.view.live.numbers import five
-from rodgen.view.live.per_link import PerLink, per_link
-from rodgen.view.live.present import Present, Row
-from rodgen.view.live.source import Source
+from rodgen.view.live.quantities.groups import Groups
+from rodgen.view.live.quantities.numbers import five
+from rodgen.view.live.quantities.per_link import PerLink, per_link
+from rodgen.view.live.quantities.present import Present, Row
+from rodgen.view.live.quantities.source import Source
 
 
 class Now:

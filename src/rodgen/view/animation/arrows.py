@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.quiver import Quiver
 
 from rodgen.integrate.stepper import Array
-from rodgen.view.animation_camera import Camera
-from rodgen.view.animation_motion import Load, Motion
-from rodgen.view.animation_stage import INK, LOADS, Stage
+from rodgen.view.animation.camera import Camera
+from rodgen.view.animation.motion import Load, Motion
+from rodgen.view.animation.stage import INK, LOADS, Stage
 
 LONGEST = 0.2  # of half of the picture's shorter side: the arrow of the largest force
 LEAST = 0.02  # of the longest: shorter ones are not drawn

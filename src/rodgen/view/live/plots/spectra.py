@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rodgen.integrate.stepper import Array
-from rodgen.view.live.lagrange import evened
+from rodgen.view.live.plots.lagrange import evened
 
 LEAST, MOST = 16, 1 << 14  # samples of the window
 PADDED = 8  # times the window: between two lines a tone loses 1/400 of its amplitude at most

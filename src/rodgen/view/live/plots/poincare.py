@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rodgen.integrate.stepper import Array
-from rodgen.view.live.lagrange import lagrange, reached
+from rodgen.view.live.plots.lagrange import lagrange, reached
 
 DIGITS = 9  # of the number of a value, beyond which a sample is on it
 DIRECTIONS = ("rising", "falling", "either")

@@ -10,8 +10,8 @@ from typing import Any
 from rodgen.scene import SceneError
 from rodgen.scene.structure import choose
 from rodgen.scene.tables import LARGEST
-from rodgen.view.live.catalogue import KINDS, Catalogue
-from rodgen.view.live.poincare import DIRECTIONS
+from rodgen.view.live.plots.poincare import DIRECTIONS
+from rodgen.view.live.quantities.catalogue import KINDS, Catalogue
 
 PLOT_KINDS = ("time", "phase", "poincare", "profile", "spectrum")
 SHORTEST, LONGEST = 1e-6, 1e6  # seconds of a window

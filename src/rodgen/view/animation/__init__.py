@@ -1,0 +1,1 @@
+"""A run as a film: MP4 or GIF."""
