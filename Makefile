@@ -62,7 +62,7 @@ bench-analyse: .venv/installed
 	@$(BIN)/python benchmarks/analyse.py
 
 bench-live: .venv/developing
-	@$(BIN)/python benchmarks/live.py $(SECONDS)
+	@$(BIN)/python benchmarks/live.py $(or $(SECONDS),20) $(LINKS)
 
 reference: .venv/developing
 	$(BIN)/python -m pytest tests/generated/test_reference_modules.py --update

@@ -1,6 +1,6 @@
 """The live view in headless Chromium: frames drawn, speed, memory, and how fast the page answers.
 
-    make bench-live [SECONDS=20]
+    make bench-live [SECONDS=20] [LINKS="50 500"]
 
 A free rod under thrust with four strip charts, of 50 and of 500 links. Frames are counted in the
 page (window.rodgenLive); memory is that of the server and of the page's script.
@@ -36,7 +36,6 @@ phi = "0.1*cos(pi*s)"
 """
 LINKS = (50, 500)
 CHARTS = ("omega_3", "tip_y")  # beside the two that a page has at first
-EVERY = 5.0  # seconds of a line
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 ARGUMENTS = (
     *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync"),
@@ -55,12 +54,13 @@ ANSWER = """async ([name, other]) => {
 def main() -> None:
     """Print a table for each number of links."""
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 20.0
+    numbers = [int(text) for text in sys.argv[2:]] or LINKS
     browser = next(filter(None, map(shutil.which, BROWSERS)), None)
     if browser is None:
         sys.exit(f"no browser is installed (looked for {', '.join(BROWSERS)})")
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:
         started = driver.chromium.launch(executable_path=browser, args=ARGUMENTS)
-        for links in LINKS:
+        for links in numbers:
             path = Path(folder, f"links_{links}.toml")
             path.write_text(SCENE.format(links=links))
             server = subprocess.Popen(
@@ -98,7 +98,7 @@ def watch(page: Page, address: str, process: int, links: int, seconds: float) ->
     start = time.monotonic()
     while time.monotonic() - start < seconds:
         before, since = shown(page), time.monotonic()
-        time.sleep(EVERY)
+        time.sleep(max(5.0, seconds / 12))
         after, took = shown(page), time.monotonic() - since
         heap = page.evaluate("performance.memory.usedJSHeapSize") / 1e6
         print(

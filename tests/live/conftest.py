@@ -11,13 +11,12 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
-pytest.importorskip("nicegui", reason="the extra view is not installed")
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-
-Browser, Page = playwright.Browser, playwright.Page
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Locator, Page
 
 SCENES = Path(__file__).parents[2] / "scenes"
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
@@ -46,6 +45,7 @@ class Server:
 
 def start(*arguments: str) -> Server:
     """`rodgen view` with these arguments, once it has told its address."""
+    pytest.importorskip("nicegui", reason="the extra view is not installed")
     process = subprocess.Popen(
         [Path(sys.executable).with_name("rodgen"), "view", *arguments, "--no-open"],
         stdout=subprocess.PIPE,
@@ -92,6 +92,8 @@ def browser() -> Iterator[Browser]:
     path = next(filter(None, map(shutil.which, NAMES)), None)
     if path is None:
         pytest.skip(f"no browser is installed (looked for {', '.join(NAMES)})")
+    pytest.importorskip("nicegui", reason="the extra view is not installed")
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     with playwright.sync_playwright() as driver:
         started = driver.chromium.launch(executable_path=path, args=ARGUMENTS)
         yield started
@@ -132,7 +134,7 @@ class View:
         found = self.page.locator(f'[data-text="{key}"]').last.text_content() or ""
         return found.replace("\u2007", "").replace("\u2212", "-").strip()
 
-    def button(self, name: str) -> playwright.Locator:
+    def button(self, name: str) -> Locator:
         """A button by the beginning of its name."""
         return self.page.get_by_role("button", name=re.compile(f"^{re.escape(name)}"))
 
@@ -140,7 +142,7 @@ class View:
         self.page.get_by_role("tab", name=name).click()
         return self
 
-    def field(self, name: str) -> playwright.Locator:
+    def field(self, name: str) -> Locator:
         return self.page.get_by_role("textbox", name=name)
 
     def fill(self, name: str, text: str) -> None:

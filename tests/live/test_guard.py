@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Any
+from collections.abc import Coroutine
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, TypeVar
 
 import pytest
 
@@ -12,6 +14,14 @@ pytest.importorskip("nicegui", reason="the extra view is not installed")
 from rodgen.view.live.web.guard import Guard
 
 TOKEN, PORT = "s3cret-token", 8642
+
+T = TypeVar("T")
+
+
+def finished(work: Coroutine[Any, Any, T]) -> T:
+    """What comes of it, in a thread of its own: a browser may have the loop of this one."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, work).result()
 
 
 def ask(
@@ -38,7 +48,7 @@ def ask(
         "headers": [(name.encode(), value.encode()) for name, value in headers.items()],
         "query_string": query.encode(),
     }
-    asyncio.run(Guard(app, token, PORT)(scope, receive, send))
+    finished(Guard(app, token, PORT)(scope, receive, send))
     if kind == "websocket":
         return (101 if sent[0]["type"] == "websocket.accept" else sent[0]["code"]), {}
     found = {name.decode(): value.decode() for name, value in sent[0]["headers"]}
@@ -99,7 +109,7 @@ def test_token_of_a_server_on_another_port_is_left_alone() -> None:
             "headers": [(b"host", f"lan:{port}".encode())],
             "query_string": f"token={TOKEN}".encode(),
         }
-        asyncio.run(Guard(app, TOKEN, port)(scope, send, send))  # type: ignore[arg-type]
+        finished(Guard(app, TOKEN, port)(scope, send, send))  # type: ignore[arg-type]
         cookies.append(dict(sent[0]["headers"])[b"set-cookie"].partition(b"=")[0])
     assert cookies[0] != cookies[1]
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any, TypeVar
 
 import pytest
 
@@ -13,6 +15,14 @@ from rodgen.scene import Scene, SceneError, Structure
 from rodgen.view.live.web.making import make
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="the compiler here is a shell script")
+
+T = TypeVar("T")
+
+
+def finished(work: Coroutine[Any, Any, T]) -> T:
+    """What comes of it, in a thread of its own: a browser may have the loop of this one."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, work).result()
 
 
 def structure(links: int) -> Structure:
@@ -62,7 +72,7 @@ def test_cancelled_making_ends_its_compiler(compiler: Path) -> None:
             await making
         return process
 
-    assert not runs(asyncio.run(cancelled()))
+    assert not runs(finished(cancelled()))
 
 
 def test_two_at_a_time(compiler: Path) -> None:
@@ -79,9 +89,9 @@ def test_two_at_a_time(compiler: Path) -> None:
             task.cancel()
         await asyncio.gather(*making, return_exceptions=True)
 
-    asyncio.run(three())
+    finished(three())
 
 
 def test_too_many_links_are_refused_at_once() -> None:
     with pytest.raises(SceneError, match="at most 2000"):
-        asyncio.run(make(structure(2001), lambda _: None))
+        finished(make(structure(2001), lambda _: None))

@@ -13,8 +13,8 @@ import pytest
 import rodgen
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
-from rodgen.view.live import plots
 from rodgen.view.live.chunk import Chunk
+from rodgen.view.live.plots import plot as plots
 from rodgen.view.live.plots.plot import MOST_SERIES, Plot, PlotSpec
 from rodgen.view.live.plots.thinning import MOST_ROWS, thinned
 from rodgen.view.live.quantities.catalogue import Catalogue

@@ -5,8 +5,9 @@ from __future__ import annotations
 import asyncio
 import threading
 from collections.abc import Callable, Coroutine, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import pytest
 
@@ -32,6 +33,14 @@ SCENE = Scene.from_dict(
     }
 )
 MASS, GRAVITY, LINKS = ("rod", "mass"), ("loads", "gravity", "g"), ("rod", "links")
+
+T = TypeVar("T")
+
+
+def finished(work: Coroutine[Any, Any, T]) -> T:
+    """What comes of it, in a thread of its own: a browser may have the loop of this one."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, work).result()
 
 
 class Making:
@@ -69,7 +78,7 @@ def test_edits_close_together_are_both_kept(shared: Shared) -> None:
         await edits
         assert busy.result()
 
-    asyncio.run(both())
+    finished(both())
     assert (shared.scene.rod.mass, shared.scene.loads.value("gravity")) == (25.0, 1.5)
 
 
@@ -81,7 +90,7 @@ def test_changes_while_a_module_is_made_are_kept(shared: Shared) -> None:
         assert shared.scene.rod.links == 2  # the old one goes on
 
     making.meanwhile = meanwhile
-    asyncio.run(shared.change([(LINKS, 3)], ""))
+    finished(shared.change([(LINKS, 3)], ""))
     assert making.made == [3]
     assert (shared.scene.rod.links, shared.scene.loads.value("gravity")) == (3, 1.5)
 
@@ -100,20 +109,20 @@ def test_structures_asked_for_together_come_one_after_the_other(shared: Shared) 
         )
 
     making.meanwhile = meanwhile
-    asyncio.run(both())
+    finished(both())
     assert making.made == [3, 3]
     assert shared.scene.structure.terms == ("gravity", "tip_load")
 
 
 def test_scene_of_the_same_structure_needs_no_making(shared: Shared) -> None:
     making: Any = shared.progress
-    asyncio.run(shared.take(edited(SCENE, [(MASS, 7.0)])))
+    finished(shared.take(edited(SCENE, [(MASS, 7.0)])))
     assert (making.made, shared.scene.rod.mass, shared.run.taken) == ([], 7.0, 2)
 
 
 def test_refusals_come_to_who_asked(shared: Shared) -> None:
     with pytest.raises(SceneError, match=r"rod\.mass"):
-        asyncio.run(shared.change([(MASS, -1.0)], "mass = -1"))
+        finished(shared.change([(MASS, -1.0)], "mass = -1"))
     assert shared.scene.rod.mass == 3.0
 
 
@@ -137,6 +146,6 @@ def test_page_that_is_asked_for_and_never_shown() -> None:
         await asyncio.wait_for(showing, 5.0)
         await background_tasks.teardown()
 
-    asyncio.run(asked())
+    finished(asked())
     core.loop = None
     assert len(sessions) == 0

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+SUFFIXES = (".py", ".jinja", ".typed", ".c", ".js", ".css")  # of what is installed
 MAPPED = {"rodgen": "src/rodgen", "rodgen/derive": "derive", "rodgen/templates": "templates"}
 
 
@@ -44,7 +45,7 @@ def test_wheel_holds_the_tree(wheel: Path) -> None:
     expected = set()
     for package, folder in MAPPED.items():
         for path in (ROOT / folder).rglob("*"):
-            if path.suffix in (".py", ".jinja", ".typed", ".c") and "__pycache__" not in path.parts:
+            if path.suffix in SUFFIXES and "__pycache__" not in path.parts:
                 expected.add(f"{package}/{path.relative_to(ROOT / folder).as_posix()}")
     assert packed == expected
     for name in ("numpy_dense.py.jinja", "numpy_chain.py.jinja", "c.c.jinja", "c.h.jinja"):

@@ -4,13 +4,8 @@ from __future__ import annotations
 
 import itertools
 import math
-import threading
-import time
-import traceback
-from collections import deque
 from collections.abc import Callable
-from concurrent.futures import Future
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -29,16 +24,14 @@ from rodgen.view.live.quantities.catalogue import Catalogue
 from rodgen.view.live.quantities.present import Present
 from rodgen.view.live.recorded import Recorded
 from rodgen.view.live.store import Store
+from rodgen.view.live.worker import FRAME, Worker
 
 RUNNING, PAUSED, STOPPED = "running", "paused", "stopped"
-FRAME = 1 / 60  # seconds
-SLICE = 0.012  # of them, for steps
+SLICE = 0.012  # seconds of a frame, for steps
 MOST_PLOTS, MOST_NOTES = 24, 200
-IDLE = 0.25  # seconds after which a run that is paused looks up
-T = TypeVar("T")
 
 
-class LiveRun:
+class LiveRun(Worker):
     """A run, its samples, its plots, and the page that looks at it.
 
     Everything but `do`, `page` and `close` is for the run's own thread: others hand it work by
@@ -48,78 +41,40 @@ class LiveRun:
 
     def __init__(self, scene: Scene, told: Callable[[], None] = lambda: None):
         """The module of the scene should be in the cache already: it is loaded here."""
+        super().__init__()
         self.told, self.page = told, PageState()
         self.status, self.message = PAUSED, ""
         self.plots: dict[str, Plot] = {}
         self._numbers, self.greeted = itertools.count(1), False  # whether it got its first plots
         self.pace, self.taken = Pace(), 0
-        self._work: deque[tuple[Callable[[], Any], Future[Any]]] = deque()
-        self._wake, self._closed = threading.Event(), False
         self.critical = Critical(lambda: self.do(self.page.touched))
         self.take(scene)
-        self._thread = threading.Thread(target=self._loop, name="rodgen-run", daemon=True)
-        self._thread.start()
-
-    # From other threads ------------------------------------------------------------------------
-
-    def do(self, work: Callable[[], T]) -> Future[T]:
-        """Have the run's thread do something between two slices."""
-        future: Future[T] = Future()
-        if self._closed:
-            future.cancel()
-            return future
-        self._work.append((work, future))
-        self.wake_up()
-        return future
+        self.start()
 
     def close(self) -> None:
         """End the thread, and with it the run."""
-        self._closed = True
         self.critical.cancel()
-        self.wake_up()
+        super().close()
 
-    def wake_up(self) -> None:
-        """Look up, if it is idle: somebody has come, or something is to be done."""
-        self._wake.set()
+    # The frames --------------------------------------------------------------------------------
 
-    # The thread --------------------------------------------------------------------------------
+    @property
+    def busy(self) -> bool:
+        """Whether another frame is due."""
+        return self.status == RUNNING or self.page.waits
 
-    def _loop(self) -> None:
-        due = time.perf_counter()
-        while not self._closed:
-            self._wake.clear()
-            self._do_work()
-            if self.status == RUNNING:
-                self._guarded(self._slice)
-            self._guarded(lambda: self.page.show(self))
-            busy = self.status == RUNNING or self.page.waits
-            # By the clock, not by what a wait takes: frames are to come evenly.
-            now = time.perf_counter()
-            due = max(due + FRAME, now) if busy else now + IDLE
-            if due > now and not self._work:
-                self._wake.wait(due - now)
-        while self._work:
-            self._work.popleft()[1].cancel()
+    def show(self) -> None:
+        """To the page."""
+        self.page.show(self)
 
-    def _do_work(self) -> None:
-        while self._work:
-            work, future = self._work.popleft()
-            if not future.set_running_or_notify_cancel():
-                continue
-            try:
-                future.set_result(work())
-            except BaseException as error:
-                future.set_exception(error)
+    def failed(self, message: str) -> None:
+        """A defect stops the run, and the page says so."""
+        self._stop(message)
 
-    def _guarded(self, work: Callable[[], None]) -> None:
-        """A defect ends the run, not the thread: the page says so."""
-        try:
-            work()
-        except Exception as error:
-            traceback.print_exc()
-            self._stop(f"rodgen has failed: {error!r}")
-
-    def _slice(self) -> None:
+    def slice(self) -> None:
+        """As many steps as are due, and fit into a frame."""
+        if self.status != RUNNING:
+            return
         due = self.pace.due()
         most = self.live.t + 1000 * self.live.every  # samples, where it goes as fast as it can
         try:
