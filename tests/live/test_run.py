@@ -109,8 +109,12 @@ def test_change_holds_from_its_sample_on(run: LiveRun, scene: Scene) -> None:
     run.do(lambda: run.set_speed(np.inf)).result()
     run.do(run.go).result()
     until(lambda: run.shown.t[-1] >= 0.5)
-    run.do(lambda: run.change(edited(scene, [(GRAVITY, 1.0)]), "g = 1.0")).result()
-    t = run.shown.t[-1]
+
+    def change() -> float:
+        run.change(edited(scene, [(GRAVITY, 1.0)]), "g = 1.0")
+        return float(run.shown.t[-1])
+
+    t = run.do(change).result()
     until(lambda: run.shown.t[-1] >= t + 0.5)
     run.do(run.pause).result()
     sol = run.do(run.solution).result()

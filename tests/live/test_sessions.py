@@ -77,6 +77,25 @@ def test_run_outlives_a_reload_and_not_its_page(sessions: Sessions, clock: Clock
     assert sessions.get(name) is None
 
 
+def test_page_that_comes_and_goes_between_two_looks(sessions: Sessions, clock: Clock) -> None:
+    """It was there: its run is not kept for the half minute that a first page may take."""
+
+    def send(message: bytes) -> None:
+        pass
+
+    name = sessions.open(SCENE)
+    run = sessions.get(name)
+    assert run is not None
+    sessions.sweep()
+    run.page.attach(send)
+    run.page.detach(send)
+    clock.now += 0.5
+    sessions.sweep()
+    clock.now += 9.0
+    sessions.sweep()
+    assert sessions.get(name) is None
+
+
 def test_one_run_ends_without_the_other(sessions: Sessions, clock: Clock) -> None:
     first = sessions.open(SCENE)
     clock.now += 20.0

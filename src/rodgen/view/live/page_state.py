@@ -36,6 +36,7 @@ class PageState:
         self._send: Send | None = None
         self._wanted: Send | None = None  # a page that has just come
         self._frame = self._seen = 0
+        self.came = 0  # how many pages have
         self._rows: dict[str, list[Array]] = {}
         self._replaced: set[str] = set()
         self._texts: dict[str, str] = {}
@@ -48,6 +49,7 @@ class PageState:
     def attach(self, send: Send) -> None:
         """Messages go there from now on, the first with everything."""
         self._wanted = send
+        self.came += 1
 
     def detach(self, send: Send) -> None:
         """That page is gone."""

@@ -18,10 +18,11 @@ MOST = 16  # runs at a time
 
 @dataclass
 class Session:
-    """A run, and until when [s] it is kept without a page."""
+    """A run; until when [s] it is kept without a page; how many pages had come by then."""
 
     run: LiveRun
     until: float
+    came: int = 0
 
 
 class Sessions:
@@ -62,8 +63,9 @@ class Sessions:
         """End the runs without a page; to be called about once a second."""
         now = self._clock()
         for name, session in list(self._sessions.items()):
-            if session.run.page.watched:
-                session.until = now + GRACE
+            page = session.run.page
+            if page.watched or page.came > session.came:  # or it came and went since the last look
+                session.until, session.came = now + GRACE, page.came
             elif now > session.until:
                 self.close(name)
 

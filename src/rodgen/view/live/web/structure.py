@@ -50,11 +50,11 @@ class StructurePanel:
             "Another structure is derived and compiled first; other values need no restart."
         ).classes("rg-hint")
         _title("From a file")
-        upload = ui.upload(
+        self.upload = ui.upload(
             label="A scene in TOML", on_upload=self._uploaded, on_rejected=self._rejected,
             max_file_size=LARGEST, max_files=1, auto_upload=True,
         ).props("accept=.toml flat bordered")  # fmt: skip
-        upload.classes("rg-wide")
+        self.upload.classes("rg-wide")
 
     def refresh(self) -> None:
         """As the scene is now, where that is another than before."""
@@ -122,7 +122,7 @@ class StructurePanel:
             field.error = texts.get(name)
 
     async def _uploaded(self, event: events.UploadEventArguments) -> None:
-        event.sender.reset()  # type: ignore[attr-defined]
+        self.upload.reset()
         try:
             content = await event.file.read()  # the server has refused what is longer than 2 MiB
             await self.page.take(await asyncio.to_thread(from_toml_text, content))
