@@ -51,7 +51,7 @@ def test_gif_of_a_part(rodgen: Run, result: Path, folder: Path) -> None:
     assert list(folder.iterdir()) == [film]
 
 
-@pytest.mark.skipif(ffmpeg() is None, reason="no ffmpeg")
+@pytest.mark.skipif(ffmpeg() is None, reason="no ffmpeg is installed, which MP4 needs")
 def test_mp4_with_what_is_chosen(rodgen: Run, result: Path, folder: Path) -> None:
     film = folder / "film.mp4"
     done = rodgen("animate", result, "--out", film, *SIZE, "--view", "axes")
@@ -100,7 +100,7 @@ def test_stopped_film_leaves_nothing(
     result: Path, folder: Path, ending: str, sent: signal.Signals
 ) -> None:
     if ending == "mp4" and ffmpeg() is None:
-        pytest.skip("no ffmpeg")
+        pytest.skip("no ffmpeg is installed, which MP4 needs")
     program = "from rodgen.cli import main; main()"
     film = folder / f"film.{ending}"
     slow = ["--speed", "0.002", "--fps", "30"]  # 30,000 frames

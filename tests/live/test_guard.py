@@ -109,6 +109,7 @@ def test_token_of_a_server_on_another_port_is_left_alone() -> None:
             "headers": [(b"host", f"lan:{port}".encode())],
             "query_string": f"token={TOKEN}".encode(),
         }
+        # Nothing is received: any function does.
         finished(Guard(app, TOKEN, port)(scope, send, send))  # type: ignore[arg-type]
         cookies.append(dict(sent[0]["headers"])[b"set-cookie"].partition(b"=")[0])
     assert cookies[0] != cookies[1]

@@ -59,6 +59,7 @@ class Making:
 @pytest.fixture
 def shared() -> Iterator[Shared]:
     made = Shared()
+    # Making stands for Progress, without a page.
     made.run, made.progress = LiveRun(SCENE), Making()  # type: ignore[assignment]
     yield made
     made.run.close()

@@ -306,7 +306,7 @@ def test_what_is_refused_leaves_the_run_as_it_was(make_scene: Make) -> None:
         (1, 0.5, (1e300, 0.0), "kick.impulse"),
     ):
         with pytest.raises(SceneError, match=f"^{field} = "):
-            live.kick(link, share, impulse)  # type: ignore[arg-type]
+            live.kick(link, share, impulse)  # type: ignore[arg-type]  # wrong types on purpose
     for terms, links in ((ALL[:3], 4), (ALL, 5)):
         with pytest.raises(SceneError, match="must be of the same structure"):
             live.change(make_scene(links, terms=terms))

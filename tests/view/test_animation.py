@@ -26,7 +26,9 @@ SMALL: dict[str, Any] = {"width": 640, "height": 480, "fps": 10, "speed": 1}
 AXES = np.s_[40:430, 60:500]  # pixels of such a film that are inside the axes, without the clock
 LARGE = np.s_[90:650, 90:1070]  # the same of 1280 x 720
 TAIL = 217, 131, 15  # red, green, blue of its mark
-needs_ffmpeg = pytest.mark.skipif(ffmpeg() is None, reason="no ffmpeg")
+needs_ffmpeg = pytest.mark.skipif(
+    ffmpeg() is None, reason="no ffmpeg is installed, which MP4 needs"
+)
 
 
 @pytest.fixture

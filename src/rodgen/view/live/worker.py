@@ -92,6 +92,6 @@ class Worker:
         """A defect is told, and does not end the thread."""
         try:
             work()
-        except Exception as error:
+        except Exception as error:  # whatever it is: the page is to be told
             traceback.print_exc()
             self.failed(f"rodgen has failed: {error!r}")

@@ -36,12 +36,12 @@ class Shared:
         """As it is now."""
         return self.run.live.scene
 
-    def say(self, text: str, kind: Any = "warning") -> None:
+    def say(self, text: str) -> None:
         """A message that goes away by itself."""
         if self.client.is_deleted:
             return
         with self.client:
-            ui.notify(text, type=kind, multi_line=True, close_button="Close", timeout=8000)
+            ui.notify(text, type="warning", multi_line=True, close_button="Close", timeout=8000)
 
     async def do(self, work: Callable[[], T]) -> T:
         """Have the run's thread do something."""
