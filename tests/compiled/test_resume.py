@@ -16,6 +16,7 @@ import pytest
 
 import rodgen
 from rodgen import Scene, SceneError
+from rodgen.integrate.files.saver import Saver
 
 SPAN = 40.0
 RUN = """
@@ -94,7 +95,7 @@ def test_an_interrupted_run_goes_on(tmp_path: Path) -> None:
     def stop(t: float) -> None:
         raise KeyboardInterrupt
 
-    how = {"target": "c", "method": "rk4", "step": 2e-5}
+    how = {"target": "c", "method": "rk4", "step": 1e-4}
     with pytest.raises(rodgen.Interrupted) as caught:
         rodgen.simulate(scene, out=file, checkpoint=60.0, progress=stop, **how)
     assert caught.value.solution.t[-1] < SPAN
@@ -154,21 +155,27 @@ def test_damaged_checkpoint_is_refused(missile: Scene, tmp_path: Path) -> None:
         rodgen.resume(file)
 
 
+def _interrupt(delay: float) -> None:
+    """Ctrl-C so long after a run has begun; before, Python may raise it in any finaliser."""
+    while signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        time.sleep(1e-4)
+    time.sleep(delay)
+    os.kill(os.getpid(), signal.SIGINT)
+
+
 @pytest.mark.parametrize("method", ["rk4", "dop853", "gauss"])
 def test_ctrl_c_at_any_moment_loses_nothing(tmp_path: Path, method: str) -> None:
     """Real signals at random moments, of which most fall into compiled steps."""
     toml = tmp_path / "swing.toml"
     toml.write_text(TOML)
-    scene = Scene.from_toml(toml).with_integrate(method=method, step=2e-5, rtol=1e-12, atol=1e-13)
+    scene = Scene.from_toml(toml).with_integrate(method=method, step=1e-4, rtol=1e-12, atol=1e-13)
     model = rodgen.build(scene, "c")
     whole = rodgen.simulate(scene, model=model)
     moments = random.Random(method)
     stopped = 0
     for trial in range(4):
         file = tmp_path / f"run{trial}.nc"
-        timer = threading.Timer(
-            moments.uniform(0.03, 0.2), lambda: os.kill(os.getpid(), signal.SIGINT)
-        )
+        timer = threading.Thread(target=_interrupt, args=(moments.uniform(0.0, 0.2),))
         timer.start()
         try:
             rodgen.simulate(scene, model=model, out=file, checkpoint=0.05)
@@ -183,6 +190,46 @@ def test_ctrl_c_at_any_moment_loses_nothing(tmp_path: Path, method: str) -> None
         assert sol.y.tobytes() == whole.y.tobytes()
         assert [event.t for event in sol.events] == [event.t for event in whole.events]
     assert stopped > 0
+
+
+@pytest.mark.parametrize("call", [1, 2])
+def test_ctrl_c_while_a_run_is_set_up_leaves_one_to_go_on_with(
+    tmp_path: Path, missile: Scene, monkeypatch: pytest.MonkeyPatch, call: int
+) -> None:
+    """While its file is made, and between that and the first step."""
+    scene = missile.with_integrate(method="rk4", step=1e-5)
+    model = rodgen.build(scene, "c")
+    whole = rodgen.simulate(scene, model=model)
+    calls = iter(range(1, 100))
+    parameters = model.parameters
+
+    def interrupting(**given: object) -> object:
+        if next(calls) == call:
+            signal.raise_signal(signal.SIGINT)
+        return parameters(**given)
+
+    monkeypatch.setattr(model, "parameters", interrupting)
+    file = tmp_path / "a.nc"
+    with pytest.raises(rodgen.Interrupted):
+        rodgen.simulate(scene, model=model, out=file)
+    assert rodgen.load(file).status == "interrupted"
+    rodgen.resume(file)
+    assert rodgen.load(file).y.tobytes() == whole.y.tobytes()
+
+
+def test_ctrl_c_that_comes_too_late_for_the_run_is_not_lost(
+    tmp_path: Path, missile: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    finish = Saver.finish
+
+    def interrupted(self: Saver, *given: object) -> object:
+        signal.raise_signal(signal.SIGINT)
+        return finish(self, *given)
+
+    monkeypatch.setattr(Saver, "finish", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        rodgen.simulate(missile, target="c", out=tmp_path / "a.nc")
+    assert rodgen.load(tmp_path / "a.nc").status == "finished"
 
 
 def test_long_results_are_thinned_honestly(tmp_path: Path, missile: Scene) -> None:

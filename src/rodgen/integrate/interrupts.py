@@ -11,8 +11,9 @@ from typing import Any, Self
 class HeldBack:
     """Within it, Ctrl-C only leaves a note, which `look` turns into KeyboardInterrupt.
 
-    Where Python would raise it at once, a step might be taken and its samples not. In threads, and
-    where the program has a handler of its own, nothing is changed.
+    Where Python would raise it at once, a step might be taken and its samples not. One that nobody
+    looked for is raised at the end. In threads, and where the program has a handler of its own,
+    nothing is changed.
     """
 
     def __init__(self) -> None:
@@ -34,6 +35,8 @@ class HeldBack:
             self._noted = False
             raise KeyboardInterrupt
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if self._before is not None:
             signal.signal(signal.SIGINT, self._before)
+        if kind is None:
+            self.look()

@@ -70,8 +70,9 @@ def simulate(
         model = build(scene, target) if target else build_fastest(scene)
     if scene.integrate.method == AUTO:
         scene = scene.with_integrate(method=choose(scene, model).method)
-    saver = Saver.begin(scene, model, out, checkpoint)
-    return _Run(scene, model, saver, progress).go()
+    with HeldBack() as held:  # from here on there is a file
+        saver = Saver.begin(scene, model, out, checkpoint)
+        return _Run(scene, model, saver, progress, held).go()
 
 
 def resume(
@@ -87,7 +88,8 @@ def resume(
     for a checkpoint that is damaged or of another version's module.
     """
     saver = Saver.resume(Path(path), checkpoint)
-    return _Run(saver.scene, saver.model, saver, progress).go()
+    with HeldBack() as held:
+        return _Run(saver.scene, saver.model, saver, progress, held).go()
 
 
 class _Run:
@@ -97,9 +99,10 @@ class _Run:
         model: ModuleType,
         saver: Saver,
         progress: Callable[[float], None] | None,
+        held: HeldBack,
     ):
         self.scene, self.model, self.settings = scene, model, scene.integrate
-        self.saver, self.progress = saver, progress or (lambda _: None)
+        self.saver, self.progress, self.held = saver, progress or (lambda _: None), held
         self.p = model.parameters(**scene.parameters)
         self.watch = Watch(scene.events, model, self.p)
         self.start = time.perf_counter()
@@ -109,16 +112,11 @@ class _Run:
             self.machine = machine(model, self.p, self.settings, start, y0)
         times = self.settings.samples
         self.pole: Any = None
-        self.held = HeldBack()
         self.recorder = Recorder(times, len(y0), self.works, saver.stream, saver.samples)
         self.seconds_before = saver.seconds
         saver.keep_safe(self.recorder, self.machine, self.watch, lambda: self.counts)
 
     def go(self) -> Solution:
-        with self.held:
-            return self._go()
-
-    def _go(self) -> Solution:
         try:
             with np.errstate(all="ignore"):
                 self._check_step()
