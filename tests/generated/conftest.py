@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from rodgen.emit import module_files
-from rodgen.emit.check import DIGITS, _Exact, _parameters
+from rodgen.emit.by_hand import ByHand
+from rodgen.emit.check import DIGITS, _parameters
 from rodgen.loading import load_files
 from rodgen.scene.expression import Expression
 from rodgen.scene.structure import Structure
@@ -55,7 +56,7 @@ class Point:
     def exact_rhs(self, y: np.ndarray) -> list[Any]:
         """Rates by the closed form in 50 digits."""
         with mpmath.workdps(DIGITS):
-            return _Exact(self.module, self.values | self._timed, y).rhs()
+            return ByHand(self.module, self.values | self._timed, y).rhs()
 
     def exact_jacobian(self) -> np.ndarray:
         """Central differences in 50 digits; with h = 2^-26 states stay exact doubles, and the

@@ -44,7 +44,8 @@ SUBSETS = [(), *((term,) for term in TERMS), ("follower", "external_damping"), T
 def _check(module: ModuleType) -> None:
     deviations = list(check_module(module, states=2))
     expected = {"rhs", "mass matrix", "energy", "joints", "centre of gravity", "inertia"}
-    assert {d.quantity for d in deviations} - {"power"} == expected
+    expected |= {"bending moments", "generalised force"}
+    assert {d.quantity for d in deviations} - {"power", "forces"} == expected
     # Rounding of some hundred operations, amplified by the condition of M (about 20 at n=5).
     assert max(d.error for d in deviations) < 1e-13
 
@@ -132,6 +133,9 @@ def test_long_chain_keeps_its_digits(built: Built, point: type) -> None:
         ("    return M\n", "    return 1.001*M\n"),
         ('"follower": power_follower', '"follower": 1.001*power_follower'),
         ("return kinetic,", "return 1.001*kinetic,"),
+        ("return bending\n", "return -bending\n"),
+        ('acting["follower"][..., 4, 0] = ', 'acting["follower"][..., 3, 0] = '),
+        ("Q[2:] = on_links", "Q[2:] = 1.001*on_links"),
     ],
 )
 def test_check_sees_a_wrong_module(written: Written, right: str, wrong: str) -> None:

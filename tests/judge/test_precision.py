@@ -17,7 +17,7 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 import rodgen
-from rodgen.emit.check import _Exact
+from rodgen.emit.by_hand import ByHand
 from rodgen.judge import peers
 from rodgen.judge.cases import cases
 from rodgen.judge.found import kind_of
@@ -141,7 +141,7 @@ def test_long_doubles_are_closer_to_fifty_digits() -> None:
     timed = {key: float(force(t)) for key, force in job.scene.timed.items()}
     defaults = {"follower_angle": 0.0, "fin_factor": np.ones(5)}
     with mpmath.workdps(50):
-        exact = _Exact(job.model, {**defaults, **job.scene.parameters, **timed}, y).rhs()
+        exact = ByHand(job.model, {**defaults, **job.scene.parameters, **timed}, y).rhs()
         largest = max(map(abs, exact))
 
         def off(parts: list[tuple[float, float]]) -> float:

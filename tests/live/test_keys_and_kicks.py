@@ -53,6 +53,18 @@ def held(view: View, state: str) -> None:
     assert view.page.evaluate("rodgenLive.state") == state
 
 
+GROUND = "getComputedStyle(document.body).backgroundColor"
+BACKGROUNDS = f"""
+    window.grounds = [];
+    const look = () => {{
+        const ground = document.body && {GROUND};
+        if (ground && grounds.at(-1) !== ground) grounds.push(ground);
+        requestAnimationFrame(look);
+    }};
+    look();
+"""
+
+
 def dark(view: View) -> bool:
     return bool(view.page.evaluate("document.body.classList.contains('body--dark')"))
 
@@ -108,9 +120,11 @@ def test_keys_that_are_held_or_meant_for_others(view: View) -> None:
 def test_light_or_dark_stays_over_a_reload(view: View) -> None:
     view.button("Light or dark").click()
     view.until(dark.__get__(view), "not dark")
+    view.page.add_init_script(BACKGROUNDS)
     view.page.reload()
     view.ready()
     view.until(dark.__get__(view), "light again")
+    assert view.page.evaluate("grounds") == [view.page.evaluate(GROUND)]  # nor did it flash
 
 
 def test_state_alone_is_said(view: View) -> None:
@@ -204,6 +218,10 @@ def test_scenes_are_listed_by_file_and_can_be_had_again(clamped: View) -> None:
     clamped.button("Reset to").click()
     clamped.page.wait_for_timeout(300)
     has_mass(clamped, "7")  # as the reset leaves what was changed
+    clamped.page.reload()
+    clamped.ready()
+    has_mass(clamped, "7")
+    assert listed(clamped) == "two"
     clamped.button("Load two again").click()
     has_mass(clamped, "3")
     choose(clamped, "one")

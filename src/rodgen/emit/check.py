@@ -8,26 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from types import ModuleType
 from typing import Any
 
 import mpmath
 import numpy as np
-from mpmath import mp, mpf
+from mpmath import mpf
 
-from rodgen.derive.chain import BOUNDARIES
-from rodgen.derive.closed_form import Arithmetic, ClosedForm, joint_drag
+from rodgen.emit.by_hand import ByHand
 from rodgen.scene.expression import Expression
 
 DIGITS = 50
 LIMIT = 1e-10  # relative; about a thousand times what n = 50 reaches
-FIFTY_DIGITS = Arithmetic(
-    mp.cos,
-    mp.sin,
-    mpf(1) / 2,
-    lambda term, low, high: mp.fsum(term(q) for q in range(low, high + 1)),
-)
 
 
 @dataclass(frozen=True)
@@ -88,7 +80,7 @@ def _compare(
     }
     p = module.parameters(**values)
     with mpmath.workdps(DIGITS):
-        exact = _Exact(module, values | timed, y)
+        exact = ByHand(module, values | timed, y)
         yield "rhs", _vector_error(module.rhs(t, y, p), exact.rhs())
         mass = [entry for row in exact.closed.M() for entry in row]
         yield "mass matrix", _vector_error(module.mass_matrix(y, p).ravel(), mass)
@@ -101,138 +93,23 @@ def _compare(
         centre = exact.centre_of_gravity()
         yield "centre of gravity", _vector_error(module.centre_of_gravity(y, p), centre)
         yield "inertia", _vector_error(module.inertia(y, p), exact.inertia())
+        yield "bending moments", _vector_error(module.bending_moments(y, p), exact.moments())
+        acting = exact.forces()
+        if acting:
+            forces, order = module.forces(t, y, p), sorted(acting)
+            got = np.concatenate([forces[term].ravel() for term in order])
+            yield "forces", _vector_error(got, [c for x in order for f in acting[x] for c in f])
+        errors = []
+        for link, share in ((0, 0.25), (module.N // 2, 0.0), (module.N - 1, 1.0)):
+            force = values["mass"], -values["length"]  # any two numbers
+            got = module.generalised_force(y, p, link, share, force)
+            errors.append(_vector_error(got, exact.point_force(link, share, force)))
+        yield "generalised force", max(errors)
 
 
-def _vector_error(got: Sequence[Any], exact: Sequence[Any]) -> float:
+def _vector_error(got: Sequence[Any] | np.ndarray, exact: Sequence[Any]) -> float:
     largest = max(abs(e) for e in exact)
     if not all(np.isfinite(float(g)) for g in got):
         return float("inf")
     off = max(abs(mpf(float(g)) - e) for g, e in zip(got, exact, strict=True))
     return float(off / largest) if largest else float(off)
-
-
-class _Exact:
-    """The hand-assembled equations of a module at one state, in mpmath numbers."""
-
-    def __init__(self, module: ModuleType, values: dict[str, Any], y: np.ndarray):
-        self.n, self.terms = module.N, module.TERMS
-        hold = BOUNDARIES[module.BOUNDARY]
-        number = {k: mpf(float(v)) for k, v in values.items() if k != "fin_factor"}
-        self.number = number
-        self.fins = [mpf(float(f)) for f in values.get("fin_factor", [])]
-        self.m, self.l = number["mass"] / self.n, number["length"] / self.n
-        self.k = number["bending_stiffness"] / self.l
-        half, base = len(y) // 2, 2 * hold.translates
-        q, u = [mpf(float(v)) for v in y[:half]], [mpf(float(v)) for v in y[half:]]
-        held = hold.first
-        self.u, self.hold = u, hold
-        self.origin = (q[0], q[1]) if base else (mpf(0), mpf(0))
-        self.v0 = (u[0], u[1]) if base else (mpf(0), mpf(0))
-        self.phi = [number["clamp_angle"]] * held + q[base:] if held else q[base:]
-        # Every angle that a spring knows, with the stiffness between it and the next.
-        root = [number["clamp_angle"]] if hold.root else []
-        self.bent = root + self.phi
-        self.stiffness = [hold.root * self.k] * len(root) + [self.k] * (self.n - 1)
-        self.omega = [mpf(0)] * held + u[base:]
-        sizes = (self.m, self.l, self.k)
-        self.lumped = module.INERTIA == "lumped"
-        self.closed = ClosedForm(self.n, *sizes, self.phi, hold, FIFTY_DIGITS, self.lumped)
-
-    def rhs(self) -> list[Any]:
-        closed, moving = self.closed, self.omega[self.hold.first :]
-        total = _times(closed.Q(), [w**2 for w in moving])
-        total = _add(total, _times(closed.K(), self.bent), -1)
-        for load in self.loads().values():
-            total = _add(total, load)
-        rates = mp.lu_solve(mp.matrix(closed.M()), mp.matrix(total))
-        return [*self.u, *rates]
-
-    def loads(self) -> dict[str, list[Any]]:
-        """Generalised forces by term."""
-        number, closed = self.number, self.closed
-        out: dict[str, list[Any]] = {}
-        if "follower" in self.terms:
-            out["follower"] = closed.F(number["follower_force"], number["follower_angle"])
-        if "tip_load" in self.terms:
-            out["tip_load"] = closed.T((number["tip_force_x"], number["tip_force_y"]))
-        if "gravity" in self.terms:
-            out["gravity"] = closed.A(number["gravity"])
-        if "internal_damping" in self.terms:
-            moving = self.omega[self.hold.first :]
-            matrix = closed.D_i(number["internal_damping"])
-            out["internal_damping"] = [-e for e in _times(matrix, moving)]
-        if "external_damping" in self.terms:
-            out["external_damping"] = [-e for e in closed.D_e(self.drag())]
-        return out
-
-    def drag(self) -> tuple[dict[int, Any], dict[int, Any]]:
-        D: tuple[dict[int, Any], dict[int, Any]] = ({}, {})
-        velocities = self._running(self.v0, self.closed.velocity_step, self.omega)
-        for s in range(self.hold.first_joint, self.n + 1):
-            links = [self.phi[q] for q in (s - 1, s) if 0 <= q < self.n]
-            mass = self.m * len(links) / 2
-            angle = sum(links) / len(links)
-            c_ext = self.number["external_damping"]
-            force = joint_drag(c_ext, self.fins[s], mass, velocities[s], angle, mp)
-            D[0][s], D[1][s] = force
-        return D
-
-    def energy(self) -> list[Any]:
-        kinetic = _dot(self.u, _times(self.closed.M(), self.u)) / 2
-        bends = [b - a for a, b in pairwise(self.bent)]
-        spring = mp.fsum(k * b**2 / 2 for k, b in zip(self.stiffness, bends, strict=True))
-        heavy = "gravity" in self.terms
-        height = self.centre_of_gravity()[1]
-        gravity = self.n * self.m * self.number["gravity"] * height if heavy else mpf(0)
-        return [kinetic, spring, gravity]
-
-    def joints(self) -> list[tuple[Any, Any]]:
-        """Positions of the joints."""
-        return self._running(self.origin, self.closed.joint_step)
-
-    def centre_of_gravity(self) -> tuple[Any, Any]:
-        """Mean of the middles of the links."""
-        x, y = zip(*self._middles(), strict=True)
-        return mp.fsum(x) / self.n, mp.fsum(y) / self.n
-
-    def inertia(self) -> list[Any]:
-        """Moments and product of inertia: those of thin links or of two halves at the ends of
-        massless ones, and of their middles (Steiner)."""
-        X, Y = self.centre_of_gravity()
-        own = self.m * self.l**2 / (4 if self.lumped else 12)
-        x, y, xy = mpf(0), mpf(0), mpf(0)
-        for (a, b), angle in zip(self._middles(), self.phi, strict=True):
-            c, s = mp.cos(angle), mp.sin(angle)
-            x += own * s**2 + self.m * (b - Y) ** 2
-            y += own * c**2 + self.m * (a - X) ** 2
-            xy += own * s * c + self.m * (a - X) * (b - Y)
-        return [x, y, xy]
-
-    def _middles(self) -> list[tuple[Any, Any]]:
-        joints = self.joints()
-        return [((a[0] + b[0]) / 2, (a[1] + b[1]) / 2) for a, b in pairwise(joints)]
-
-    def _running(
-        self, start: tuple[Any, Any], step: Any, *of_link: Sequence[Any]
-    ) -> list[tuple[Any, Any]]:
-        """Joint by joint from the start, with the step of every link."""
-        values = [start]
-        for link in range(self.n):
-            dx, dy = step(link, *(of[link] for of in of_link))
-            values.append((values[-1][0] + dx, values[-1][1] + dy))
-        return values
-
-    def power(self) -> dict[str, Any]:
-        return {term: _dot(force, self.u) for term, force in self.loads().items()}
-
-
-def _times(matrix: list[list[Any]], vector: Sequence[Any]) -> list[Any]:
-    return [_dot(row, vector) for row in matrix]
-
-
-def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    return mp.fsum(x * y for x, y in zip(a, b, strict=True))
-
-
-def _add(a: Sequence[Any], b: Sequence[Any], factor: int = 1) -> list[Any]:
-    return [x + factor * y for x, y in zip(a, b, strict=True)]

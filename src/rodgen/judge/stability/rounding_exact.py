@@ -2,7 +2,7 @@
 
 Newton's and Euler's laws for every link by hand, with the joint forces eliminated from joint to
 joint; all loads of the thesis. Nothing is shared with what is generated, nor with the dense form
-of rodgen.emit.check, which takes over where the start is held or mass is lumped.
+of rodgen.emit.by_hand, which takes over where the start is held or mass is lumped.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from mpmath import mp, mpf
 from numpy.typing import NDArray
 
-from rodgen.emit.check import _Exact
+from rodgen.emit.by_hand import ByHand
 
 Array = NDArray[np.float64]
 Number = Any  # of mpmath, which has no types
@@ -44,7 +44,7 @@ def exact_rates(model: ModuleType, values: Mapping[str, Any], y: Array) -> list[
 def dense_rates(model: ModuleType, values: Mapping[str, Any], y: Array) -> list[Number]:
     """The same by the hand-assembled closed form and a dense solve."""
     with mpmath.workdps(DIGITS):
-        rates: list[Number] = _Exact(model, dict(values), y).rhs()[len(y) // 2 :]
+        rates: list[Number] = ByHand(model, dict(values), y).rhs()[len(y) // 2 :]
         return rates
 
 

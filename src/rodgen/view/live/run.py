@@ -35,8 +35,9 @@ class LiveRun(Worker):
     """A run, its samples, its plots, and the page that looks at it.
 
     Everything but `do`, `page` and `close` is for the run's own thread: others hand it work by
-    `do`. taken: how many scenes it has taken up so far. told: called in that thread when the
-    status, the scene or the plots have changed.
+    `do`. taken: how many scenes it has taken up so far; file: the file that one of them came from,
+    and its number, which a page notes. told: called in that thread when the status, the scene or
+    the plots have changed.
     """
 
     def __init__(self, scene: Scene, told: Callable[[], None] = lambda: None):
@@ -47,6 +48,7 @@ class LiveRun(Worker):
         self.plots: dict[str, Plot] = {}
         self._numbers, self.greeted = itertools.count(1), False  # whether it got its first plots
         self.pace, self.taken = Pace(), 0
+        self.file: tuple[str, int] | None = None
         self.critical = Critical(lambda: self.do(self.page.touched))
         self.take(scene)
         self.start()

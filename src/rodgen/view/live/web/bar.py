@@ -13,6 +13,7 @@ from nicegui.events import ValueChangeEventArguments
 from rodgen.scene import SceneError
 from rodgen.view.live.run import PAUSED, RUNNING, STOPPED
 from rodgen.view.live.web.elements import Keys
+from rodgen.view.live.web.shade import TURN
 
 if TYPE_CHECKING:
     from rodgen.view.live.web.page import Page
@@ -33,15 +34,6 @@ SPEEDS = {
 ADVICE = ". Reset it, or change a parameter, the method or its step to go on from there."
 OTHER = ""  # in the list of scenes: what is shown is none of the folder's; no file is called so
 MOST_COMPARED = 50  # files that the first scene of a page is looked for in
-SHADE = """
-    const dark = !document.body.classList.contains("body--dark");
-    Quasar.Dark.set(dark);
-    localStorage.setItem("rodgen-dark", dark);
-"""
-SHADE_AS_BEFORE = """
-    const dark = localStorage.getItem("rodgen-dark");
-    if (dark !== null) Quasar.Dark.set(dark === "true");
-"""
 
 
 class Bar:
@@ -50,8 +42,8 @@ class Bar:
     def __init__(self, page: Page):
         self.page = page
         self._now: object = None
-        self._file = self._first_file()
-        self._taken = page.run.taken if self._file else 0  # the run's count when it took the file
+        if page.run.file is None:
+            page.run.file = self._first_file(), page.run.taken
         with ui.element("header").classes("rg-bar"):
             ui.label("rodgen").classes("rg-name")
             self.scenes = ui.select([], on_change=self._chosen, label="Scene")
@@ -75,12 +67,11 @@ class Bar:
             _button("dark_mode", "Light or dark (d)", self._shade)
         self.failure = ui.label().classes("rg-failure").props('role="alert"')
         Keys({" ": self._go, ".": self._step, "r": self._reset, "d": self._shade}, held=".")
-        ui.run_javascript(SHADE_AS_BEFORE)
 
     def refresh(self) -> None:
         """As the run is now."""
         run, scene = self.page.run, self.page.scene
-        now = (run.status, run.message, run.taken, self._file)
+        now = (run.status, run.message, run.taken, run.file)
         if now == self._now:
             return
         self._now = now
@@ -108,9 +99,15 @@ class Bar:
         return OTHER
 
     @property
+    def _file(self) -> str:
+        """The file that was taken up last, or nothing."""
+        return self.page.run.file[0] if self.page.run.file else OTHER
+
+    @property
     def _shown(self) -> str:
         """The file that the scene of the run was taken from, or nothing."""
-        return self._file if self._taken == self.page.run.taken else OTHER
+        run = self.page.run
+        return self._file if run.file == (self._file, run.taken) else OTHER
 
     def _list(self, present: str) -> None:
         """What can be chosen; present: name of the scene of the run."""
@@ -133,7 +130,7 @@ class Bar:
         """Take up the scene of a file; if it cannot be, what is there stays, in the list too."""
         try:
             await self.page.take(self.page.folder.scene(name))
-            self._file, self._taken = name, self.page.run.taken
+            self.page.run.file = name, self.page.run.taken
         except SceneError as error:
             self.page.say(str(error))
         self._now = None
@@ -157,7 +154,7 @@ class Bar:
         self.page.soon(lambda: self.page.run.set_speed(speed))
 
     def _shade(self) -> None:
-        ui.run_javascript(SHADE)
+        ui.run_javascript(TURN)
 
 
 def _sentence(text: str) -> str:

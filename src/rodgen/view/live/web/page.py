@@ -21,6 +21,7 @@ from rodgen.view.live.web.progress import Progress
 from rodgen.view.live.web.rod import RodPanel
 from rodgen.view.live.web.saving import Saving
 from rodgen.view.live.web.sessions import Sessions
+from rodgen.view.live.web.shade import as_before
 from rodgen.view.live.web.shared import Shared
 from rodgen.view.live.web.structure import StructurePanel
 from rodgen.view.live.web.values import Values
@@ -48,6 +49,7 @@ class Page(Shared):
         self.client = ui.context.client
         self.client.on_exception(lambda error: self.say(f"rodgen has failed: {error!r}"))
         ui.add_css(files(__package__).joinpath("static/page.css").read_text(encoding="utf-8"))
+        as_before()
         self.root = ui.element("div").classes("rg-page")
         self.progress = Progress()
         self.client.on_delete(self.progress.close)
