@@ -91,6 +91,8 @@ screenshot: .venv/developing
 		'rodgen needs Python 3.11 or later: make PYTHON=python3.12 ...')"
 	@echo "setting up .venv"
 	@$(PYTHON) -m venv .venv
+	@# Else a folder that is called rodgen and lies beside a script, such as a clone, hides the package.
+	@echo "$(CURDIR)/src" > "$$($@ -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/rodgen_source.pth"
 
 # What using rodgen needs; working on it needs more, and has this with it.
 .venv/installed: pyproject.toml | .venv/bin/python

@@ -42,8 +42,8 @@ class BuildError(RuntimeError):
 def _failure(problem: str, output: str = "") -> BuildError:
     last = [f"    {line[:200]}" for line in output.strip().splitlines()[-12:]]
     advice = (
-        "The NumPy target needs no compiler; use target numpy: "
-        'make derive TARGET=numpy, or rodgen.build(scene, target="numpy")'
+        "The NumPy target needs no compiler: --target numpy in rodgen derive and rodgen run, "
+        'rodgen.build(scene, target="numpy") in Python'
     )
     return BuildError("\n".join([problem, *last, advice]))
 
@@ -97,7 +97,7 @@ def _declare(declarations: str) -> Any:
         ffi = import_module("cffi").FFI()
         ffi.cdef(declarations)
     except ImportError as error:
-        raise _failure(f"cffi is missing ({error}): pip install rodgen[c]") from error
+        raise _failure(f"cffi is missing ({error}): pip install cffi") from error
     except Exception as error:  # A backend of another version is a bare Exception to cffi.
         raise _failure(f"cffi refuses the declarations: {error}") from error
     return ffi

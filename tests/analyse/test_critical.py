@@ -252,3 +252,18 @@ def test_bad_input(rod: Rod, loads: dict[str, Any], options: dict[str, Any], fie
         critical_force(rod(4, "free", loads), **options)
     with pytest.raises(SceneError, match="bending_stiffness"):
         critical_force(rod(4, "free", THRUST, bending_stiffness=0.0))
+
+
+def test_settings_of_simulations(rod: Rod) -> None:
+    """A fixed step goes with the tolerances that simulations have by default; what is given has to
+    be of use, and no other argument of a run is one of its settings."""
+    scene = rod(3, "clamped", THRUST)
+    how: dict[str, Any] = {"span": 2.0, "high": 10.0, "target": "numpy"}
+    with pytest.raises(AnalysisError, match="no motion grows"):
+        simulated_critical_force(scene, method="semi_implicit_euler", step=0.01, **how)
+    with pytest.raises(SceneError, match=r"step = 0\.01: must be absent: auto chooses its own"):
+        simulated_critical_force(scene, step=0.01, **how)
+    with pytest.raises(SceneError, match=r"rtol = 0\.001: must be absent: rk4 has a fixed step"):
+        simulated_critical_force(scene, method="rk4", step=0.01, rtol=1e-3, **how)
+    with pytest.raises(SceneError, match=r"integrate\.out = "):
+        simulated_critical_force(scene, out="run.nc", **how)

@@ -77,6 +77,7 @@ def test_coarse_samples_are_told_of(rodgen: Run, result: Path, folder: Path) -> 
         (("foreign.nc", "--out", "film.gif"), "a NetCDF file that can be read"),
         (("run.nc", "--out", "film.mov"), "a file that ends in .mp4 or .gif"),
         (("run.nc", "--out", "none/film.gif"), "in a folder that exists"),
+        (("run.nc", "--out", "/proc/film.gif"), "--out = '/proc': must be a folder to write into"),
         (("run.nc", "--out", "film.gif", "--from", "5"), "a time of the run, from 0 to 2 s"),
         (("run.nc", "--out", "film.gif", "--fps", "-1"), "from 1 to 120"),
         (("run.nc",), "--out"),

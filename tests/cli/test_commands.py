@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import rodgen as package
+from rodgen.cli.errors import reported
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 ROOT = Path(__file__).parents[2]
@@ -317,6 +318,23 @@ def test_check_passes_and_fails(rodgen: Run, tmp_path: Path) -> None:
     assert "above 1e-10" in done.stderr
 
 
+@pytest.mark.parametrize(
+    "name", ["marker.toml", "marker.py", "rod_free_n5_c.c", "rod_free_n5_c.h", "rod_free_n5.txt"]
+)
+def test_check_runs_nothing_but_generated_python(rodgen: Run, tmp_path: Path, name: str) -> None:
+    marker = tmp_path / "was run"
+    made = ROOT / "generated" / name
+    source = made.with_name("rod_free_n5.py") if name.endswith(".txt") else made
+    text = source.read_text(encoding="utf-8") if source.is_file() else ""
+    touch = f"open({str(marker)!r}, 'w')\n"
+    (tmp_path / name).write_text(text + touch, encoding="utf-8")
+    done = rodgen("check", name, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "a .py that rodgen derive wrote (of a C module, the .py beside the .c)" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert not marker.exists()
+
+
 @pytest.mark.parametrize("lines", [5, 40, 150, 200])
 def test_check_refuses_a_module_that_was_cut_off(rodgen: Run, tmp_path: Path, lines: int) -> None:
     whole = (ROOT / "generated" / "rod_free_n5.py").read_text(encoding="utf-8")
@@ -427,6 +445,24 @@ def test_version_and_help(rodgen: Run) -> None:
         done = rodgen(command, "--help")
         assert done.returncode == 0
         assert "Usage: rodgen" in done.stdout
+
+
+def test_without_arguments_it_prints_its_help(rodgen: Run) -> None:
+    done = rodgen()
+    assert done.stdout == rodgen("--help").stdout
+    assert len(done.stdout.splitlines()) > 10
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_file_that_cannot_be_read_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    missing = tmp_path / "none" / "file.txt"
+    with pytest.raises(SystemExit) as ended, reported():
+        missing.read_text(encoding="utf-8")
+    assert ended.value.code == 2
+    said = capsys.readouterr().err
+    assert said == f"rodgen: cannot read or write {str(missing)!r}: No such file or directory\n"
 
 
 def test_cache_that_cannot_be_written_only_costs_time(

@@ -50,7 +50,8 @@ def test_energy_balances_under_every_load(
     if boundary != "free":
         table["initial"] = {"phi": 0.3}
     scene = Scene.from_dict(table)
-    sol = rodgen.simulate(scene, target="c", method=method, rtol=1e-9, atol=1e-11, step=1e-4)
+    scene = scene.with_integrate(method=method, rtol=1e-9, atol=1e-11, step=1e-4)
+    sol = rodgen.simulate(scene, target="c")
     assert set(sol.work) >= {"follower", "internal_damping", "external_damping", "tip_load"}
     scale = max(np.ptp(work) for work in sol.work.values())
     assert sol.energy_error < 1e-7 * scale
@@ -73,12 +74,12 @@ def test_break_points_are_stepped_onto(missile: Scene, method: str) -> None:
     error is that of a smooth run."""
     table = missile.model_dump(exclude_none=True)
     table["loads"]["follower"]["force"] = "300 if t < 0.3 else -100"
+    table["integrate"] |= {"method": method, "rtol": 1e-10, "atol": 1e-12, "step": 1e-4}
     scene = Scene.from_dict(table)
-    how: dict[str, Any] = {"target": "c", "method": method, "rtol": 1e-10, "atol": 1e-12}
-    whole = rodgen.simulate(scene, step=1e-4, **how)
+    whole = rodgen.simulate(scene, target="c")
     table["loads"]["follower"]["force"] = 300.0
     table["integrate"]["span"] = [0.0, 0.3]
-    first = rodgen.simulate(Scene.from_dict(table), step=1e-4, **how)
+    first = rodgen.simulate(Scene.from_dict(table), target="c")
     at = len(first.t) - 1
     assert whole.t[at] == pytest.approx(0.3, abs=1e-15)
     # One is a sum of steps of output_every, the other the end of a span.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -109,3 +110,48 @@ def test_overrides_are_checked_like_a_scene(make_scene: Make) -> None:
         rodgen.simulate(make_scene(), colour=3)
     with pytest.raises(rodgen.SceneError, match="target"):
         rodgen.simulate(make_scene(), target="fortran")
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        ({"step": 0.1}, "step = 0.1: must be absent: auto chooses its own steps"),
+        ({"step": 0.1, "method": "radau"}, "step = 0.1: must be absent: radau chooses"),
+        ({"rtol": 1e-3, "method": "rk4", "step": 0.01}, "rtol = 0.001: must be absent: rk4 has a"),
+        ({"atol": 1e-3, "method": "euler", "step": 0.01}, "atol = 0.001: must be absent: euler"),
+    ],
+)
+def test_overrides_without_use_are_refused(
+    make_scene: Make, overrides: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(rodgen.SceneError, match=message):
+        rodgen.simulate(make_scene(), **overrides)
+
+
+def test_a_scene_may_hold_what_its_method_has_no_use_for(make_scene: Make) -> None:
+    """So that the method alone can be changed; what is None is not given."""
+    scene = make_scene(2, step=1e-3, span=[0.0, 0.01])
+    for method, other in (("rk4", {"rtol": None}), ("dop853", {"step": None})):
+        sol = rodgen.simulate(scene, method=method, target="numpy", **other)
+        assert sol.scene.integrate.step == 1e-3
+        assert sol.scene.integrate.rtol == 1e-10
+
+
+def test_dataset_has_all_that_a_solution_has(make_scene: Make) -> None:
+    scene = make_scene(3, "free", TERMS)
+    sol = rodgen.simulate(scene, span=(0, 0.2), output_every=0.1, target="numpy")
+    data = sol.to_xarray()
+    for name, values, dimensions in (
+        ("tip", sol.tip, ("time", "axis")),
+        ("total_energy", sol.energy.total, ("time",)),
+        ("principal_angle", sol.principal_axes.angle, ("time",)),
+        ("principal_moments", sol.principal_axes.moments, ("time", "principal")),
+    ):
+        np.testing.assert_array_equal(data[name], values)
+        assert data[name].dims == dimensions
+        assert data[name].attrs["units"]
+    assert data.attrs["energy_error"] == sol.energy_error
+    assert data["centre_of_gravity"].attrs["long_name"] == "centre of gravity"
+    units = dict(zip(data["state"].values, data["state_units"].values, strict=True))
+    assert (units["x0"], units["vy0"]) == ("m", "m/s")
+    assert (units["phi_2"], units["omega_0"]) == ("rad", "rad/s")

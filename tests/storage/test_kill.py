@@ -73,7 +73,7 @@ def _whole(given: Any, path: Path, before: int) -> int:
     sol.model = given.model
     with xr.open_dataset(path, engine="scipy") as data:
         for name, due in sol.to_xarray().variables.items():
-            if "time" in due.dims:
+            if "time" in due.dims and name in data:  # a Dataset has more than a file
                 np.testing.assert_array_equal(data[name], due)
         kept = int((data["event_number"].values >= 0).sum())
         assert abs(kept - count // 50) <= 1

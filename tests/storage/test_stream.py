@@ -22,6 +22,11 @@ from rodgen.scene.structure import BOUNDARIES, INERTIAS
 
 Make = Callable[..., Any]
 STATS = Stats(10, 2, 30, 4, 5, 0.25)
+# What a Dataset has beside: it follows from what is in the file.
+FOLLOWING = {
+    *("tip", "total_energy", "principal_angle", "principal_moments"),
+    *("principal", "state_units"),
+}
 
 
 @pytest.mark.parametrize("inertia", INERTIAS)
@@ -37,9 +42,10 @@ def test_other_readers_see_the_same(
         file.finish("finished", "", STATS)
     due = given.solution.to_xarray()
     with xr.open_dataset(path, engine="scipy") as data:
-        assert set(data.variables) == {*due.variables, "run"}
-        assert data.sizes == due.sizes
-        for name, variable in due.variables.items():
+        assert set(data.variables) - {"run"} == set(due.variables) - FOLLOWING
+        assert data.sizes.items() <= due.sizes.items()
+        for name in set(due.variables) - FOLLOWING:
+            variable = due.variables[name]
             np.testing.assert_array_equal(data[name], variable)
             assert data[name].attrs == variable.attrs
             assert data[name].dims == variable.dims
@@ -48,7 +54,8 @@ def test_other_readers_see_the_same(
     with netcdf_file(path, mmap=False) as plain:
         assert plain.version_byte == 2
         assert plain._recs == 20
-        for name in (name for name, v in due.variables.items() if "time" in v.dims):
+        in_time = {name for name, v in due.variables.items() if "time" in v.dims}
+        for name in in_time - FOLLOWING:
             np.testing.assert_array_equal(plain.variables[name][:], due[name])
         states = [b"".join(row).decode() for row in plain.variables["state"][:]]
         assert [state.rstrip("\0") for state in states] == list(due["state"].values)

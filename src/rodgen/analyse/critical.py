@@ -14,6 +14,7 @@ from rodgen.analyse.pencil import Pencil
 from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.scene import check_scene
 
 HIGHEST = 1000.0  # EI/L^2: ten times what a free rod bears
 FINE, COARSE = 0.5, 0.01  # step of the search: EI/L^2, and of the force
@@ -101,6 +102,7 @@ def critical_force(
 
 def family_of(scene: Scene, t: float | None = None) -> Family:
     """The linearised scene for every follower force. Raises SceneError, AnalysisError."""
+    check_scene(scene)
     if scene.loads.follower is None:
         allowed = "a table with a force (which is itself not used): its critical value is asked for"
         raise SceneError("loads.follower", None, allowed)

@@ -8,6 +8,7 @@ from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.tones import FLOOR, SAMPLES, WINDOW, Spectrum, amplitudes_of, peaks_of
 from rodgen.integrate import Solution
 from rodgen.integrate.stepper import Array
+from rodgen.scene.errors import check_type
 
 __all__ = ["Spectrum", "peaks_of", "spectrum"]
 
@@ -29,6 +30,7 @@ def spectrum(
     and errors are those of peaks_of; AnalysisError too where the rates of the links show that the
     samples are too far apart for a peak, so that its frequency would be folded back.
     """
+    check_type("solution", solution, Solution, see="simulate")
     solution = _even(solution)
     across = _local(solution) if solution.scene.hold.translates else _from_mean(solution)
     found = peaks_of(solution.t, across, lowest=lowest, peaks=peaks, window=window, floor=floor)

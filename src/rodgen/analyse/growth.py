@@ -21,6 +21,7 @@ from rodgen.integrate.stepper import Array
 from rodgen.loading import build, build_fastest
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.expression import Expression
+from rodgen.scene.overrides import check_used
 from rodgen.scene.tables import FIXED_STEP
 
 FIRST = 4.0  # EI/L^2, doubled until a motion grows
@@ -77,6 +78,7 @@ def simulated_critical_force(
     or nothing grows up to 1000 EI/L^2.
     """
     family = family_of(scene)  # refuses a scene without a follower force, or without a stiffness
+    check_used(scene.with_integrate(**settings).integrate, settings)
     for name, value in (("span", span), ("growth - 1", growth - 1), ("tolerance", tolerance)):
         if not (np.isfinite(value) and value > 0):
             raise SceneError(name, value, "positive")
@@ -158,8 +160,8 @@ class _Run:
         for start, end in pairwise(self.ends.tolist()):
             table["integrate"]["span"] = [start, end]
             try:
-                scene = Scene.from_dict(table)
-                solution = simulate(scene, model=self.model, **self.settings)
+                scene = Scene.from_dict(table).with_integrate(**self.settings)
+                solution = simulate(scene, model=self.model)
             except RunError:
                 return True
             bend = _bending(solution, steady)

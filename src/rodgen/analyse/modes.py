@@ -15,6 +15,7 @@ from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.plain import plain
 
 DENSE = 24  # links up to which all eigenvalues are computed; the lowest alone beyond
 FARTHEST = 16  # times the asked count of eigenvalues are looked at beyond MOST_DENSE links
@@ -56,6 +57,7 @@ def natural_modes(scene: Scene, count: int = 10, *, t: float | None = None) -> M
     fewer than ``count``, and one of large |s| but low frequency can be missed. Damping is that of
     the scene at rest. Raises SceneError, and AnalysisError where there is no steady state.
     """
+    count = plain(count, "count")
     if not isinstance(count, int) or count < 1:
         raise SceneError("count", count, "a whole number of at least 1")
     system = System.of(scene, t)

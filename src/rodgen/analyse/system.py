@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from rodgen.integrate.stepper import Array
 from rodgen.loading import build
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.scene import check_scene
 from rodgen.scene.tables import PLACES
 
 
@@ -30,6 +31,7 @@ class System:
 
         The module is that of the NumPy target: a few evaluations are not worth a compilation.
         """
+        check_scene(scene)
         t = scene.integrate.span[1] if t is None else t
         if not np.isfinite(t):
             raise SceneError("t", t, "a finite time")

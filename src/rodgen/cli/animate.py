@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from rodgen.cli.console import err, out, progress, working
+from rodgen.cli.folders import writable
 
 
 def animate(
@@ -43,6 +44,7 @@ def animate(
 
     settings = Settings(fps, speed, view, width, height, start, end)
     check_file(out_file, settings)
+    writable(out_file.parent)  # before the frames are drawn, which takes long
     stored = Excerpt(result)
     times = plan(stored.t, settings).times
     with working("generating"):

@@ -21,7 +21,6 @@ from rodgen.cli import (
 
 app = typer.Typer(
     help="Equations of motion of planar flexible rods: derived, proven, generated, integrated.",
-    no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -42,7 +41,8 @@ app.command()(report.report)
 
 
 @app.callback(invoke_without_command=True)
-def _version(
+def _alone(
+    context: typer.Context,
     version: bool = typer.Option(False, "--version", help="Print the version and stop."),
 ) -> None:
     if version:
@@ -50,3 +50,5 @@ def _version(
 
         print(rodgen.__version__)
         raise typer.Exit
+    if context.invoked_subcommand is None:
+        print(context.get_help())

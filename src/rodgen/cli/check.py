@@ -10,7 +10,9 @@ from rich.table import Table
 
 from rodgen.cli.console import out, working
 from rodgen.cli.errors import DISPROVEN, fail
+from rodgen.cli.generated import is_generated
 from rodgen.loading import load_module
+from rodgen.scene import SceneError
 
 
 def check(
@@ -20,6 +22,9 @@ def check(
     """Compare MODULE, which is run, with hand-assembled equations in 50-digit arithmetic."""
     from rodgen.emit.check import DIGITS, LIMIT, check_module
 
+    if module_file.suffix != ".py" or not is_generated(module_file):  # nothing else is run
+        allowed = "a .py that rodgen derive wrote (of a C module, the .py beside the .c)"
+        raise SceneError("module", str(module_file), allowed)
     module = load_module(module_file)
     deviations = []
     with working(f"comparing {module_file.name}") as step:

@@ -59,7 +59,8 @@ def _explain(error: Exception) -> None:
     if isinstance(error, BuildError):
         fail(str(error), BAD_INPUT)
     if isinstance(error, OSError) and error.strerror:
-        fail(f"cannot read or write: {error.strerror}", BAD_INPUT)
+        what = f" {error.filename!r}" if error.filename else ""
+        fail(f"cannot read or write{what}: {error.strerror}", BAD_INPUT)
     # Typer's own errors, by what they have in common: it does not export their base class.
     if hasattr(error, "format_message"):
         fail(" ".join(error.format_message().split()), BAD_INPUT)

@@ -16,13 +16,13 @@ from rodgen.cli.console import err, out, progress, working
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
 from rodgen.cli.folders import unwritable, writable
 from rodgen.cli.options import OutFolder, SceneFile
+from rodgen.cli.results import check_same, to_replace
 from rodgen.integrate import Interrupted, RunError, Solution, StepWarning, resume, simulate
 from rodgen.integrate.files.checkpoint import beside
-from rodgen.integrate.files.storage import load
-from rodgen.loading import build, build_fastest, sources
+from rodgen.loading import build, fastest, sources
 from rodgen.loading.cache import write_whole
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.tables import AUTO, FIXED_STEP
+from rodgen.scene import Scene
+from rodgen.scene.overrides import check_used
 
 RESULT = "solution.nc"
 
@@ -46,16 +46,18 @@ def run(
     """Integrate SCENE; write states, pictures and a summary, and say what came out."""
     given = Scene.from_toml(scene_file)
     scene = given.with_integrate(method=method, step=step, rtol=rtol)
-    _used(scene, step, rtol)
+    check_used(scene.integrate, {"step": step, "rtol": rtol}, prefix="--")
     start, end = scene.integrate.span
+    folder = out_folder / scene.name
+    file = folder / RESULT
+    without_c, stale = "", list[Path]()
     if resumed:
-        folder = out_folder / scene.name
-        _same(scene, folder / RESULT)
+        check_same(scene, file)
     else:
         with working("generating"):
-            model = build(scene, target) if target else build_fastest(scene)
-        folder = writable(out_folder / scene.name)
-    file = folder / RESULT
+            model, without_c = (build(scene, target), "") if target else fastest(scene)
+        writable(folder)
+        stale = to_replace(scene, file)
     # What a batch system sends to end a program is to lose nothing either.
     signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     with progress(scene.name, start, end) as update, _warned():
@@ -74,43 +76,12 @@ def run(
             solution, status = error.solution, INTERRUPTED
             err.print(f"rodgen: {solution.message}; writing what was computed")
     with np.errstate(all="ignore"):  # a run that blew up has energies that overflow
-        _write(solution, folder, pictured=status != INTERRUPTED)
+        _write(solution, folder, without_c, stale, pictured=status != INTERRUPTED)
     if status:
         does = "goes on with it" if beside(file).exists() else "starts it again"
         again = f"; --resume {does}" if status == INTERRUPTED else ""
         kept = f"samples up to t = {solution.t[-1]:.9g} s are in {folder}"
         fail(f"{solution.message}; {kept}{again}", status)
-
-
-def _used(scene: Scene, step: float | None, rtol: float | None) -> None:
-    """Refuse options that the method has no use for."""
-    method = scene.integrate.method
-    if step is not None and method not in FIXED_STEP:
-        raise SceneError("--step", step, f"absent: {method} chooses its own steps")
-    if rtol is not None and method in FIXED_STEP:
-        raise SceneError("--rtol", rtol, f"absent: {method} has a fixed step")
-
-
-def _same(scene: Scene, file: Path) -> None:
-    """Refuse to go on with the run of another scene, or with other options."""
-    if not file.exists():
-        raise SceneError("--resume", str(file), "a run that was begun; there is none")
-    begun = load(file, most=1).scene
-    method = scene.integrate.method
-    if method == AUTO:
-        method = begun.integrate.method
-    now, then = (s.model_dump() for s in (scene.with_integrate(method=method), begun))
-    other = [
-        f"{table}.{key}" if isinstance(now[table], dict) else table
-        for table in now
-        for key in (now[table] if isinstance(now[table], dict) else [""])
-        if (now[table][key] != then[table][key] if key else now[table] != then[table])
-    ]
-    if other:
-        allowed = f"the run of this scene with the same options (changed: {', '.join(other)})"
-        raise SceneError("--resume", str(file), allowed)
-    if not beside(file).exists():
-        err.print("rodgen: there is no state to go on from; the run starts again")
 
 
 @contextmanager
@@ -126,13 +97,18 @@ def _warned() -> Iterator[None]:
         yield
 
 
-def _write(solution: Solution, folder: Path, pictured: bool) -> None:
+def _write(
+    solution: Solution, folder: Path, without_c: str, stale: list[Path], pictured: bool
+) -> None:
     """What is made from the states, which are there already. Ctrl-C can still leave out the
-    pictures; where the run itself was stopped by it, there are none."""
+    pictures; where the run itself was stopped by it, there are none.
+
+    without_c: why the C module was not used; stale: files of the module that was there before.
+    """
     _hold_back_ctrl_c()
     from rodgen.view.summary import summary
 
-    words = summary(solution)
+    words = summary(solution, without_c)
     model = solution.model
     assert model is not None
     texts = sources(solution.scene, model.PROVENANCE["target"])
@@ -142,6 +118,9 @@ def _write(solution: Solution, folder: Path, pictured: bool) -> None:
             write_whole(folder / "summary.txt", words)
             for name, text in texts.items():
                 write_whole(folder / name, text)
+            for file in stale:
+                if file.name not in texts:
+                    file.unlink(missing_ok=True)
             step(RESULT)
             if pictured:
                 _let_ctrl_c_through()

@@ -37,9 +37,10 @@ def view(
     try:
         from rodgen.view.live.web.server import Settings, serve
     except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] not in ("nicegui", "tomli_w"):
+        # Whatever is not ours comes with the extra, or with what the extra brings.
+        if (error.name or "").partition(".")[0] == "rodgen":
             raise
-        fail('the live view needs more: pip install "rodgen[view]"', BAD_INPUT)
+        fail(f'the live view needs more: pip install "rodgen[view]" ({error})', BAD_INPUT)
 
     def said(address: str) -> None:
         out.print(f"{scene.name} is shown at {address}\nCtrl-C ends it.")

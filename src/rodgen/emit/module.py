@@ -255,5 +255,5 @@ def _banner(provenance: Mapping[str, Any], form: str) -> str:
         f"from the template\n{provenance['template']} ({provenance['template_hash']}); structure "
         f"{provenance['structure_hash']};\n"
         f"rhs: {provenance['operations']['rhs']} operations and {solved}.\n"
-        f"Do not edit; {GUARD} guards the generator byte by byte."
+        f"Do not edit; {GUARD} of rodgen guards the generator byte by byte."
     )

@@ -40,7 +40,7 @@ class Course:
     def _begin(self) -> None:
         """The next stretch. Raises StepError."""
         end = self._windows.after(self.machine.t)
-        self.machine.begin(end, *inside(self.machine.t, end))
+        self.machine.begin(end, *inside(self.machine.t, end), self._windows.swing)
         self._ended = False
 
     def to(self, tape: Tape, goal: int, until: float) -> None:

@@ -35,6 +35,8 @@ from rodgen.integrate.stretches import ends, inside
 from rodgen.integrate.warned import step_warnings
 from rodgen.loading import build, build_fastest
 from rodgen.scene import Scene
+from rodgen.scene.overrides import check_used
+from rodgen.scene.scene import check_scene
 from rodgen.scene.tables import AUTO
 
 TICK = 0.1  # seconds between two calls of the progress callback
@@ -59,13 +61,14 @@ def simulate(
     Solution then has at most MOST_SAMPLES of them. checkpoint: seconds between two states of the
     run beside that file, from which `resume` goes on to the same bits.
 
-    Raises SceneError for values that cannot be used, RunError where the state stops being finite
-    or the method gives up, Interrupted on Ctrl-C; the last two carry the samples so far. Warns
-    (StepWarning) of a fixed step beyond the method's stability limit.
+    Raises SceneError for values that cannot be used, such as a step for a method that chooses its
+    own, TypeError for what is no Scene, RunError where the state stops being finite or the method
+    gives up, Interrupted on Ctrl-C; the last two carry the samples so far. Warns (StepWarning) of a
+    fixed step beyond the method's stability limit, and of loads that steps cannot follow.
     """
-    if not isinstance(scene, Scene):
-        raise TypeError(f"scene must be a Scene (see Scene.from_toml), not {type(scene).__name__}")
+    check_scene(scene)
     scene = scene.with_integrate(**overrides)
+    check_used(scene.integrate, overrides)
     if model is None:
         model = build(scene, target) if target else build_fastest(scene)
     if scene.integrate.method == AUTO:
@@ -143,6 +146,7 @@ class _Run:
     def _walk(self) -> str:
         """All stretches; what there is to say of the end."""
         breaks, self.pole = self.scene.breaks(), self.scene.pole()
+        longest = self.scene.swing()
         taken_up = self.saver.restore(self.machine)
         if not taken_up:
             _, rows = self.recorder.room()
@@ -155,7 +159,7 @@ class _Run:
                 if end <= self.machine.t:
                     continue
                 if not (taken_up and self.machine.end == end):
-                    self.machine.begin(end, *inside(self.machine.t, end))
+                    self.machine.begin(end, *inside(self.machine.t, end), longest)
                 taken_up = False
                 self._to(end)
         except Happened as event:

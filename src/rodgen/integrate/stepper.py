@@ -79,9 +79,9 @@ class Machine(Protocol):
         """Cost so far."""
         ...
 
-    def begin(self, end: float, low: float, high: float) -> None:
-        """A stretch up to end [s]; loads are asked for their values between low and high. Raises
-        StepError."""
+    def begin(self, end: float, low: float, high: float, longest: float) -> None:
+        """A stretch up to end [s]; loads are asked for their values between low and high; longest:
+        step [s] of methods that choose theirs. Raises StepError."""
         ...
 
     def advance(self, recorder: Recorder, watch: Watch, most: int) -> bool:

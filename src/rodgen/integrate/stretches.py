@@ -57,6 +57,7 @@ class Windows:
         self._ends: list[float] = []
         self.scene = scene
         self.pole: Pole = None
+        self.swing = np.inf  # the fastest of the loads [s], see Scene.swing
         self._look_at(0)
 
     def after(self, t: float) -> float:
@@ -86,6 +87,7 @@ class Windows:
         at, over = self._border(number), self._border(number + 1)
         self.scene = _between(self._scene, at, over)
         breaks, self.pole = self.scene.breaks(), self.scene.pole()
+        self.swing = self.scene.swing()
         pulses = self.scene.pulses()
         if number and not self.scene.integrate.fixed:  # a rest may reach across the border
             half = self.length / 2

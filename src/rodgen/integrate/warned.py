@@ -9,13 +9,21 @@ from rodgen.integrate.methods.choose import warn_of_tolerance
 from rodgen.integrate.stability import warn_of_step
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene
+from rodgen.scene.errors import short
 
 PULSE = 4  # steps that a pulse takes at least to be felt
+SWING = 3  # steps that a period takes at least, not to be taken for a longer one
 
 
 def step_warnings(scene: Scene, model: ModuleType, p: Array) -> Iterator[str]:
     """What is wrong with step or tolerance of a scene, in sentences; its method is chosen."""
     settings = scene.integrate
+    for load in scene.timed.values():
+        if not load.followed(*settings.span):
+            yield (
+                f"{load.field} = {short(load.text)}: changes more often in the span than can be "
+                "looked at, and may be taken for another load; give it a shorter span"
+            )
     if not settings.fixed:
         text = warn_of_tolerance(scene, model)
         if text:
@@ -27,6 +35,12 @@ def step_warnings(scene: Scene, model: ModuleType, p: Array) -> Iterator[str]:
     if text:
         yield text
     yield from _passed_over(scene, settings.step)
+    half = scene.swing()
+    if 2 * half < SWING * settings.step:
+        yield (
+            f"a load swings with a period of {2 * half:.2g} s, for which the step of "
+            f"{settings.step:g} s is too long; take a smaller step, or dop853"
+        )
 
 
 def _passed_over(scene: Scene, step: float) -> Iterator[str]:

@@ -10,6 +10,7 @@ from types import ModuleType
 from rodgen.loading import cache
 from rodgen.loading.module import BuildError, load_files
 from rodgen.scene import Scene, SceneError, Structure
+from rodgen.scene.errors import check_type
 from rodgen.scene.structure import check_output
 
 # The dense form holds a few matrices of this many links squared.
@@ -24,7 +25,7 @@ def build(scene: Scene | Structure, target: str = "numpy", form: str = "chain") 
     is not offered and for more links than the dense form can hold, BuildError where a C module
     cannot be compiled or loaded.
     """
-    structure = scene.structure if isinstance(scene, Scene) else scene
+    structure = _structure(scene)
     if form == "dense" and structure.links > MOST_DENSE_LINKS:
         allowed = f"at most {MOST_DENSE_LINKS} in the dense form: it holds links^2 numbers"
         raise SceneError("rod.links", structure.links, allowed)
@@ -41,16 +42,21 @@ def _load(texts: tuple[tuple[str, str], ...], *_: str | None) -> ModuleType:
 
 def build_fastest(scene: Scene | Structure) -> ModuleType:
     """The C module of a scene where it can be built, else its NumPy module."""
+    return fastest(scene)[0]
+
+
+def fastest(scene: Scene | Structure) -> tuple[ModuleType, str]:
+    """The same, and why it is not the C module: in a line, empty where it is."""
     try:
-        return build(scene, "c")
-    except BuildError:
-        return build(scene, "numpy")
+        return build(scene, "c"), ""
+    except BuildError as error:
+        return build(scene, "numpy"), str(error).partition("\n")[0]
 
 
 def sources(scene: Scene | Structure, target: str = "numpy", form: str = "chain") -> dict[str, str]:
     """Texts of the generated module of a scene by file name, the Python module first; from the
     cache where they are there."""
-    structure = scene.structure if isinstance(scene, Scene) else scene
+    structure = _structure(scene)
     check_output(target, form)
     stem = structure.module_stem(target, form)
     entry = ("modules", cache.key(target, form, structure.hash), f"{stem}.json")
@@ -61,6 +67,12 @@ def sources(scene: Scene | Structure, target: str = "numpy", form: str = "chain"
         texts = module_files(structure, target, form)
         cache.store_text(json.dumps(texts), *entry)
     return texts
+
+
+def _structure(scene: Scene | Structure) -> Structure:
+    """What the module of a scene is specialised to. Raises TypeError for what has no structure."""
+    check_type("scene", scene, Scene, Structure, see="Scene.from_toml")
+    return scene.structure if isinstance(scene, Scene) else scene
 
 
 def _recall(text: str | None) -> dict[str, str] | None:

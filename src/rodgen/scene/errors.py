@@ -11,6 +11,15 @@ class SceneError(ValueError):
         super().__init__(_one_line(f"{field} = {short(value)}: must be {allowed}"))
 
 
+def check_type(name: str, value: object, *kinds: type, see: str = "") -> None:
+    """Raise TypeError unless the argument of this name is of one of these classes; see: what makes
+    one."""
+    if not isinstance(value, kinds):
+        wanted = " or a ".join(kind.__name__ for kind in kinds)
+        hint = f" (see {see})" if see else ""
+        raise TypeError(f"{name} must be a {wanted}{hint}, not {type(value).__name__}")
+
+
 def short(value: object, longest: int = 80) -> str:
     """A value as it is shown in a message."""
     try:

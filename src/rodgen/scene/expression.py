@@ -12,7 +12,7 @@ from __future__ import annotations
 import ast
 import math
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -20,8 +20,12 @@ from typing import Any
 import numpy as np
 
 from rodgen.scene.errors import SceneError, short
+from rodgen.scene.zeros import sampled, zeros
 
 LONGEST = 1000  # characters
+FEWEST_TURNS = 3  # of what swings
+COMMON = 0.2  # share of the times between turns that are shorter
+TURNS = 1e-6  # of the largest value: changes from one sample to the next that are none
 DEEPEST = 200  # nested operations, of which a sum of as many terms is one
 
 # Towards a pole: shares of the time scale, and how much more from each to the next. A power of
@@ -164,20 +168,27 @@ class Expression:
 
         return difference
 
-    def breaks(self, start: float, end: float, samples: int = 4001) -> list[float]:
-        """Zeros of the kinks strictly between start and end, ascending.
+    def breaks(self, start: float, end: float) -> list[float]:
+        """Zeros of the kinks strictly between start and end, ascending (see zeros.py)."""
+        return list(_breaks(self, start, end))
 
-        Found where the sign changes between two of the samples, and on both sides of an extremum
-        between samples that reaches beyond zero. Of two zeros closer than that nothing is known.
-        """
-        return list(_breaks(self, start, end, samples))
-
-    def poles(self, start: float, end: float, samples: int = 4001) -> list[float]:
+    def poles(self, start: float, end: float) -> list[float]:
         """Places from start to end towards which it grows beyond all bounds, ascending.
 
         They are looked for where it divides by zero, in the way of the break points.
         """
-        return list(_poles(self, start, end, samples))
+        return list(_poles(self, start, end))
+
+    def swing(self, start: float, end: float) -> float:
+        """Half a period of what it does between start and end, of the fastest that is common there;
+        infinity where it does not swing, or changes too often to be followed."""
+        half, enough = _swing(self, start, end)
+        return half if enough else math.inf
+
+    def followed(self, start: float, end: float) -> bool:
+        """Whether its break points and swings are found, or it changes too often for that."""
+        kinks = all(sampled(kink, start, end)[2] for kink in self.kinks())
+        return kinks and _swing(self, start, end)[1]
 
     def divisors(self) -> list[Callable[[Any], Any]]:
         """Functions of the variable by which it divides."""
@@ -190,13 +201,13 @@ class Expression:
 
 # The same scene is run again and again: what it takes milliseconds to find is kept.
 @lru_cache(maxsize=256)
-def _breaks(e: Expression, start: float, end: float, samples: int) -> tuple[float, ...]:
-    found = _zeros(e.kinks(), np.linspace(start, end, samples))
+def _breaks(e: Expression, start: float, end: float) -> tuple[float, ...]:
+    found = zeros(e.kinks(), start, end)
     return tuple(x for x in found if start < x < end)
 
 
 @lru_cache(maxsize=256)
-def _poles(e: Expression, start: float, end: float, samples: int) -> tuple[float, ...]:
+def _poles(e: Expression, start: float, end: float) -> tuple[float, ...]:
     scale = max(abs(start), abs(end))
 
     def grows(x: float, side: int) -> bool:
@@ -205,62 +216,25 @@ def _poles(e: Expression, start: float, end: float, samples: int) -> tuple[float
         larger = bool((sizes[1:] > LARGER * sizes[:-1]).all()) or np.isinf(sizes[-1])
         return bool(start <= points[0] <= end and larger)
 
-    found = _zeros([*e.kinks(), *e.divisors()], np.linspace(start, end, samples))
+    found = zeros([*e.kinks(), *e.divisors()], start, end)
     return tuple(x for x in found if grows(x, 1) or grows(x, -1))
 
 
-def _zeros(functions: Iterable[Callable[[Any], Any]], grid: Any) -> list[float]:
-    """Where functions are zero from the first to the last of the samples, ascending."""
-    found: set[float] = set()
-    for function in functions:
-        values = np.broadcast_to(function(grid), grid.shape)
-        points = np.concatenate((grid, _extrema(function, grid, values)))
-        points.sort()
-        signs = np.sign(np.broadcast_to(function(points), points.shape))
-        found.update(float(x) for x in points[signs == 0] if not _flat(signs, points, x))
-        for at in np.flatnonzero(signs[:-1] * signs[1:] < 0):
-            found.add(_bisect(function, points[at], points[at + 1]))
-    return sorted(found)
+@lru_cache(maxsize=256)
+def _swing(e: Expression, start: float, end: float) -> tuple[float, bool]:
+    grid, values, enough = sampled(e, start, end, lambda values: len(_turns(values)))
+    turns = grid[_turns(values)]
+    if len(turns) < FEWEST_TURNS:
+        return math.inf, enough
+    return float(np.quantile(np.diff(turns), COMMON) + grid[1] - grid[0]), enough
 
 
-def _extrema(kink: Callable[[Any], Any], grid: Any, values: Any) -> Any:
-    """Places between samples where a kink comes closest to a zero that the samples miss."""
-    from scipy.optimize import minimize_scalar
-
-    size = np.abs(values)
-    left, right = size[1:-1] - size[:-2], size[1:-1] - size[2:]
-    dips = np.flatnonzero((left <= 0) & (right <= 0) & (left + right < 0)) + 1
-    places = []
-    for at in dips[size[dips] > 0][:1000]:
-        sign = np.sign(values[at])
-        bounds = (grid[at - 1], grid[at + 1])
-
-        def height(x: float, sign: float = sign) -> float:
-            return float(np.nan_to_num(sign * kink(x), nan=np.inf))
-
-        lowest = minimize_scalar(height, bounds=bounds, method="bounded", options={"xatol": 1e-14})
-        if lowest.fun < 0:
-            places.append(float(lowest.x))
-    return np.array(places)
-
-
-def _bisect(kink: Callable[[Any], Any], low: float, high: float) -> float:
-    """Where a sign changes, to the last digit; unlike Brent's method it needs signs alone."""
-    positive = kink(low) > 0
-    while True:
-        middle = 0.5 * (low + high)
-        if not low < middle < high:
-            return float(high)
-        if (kink(middle) > 0) == positive:
-            low = middle
-        else:
-            high = middle
-
-
-def _flat(signs: Any, grid: Any, x: float) -> bool:
-    """A zero with zeros on both sides is no break."""
-    at = int(np.searchsorted(grid, x))
-    return 0 < at < len(grid) - 1 and signs[at - 1] == 0 and signs[at + 1] == 0
+def _turns(values: Any) -> Any:
+    """Where values that rise begin to fall, or the other way; rounding is no such thing."""
+    finite = values[np.isfinite(values)]
+    change = np.diff(values)
+    moves = np.flatnonzero(np.abs(change) > TURNS * np.abs(finite).max(initial=0.0))
+    return moves[1:][change[moves[1:]] * change[moves[:-1]] < 0]
 
 
 def _check(node: ast.AST, expression: Expression, depth: int = 0, condition: bool = False) -> None:

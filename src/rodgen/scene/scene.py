@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import tomllib
 from pathlib import Path
@@ -12,10 +13,11 @@ from numpy.typing import NDArray
 from pydantic import ValidationError, field_validator, model_validator
 
 from rodgen.scene import structure as st
-from rodgen.scene.errors import SceneError
+from rodgen.scene.errors import SceneError, check_type
 from rodgen.scene.explain import explain
 from rodgen.scene.expression import Expression
 from rodgen.scene.onsets import onsets
+from rodgen.scene.plain import plain
 from rodgen.scene.tables import (
     Event,
     FinFactor,
@@ -38,6 +40,14 @@ class Scene(Table):
     events: list[Event] = []
     integrate: Integrate = Integrate()
 
+    def __init__(self, /, **tables: Any) -> None:
+        """Check tables, each a keyword; arrays, tuples and NumPy's numbers are taken too."""
+        tables = plain(tables)
+        try:
+            super().__init__(**tables)
+        except ValidationError as error:
+            raise explain(error, tables, type(self)) from None
+
     @classmethod
     def from_toml(cls, path: str | Path) -> Scene:
         """Read a scene from a TOML file."""
@@ -55,10 +65,9 @@ class Scene(Table):
     @classmethod
     def from_dict(cls, table: dict[str, Any]) -> Scene:
         """Check a scene that is already a dictionary of tables."""
-        try:
-            return cls.model_validate(table)
-        except ValidationError as error:
-            raise explain(error, table, cls) from None
+        if not isinstance(table, dict):
+            raise SceneError("scene", table, "a table")
+        return cls(**{str(key): value for key, value in table.items()})
 
     @field_validator("events", mode="before")
     @classmethod
@@ -188,6 +197,11 @@ class Scene(Table):
         start, end = self.integrate.span
         return sorted(pulse for e in self.timed.values() for pulse in onsets(e, start, end))
 
+    def swing(self) -> float:
+        """Half a period [s] of the load that swings fastest; infinity where none swings."""
+        start, end = self.integrate.span
+        return min((e.swing(start, end) for e in self.timed.values()), default=math.inf)
+
     def pole(self) -> tuple[float, Expression] | None:
         """The first time in the span at which a load grows beyond all bounds, and that load."""
         start, end = self.integrate.span
@@ -200,3 +214,8 @@ class Scene(Table):
         table = self.model_dump(exclude_none=True)
         table["integrate"] |= changes
         return Scene.from_dict(table)
+
+
+def check_scene(scene: object) -> None:
+    """Raise TypeError for what is no Scene, such as the path of one."""
+    check_type("scene", scene, Scene, see="Scene.from_toml")

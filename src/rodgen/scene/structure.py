@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from rodgen.scene.errors import SceneError
+from rodgen.scene.plain import plain
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,7 @@ class Structure:
     expressions: tuple[tuple[str, str], ...] = field(default=())
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "links", plain(self.links, "links"))
         choose("boundary", self.boundary, BOUNDARIES)
         choose("inertia", self.inertia, INERTIAS)
         for term in self.terms:

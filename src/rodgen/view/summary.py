@@ -7,11 +7,17 @@ import numpy as np
 from rodgen.integrate import Solution
 
 SHOWN = 10  # events
+ROUNDING = 1e-9  # of the largest energy: what changes by less has not changed
 
 
-def summary(solution: Solution) -> str:
-    """Some lines of text: the scene, the run, the motion, and how well energy balances."""
+def summary(solution: Solution, without_c: str = "") -> str:
+    """Some lines of text: the scene, the run, the motion, and how well energy balances.
+
+    without_c: why the C module could not be used, if that is so.
+    """
     lines = [_scene(solution), _run(solution)]
+    if without_c:
+        lines.append(f"The C module, which is faster, cannot be built: {without_c}.")
     if solution.events:
         lines.append(_events(solution))
     if len(solution.t) > 1:
@@ -36,9 +42,11 @@ def _run(solution: Solution) -> str:
     rejected = "" if stats.rejected is None else f" ({stats.rejected} rejected)"
     tolerances = f"rtol {settings.rtol:g}, atol {settings.atol:g}"
     accuracy = f"step {settings.step:g} s" if settings.fixed else tolerances
+    target = f", target {solution.model.PROVENANCE['target']}," if solution.model else ""
     return (
-        f"{how}: {solution.t[-1] - solution.t[0]:g} s of motion by {settings.method} ({accuracy}) "
-        f"in {stats.wall_seconds:.2f} s, {stats.steps} steps{rejected}, {stats.rhs} evaluations."
+        f"{how}: {solution.t[-1] - solution.t[0]:g} s of motion by {settings.method} ({accuracy})"
+        f"{target} in {stats.wall_seconds:.2f} s, {stats.steps} steps{rejected}, "
+        f"{stats.rhs} evaluations."
     )
 
 
@@ -71,14 +79,27 @@ def _point(p: np.ndarray) -> str:
 
 
 def _energy(solution: Solution) -> list[str]:
-    total = solution.energy.total
-    lines = [f"Energy went from {total[0]:.6g} J to {total[-1]:.6g} J."]
+    total, error = solution.energy.total, solution.energy_error
+    largest = float(max(np.abs(part).max() for part in solution.energy))
+    rounding = ROUNDING * largest
+    lines = [_course(total, rounding)]
     if solution.work:
         parts = ", ".join(f"{t.replace('_', ' ')} {w[-1]:.6g} J" for t, w in solution.work.items())
         lines.append(f"Work done on the rod: {parts}.")
-    error = solution.energy_error
     moved = [np.ptp(part) for part in solution.energy] + [np.ptp(w) for w in solution.work.values()]
-    scale = float(max(moved))
-    share = f", {error / scale:.1e} of the largest exchange" if scale > 0 else ""
+    scale, what = float(max(moved)), "exchange"
+    if scale < rounding:
+        scale, what = largest, "energy, as next to none was exchanged"
+    share = f", {error / scale:.1e} of the largest {what}" if scale > 0 else ""
     lines.append(f"Energy and work balance to {error:.2e} J{share}.")
     return lines
+
+
+def _course(total: np.ndarray, rounding: float) -> str:
+    """How the energy [J], (T,), went; rounding: change that is none [J]."""
+    start, end = total[[0, -1]]
+    change = np.ptp(total)
+    if change == 0 or change < rounding:
+        return f"Energy stayed at {start:.6g} J, to within {change:.1e} J."
+    digits = next((d for d in (6, 9, 12, 17) if f"{start:.{d}g}" != f"{end:.{d}g}"), 6)
+    return f"Energy went from {start:.{digits}g} J to {end:.{digits}g} J."

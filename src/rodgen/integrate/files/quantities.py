@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene
 
+UNITS = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "phi_": "rad", "omega_": "rad/s"}
 WORK = "work_"  # and the name of the term
 PARAMETERS, GIVEN = "parameters", "energy_given"  # of a run that was changed while it went on
 
@@ -28,20 +29,16 @@ class Quantity(NamedTuple):
 def quantities(solution: Solution) -> dict[str, Quantity]:
     """All of a solution that changes with time, by name; work by load as work_<term>."""
     energy, inertia = solution.energy, solution.inertia
-
-    def over(*dimensions: str) -> Callable[[Array, str, str], Quantity]:
-        return lambda values, unit, name: Quantity(
-            ("time", *dimensions), values, {"units": unit, "long_name": name}
-        )
-
-    in_time, by_link = over(), over("link")
+    in_time, by_link = over_time(), over_time("link")
     found = {
         "time": Quantity(("time",), solution.t, {"units": "s"}),
         "y": Quantity(("time", "state"), solution.y, {"long_name": "state"}),
         "phi": by_link(solution.phi, "rad", "angles of the links"),
         "omega": by_link(solution.omega, "rad/s", "rates of the links"),
-        "joints": over("joint", "axis")(solution.joints, "m", "positions of the joints"),
-        "centre_of_gravity": over("axis")(solution.centre_of_gravity, "m", "centre"),
+        "joints": over_time("joint", "axis")(solution.joints, "m", "positions of the joints"),
+        "centre_of_gravity": over_time("axis")(
+            solution.centre_of_gravity, "m", "centre of gravity"
+        ),
         "kinetic_energy": in_time(energy.kinetic, "J", "kinetic energy"),
         "spring_energy": in_time(energy.spring, "J", "energy of the springs"),
         "gravity_energy": in_time(energy.gravity, "J", "energy in gravity"),
@@ -58,6 +55,31 @@ def quantities(solution: Solution) -> dict[str, Quantity]:
         found[PARAMETERS] = Quantity(("time", "parameter"), changes.p, held)
         found[GIVEN] = in_time(changes.given, "J", "energy that changes and kicks have put in")
     return found
+
+
+def derived(solution: Solution) -> dict[str, Quantity]:
+    """What a Dataset has beside these, and no file, since it follows from what is there."""
+    axes, in_time = solution.principal_axes, over_time()
+    return {
+        "tip": over_time("axis")(solution.tip, "m", "position of the tail"),
+        "total_energy": in_time(solution.energy.total, "J", "energy"),
+        "principal_angle": in_time(axes.angle, "rad", "axis of the smaller moment of inertia"),
+        "principal_moments": over_time("principal")(
+            axes.moments, "kg m2", "principal moments of inertia"
+        ),
+    }
+
+
+def over_time(*dimensions: str) -> Callable[[Array, str, str], Quantity]:
+    """Makes quantities over time and these dimensions, of values, unit and long name."""
+    return lambda values, unit, name: Quantity(
+        ("time", *dimensions), values, {"units": unit, "long_name": name}
+    )
+
+
+def state_units(states: Sequence[str]) -> list[str]:
+    """Units of the states with these names."""
+    return [UNITS[name.rstrip("0123456789")] for name in states]
 
 
 def parameter_names(scene: Scene) -> list[str]:

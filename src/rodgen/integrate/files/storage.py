@@ -15,10 +15,12 @@ from rodgen.integrate.files.netcdf import RecordFile
 from rodgen.integrate.files.quantities import (
     WORK,
     changes_in,
+    derived,
     event_variables,
     parameter_names,
     plain,
     quantities,
+    state_units,
 )
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.files.whole import replaced
@@ -33,16 +35,19 @@ INTERRUPTED = "interrupted"
 
 
 def to_xarray(solution: Solution) -> xarray.Dataset:
-    """Dataset over time, state, link, joint and axis; work by load as work_<term>; events, where
-    there are any, by the number of their kind in the scene."""
+    """Dataset over time, state, link, joint and axis, with the unit of every state; work by load
+    as work_<term>; events, where there are any, by the number of their kind in the scene."""
     import xarray  # only where it is needed: it takes longer to import than to load a file
 
     n = solution.scene.rod.links
-    coordinates = {
-        "state": list(solution._model.STATE),
+    states = list(solution._model.STATE)
+    coordinates: dict[str, Any] = {
+        "state": states,
+        "state_units": ("state", state_units(states)),
         "link": np.arange(n),
         "joint": np.arange(n + 1),
         "axis": ["x", "y"],
+        "principal": ["smaller", "larger"],
     }
     if solution.changes is not None:
         coordinates["parameter"] = parameter_names(solution.scene)
@@ -51,8 +56,9 @@ def to_xarray(solution: Solution) -> xarray.Dataset:
         "stats": json.dumps(asdict(solution.stats)),
         "status": solution.status,
         "message": solution.message,
+        "energy_error": solution.energy_error,
     }
-    variables = quantities(solution)
+    variables = quantities(solution) | derived(solution)
     if solution.events:
         times, y = zip(*((event.t, event.y) for event in solution.events), strict=True)
         number = np.array(_event_numbers(solution))

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from types import ModuleType
+
+import numpy as np
 
 from rodgen.integrate.methods import fixed_step, scipy_methods
 from rodgen.integrate.methods.compiled import Compiled
 from rodgen.integrate.methods.cvode import CvodeStep
+from rodgen.integrate.methods.from_home import Longest, from_home
 from rodgen.integrate.methods.gauss import GaussStep
-from rodgen.integrate.methods.unwound import Make, unwound
-from rodgen.integrate.methods.walk import Walk
+from rodgen.integrate.methods.walk import Make, Walk
 from rodgen.integrate.spectrum import Dominant, spectrum
 from rodgen.integrate.stability import largest, limit
 from rodgen.integrate.stepper import Array, Machine, Rhs, StepError, Stepper
@@ -123,26 +124,31 @@ def machine(model: ModuleType, p: Array, settings: Integrate, t: float, y: Array
     base = 2 * BOUNDARIES[model.BOUNDARY].translates
     angles = slice(base, len(y) // 2)
 
-    def longest(t: float, y: Array) -> float:
-        return largest(settings.method, model, t, y, p)
+    def stable(t: float, y: Array) -> float:
+        explicit = settings.method in EXPLICIT
+        return largest(settings.method, model, t, y, p) if explicit else np.inf
 
-    return Walk(_maker(settings, angles, longest), model, p, t, y)
+    return Walk(_maker(settings, angles, stable), model, p, t, y)
 
 
-def _maker(settings: Integrate, angles: slice, longest: Callable[[float, Array], float]) -> Make:
+def _maker(settings: Integrate, angles: slice, stable: Longest) -> Make:
     tolerances = settings.rtol, settings.atol
 
-    def adaptive(rhs: Rhs, jac: Rhs, t: float, y: Array, end: float) -> Stepper:
+    def adaptive(rhs: Rhs, jac: Rhs, longest: Longest, t: float, y: Array, end: float) -> Stepper:
         if settings.method == "cvode":
-            return CvodeStep(rhs, jac, t, y, end, *tolerances)
+            return CvodeStep(rhs, jac, t, y, end, *tolerances, longest(t, y))
         if settings.method == "gauss":
-            return GaussStep(rhs, jac, t, y, end, *tolerances)
+            return GaussStep(rhs, jac, t, y, end, *tolerances, longest(t, y))
         return scipy_methods.ScipyStep(settings.method, rhs, jac, t, y, end, *tolerances, longest)
 
-    def make(rhs: Rhs, jac: Rhs, t: float, y: Array, end: float) -> Stepper:
+    def make(rhs: Rhs, jac: Rhs, t: float, y: Array, end: float, longest: float) -> Stepper:
         if settings.fixed:
             assert settings.step is not None
             return fixed_step.FixedStep(settings.method, rhs, t, y, end, settings.step)
-        return unwound(adaptive, angles, rhs, jac, t, y, end)
+
+        def least(t: float, y: Array) -> float:
+            return min(longest, stable(t, y))
+
+        return from_home(adaptive, angles, rhs, jac, least, t, y, end)
 
     return make

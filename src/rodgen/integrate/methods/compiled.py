@@ -61,8 +61,8 @@ class Compiled:
         n = self._numbers
         return Counts(n.steps, n.rejected, n.rhs, n.jacobian, n.factorisations)
 
-    def begin(self, end: float, low: float, high: float) -> None:
-        self._judge(self._run.begin(end, low, high))
+    def begin(self, end: float, low: float, high: float, longest: float) -> None:
+        self._judge(self._run.begin(end, low, high, longest))
 
     def advance(self, recorder: Recorder, watch: Watch, most: int) -> bool:
         if watch.events:

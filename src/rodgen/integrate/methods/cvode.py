@@ -17,7 +17,15 @@ class CvodeStep:
     """The method between two break points (see stepper.Stepper), with the exact Jacobian."""
 
     def __init__(
-        self, rhs: Rhs, jac: Rhs, t: float, y: Array, end: float, rtol: float, atol: float
+        self,
+        rhs: Rhs,
+        jac: Rhs,
+        t: float,
+        y: Array,
+        end: float,
+        rtol: float,
+        atol: float,
+        longest: float = np.inf,
     ):
         try:
             solver = import_module(PACKAGE).CVODE
@@ -36,7 +44,13 @@ class CvodeStep:
             out[:] = jac(at, np.array(state))
 
         self._solver = solver(
-            rates, method="Adams", jacfn=matrix, rtol=rtol, atol=atol, linsolver="dense"
+            rates,
+            method="Adams",
+            jacfn=matrix,
+            rtol=rtol,
+            atol=atol,
+            linsolver="dense",
+            max_step=longest if longest < np.inf else 0.0,
         )
         self._end = end
         self._solver.init_step(t, y)

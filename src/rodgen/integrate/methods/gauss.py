@@ -39,10 +39,18 @@ class GaussStep:
     """The method between two break points (see stepper.Stepper)."""
 
     def __init__(
-        self, rhs: Rhs, jac: Rhs, t: float, y: Array, end: float, rtol: float, atol: float
+        self,
+        rhs: Rhs,
+        jac: Rhs,
+        t: float,
+        y: Array,
+        end: float,
+        rtol: float,
+        atol: float,
+        longest: float = np.inf,
     ):
         self._rhs, self._jac, self._end = rhs, jac, end
-        self._rtol, self._atol = rtol, atol
+        self._rtol, self._atol, self._longest = rtol, atol, longest
         self.counts = Counts(rejected=0)
         self.t, self.y = t, y
         self._f = self._rates(t, y)
@@ -77,7 +85,8 @@ class GaussStep:
         self.counts.jacobian += 1
         left = self._end - t
         while self._h > 16 * np.spacing(max(abs(t), 1e-290)):
-            h = left if self._h >= left else left / 2 if 2 * self._h > left else self._h
+            h = min(self._h, self._longest)
+            h = left if h >= left else left / 2 if 2 * h > left else h
             real = lu_factor(MU / h * np.eye(len(y)) - J, check_finite=False)
             pair = lu_factor(MU_PAIR / h * np.eye(len(y)) - J, check_finite=False)
             self.counts.factorisations += 2
@@ -133,7 +142,7 @@ class GaussStep:
         z = self._predict(h)
         w = _TI @ z
         scale = self._scale(self.y)
-        rounding = float(np.finfo(float).eps) * _size(self.y / scale)
+        rounding = float(np.finfo(float).eps) * _size((abs(self.y) + abs(z[-1])) / scale)
         wanted = max(10 * rounding, min(0.03, self._rtol**0.5))
         last = 0.0
         for iteration in range(1, ITERATIONS + 1):
@@ -148,7 +157,8 @@ class GaussStep:
             w = w + change
             z = _T @ w
             size = _size(change / scale)
-            if size == 0:
+            # Where the first guess is right, changes are rounding, and do not shrink.
+            if size <= rounding:
                 return z, iteration
             if iteration > 1:
                 rate = size / last

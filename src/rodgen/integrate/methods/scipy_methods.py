@@ -27,8 +27,8 @@ PATIENCE = 1000  # evaluations in a row that are not finite, before a method is 
 class ScipyStep:
     """A SciPy method between two break points (see stepper.Stepper).
 
-    longest: the largest stable step [s] of an explicit method at (t, y), to which its steps are
-    held. Error control alone lets the fastest motions grow up to the tolerance, and at loose
+    longest: the longest step [s] at (t, y); of an explicit method, at most the largest stable
+    one. Error control alone lets the fastest motions grow up to the tolerance, and at loose
     tolerances of smooth motions some steps beyond it, unnoticed.
     """
 
@@ -55,10 +55,12 @@ class ScipyStep:
             raise self._failure("")
         # A first step into infinity is judged by the run, not by a warning.
         self._longest = longest
-        exact = {"jac": jac} if name in IMPLICIT else {"max_step": longest(t, y)}
+        exact = {"jac": jac} if name in IMPLICIT else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            self._solver = METHODS[name](self._watched, t, y, end, rtol=rtol, atol=atol, **exact)
+            self._solver = METHODS[name](
+                self._watched, t, y, end, max_step=longest(t, y), rtol=rtol, atol=atol, **exact
+            )
 
     def _watched(self, t: float, y: Array) -> Array:
         rate = self._rhs(t, y)

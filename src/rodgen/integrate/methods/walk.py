@@ -31,13 +31,13 @@ NODES, WEIGHTS = (
 RECENT = 100  # evaluations that are looked at when a run stops, more than a step tries at once
 BUFFER = 256  # steps whose power is evaluated at once
 
-Make = Callable[[Rhs, Rhs, float, Array, float], Stepper]
+Make = Callable[[Rhs, Rhs, float, Array, float, float], Stepper]
 
 
 class Walk:
     """A run by a method in Python (see stepper.Machine).
 
-    make: the method on a stretch, from rhs and jac, time, state and end.
+    make: the method on a stretch, from rhs and jac, time, state, end and longest step.
     """
 
     def __init__(self, make: Make, model: ModuleType, p: Array, t: float, y: Array):
@@ -76,11 +76,11 @@ class Walk:
         jacobian: Array = self._model.jac(min(max(t, low), high), y, self._p)
         return jacobian
 
-    def begin(self, end: float, low: float, high: float) -> None:
+    def begin(self, end: float, low: float, high: float, longest: float) -> None:
         self._finish_stretch()
         self._window, self.end = (low, high), end
         self._last = None
-        self._stepper = self._make(self.rhs, self.jac, self.t, self.y, end)
+        self._stepper = self._make(self.rhs, self.jac, self.t, self.y, end, longest)
 
     def _finish_stretch(self) -> None:
         if self._stepper is not None:

@@ -1,0 +1,109 @@
+"""Zeros of functions of one variable, found by looking at samples, as many as it takes.
+
+A load that changes more often than it is sampled looks like one that changes slowly, or not at
+all. It is therefore looked at on ever more samples, until no more is found on three times as many.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Function = Callable[[Any], Any]
+Array = NDArray[np.float64]
+
+SAMPLES = 4001  # to begin with
+MOST_SAMPLES = 2_000_000
+MORE = 3.01  # times as many: no whole number, for what repeats with the samples
+DIPS = 1000  # extrema that are looked at between samples
+
+
+def zeros(functions: Iterable[Function], start: float, end: float) -> list[float]:
+    """Where functions are zero from start to end, ascending.
+
+    Found where the sign changes between two samples, and on both sides of an extremum between
+    samples that reaches beyond zero.
+    """
+    found: set[float] = set()
+    for function in functions:
+        grid, values, _ = sampled(function, start, end)
+        points = np.concatenate((grid, _dips(function, grid, values)))
+        points.sort()
+        signs = np.sign(_values(function, points))
+        flat = np.zeros(len(points), bool)  # a zero with zeros on both sides is no break
+        flat[1:-1] = (signs[:-2] == 0) & (signs[2:] == 0)
+        found.update(points[(signs == 0) & ~flat].tolist())
+        at = np.flatnonzero(signs[:-1] * signs[1:] < 0)
+        found.update(_bisected(function, points[at], points[at + 1]).tolist())
+    return sorted(found)
+
+
+def sampled(
+    function: Function,
+    start: float,
+    end: float,
+    counted: Callable[[Array], int] | None = None,
+) -> tuple[Array, Array, bool]:
+    """Samples, values there, and whether they are enough: that what is counted in the values is
+    no more on three times as many. Sign changes are, if nothing else is given."""
+    counted = counted or _sign_changes
+    grid = np.linspace(start, end, SAMPLES)
+    values = _values(function, grid)
+    seen = counted(values)
+    while True:
+        finer = np.linspace(start, end, int(MORE * len(grid)))
+        fine = _values(function, finer)
+        more = counted(fine)
+        if more == seen:
+            return (grid, values, True) if len(grid) == SAMPLES else (finer, fine, True)
+        if len(finer) * MORE > MOST_SAMPLES:
+            return finer, fine, False
+        grid, values, seen = finer, fine, more
+
+
+def _values(function: Function, grid: Array) -> Array:
+    return np.broadcast_to(function(grid), grid.shape)
+
+
+def _sign_changes(values: Array) -> int:
+    signs = np.sign(values)
+    signs = signs[signs != 0]
+    return int(np.count_nonzero(signs[1:] * signs[:-1] < 0))
+
+
+def _dips(function: Function, grid: Array, values: Array) -> Array:
+    """Places between samples where a function comes closest to a zero that the samples miss."""
+    from scipy.optimize import minimize_scalar
+
+    size, sign = np.abs(values), np.sign(values)
+    left, right = size[1:-1] - size[:-2], size[1:-1] - size[2:]
+    same = (sign[1:-1] == sign[:-2]) & (sign[1:-1] == sign[2:]) & (sign[1:-1] != 0)
+    dips = np.flatnonzero((left <= 0) & (right <= 0) & (left + right < 0) & same) + 1
+    places = []
+    for at in dips[:DIPS]:
+
+        def height(x: float, sign: float = sign[at]) -> float:
+            return float(np.nan_to_num(sign * function(x), nan=np.inf))
+
+        bounds = (grid[at - 1], grid[at + 1])
+        lowest = minimize_scalar(height, bounds=bounds, method="bounded", options={"xatol": 1e-14})
+        if lowest.fun < 0:
+            places.append(float(lowest.x))
+    return np.array(places)
+
+
+def _bisected(function: Function, low: Array, high: Array) -> Array:
+    """Where signs change, to the last digit; unlike Brent's method it needs signs alone."""
+    low, high = low.copy(), high.copy()
+    positive = _values(function, low) > 0
+    while True:
+        middle = 0.5 * (low + high)
+        left = (low < middle) & (middle < high)
+        if not left.any():
+            return high
+        same = (_values(function, middle) > 0) == positive
+        low = np.where(left & same, middle, low)
+        high = np.where(left & ~same, middle, high)
