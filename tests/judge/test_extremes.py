@@ -13,13 +13,15 @@ from rodgen.integrate import Solution
 from rodgen.integrate.methods import fixed_step
 from rodgen.judge.stability import extremes, extremes_invalid, extremes_run, extremes_verdict
 from rodgen.judge.stability.extremes_case import Array, Extreme, Measure, Truth
+from rodgen.judge.stability.extremes_loads import pushed
 from rodgen.judge.stability.extremes_run import judge, verdict
-from rodgen.judge.stability.extremes_scales import links
+from rodgen.judge.stability.extremes_scales import links, spans
+from rodgen.judge.stability.extremes_truth import switched, tight
 from rodgen.judge.stability.extremes_verdict import (
-    INACCURATE,
     LOST,
     RIGHT,
     UNFINISHED,
+    UNSEEN,
     WARNED,
     WRONG,
     balance,
@@ -124,9 +126,10 @@ def test_fixed_step_is_judged_at_its_own_step(
     truth = swing.truth(swing.scene)
     sol = rodgen.simulate(swing.scene, target="numpy", method="rk4", step=1e-2)
     for coarse, fine, outcome in (
-        (0.79, 0.2, INACCURATE),
-        (0.02, 0.01, INACCURATE),
-        (0.79, 0.79, WRONG),
+        (0.79, 0.2, UNSEEN),
+        (0.02, 0.01, UNSEEN),
+        (0.79, 0.79, UNSEEN),
+        (0.2, 0.2, WRONG),
         (0.005, 0.005, WRONG),
         (0.005, 0.001, RIGHT),
         (0.0, 0.0, RIGHT),
@@ -135,8 +138,10 @@ def test_fixed_step_is_judged_at_its_own_step(
         assert said.outcome == outcome, (coarse, fine)
     far, near = _moved(sol, truth, 0.79), _moved(sol, truth, 0.2)
     assert of_fixed(truth, far, near, warned=True).outcome == WARNED
-    monkeypatch.setattr(extremes_verdict, "balance", lambda _: 0.5)
-    assert of_fixed(truth, far, near).outcome == LOST
+    # A balance of a hundredth says nothing of an error of four fifths.
+    for share, outcome in ((0.5, LOST), (0.1, LOST), (0.01, UNSEEN), (0.0, UNSEEN)):
+        monkeypatch.setattr(extremes_verdict, "balance", lambda _, share=share: share)
+        assert of_fixed(truth, far, near).outcome == outcome, share
 
 
 @pytest.mark.parametrize("condition", [1.0, 1e9])
@@ -173,3 +178,29 @@ def test_scenes_refuse_what_is_no_number() -> None:
     assert len(rows) == 3 * len(extremes_invalid.PLACES) + 1
     assert {row["outcome"] for row in rows} == {"refused"}
     assert "rtol" in str(rows[-1]["said"])
+
+
+def test_reference_of_a_switched_load_knows_its_jumps_itself(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """On at 0, off at 1 ms, and so on: without the scene's own break points."""
+    tables = pushed("3 if sin(2*pi*500*t) > 0 else 0", 0.01)
+    case = Extreme("", "", tables, switched([k * 1e-3 for k in range(1, 10)]))
+    measure = Measure(case.scene, tight(case.scene).y)
+    monkeypatch.setattr(rodgen.Scene, "breaks", lambda _: [])
+    known = case.truth(case.scene)
+    assert known.error < 1e-13
+    assert max(measure.errors(known.y).values()) < 1e-13
+
+
+def test_late_spans_move_as_that_from_zero_on() -> None:
+    """Seconds since 1970: a double has 2e-7 s of them."""
+    late = {case.name: case for case in spans() if "1.7e+09" in case.name}
+    assert len(late) == 3
+    case = late["2 s, from 1.7e+09 s on"]
+    assert tuple(case.scene.integrate.span) == (1.7e9, 1.7e9 + 2)
+    zero = {**case.tables, "integrate": {"span": [0.0, 2.0]}}
+    sol = rodgen.simulate(Extreme("", "", zero, tight).scene, target="numpy", rtol=1e-9)
+    assert of_adaptive(case.truth(case.scene), sol).outcome == RIGHT
+    jumping = late["2 s, from 1.7e+09 s on, a force that jumps"].scene
+    assert jumping.breaks() == [1.7e9 + 1]

@@ -19,7 +19,7 @@ from scipy.special import ellipj, ellipk
 import rodgen
 from rodgen.emit.by_hand import ByHand
 from rodgen.judge import peers
-from rodgen.judge.cases import cases
+from rodgen.judge.cases import Case, cases
 from rodgen.judge.found import kind_of
 from rodgen.judge.precision import duels, growth, ours, references, sweep
 from rodgen.judge.precision import ladder as ladder_module
@@ -30,8 +30,8 @@ from rodgen.judge.precision.job import Job
 from rodgen.judge.precision.ladder import Way, ladder, stops
 from rodgen.judge.precision.measured import Limits, attempt, in_a_row
 from rodgen.judge.precision.measured import sweep as measured
-from rodgen.judge.precision.orders import fits, unfitted
-from rodgen.judge.precision.pareto import cheapest, front, marked
+from rodgen.judge.precision.orders import finest, fits, unfitted
+from rodgen.judge.precision.pareto import cheapest, front
 from rodgen.judge.precision.references import NoReferenceError, Reference
 from rodgen.judge.precision.setup import setup
 from rodgen.judge.unit import Row
@@ -426,6 +426,16 @@ def test_orders_of_made_up_rows() -> None:
     assert fits(rows[:2]) == []
 
 
+def test_slope_of_the_two_smallest_steps() -> None:
+    """Whatever the ones before did: 8 to 1 over a halved step is an order of 3."""
+    errors = (0.05, 0.04, 8e-6, 1e-6)
+    rows = [row("a", 0.1 / 2**at, 1.0, error) for at, error in enumerate(errors)]
+    assert finest(rows, "error_phi") == pytest.approx(3.0)
+    assert finest(rows, "error_phi", floor=1e-5) == pytest.approx(np.log2(0.05 / 0.04))
+    assert finest(rows[:1], "error_phi") is None
+    assert [one.finest for one in unfitted(rows)] == pytest.approx([3.0])
+
+
 def test_slopes_that_are_not_steady_are_no_order() -> None:
     orders = [1.0, 1.7, 3.0, 1.2, 2.4]
     errors = 1e-2 / 2 ** np.cumsum([0.0, *orders])
@@ -448,10 +458,18 @@ def test_front_of_made_up_rows() -> None:
     fast, close = row("a", 0.1, 1.0, 1e-3), row("b", 0.1, 5.0, 1e-8)
     beaten = row("b", 0.2, 2.0, 1e-2)
     failed = row("c", 0.1, 0.1, 1e-9, failed="fell over")
-    elsewhere = row("a", 0.1, 9.0, 1.0, scene="t")
     rows = [beaten, close, failed, fast]
     assert front(rows) == [fast, close]
-    assert marked([*rows, elsewhere]) == [False, True, False, True, True]
+
+
+def test_errors_below_the_references_own_are_not_on_the_front() -> None:
+    """What is that close beats what is not, but nobody can tell how close it is."""
+    fast, near = row("a", 0.1, 1.0, 1e-3), row("b", 0.1, 3.0, 1e-8)
+    below, slower = row("c", 0.1, 2.0, 1e-12), row("d", 0.1, 4.0, 1e-14)
+    rows = [fast, near, below, slower]
+    assert front(rows) == [fast, below, slower]
+    assert front(rows, trusted=1e-10) == [fast]
+    assert front([fast, near, slower], trusted=1e-10) == [fast, near]
 
 
 def test_cheapest_is_not_by_chance() -> None:
@@ -462,6 +480,25 @@ def test_cheapest_is_not_by_chance() -> None:
     assert cheapest(rows, 1e-6) is good
     assert cheapest(rows, 1e-8) is rows[-1]
     assert cheapest(rows, 1e-10) is None
+
+
+def test_scene_without_a_reference_has_no_duel() -> None:
+    lost = row("", 0.0, 0.0, 0.0, failed="no reference: not a number")
+    case = Case(pendulum(1.0), "")
+    for unit in duels.units([case], True, "", [lost | {"scene": case.name}]):
+        assert [r["failed"] for r in unit.call()] == ["no reference: not a number"]
+
+
+def test_events_take_no_part(tmp_path: Path) -> None:
+    """The rod would stop at once: all go on to the end of the span."""
+    table = pendulum(1.0)
+    events = [{"quantity": "phi_0", "value": 0.2, "action": "stop"}]
+    assert rodgen.simulate(rodgen.Scene.from_dict(table | {"events": events})).t[-1] < 0.9
+    told, known = made("stopping", table | {"events": events}, tmp_path)
+    plain, free = made("plain", table, tmp_path)
+    assert told["failed"] == plain["failed"] == ""
+    assert (told["events"], plain["events"]) == (1, 0)
+    np.testing.assert_array_equal(known.states, free.states)
 
 
 # Growth ------------------------------------------------------------------------------------------

@@ -249,7 +249,7 @@ def test_failures_are_shown_and_escaped(written):
     assert "crashed <b>SIGSEGV</b>" in page.words
     assert "Some <Processor> at 3 GHz" in page.words
     assert "heyoka not installed" in page.words
-    assert "The damped <missile>; 20 links." in page.words
+    assert "20 links: the damped <missile>." in page.words
     assert made_lines(MADE)[0] == ("quick", "yes")
     assert made_lines(MADE)[2:4] == [*MADE["machine"].items()]
     assert len(failures(contents)) == 3
@@ -366,7 +366,7 @@ def test_what_the_report_cut_short_is_no_failure():
         "not tried: would take more than 0.6 s, from rtol 1e-12 on": "not tried, as time was up",
         "stopped after 0.6 s": "stopped, as they took too long",
         "stopped after 3 s, as its step became too small": "failed",
-        "not installed: pip install rodgen[bench]": "not installed",
+        'not installed: pip install "rodgen[bench]"': "not installed",
         "every peer missed this error in the time of a run": "without an opponent within the error",
         NASTY: "failed",
     }
@@ -408,6 +408,66 @@ def test_savings_are_ratios():
     assert list(ratios) == list(SCENES)
     assert ratios["missile"]["operations"] == pytest.approx(2.5)
     assert savings(others()["leaving_out"][:1]) == {}
+
+
+def test_lines_of_a_picture_can_be_told_apart():
+    """By colour, dashes or mark, each alone in what it is drawn with."""
+    who = ("rodgen C", "rodgen C, from C", "rodgen C, of a batch", "rodgen NumPy")
+    who += ("rodgen NumPy, dense", "CasADi, generated C", "MuJoCo, mj_forward", "Numba, by hand")
+    who += ("PyDy, Kane to Cython", "Pinocchio, aba")
+    rows = [{"who": name, "n": n, "seconds": 1e-6 * n} for name in who for n in (10, 20)]
+    (frame,) = report_curves.against_n(rows).axes
+    looks = {(line.get_color(), line.get_marker()) for line in frame.lines}
+    assert len(looks) == len(who)
+    assert len({line.get_marker() for line in frame.lines}) >= len(who) - 1
+
+
+@pytest.mark.parametrize("seconds", [(0.0189, 0.0209), (0.031, 0.044), (0.003, 0.02)])
+def test_numbers_beside_an_axis_differ(seconds):
+    rows = [{"who": "rodgen", "n": n, "seconds": t} for n, t in zip((10, 50), seconds, strict=True)]
+    figure = report_curves.against_n(rows)
+    figure.draw_without_rendering()
+    ticks = figure.axes[0].yaxis.get_ticklabels(which="both")
+    low, high = figure.axes[0].get_ylim()
+    shown = [tick.get_text() for tick in ticks if low <= tick.get_position()[1] <= high]
+    shown = [words for words in shown if words]
+    assert len(shown) == len(set(shown)) >= 2
+
+
+def test_scene_without_a_reference_is_not_judged():
+    contents = made_up(("missile",))
+    contents["references"][0].rows[0]["failed"] = "the rates are not finite"
+    for one in contents["precision"]:
+        one.rows[:] = [{"scene": "missile", "n": 20, "failed": "no reference: not finite"}]
+    row = best_row(contents, "missile")
+    assert {value for key, value in row.items() if key != "scene"} == {"no reference"}
+
+
+def test_page_of_one_section_says_nothing_of_the_others(tmp_path):
+    contents = {"references": made_up()["references"], "steps": made_up()["steps"]}
+    text = write_report(tmp_path, contents, {}).read_text(encoding="utf-8")
+    assert "The fastest by scene" not in text
+    assert "none got there" not in text
+
+
+def test_scene_is_introduced_by_its_links_and_its_events(tmp_path):
+    contents = made_up(("missile",))
+    contents["references"][0].rows[0]["events"] = 1
+    made = {"scenes": {"missile": "own_event.toml"}}
+    text = write_report(tmp_path, contents, made).read_text(encoding="utf-8")
+    assert "<p>20 links: own_event.toml. The scene&#39;s events take no part here" in text
+
+
+def test_unseen_errors_are_counted_and_listed(tmp_path):
+    contents = made_up()
+    row = {**contents["extremes"][0].rows[0], "outcome": "unseen", "case": "a step too large"}
+    contents["extremes"][0].rows.append({**row, "said": "off by half"})
+    text = write_report(tmp_path, contents, {}).read_text(encoding="utf-8")
+    _, listed = text.split("<caption>Errors of fixed steps that nothing tells</caption>")
+    listed = listed.split("</table>")[0]
+    assert "a step too large" in listed
+    assert "off by half" in listed
+    assert '<span class="unseen">unseen</span> 1:' in text
 
 
 def test_names_stay_apart_and_in_order():

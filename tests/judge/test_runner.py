@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from rodgen.judge import report
 from rodgen.judge.runner import Runner
 from rodgen.judge.unit import Measured, Unit
 
@@ -114,6 +115,30 @@ def test_resume_skips_what_is_measured(tmp_path: Path) -> None:
     assert file.read_text() == "xxx"
     run(False, "another machine")
     assert file.read_text() == "xxxx"
+
+
+def test_what_is_held_is_not_measured(tmp_path: Path) -> None:
+    folder, known, other = tmp_path / "m", unit("a", "rows", value=1), unit("b", "rows", value=2)
+    measured = Runner(folder, ["here"]).run([known])
+    assert Runner(folder, ["here"], resume=True).held([known, other]) == measured
+    assert Runner(folder, ["there"], resume=True).held([known, other]) == []
+    assert Runner(folder, ["here"]).held([known, other]) == []
+    assert not (folder / "b.json").exists()
+
+
+def test_other_sections_are_kept_on_resume(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """--only of one section, where another is measured already: the page has both."""
+
+    def units(section: str, *_: object) -> list[Unit]:
+        return [Unit(section, section, "judged_work:rows", {"value": section})]
+
+    monkeypatch.setattr(report, "_units", units)
+    first = report.measure([], tmp_path, ["steps"])
+    assert list(first) == ["steps"]
+    both = report.measure([], tmp_path, ["costs"], resume=True)
+    assert list(both) == ["costs", "steps"]
+    assert both["steps"] == first["steps"]
+    assert list(report.measure([], tmp_path, ["costs"])) == ["costs"]
 
 
 def test_what_failed_is_tried_again(tmp_path: Path) -> None:

@@ -125,7 +125,7 @@ def test_time_and_phase_have_a_row_for_every_sample(bar: Any) -> None:
     expected = np.stack((t, 2 * t, 2 * np.cos(2 * t)), axis=1)
     np.testing.assert_allclose(over_time, expected, atol=1e-15)
     phase = fed(plot(catalogue, kind="phase", x="tip_x", y="tip_y"), cut(whole, 4))
-    circle = np.stack((2 * np.cos(2 * t), 2 * np.sin(2 * t)), axis=1)
+    circle = np.stack((t, 2 * np.cos(2 * t), 2 * np.sin(2 * t)), axis=1)
     np.testing.assert_allclose(phase, circle, atol=1e-15)
 
 
@@ -188,8 +188,8 @@ def test_a_section_of_a_circle_is_exact_to_the_fourth_order(bar: Any) -> None:
         points = fed(made, cut(turning(chunk, np.arange(0.0, 20.0, h), 1.0), 3, 4, 5, 50, 90))
         turns = np.arange(len(points))
         assert len(points) == 4  # pi/6 + 6 pi is 19.4
-        errors.append(np.abs(points[:, 0] - np.sqrt(3)).max())
-        np.testing.assert_allclose(points[:, 1], np.pi / 6 + 2 * np.pi * turns, atol=h**4)
+        errors.append(np.abs(points[:, 1] - np.sqrt(3)).max())
+        np.testing.assert_allclose(points[:, 2], np.pi / 6 + 2 * np.pi * turns, atol=h**4)
     # Order 4, but for where in its interval each crossing happens to lie.
     assert 8 < errors[0] / errors[1] < 32
     assert 8 < errors[1] / errors[2] < 32
@@ -204,7 +204,7 @@ def test_a_section_has_its_direction(bar: Any, direction: str, expected: list[fl
     choice = {"x": "tip_x", "y": "phi_0", "when": "tip_y", "value": 1.0, "direction": direction}
     whole = turning(chunk, np.linspace(0, 6, 301), 1.0)
     points = fed(plot(catalogue, kind="poincare", **choice), cut(whole))
-    np.testing.assert_allclose(points[:, 1], np.pi * np.array(expected), atol=1e-6)  # h^4 = 1.6e-7
+    np.testing.assert_allclose(points[:, 2], np.pi * np.array(expected), atol=1e-6)  # h^4 = 1.6e-7
 
 
 def test_chunks_of_any_length_give_the_same_section(bar: Any) -> None:
@@ -216,7 +216,7 @@ def test_chunks_of_any_length_give_the_same_section(bar: Any) -> None:
     one_by_one = fed(plot(catalogue, kind="poincare", **choice), cut(whole, *range(1, 800)))
     assert len(at_once) == 6  # the upward crossings of 41 rad
     np.testing.assert_array_equal(at_once, one_by_one)
-    np.testing.assert_allclose(at_once[:, 0], 2.0, atol=1e-5)  # h^4 of 0.06 * 1.3 rad
+    np.testing.assert_allclose(at_once[:, 1], 2.0, atol=1e-5)  # h^4 of 0.06 * 1.3 rad
 
 
 def test_a_stroboscope_sees_a_phase(bar: Any) -> None:
@@ -226,7 +226,7 @@ def test_a_stroboscope_sees_a_phase(bar: Any) -> None:
     whole = turning(chunk, np.linspace(0, 5, 501), 1.0)
     points = fed(plot(catalogue, kind="poincare", **choice), cut(whole, 100))
     instants = 0.25 + 0.7 * np.arange(7)
-    circle = 2 * np.stack((np.cos(instants), np.sin(instants)), axis=1)
+    circle = np.stack((instants, 2 * np.cos(instants), 2 * np.sin(instants)), axis=1)
     np.testing.assert_allclose(points, circle, atol=1e-8)  # 0.01^4
 
 

@@ -174,6 +174,20 @@ def test_blow_up_stops_and_a_change_mends(run: LiveRun, scene: Scene) -> None:
     assert run.status == RUNNING
 
 
+def test_only_a_state_beyond_use_is_lost(run: LiveRun, scene: Scene) -> None:
+    """Euler's method blows up, and another step does not help the state that it leaves."""
+    run.do(lambda: run.failed("a defect")).result()
+    assert (run.status, run.lost) == (STOPPED, False)
+    run.do(lambda: run.set_speed(np.inf)).result()
+    method = [(("integrate", "method"), "euler"), (("integrate", "step"), 0.2)]
+    run.do(lambda: run.change(edited(scene, method))).result()
+    run.do(run.go).result()
+    until(lambda: run.status == STOPPED)
+    assert run.lost
+    run.do(run.restart).result()
+    assert not run.lost
+
+
 def test_slow_page_gets_fewer_messages_and_all_rows(run: LiveRun) -> None:
     page = Page(run)
     run.do(lambda: run.add_plot({"kind": "time", "y": ["phi_0"]})).result()

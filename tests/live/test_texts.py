@@ -160,6 +160,23 @@ def test_the_distance_to_the_critical_force(
     assert tuple(found[name].strip() for name in names) == expected
 
 
+def test_why_there_is_no_critical_force_has_a_row_of_its_own(make_scene: Make) -> None:
+    scene, words = make_scene(2, terms=("follower",)), "no mode can become unstable"
+    found = shown(scene, critical=words)
+    assert (found["critical_force"].strip(), found["critical_why"]) == ("–", words)
+    for other in ("computing", 160.0, None):
+        assert shown(scene, critical=other)["critical_why"] == ""
+
+
+def test_rounding_is_no_product_of_inertia(make_scene: Make) -> None:
+    """A straight rod at 90 degrees, the cosine of which is 6e-17 in doubles: 1 kg m^2 about x,
+    nothing about y, and no product."""
+    found = shown(make_scene(4, "pinned", initial={"phi": np.pi / 2}))
+    assert float(found["inertia_x"]) == 1.0
+    for key in ("principal_moment_1", "inertia_y", "product_xy"):
+        assert float(found[key]) == 0.0, key
+
+
 def test_how_the_run_goes(make_scene: Make) -> None:
     counts = Counts(steps=1234567, rejected=89, rhs=12)
     scene = make_scene(2, output_every=0.02)

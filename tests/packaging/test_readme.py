@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from pathlib import Path
 
 import pytest
 
 from rodgen.judge.rows import fine, of
+from rodgen.view import report_numbers
 from rodgen.view.report_guide import save_guide_figures
 from rodgen.view.report_page import read_report
 from rodgen.view.report_readme import renewed, speed
@@ -22,8 +24,12 @@ def test_speeds_of_readme_are_those_of_the_report() -> None:
     assert renewed(readme, contents) == readme
     duels = [row for row in of(contents, "equal_error", asked=1e-6) if fine(row)]
     assert duels
+    runs = of(contents, "precision", method="dop853", target="c", setting=1e-5)
+    counts = {run["scene"]: run["rhs"] for run in runs}
     for row in duels:  # by another route than the table's own
         assert re.search(rf"`{row['scene']}` .*\| {row['ratio']:.2g} \|", readme)
+        if row["ours"] == "dop853 (c), rtol 1e-05":
+            assert f"rtol 1e-05 | {counts[row['scene']]} |" in readme
 
 
 def test_speeds_are_taken_between_the_marks_alone() -> None:
@@ -36,6 +42,20 @@ def test_speeds_are_taken_between_the_marks_alone() -> None:
     assert "old" not in made
     with pytest.raises(ValueError, match="unpack"):
         renewed("no marks", contents)
+
+
+def test_tables_of_the_guide_are_those_of_the_report() -> None:
+    contents, _ = read_report(REPORT)
+    guide = (ROOT / "docs" / "which-method.md").read_text(encoding="utf-8")
+    assert report_numbers.renewed(guide, contents) == guide
+    counts = Counter(row["outcome"] for row in of(contents, "extremes"))
+    for outcome, count in counts.items():  # by another route than the table's own
+        assert f"\n| {outcome} | {count} |" in guide
+    by = {(r["who"], r["n"]): r["seconds"] for r in of(contents, "costs", what="rhs")}
+    ratio = by["rodgen NumPy", 20] / by["rodgen C, from C", 20]
+    assert re.search(rf"\| NumPy \| \d+ \| {ratio:.0f} \|", guide)
+    with pytest.raises(ValueError, match="unpack"):
+        report_numbers.renewed("no marks", contents)
 
 
 def test_guide_has_the_pictures_of_the_report(tmp_path: Path) -> None:

@@ -18,6 +18,8 @@ from rodgen.integrate.files.layout import NO_STATS
 from rodgen.scene import Scene, SceneError
 from rodgen.view.animation.files import ffmpeg
 from rodgen.view.animation.film import animate
+from rodgen.view.animation.motion import motion
+from rodgen.view.animation.picture import Picture
 from rodgen.view.animation.times import Settings, nearest, plan
 
 Make = Callable[..., Solution]
@@ -270,6 +272,8 @@ def test_ffmpeg_that_fails_is_quoted(
     [
         (120.0, 10_000, 2.0),  # a minute of film
         (10.0, 10_000, 1.0),
+        (2.92, 293, 1.0),  # not slowed 1.02 times
+        (64.0, 10_000, 1.0),
         (0.3, 10_000, 0.1),  # three seconds of film
         (0.3, 46, 0.2),  # 45 intervals, shown at 30 a second: 1.5 s
         (1e-6, 10_000, 3.4e-7),  # a third, with two digits, rounded up
@@ -292,3 +296,23 @@ def test_nearest_samples_are_taken() -> None:
     assert np.abs(t[planned.kept[planned.frames]] - planned.times).max() == pytest.approx(
         np.abs(t[:, None] - planned.times).min(axis=0).max()
     )
+
+
+@pytest.mark.parametrize("view", ["fixed", "centre", "axes"])
+@pytest.mark.parametrize("size", [(1280, 720), (640, 480), (320, 640)])
+def test_grid_is_square(moved: Make, view: str, size: tuple[int, int]) -> None:
+    """The same step along both axes, some centimetres of a screen; where the picture moves, the
+    legend says it."""
+    settings = Settings(view=view, width=size[0], height=size[1])
+    sol = moved([0.0, 1.0], [[0, 0, 1.2, 0, 0, 0], [3.0, 1, 0.3, 0, 0, 0]], links=1)
+    stage = Picture(motion(sol), sol.scene, settings, 1.0)._stage
+    across, up = (
+        np.diff(axis.get_majorticklocs()) for axis in (stage.axes.xaxis, stage.axes.yaxis)
+    )
+    steps = np.concatenate((across, up))
+    assert steps == pytest.approx(np.full(len(steps), stage.grid_step))
+    low, high = stage.axes.get_ylim()
+    pixels = stage.grid_step / (high - low) * stage.size[1] / stage.zoom
+    assert 50 < pixels < 160
+    texts = [text.get_text() for text in stage.figure.legends[0].get_texts()]
+    assert (f"grid of {stage.grid_step:g} m" in texts) is (view != "fixed")

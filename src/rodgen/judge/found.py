@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from statistics import median
 
 from rodgen.judge.rows import Contents, curve, fine, grouped, label, number, of, setting, text
@@ -26,6 +26,8 @@ KINDS = {
     "without a reference": "no reference: ",
     "without an opponent within the error": r".* missed this error in the time of a run",
 }
+ORDERS_OF = "free_n20"  # the scene on which orders are looked at
+FORMS = {"c": "C", "numpy chain": "NumPy", "numpy dense": "NumPy, dense form"}
 LOSES = 10.0  # times what another form and rounded input come to, from which on digits are lost
 
 
@@ -34,6 +36,18 @@ def trusted(contents: Contents, scene: str, measure: str = "error_phi") -> float
     key = measure.replace("error_", "estimate_")
     found = [number(row, key) for row in of(contents, "references", scene=scene) if fine(row)]
     return max((value for value in found if math.isfinite(value)), default=0.0)
+
+
+def fixed_steps_of(contents: Contents) -> dict[str, list[Row]]:
+    """Runs in C with fixed steps, by method."""
+    rows = of(contents, "precision", scene=ORDERS_OF, kind="step", who="rodgen", target="c")
+    return grouped(filter(fine, rows), lambda row: text(row, "method"))
+
+
+def judged(contents: Contents, scene: str) -> bool:
+    """Whether a scene has a reference solution, or is not known to have none."""
+    rows = of(contents, "references", scene=scene)
+    return not rows or any(map(fine, rows))
 
 
 def failures(contents: Contents) -> list[Row]:
@@ -79,6 +93,11 @@ def failed_of(contents: Contents, scene: str) -> list[Row]:
 def wrong(contents: Contents) -> list[Row]:
     """Cases in which a method gave a wrong result and did not say so."""
     return of(contents, "extremes", outcome="wrong")
+
+
+def unseen(rows: Iterable[Row]) -> list[Row]:
+    """Extreme cases in which a fixed step is off and nothing tells, with their names."""
+    return [{**row, "label": label(row)} for row in rows if row.get("outcome") == "unseen"]
 
 
 def case_named(row: Row) -> str:

@@ -56,19 +56,24 @@ def measure(
 ) -> Contents:
     """Results of all units, by section.
 
-    folder: where measurements and reference solutions are kept, and taken from on resume; planned:
-    told how many more units there are; done: told every result.
+    folder: where measurements and reference solutions are kept, and taken from on resume, those of
+    other sections as well; planned: told how many more units there are; done: told every result.
     """
     runner = Runner(folder / MEASURED, fingerprint(), resume, done)
     names = needed(chosen)
     found: Contents = {}
-    for depth in range(1 + max(map(_depth, names), default=0)):
-        wave = [name for name in names if _depth(name) == depth]
-        units = [unit for name in wave for unit in _units(name, cases, folder, quick, found)]
-        planned(len(units))
-        for unit, one in zip(units, runner.run(units), strict=True):
+    for depth in range(1 + max(map(_depth, SECTIONS))):
+        looked_at = SECTIONS if resume else names
+        wave = [name for name in looked_at if _depth(name) == depth]
+        units = {name: _units(name, cases, folder, quick, found) for name in wave}
+        asked = [unit for name in wave if name in names for unit in units[name]]
+        planned(len(asked))
+        for unit, one in zip(asked, runner.run(asked), strict=True):
             found.setdefault(unit.section, []).append(one)
-    return {name: found.get(name, []) for name in names}
+        for name in wave:
+            if name not in names and (held := runner.held(units[name])):
+                found[name] = held
+    return {name: found.get(name, []) for name in SECTIONS if name in names or name in found}
 
 
 def _depth(section: str) -> int:

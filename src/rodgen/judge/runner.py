@@ -68,6 +68,17 @@ class Runner:
             raise
         return [found[name] for name in names]
 
+    def held(self, units: Iterable[Unit]) -> list[Measured]:
+        """What the folder has of these, where it is resumed from; nothing is measured."""
+        known = (self._known(unit) for unit in units)
+        return [one for one in known if one is not None]
+
+    def _known(self, unit: Unit) -> Measured | None:
+        """A result in the folder of the same unit in the same surroundings."""
+        known = _read(self.folder / f"{unit.name}.json") if self.resume else None
+        fits = known and known.fingerprint == unit.fingerprint(self.surroundings)
+        return known if known and fits and not known.failed else None
+
     def _keep(self, found: dict[str, Measured], one: Measured) -> None:
         found[one.name] = one
         self.done(one)
@@ -79,11 +90,10 @@ class Runner:
             _kill(process)
 
     def _one(self, unit: Unit) -> Measured:
+        if known := self._known(unit):
+            return known
         fingerprint = unit.fingerprint(self.surroundings)
         file = self.folder / f"{unit.name}.json"
-        known = _read(file) if self.resume else None
-        if known and known.fingerprint == fingerprint and not known.failed:
-            return known
         if self.stopped:
             return Measured(unit.section, unit.name, fingerprint, 0.0, failed="stopped")
         start = time.perf_counter()

@@ -12,6 +12,7 @@ from rodgen.judge.found import (
     failures,
     far_from_theory,
     grows,
+    judged,
     losing,
     trusted,
 )
@@ -24,7 +25,7 @@ ASKED = (1e-3, 1e-6, 1e-9)  # errors of the angles [rad] for which the fastest i
 
 
 def scenes(contents: Contents) -> list[str]:
-    """Names of the scenes that were integrated, in their order."""
+    """Names of the scenes that were integrated, or were to be, in their order."""
     sections = ("references", "precision")
     return list(dict.fromkeys(text(r, "scene") for s in sections for r in of(contents, s)))
 
@@ -32,6 +33,8 @@ def scenes(contents: Contents) -> list[str]:
 def best_row(contents: Contents, scene: str) -> Row:
     """A line of the summary: the fastest for every error that is asked."""
     rows, limit = of(contents, "precision", scene=scene), trusted(contents, scene)
+    if not judged(contents, scene):
+        return {"scene": scene, **dict.fromkeys((short(e, ".0e") for e in ASKED), "no reference")}
     best = {short(error, ".0e"): _best(rows, error, limit) for error in ASKED}
     return {"scene": scene, **best}
 

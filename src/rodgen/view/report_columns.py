@@ -43,6 +43,7 @@ ORDERS = (
     Column("order", "nominal order", three),
     Column("observed", "observed order", three),
     Column("points", "steps used", count),
+    Column("finest", "by the two smallest steps", three),
 )
 SLOPES = (
     Column("label", "method", words),
@@ -159,6 +160,14 @@ ROUNDING = (
     Column("ulps_input", "unavoidable [ulp]", three),
     Column("condition", "condition", error),
     FAILED,
+)
+UNSEEN = (
+    Column("group", "group", words),
+    Column("case", "case", words),
+    Column("n", "links", count),
+    Column("label", "method", words),
+    Column("digits", "digits", three),
+    Column("said", "what it came to", words),
 )
 CUT = "What failed, was stopped or not tried"
 FAILURES = (

@@ -24,7 +24,13 @@ SAVED = {
     "run_dop853": "run time, dop853",
 }
 OF_RODGEN = "#d1495b"  # in C; its other targets and forms have colours of their own
-OF_FORM = {"batch": "#1f9e62", "dense": "#d9830f", "numpy": "#2a78d6", "plain": "#9455c8"}
+# "from" C; of a "batch".
+OF_FORM = {
+    "from": ("#12a5b8", "s"),
+    "batch": ("#1f9e62", "D"),
+    "dense": ("#d9830f", "^"),
+    "numpy": ("#2a78d6", "v"),
+}
 LINES = ("-", (0, (5, 1.5)), (0, (1.5, 1.5)))
 SHADES = ("#2a78d6", "#12a5b8", "#1f9e62", "#d9830f", "#9455c8", "#d1495b")
 
@@ -110,7 +116,8 @@ def _look_of_who(name: str) -> dict[str, Any]:
     """Ours in colour, by method, form or target; others as everywhere."""
     words = re.split(r"[^a-z0-9_]+", name.lower())
     if words[0] not in ("rodgen", "c", "numpy"):
-        return look({"who": name.split()[0], "method": name}).line
-    shown = [colour for word, colour in {**OURS, **OF_FORM}.items() if word in words]
-    colour = shown[0] if shown else OF_RODGEN
-    return {"color": colour, "marker": "o", "markersize": 4, "linewidth": 1.4}
+        return look({"who": re.split(r"[ ,]", name)[0], "method": name}).line
+    looks = {**{method: (colour, "o") for method, colour in OURS.items()}, **OF_FORM}
+    shown = [one for word, one in looks.items() if word in words]
+    colour, mark = shown[0] if shown else (OF_RODGEN, "o")
+    return {"color": colour, "marker": mark, "markersize": 4, "linewidth": 1.4}

@@ -33,7 +33,7 @@ def work_precision(rows: Sequence[Row], measure: str, trusted: float) -> Figure 
     height = max(4.0, LINE * len(names) + 0.8)
     figure, frame = axes(7.6, height, MEASURES[measure], "run time [s]")
     _lines(frame, rows, measure, "seconds", trusted)
-    _front(frame, rows, measure)
+    _front(frame, rows, measure, trusted)
     _names(frame, names, measure, "seconds", LINE / (height - 0.7))
     return figure
 
@@ -46,7 +46,7 @@ def small(rows: Sequence[Row], measure: str, cost: str, trusted: float) -> Figur
     figure, frame = axes(4.1, 3.0, MEASURES[measure], title, fixed=True)
     _lines(frame, rows, measure, cost, trusted)
     if cost == "seconds":
-        _front(frame, rows, measure)
+        _front(frame, rows, measure, trusted)
     return figure
 
 
@@ -81,8 +81,8 @@ def _lines(frame: Axes, rows: Sequence[Row], measure: str, cost: str, trusted: f
     logarithmic(frame)
 
 
-def _front(frame: Axes, rows: Sequence[Row], measure: str) -> None:
-    points = front(drawn(rows, measure, "seconds"), measure)
+def _front(frame: Axes, rows: Sequence[Row], measure: str, trusted: float) -> None:
+    points = front(drawn(rows, measure, "seconds"), measure, trusted)
     errors = [_error(row, measure) for row in points]
     seconds = [number(row, "seconds") for row in points]
     frame.plot(errors, seconds, color=GOLD, linewidth=5, alpha=0.35, zorder=2)

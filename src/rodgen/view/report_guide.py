@@ -1,11 +1,10 @@
-"""Pictures of docs/which-method.md, from a report that was written.
+"""Pictures and tables of docs/which-method.md, from a report that was written.
 
 python -m rodgen.view.report_guide results/report/report.json docs/pictures
 """
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -14,22 +13,25 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from rodgen.judge.found import trusted
-from rodgen.judge.precision.orders import fits
-from rodgen.judge.rows import Contents, fine, grouped, label, number, of, text
+from rodgen.judge.found import fixed_steps_of, trusted
+from rodgen.judge.precision.orders import finest
+from rodgen.judge.rows import Contents, label, number, of, text
 from rodgen.judge.unit import Row
+from rodgen.loading.cache import write_whole
 from rodgen.view import report_curves as curves
 from rodgen.view.report_figures import work_precision
+from rodgen.view.report_numbers import renewed
 from rodgen.view.report_page import read_report
 from rodgen.view.report_style import INK, axes, legend, logarithmic, look
 
+GUIDE = "which-method.md"  # beside the folder of its pictures
 MIDDLE: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 7, "color": INK}
 # What a group of extreme cases came to with a method, from its worst outcome on.
 COLOURS = {
     "wrong": "#f4a9a3",
+    "unseen": "#f7c8d8",
     "lost": "#fadcbc",
     "warned": "#fbeebb",
-    "inaccurate": "#eef0b4",
     "unfinished": "#e2e2e2",
     "refused": "#e6def6",
     "stopped": "#d3e4f8",
@@ -62,22 +64,19 @@ def scene(name: str) -> Callable[[Contents], Figure | None]:
 
 
 def orders(contents: Contents) -> Figure | None:
-    """Errors of fixed steps against the step, with the orders that are observed."""
-    rows = [row for row in of(contents, "precision", scene="free_n20") if fine(row)]
-    rows = [
-        r for r in rows if r.get("kind") == "step" and (r["who"], r["target"]) == ("rodgen", "c")
-    ]
-    lines = {fit.method: fit for fit in fits(rows)}
-    if not rows:
+    """Errors of fixed steps against the step, with the slopes between the two smallest."""
+    by_method = fixed_steps_of(contents)
+    if not by_method:
         return None
     figure, frame = axes(5.6, 4.0, "step [s]", "error of the angles at the end [rad]")
     frame.set(xscale="log", yscale="log")
-    for method, some in grouped(rows, lambda row: text(row, "method")).items():
+    for method, some in by_method.items():
         shown = sorted((number(r, "setting"), number(r, "error_phi")) for r in some)
         shown = [(step, error) for step, error in shown if 0 < error < 10]
-        fit, found = lines.get(method), method
-        if fit is not None:
-            found = f"{method}: order {fit.exponent:.2f} (nominal {fit.nominal or math.nan:g})"
+        slope, found = finest(some, "error_phi"), method
+        if slope is not None:
+            order = number(some[0], "order")
+            found = f"{method}: slope of the last two {slope:.2f} (order {order:g})"
         steps, errors = zip(*shown, strict=True) if shown else ((), ())
         frame.plot(steps, errors, label=found, **look(some[0]).line)
     logarithmic(frame)
@@ -153,5 +152,10 @@ PICTURES: dict[str, Callable[[Contents], Figure | None]] = {
 }
 
 if __name__ == "__main__":
-    for file in save_guide_figures(Path(sys.argv[1]), Path(sys.argv[2])):
+    report, pictures = map(Path, sys.argv[1:])
+    for file in save_guide_figures(report, pictures):
         print(file)
+    guide = pictures.parent / GUIDE
+    contents, _ = read_report(report)
+    write_whole(guide, renewed(guide.read_text(encoding="utf-8"), contents))
+    print(guide)

@@ -18,8 +18,11 @@ OUTCOMES = {
     "stopped": "detected on the way and stopped, with its reason",
     "refused": "refused beforehand, with its reason",
     "warned": "not right, and warned of",
-    "inaccurate": "less than two digits, as its step allows; half the step is better",
-    "lost": "not right, and the run's own energy balance says so",
+    "lost": "not right, and the run's own energy balance says so: it shows a tenth of the error "
+    "or more",
+    "unseen": "less than two digits with a fixed step, which has no error estimate, and an energy "
+    "balance that shows less than a tenth of the error: halve the step until nothing changes, or "
+    "take a method with error control",
     "unfinished": "cut off, as it took too long: nothing is known",
     "wrong": "wrong without warning: a defect",
     "failed": "the trial itself did not come to an end",

@@ -63,7 +63,8 @@ def html(contents: Contents, made: Mapping[str, Any], pictures: Pictures) -> str
     asked = [
         Column(error, f"error {error} rad", words) for error in (short(e, ".0e") for e in ASKED)
     ]
-    best = [best_row(contents, scene) for scene in scenes(contents)]
+    run = scenes(contents) if contents.get("precision") else []
+    best = [best_row(contents, scene) for scene in run]
     return render(
         TEMPLATE,
         introduction=INTRODUCTION,

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from rodgen.judge.precision.duels import side
 from rodgen.judge.rows import Contents, fine, number, of, text
 from rodgen.judge.summary import duration
 from rodgen.judge.unit import Row
@@ -39,13 +40,15 @@ def speed(contents: Contents) -> str:
     """Whole integrations at equal error, and costs against n, as Markdown."""
     duels = [row for row in of(contents, "equal_error", asked=ASKED) if fine(row)]
     costs = [row for row in of(contents, "costs") if fine(row)]
-    head = ("scene", "n", "rodgen", "time", "fastest of the peers", "time", "times faster")
+    ours, theirs = ("rodgen", "rhs", "time"), ("fastest of the peers", "rhs", "time")
+    head = ("scene", "n", *ours, *theirs, "times faster")
+    runs = of(contents, "precision")
     peers = sorted({text(row, "who") for row in costs if not text(row, "who").startswith("rodgen")})
     evaluations = [(who, shown) for who, shown in EVALUATIONS] + [
         (who, SHOWN.get(who, who)) for who in peers
     ]
     lines = [
-        *_table(head, map(_duel, duels)),
+        *_table(head, (_duel(row, runs) for row in duels)),
         "",
         *_table(
             ("one evaluation of `rhs`", *(f"n={n}" for n in LINKS)),
@@ -60,18 +63,24 @@ def speed(contents: Contents) -> str:
     return "\n".join(lines)
 
 
-def _duel(row: Row) -> list[str]:
-    times = (duration(number(row, key)) for key in ("ours_seconds", "theirs_seconds"))
-    ours, theirs = times
-    return [
-        f"`{text(row, 'scene')}`",
-        text(row, "n"),
-        text(row, "ours"),
-        ours,
-        text(row, "theirs"),
-        theirs,
-        f"{number(row, 'ratio'):.2g}",
-    ]
+def _duel(row: Row, runs: Sequence[Row]) -> list[str]:
+    cells = [f"`{text(row, 'scene')}`", text(row, "n")]
+    for who in ("ours", "theirs"):
+        seconds = duration(number(row, f"{who}_seconds"))
+        cells += [text(row, who), _evaluations(row, who, runs), seconds]
+    return [*cells, f"{number(row, 'ratio'):.2g}"]
+
+
+def _evaluations(row: Row, who: str, runs: Sequence[Row]) -> str:
+    """How often one side of a duel evaluated rhs, from its run in the section precision."""
+    counts = (
+        run.get("rhs")
+        for run in runs
+        if run["scene"] == row["scene"]
+        and run.get("setting") is not None
+        and side(run, with_who=who == "theirs") == row[who]
+    )
+    return next((f"{count}" for count in counts if count is not None), "-")
 
 
 def _costs(rows: Sequence[Row], what: str, who: str, shown: str) -> list[str]:

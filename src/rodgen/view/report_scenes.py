@@ -17,6 +17,10 @@ from rodgen.view.report_tables import Column, named, table, words
 
 TAKEN = ("setup_generate", "setup_compile")
 WHY_NOT = Column("why", "why there is none", words)
+WITHOUT = (
+    "The scene's events take no part here: everybody integrates the whole span, as peers know "
+    "nothing of them."
+)
 ABOVE = 10.0  # times the reference's own error, above which a slope is seen
 
 
@@ -30,6 +34,7 @@ def scene_part(contents: Contents, scene: str, pictures: Pictures, why: str) -> 
         "anchor": anchor(f"scene {scene}"),
         "title": scene,
         "why": why,
+        "without": WITHOUT if any(number(row, "events") > 0 for row in references) else "",
         "links": text((references or rows)[0], "n"),
         "references": table("The reference and its own error estimate", references, REFERENCE),
         "figures": _figures(contents, scene, rows, pictures),
@@ -54,7 +59,8 @@ def _figures(
         limit = trusted(contents, scene, measure)
         count = len({label(row) for row in figures.drawn(rows, measure, "seconds")})
         caption = f"Run time against the {title}"
-        alt = f"{scene}: run time of {count} methods against the {title}. {_said(rows, measure)}"
+        best = _said(rows, measure, limit)
+        alt = f"{scene}: run time of {count} methods against the {title}. {best}"
         main = measure == "error_phi"
         figure = (
             figures.work_precision(rows, measure, limit)
@@ -69,9 +75,9 @@ def _figures(
     return [picture for picture in shown if picture]
 
 
-def _said(rows: list[Row], measure: str) -> str:
+def _said(rows: list[Row], measure: str, limit: float) -> str:
     """Whose the Pareto front is, for those who cannot see it."""
-    names = dict.fromkeys(label(row) for row in front(rows, measure))
+    names = dict.fromkeys(label(row) for row in front(rows, measure, limit))
     return f"On the Pareto front: {', '.join(names)}." if names else ""
 
 
@@ -84,6 +90,7 @@ def _slopes(rows: list[Row], limit: float) -> dict[str, list[Row]]:
     for fit in looked_at(rows, "error_phi", max(FLOOR, ABOVE * limit)):
         who: Row = {"who": fit.who, "method": fit.method, "target": fit.target}
         seen: Row = {"against": fit.against, "points": fit.points, "order": fit.nominal}
+        seen["finest"] = fit.finest
         orders: Row = {"observed": None, "exponent": None}
         if isinstance(fit, Fit):
             orders = {"observed": fit.order, "exponent": fit.exponent}

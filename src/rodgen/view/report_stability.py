@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from rodgen.judge.found import case_named, far_from_theory
+from rodgen.judge.found import case_named, far_from_theory, unseen
 from rodgen.judge.rows import Contents, fine, grouped, number, of, text
 from rodgen.view import report_columns as columns
 from rodgen.view import report_curves as curves
 from rodgen.view import report_matrix as matrix
 from rodgen.view.report_parts import Part, Pictures, part
 from rodgen.view.report_tables import table
+
+WRONG = (
+    "Wrong is a method with error control that is beyond its tolerance, while the run's own energy "
+    "balance shows less than a tenth of the error; and a fixed step of which a smaller one is no "
+    "better. A fixed step that is merely too large has no error estimate that could tell it: "
+    "where the balance does not either, its error is unseen."
+)
+UNSEEN = "Errors of fixed steps that nothing tells"
 
 
 def steps(contents: Contents, pictures: Pictures) -> Part | None:
@@ -39,9 +47,9 @@ def extremes(contents: Contents) -> Part | None:
     ]
     return part(
         "Extreme cases",
-        ["What each method made of a case; a pointer on a cell shows the message."],
+        ["What each method made of a case; a pointer on a cell shows the message.", WRONG],
         legend=matrix.legend(rows),
-        tables=matrix.outcomes(rows),
+        tables=[*matrix.outcomes(rows), table(UNSEEN, unseen(rows), columns.UNSEEN)],
         said=said,
     )
 

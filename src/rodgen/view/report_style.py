@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import Formatter, FuncFormatter, NullFormatter
 
 from rodgen.judge.rows import label, text
 from rodgen.judge.unit import Row
@@ -37,8 +37,11 @@ PEERS = {
     "MuJoCo": ("v", "#8c8c8c"),
     "Exudyn": ("P", "#767676"),
     "CasADi": ("X", "#868686"),
+    "Numba": ("*", "#6f6f6f"),
+    "PyDy": ("<", "#838383"),
+    "Pinocchio": ("p", "#797979"),
 }
-OTHERS = ("<", ">", "p", "h", "*", "d")
+OTHERS = ("<", ">", "d")
 DASHES = ((4, 2), (1.5, 1.5), (6, 2, 1, 2), (3, 1, 1, 1, 1, 1))
 INK, PALE = "#30343a", "#8a8f98"  # text and axes; grids and notes
 LEFT, BELOW = 0.68, 0.48  # inches beside and below a diagram, for its numbers and names
@@ -98,9 +101,8 @@ def logarithmic(frame: Axes, *, x: bool = True, y: bool = True) -> None:
     for axis, wanted in ((frame.xaxis, x), (frame.yaxis, y)):
         if wanted:
             low, high = sorted(axis.get_view_interval())
-            short = high < 30 * low  # perhaps a power of ten alone: 2 and 5 have labels too
             axis.set_major_formatter(FuncFormatter(lambda value, _: _power(value)))
-            axis.set_minor_formatter(FuncFormatter(_two_and_five) if short else NullFormatter())
+            axis.set_minor_formatter(_between(high / low))
             axis.set_tick_params(which="minor", labelsize=7, labelcolor=INK, color=PALE)
 
 
@@ -109,9 +111,19 @@ def _power(value: float) -> str:
     return "10" + f"{math.log10(value):.0f}".translate(RAISED)
 
 
-def _two_and_five(value: float, _: object = None) -> str:
-    digit, _, power = f"{value:.0e}".partition("e")
-    return f"{digit}\u00b7{_power(10.0 ** int(power))}" if digit in "25" else ""
+def _between(ratio: float) -> Formatter:
+    """Labels between powers of ten, by largest over smallest value: perhaps there is one such power
+    alone, and 2 and 5 have labels too; or none, and everything has."""
+    if ratio > 30:
+        return NullFormatter()
+
+    def words(value: float, _: object = None) -> str:
+        digits, _, power = f"{value:.3e}".partition("e")
+        digits = digits.rstrip("0").rstrip(".")
+        shown = ratio < 3 or digits in ("2", "5")
+        return f"{digits}\u00b7{_power(10.0 ** int(power))}" if shown else ""
+
+    return FuncFormatter(words)
 
 
 def legend(figure: Figure, columns: int = 3) -> Figure:

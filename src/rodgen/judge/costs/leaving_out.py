@@ -24,6 +24,7 @@ from rodgen.judge.cases import Case
 from rodgen.judge.costs.caches import cache_at, scratch
 from rodgen.judge.costs.cold import cold
 from rodgen.judge.costs.rod import Array, why
+from rodgen.judge.precision.job import without_events
 from rodgen.judge.timing import Times, calls, interleaved
 from rodgen.judge.unit import Row, Unit
 from rodgen.loading import sources
@@ -118,6 +119,7 @@ def compared(
     table: dict[str, Any], models: dict[str, ModuleType], sizes: dict[str, Row], quick: bool
 ) -> list[Row]:
     """Both modules on one scene, which are timed in turns."""
+    table = without_events(table)
     scenes = {PLAIN: Scene.from_dict(table), WHOLE: Scene.from_dict(with_every_term(table))}
     same: Row = {}
     try:

@@ -16,6 +16,7 @@ from rodgen.judge.precision.contestant import Contestant, Deadline
 from rodgen.judge.precision.errors import Measures
 from rodgen.judge.precision.job import Job
 from rodgen.judge.precision.pareto import cheapest
+from rodgen.judge.precision.references import NO_REFERENCE
 from rodgen.judge.precision.sweep import prepared
 from rodgen.judge.unit import Row, Unit
 
@@ -51,13 +52,20 @@ def duel(
 
 
 def nobody(
-    name: str, links: int, asked: float, mine: dict[str, Any] | None, theirs: dict[str, Any] | None
+    name: str,
+    links: int,
+    asked: float,
+    mine: dict[str, Any] | None,
+    theirs: dict[str, Any] | None,
+    why: str = "",
 ) -> list[Row]:
-    """The row of a duel that one side does not come to."""
-    missing = [who for who, row in (("rodgen", mine), ("no peer", theirs)) if row is None]
-    why = " and ".join("rodgen" if who == "rodgen" else "every peer" for who in missing)
+    """The row of a duel that one side does not come to; why: there can be none, if not that."""
     row = _row(name, links, asked, mine, theirs)
-    return [row | {"failed": f"{why} missed this error in the time of a run"}]
+    if why:
+        return [row | {"failed": why}]
+    missing = [who for who, row in (("rodgen", mine), ("no peer", theirs)) if row is None]
+    who = " and ".join("rodgen" if who == "rodgen" else "every peer" for who in missing)
+    return [row | {"failed": f"{who} missed this error in the time of a run"}]
 
 
 def units(
@@ -68,6 +76,8 @@ def units(
     for case in cases:
         known = {"name": case.name, "table": case.scene, "folder": str(folder), "quick": quick}
         of_scene = [row for row in rows if row.get("scene") == case.name]
+        reasons = (str(row.get("failed")) for row in of_scene)
+        why = next((why for why in reasons if why.startswith(NO_REFERENCE)), "")
         for asked in ASKED:
             mine = cheapest((row for row in of_scene if row.get("who") == "rodgen"), asked)
             theirs = cheapest((row for row in of_scene if row.get("who") != "rodgen"), asked)
@@ -77,7 +87,7 @@ def units(
                 planned.append(Unit("equal_error", name, f"{__name__}:duel", known | sides))
             else:
                 links = case.scene["rod"]["links"]
-                given = {"name": case.name, "links": links, **sides}
+                given = {"name": case.name, "links": links, **sides, "why": why}
                 planned.append(Unit("equal_error", name, f"{__name__}:nobody", given, timed=False))
     return planned
 
@@ -116,12 +126,12 @@ def _row(
 ) -> Row:
     nothing = ("ours_error", "ours_seconds", "theirs_error", "theirs_seconds", "ratio")
     row: Row = {"scene": name, "n": links, "asked": asked, **dict.fromkeys(nothing)}
-    row |= {"ours": _label(mine), "theirs": _label(theirs, with_who=True)}
+    row |= {"ours": side(mine), "theirs": side(theirs, with_who=True)}
     return row | {"rounds": 0, "failed": ""}
 
 
-def _label(row: dict[str, Any] | None, with_who: bool = False) -> str:
-    """A setting in words."""
+def side(row: dict[str, Any] | None, with_who: bool = False) -> str:
+    """Who took which setting, as rows of duels have it."""
     if row is None:
         return ""
     who = f"{row['who']} " if with_who else ""

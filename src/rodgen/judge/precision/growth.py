@@ -12,7 +12,7 @@ from rodgen.judge.cases import Case
 from rodgen.judge.precision import ours
 from rodgen.judge.precision.contestant import Array
 from rodgen.judge.precision.measured import words
-from rodgen.judge.precision.references import NoReferenceError
+from rodgen.judge.precision.references import NO_REFERENCE, NoReferenceError
 from rodgen.judge.precision.sweep import prepared
 from rodgen.judge.unit import Row, Unit
 
@@ -31,7 +31,7 @@ def growth(name: str, table: dict[str, Any], folder: str) -> list[Row]:
     try:
         job, held, measures = prepared(name, table, folder)
     except NoReferenceError as why:
-        said = words(f"no reference: {why}")
+        said = words(f"{NO_REFERENCE}{why}")
         return [known | nothing | {"method": METHOD, "setting": None, "failed": said}]
     known["t"] = job.times.tolist()
     rows: list[Row] = []

@@ -16,6 +16,12 @@ from rodgen.judge.precision.contestant import Array
 SAMPLES = 100  # intervals between the states that are compared
 
 
+def without_events(table: dict[str, Any]) -> dict[str, Any]:
+    """A scene's tables as they are integrated by everyone: peers know nothing of its events, and
+    states can be compared only where all of them reach the end."""
+    return {name: value for name, value in table.items() if name != "events"}
+
+
 @dataclass(frozen=True, eq=False)
 class Job:
     """A scene, of which every contestant gives the states at the same times."""
@@ -26,7 +32,7 @@ class Job:
     @classmethod
     def of(cls, name: str, table: dict[str, Any]) -> Job:
         """From the scene's tables; its samples are a hundredth of the span apart."""
-        scene = rodgen.Scene.from_dict(table)
+        scene = rodgen.Scene.from_dict(without_events(table))
         first, last = scene.integrate.span
         return cls(name, scene.with_integrate(output_every=(last - first) / SAMPLES))
 

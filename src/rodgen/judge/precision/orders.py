@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 from math import inf, log
@@ -39,6 +39,7 @@ class Fit:
     exponent: float
     nominal: float | None
     points: int
+    finest: float | None  # exponent by the two smallest steps alone
 
     @property
     def order(self) -> float | None:
@@ -58,6 +59,7 @@ class NoFit:
     against: str
     nominal: float | None
     points: int
+    finest: float | None
     why: str
 
 
@@ -65,7 +67,7 @@ def families(rows: Iterable[Row]) -> Iterator[list[Row]]:
     """Rows by scene, who, method, target and kind of setting, in the order of settings: loose to
     tight."""
     for _, group in groupby(sorted(rows, key=_key), key=_key):
-        yield sorted(group, key=lambda row: -_value(row, "setting"))
+        yield _ordered(group)
 
 
 def fits(rows: Iterable[Row], measure: str = "error_phi", floor: float = FLOOR) -> list[Fit]:
@@ -100,12 +102,19 @@ def fit(family: list[Row], measure: str, against: str, floor: float = FLOOR) -> 
     names = {key: str(first[key]) for key in ("scene", "who", "method", "target")}
     nominal = first.get("order")
     order = float(nominal) if isinstance(nominal, int | float) else None
+    last = finest(family, measure, floor) if against == "step" else None
     if len(best) < LEAST:
         why = "not asymptotic in the steps tried" if against == "step" else "no steady slope"
         if points < LEAST:
             why = f"less than {LEAST} errors between {floor:.1e} and {CEILING:g}"
         return NoFit(
-            **names, measure=measure, against=against, nominal=order, points=points, why=why
+            **names,
+            measure=measure,
+            against=against,
+            nominal=order,
+            points=points,
+            finest=last,
+            why=why,
         )
     x, y = np.array(best).T
     exponent = float(np.polyfit(x, y, 1)[0])
@@ -116,7 +125,22 @@ def fit(family: list[Row], measure: str, against: str, floor: float = FLOOR) -> 
         exponent=exponent,
         nominal=order,
         points=len(best),
+        finest=last,
     )
+
+
+def finest(family: Sequence[Row], measure: str, floor: float = FLOOR) -> float | None:
+    """Exponent of the error by the two smallest steps whose errors show one, or None."""
+    points = next((run for run in _between(_ordered(family), measure, "step", floor)), [])
+    if len(points) < 2:
+        return None
+    (x, y), (other, above) = points[:2]
+    return (above - y) / (other - x)
+
+
+def _ordered(family: Iterable[Row]) -> list[Row]:
+    """From loose to tight."""
+    return sorted(family, key=lambda row: -_value(row, "setting"))
 
 
 def _between(family: list[Row], measure: str, against: str, floor: float) -> Iterator[Points]:

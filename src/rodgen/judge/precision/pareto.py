@@ -9,26 +9,19 @@ from rodgen.judge.precision.orders import families
 from rodgen.judge.unit import Row
 
 
-def front(rows: Sequence[Row], measure: str = "error_phi") -> list[Row]:
-    """Rows of one scene than which none is both faster and closer, by rising seconds."""
+def front(rows: Sequence[Row], measure: str = "error_phi", trusted: float = 0.0) -> list[Row]:
+    """Rows of one scene than which none is both faster and closer, by rising seconds.
+
+    trusted: the reference's own estimate. Rows with smaller errors beat others, but are not on the
+    front themselves, as such errors mean nothing.
+    """
     best = float("inf")
     found: list[Row] = []
     for row in sorted(filter(_usable(measure), rows), key=_place(measure)):
         if _number(row, measure) < best:
             best = _number(row, measure)
             found.append(row)
-    return found
-
-
-def marked(rows: Sequence[Row], measure: str = "error_phi") -> list[bool]:
-    """Of every row, whether it is on the front of its scene."""
-    scenes = {str(row.get("scene")) for row in rows}
-    on_front = {
-        id(row)
-        for scene in scenes
-        for row in front([row for row in rows if str(row.get("scene")) == scene], measure)
-    }
-    return [id(row) in on_front for row in rows]
+    return [row for row in found if _number(row, measure) >= trusted]
 
 
 def cheapest(rows: Iterable[Row], asked: float, measure: str = "error_phi") -> Row | None:

@@ -13,12 +13,12 @@ from rodgen.judge.precision.errors import Measures
 from rodgen.judge.precision.job import Job
 from rodgen.judge.precision.measured import Limits, blank, in_a_row, sweep, words
 from rodgen.judge.precision.ours import Named
-from rodgen.judge.precision.references import NoReferenceError, Reference
+from rodgen.judge.precision.references import NO_REFERENCE, NoReferenceError, Reference
 from rodgen.judge.precision.setup import setups
 from rodgen.judge.unit import Row, Unit
 
 LIMIT = 180.0  # seconds of all of rodgen's methods, with their set-up
-MISSING = "not installed: pip install rodgen[bench]"
+MISSING = 'not installed: pip install "rodgen[bench]"'
 
 
 def rodgens(name: str, table: dict[str, Any], folder: str, quick: bool) -> list[Row]:
@@ -72,7 +72,7 @@ def without(name: str, table: dict[str, Any], who: str, why: NoReferenceError) -
     """The row of a scene that has no reference solution."""
     known: Row = {"scene": name, "n": table["rod"]["links"], "family": "", "who": who}
     known |= {"method": "", "target": ""}
-    return blank(known) | {"failed": words(f"no reference: {why}")}
+    return blank(known) | {"failed": words(f"{NO_REFERENCE}{why}")}
 
 
 def label(job: Job, family: Named) -> Row:

@@ -12,9 +12,10 @@ import rodgen
 from rodgen.judge.stability.extremes_case import Array, Extreme, Tables, Truth
 from rodgen.judge.stability.extremes_exact import drifting, resting
 from rodgen.judge.stability.extremes_scenes import CRITICAL, IDLE, SPAN, N, rod
-from rodgen.judge.stability.extremes_truth import same_as, stiff, tight
+from rodgen.judge.stability.extremes_truth import same_as, stiff, switched, tight
 
 BEFORE = 7.2  # s, when a pulse at 7.3 s is not there yet
+OFTEN, OFTEN_FOR = 500, 5.0  # times a second that a load is switched on, and for how long [s]
 
 
 def pushed(force: float | str, span: float = SPAN, sign: float = 1.0, **tables: Any) -> Tables:
@@ -55,6 +56,11 @@ def follower() -> Iterator[Extreme]:
         ("a pulse of 1e-3 s at 0.7 s", f"30*{high}*exp(-((t - 0.7)/0.0003)**2)"),
     ):
         yield Extreme("follower", name, pushed(text, 1.0), tight)
+    half = 0.5 / OFTEN
+    fast = pushed(f"3 if sin(2*pi*{OFTEN}*t) > 0 else 0", OFTEN_FOR)
+    jumps = [k * half for k in range(1, round(OFTEN_FOR / half))]
+    name = f"switched {OFTEN} times a second, for {OFTEN_FOR:g} s"
+    yield Extreme("follower", name, fast, switched(jumps))
     still = rod(
         rod={"bending_stiffness": 0.01},
         loads={"tip": {"y": "2*exp(-((t - 7.3)/0.01)**2)"}},

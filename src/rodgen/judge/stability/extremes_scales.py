@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rodgen.judge.stability.extremes_case import Extreme
-from rodgen.judge.stability.extremes_exact import pendulum, resting, rigid
-from rodgen.judge.stability.extremes_loads import damped
-from rodgen.judge.stability.extremes_scenes import SPAN, loaded, rescaled, rod
-from rodgen.judge.stability.extremes_truth import compiled, stiff, tight
+import numpy as np
 
+import rodgen
+from rodgen.judge.stability.extremes_case import Extreme, Tables, Truth
+from rodgen.judge.stability.extremes_exact import pendulum, resting, rigid
+from rodgen.judge.stability.extremes_loads import damped, pushed
+from rodgen.judge.stability.extremes_scenes import SPAN, loaded, rescaled, rod
+from rodgen.judge.stability.extremes_truth import compiled, same_as, stiff, switched, tight
+
+LATE = 1.7e9  # s: seconds since 1970, as clocks of computers have them
 FALLING = {"gravity": {"g": 9.81}}
 COMPILED = ("rk4 c", "dop853 c", "gauss c", "radau c", "auto c", "semi_implicit_euler c")
 FEW = ("dop853 c", "gauss c", "radau c")
@@ -41,7 +45,14 @@ def spans() -> Iterator[Extreme]:
         yield Extreme("spans", f"1e{power:+d} s", short, tight, quick=power == -9)
     late = loaded()
     late["integrate"] = {"span": [1e6, 1e6 + SPAN]}
-    yield Extreme("spans", "1 s, from 1e6 s on", late, rescaled(1.0, 1.0))
+    yield Extreme("spans", f"{SPAN:g} s, from 1e6 s on", late, rescaled(1.0, 1.0))
+    for start in (LATE, -LATE):
+        yield Extreme("spans", f"2 s, from {start:.2g} s on", _loaded_from(start), _as_from_zero)
+    jumps = f"40 if t < {LATE + 1:.1f} else -40", "40 if t < 1 else -40"
+    at_last, at_once = (pushed(text, 2.0) for text in jumps)
+    at_last["integrate"] = {"span": [LATE, LATE + 2.0]}
+    name = f"2 s, from {LATE:.2g} s on, a force that jumps"
+    yield Extreme("spans", name, at_last, same_as(at_once, np.copy, switched([1.0])))
     for power in (3, 6):
         time = 10.0**power
         slow = loaded(time=time)
@@ -53,6 +64,15 @@ def spans() -> Iterator[Extreme]:
         span=1e6,
     )
     yield Extreme("spans", "1e+6 s, hanging still", hangs, resting)
+
+
+def _loaded_from(start: float) -> Tables:
+    return {**loaded(), "integrate": {"span": [start, start + 2.0]}}
+
+
+def _as_from_zero(scene: rodgen.Scene) -> Truth:
+    """No load knows what time it is."""
+    return same_as(_loaded_from(0.0), np.copy)(scene)
 
 
 def tolerances() -> Iterator[Extreme]:

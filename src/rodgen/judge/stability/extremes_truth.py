@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from itertools import pairwise
 
@@ -31,6 +31,21 @@ def tight(scene: rodgen.Scene) -> Truth:
 def stiff(scene: rodgen.Scene) -> Truth:
     """SciPy's Radau at 1e-11 on the dense form, judged by our DOP853 or Gauss on the chain."""
     return _tight(scene.model_dump_json(exclude_none=True), "Radau", "radau")
+
+
+def switched(times: Sequence[float]) -> Route:
+    """Of loads that jump at these times and are smooth between: SciPy's DOP853 at 1e-13 from jump
+    to jump, judged by itself at 1e-11.
+
+    Neither the scene's own break points nor rodgen's methods have a part in it.
+    """
+
+    def truth(scene: rodgen.Scene) -> Truth:
+        y0 = scene.initial_state()
+        y, other = (_scipy(scene, y0, "DOP853", rtol, times) for rtol in (TIGHT, 1e-11))
+        return _judged(scene, y, other, "SciPy's DOP853 at 1e-13, from jump to jump")
+
+    return truth
 
 
 def compiled(scene: rodgen.Scene) -> Truth:
@@ -69,8 +84,14 @@ def _judged(scene: rodgen.Scene, y: Array, other: Array, by: str) -> Truth:
     return Truth(y, by, error=max(measure.errors(other).values()))
 
 
-def _scipy(scene: rodgen.Scene, y0: Array, method: str, rtol: float) -> Array:
-    """SciPy's method on the dense form, from break point to break point."""
+def _scipy(
+    scene: rodgen.Scene,
+    y0: Array,
+    method: str,
+    rtol: float,
+    breaks: Sequence[float] | None = None,
+) -> Array:
+    """SciPy's method on the dense form, from break point to break point: the scene's, or these."""
     rod = scene.structure
     # One module for all loads; those that a scene has not are zero.
     model = rodgen.build(rodgen.Structure(rod.links, rod.boundary, rod.inertia, TERMS), *DENSE)
@@ -83,7 +104,7 @@ def _scipy(scene: rodgen.Scene, y0: Array, method: str, rtol: float) -> Array:
     # What is asked of the tight run is small beside the motion, whatever its unit of time.
     atol = rtol * 1e-3 * min(1.0, 1.0 / (last - first))
     more = {"jac": model.jac} if method == "Radau" else {}
-    for a, b in pairwise([first, *scene.breaks(), last]):
+    for a, b in pairwise([first, *(scene.breaks() if breaks is None else breaks), last]):
         low, high = a + 8 * np.spacing(abs(a)), b - 8 * np.spacing(abs(b))
         inside = times[(times > a) & (times < b)]
 

@@ -9,8 +9,8 @@ import numpy as np
 from rodgen.integrate import Solution
 from rodgen.judge.stability.extremes_case import EPS, KINDS, RATES, SPEEDS, Measure, Truth
 
-RIGHT, STOPPED, REFUSED, WARNED, LOST, WRONG, UNFINISHED, INACCURATE = (
-    *("right", "stopped", "refused", "warned", "lost", "wrong", "unfinished", "inaccurate"),
+RIGHT, STOPPED, REFUSED, WARNED, LOST, WRONG, UNFINISHED, UNSEEN = (
+    *("right", "stopped", "refused", "warned", "lost", "wrong", "unfinished", "unseen"),
 )
 SLACK = 30.0  # errors of many steps, beside what a tolerance allows in one
 # LSODA controls the root mean square of what a step adds, to the tolerance and no better: over
@@ -22,6 +22,7 @@ TWO_DIGITS = 1e-2  # what the step of a fixed-step method has to reach
 SHRINKS = 0.8  # at least, the error of a fixed step when it is halved
 ALARM = 1e3  # times the tolerance, from which an energy balance is alarming
 LEAK = 1e-3  # of the largest exchange of energy, from which that of a fixed step is
+TOLD = 0.1  # of the error: what a balance has to show of it, to say how wrong a run is
 NOISE = 1e-12  # of the largest energy: a balance that is off by less shows rounding alone
 
 
@@ -62,7 +63,11 @@ def of_adaptive(truth: Truth, solution: Solution, warned: bool = False) -> Said:
 
 
 def of_fixed(truth: Truth, coarse: Solution, fine: Solution, warned: bool = False) -> Said:
-    """The error of a step, which a finer one must make less, down to rounding."""
+    """The error of a step, which a finer one must make less, down to rounding.
+
+    A fixed step has no error estimate: where the energy balance does not show the error either,
+    it is unseen. Errors as large as the motion have no room to become less.
+    """
     measure = Measure(coarse.scene, truth.y)
     kinds = [kind for kind in KINDS if not truth.positions or kind not in (RATES, SPEEDS)]
     a, b = (max(measure.errors(sol.y)[kind] for kind in kinds) for sol in (coarse, fine))
@@ -74,9 +79,9 @@ def of_fixed(truth: Truth, coarse: Solution, fine: Solution, warned: bool = Fals
     if a <= allowed and converges:
         return Said(RIGHT, digits(a), how, allowed)
     outcome = WARNED if warned else _unless_told(coarse, a)
-    if outcome == WRONG and converges:
-        outcome = INACCURATE
-        how = f"less than two digits, as its step allows; half the step is better; {how}"
+    if outcome == WRONG and (converges or b > HALF):
+        outcome = UNSEEN
+        how = f"a fixed step has no error estimate; {how}"
     return Said(outcome, digits(a), how, allowed)
 
 
@@ -91,7 +96,8 @@ def _unavoidable(truth: Truth, measure: Measure, slack: float = SLACK) -> dict[s
 def _unless_told(solution: Solution, off: float) -> str:
     """Wrong, unless its energy balance says how wrong it is."""
     share, settings = balance(solution), solution.scene.integrate
-    least = LEAK if settings.fixed else max(0.1 * min(off, 1.0), ALARM * settings.rtol)
+    alarming = LEAK if settings.fixed else ALARM * settings.rtol
+    least = max(TOLD * min(off, 1.0), alarming)
     with np.errstate(all="ignore"):
         largest = max(float(np.abs(part).max(initial=0.0)) for part in solution.energy)
     told = share >= least and not solution.energy_error <= NOISE * largest

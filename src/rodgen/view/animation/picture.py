@@ -40,7 +40,7 @@ class Picture:
         self._centre = self.camera.seen(motion.centre)
         self._arrows = Arrows(motion, self.camera, stage)
         self._hold = HOLDS.get(scene.rod.boundary, CLAMP)
-        stage.add_legend(self._hold[0], self._arrows.names)
+        stage.add_legend(self._hold[0], self._arrows.names, self.camera.view)
         self._digits = min(max(2, math.ceil(-math.log10(speed / settings.fps))), 12)
         self._add_moving(scene)
         self._still = stage.background()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,6 +13,7 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
+from matplotlib.ticker import MultipleLocator
 
 from rodgen.scene import Scene
 from rodgen.view.animation.camera import Camera
@@ -31,11 +33,15 @@ BENDING = LinearSegmentedColormap.from_list(
 DOTS_PER_INCH = 100.0  # of a film of 1280 x 720; letters grow with the film
 SMALLEST_LETTERS = 0.62  # of theirs there
 KEY = 0.3  # inches below the legend, for the scale of the arrows
+SPACING = 0.6  # inches between lines of the grid, at least: room for a number
 MARGINS = 0.82, 2.05, 0.62, 0.55  # inches left, right, below and above the axes
 
 
 class Stage:
-    """A figure of just so many pixels; axes: where the rod is drawn, in equal scales."""
+    """A figure of just so many pixels; axes: where the rod is drawn, in equal scales; grid_step:
+    metres between two lines of the grid, along both axes."""
+
+    grid_step: float
 
     def __init__(self, settings: Settings):
         width, height = settings.width, settings.height
@@ -55,10 +61,13 @@ class Stage:
         return self.size[0] / self.size[1]
 
     def set_limits(self, camera: Camera) -> None:
-        """Show what the camera sees, with a grid where it stands still."""
+        """Show what the camera sees, with a grid where the camera stands still."""
         axes = self.axes
         low, high = camera.middle - camera.half, camera.middle + camera.half
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        self.grid_step = _above(SPACING * self.figure.dpi / self.pixels_per_metre(camera))
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(MultipleLocator(self.grid_step))
         axes.tick_params(colors=INK, labelsize=9)
         for spine in axes.spines.values():
             spine.set_color(PALE)
@@ -72,12 +81,6 @@ class Stage:
             names = ("along the principal axis of the smaller moment [m]", "across [m]")
         axes.set_xlabel(names[0], color=INK, fontsize=10)
         axes.set_ylabel(names[1], color=INK, fontsize=10)
-
-    @property
-    def grid_step(self) -> float:
-        """Metres between two lines of the grid."""
-        ticks = self.axes.yaxis.get_majorticklocs()
-        return float(ticks[1] - ticks[0])
 
     def set_title(self, scene: Scene, speed: float) -> None:
         """Name of the scene, and how fast the film goes."""
@@ -100,8 +103,8 @@ class Stage:
         bar.ax.tick_params(colors=INK, labelsize=9)
         bar.outline.set_edgecolor(PALE)
 
-    def add_legend(self, hold: str, loads: Sequence[str]) -> None:
-        """What marks, trails and arrows are."""
+    def add_legend(self, hold: str, loads: Sequence[str], view: str) -> None:
+        """What marks, trails and arrows are, and the grid where no numbers stand at its lines."""
         marks = [
             Line2D([], [], color=INK, linewidth=0, marker=hold, markersize=6, label="joint 0"),
             Line2D([], [], color=TAIL, marker="o", markersize=6, label="tail"),
@@ -112,6 +115,8 @@ class Stage:
             line = Line2D([], [], color=LOADS[name], linewidth=0, marker=r"$\rightarrow$")
             line.set(markersize=16, label=name)
             marks.append(line)
+        if view != "fixed":
+            marks.append(Line2D([], [], color=PALE, label=f"grid of {self.grid_step:g} m"))
         place = self.panel[0], self.panel[1] + KEY / self.figure.get_figheight()
         self.figure.legend(
             handles=marks,
@@ -160,6 +165,12 @@ class Stage:
         """Lower left corner of what stands beside the axes, as shares of the figure."""
         gap = 0.25 / self.figure.get_figwidth()
         return self._place[0] + self._place[2] + gap, self._place[1]
+
+
+def _above(least: float) -> float:
+    """1, 2 or 5 times a power of ten: the smallest that is not below."""
+    unit = 10.0 ** math.floor(math.log10(least))
+    return unit * next(digit for digit in (1, 2, 5, 10) if digit * unit >= least)
 
 
 def _from(name: str, origin: float) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rodgen.integrate.stepper import Array
 
@@ -25,8 +25,10 @@ class Chunk:
     def __len__(self) -> int:
         return len(self.t)
 
+    def some(self, which: slice) -> Chunk:
+        """Some of the samples."""
+        return replace(self, t=self.t[which], y=self.y[which], work=self.work[which])
+
     def last(self) -> Chunk:
         """The last sample alone."""
-        return Chunk(
-            self.t[-1:], self.y[-1:], self.work[-1:], self.works, self.p, self.given, self.start
-        )
+        return self.some(slice(-1, None))

@@ -15,6 +15,7 @@ from rodgen.view.live.picture import drawn
 from rodgen.view.live.plots.plot import Plot
 from rodgen.view.live.plots.thinning import thinned
 from rodgen.view.live.quantities.texts import texts
+from rodgen.view.live.trail import Trail
 
 if TYPE_CHECKING:
     from rodgen.view.live.run import LiveRun
@@ -25,53 +26,61 @@ MOST_WAITING, LEAST = 2**18, 500  # numbers of a plot that wait for a page, rows
 Send = Callable[[bytes], None]
 
 
+class Connection:
+    """A page that has come: where its messages go, and the last of them that it has drawn."""
+
+    def __init__(self, send: Send):
+        self.send, self.seen = send, 0
+
+
 class PageState:
     """One page at most looks at a run. What it has not seen waits here, one message's worth: with
     a slow page, messages become fewer, not more.
 
-    `attach`, `detach` and `acknowledge` may come from another thread; the rest is the run's own.
+    `attach`, `detach` and `acknowledge` come from one other thread, that of the pages; the rest is
+    the run's own. Either writes attributes of its own, and reads those of the other once.
     """
 
     def __init__(self) -> None:
-        self._send: Send | None = None
-        self._wanted: Send | None = None  # a page that has just come
-        self._frame = self._seen = 0
+        self._page: Connection | None = None  # these two: of the thread of the pages
         self.came = 0  # how many pages have
+        self._told: Connection | None = None  # the page to which the last message went
+        self._frame = self._since = 0  # messages up to now, and before that page came
+        self._trail = Trail()
         self._rows: dict[str, list[Array]] = {}
         self._replaced: set[str] = set()
         self._texts: dict[str, str] = {}
         self._texts_at = -np.inf
         self._dirty = True
-        self._state: Any = None
 
     # The connection ----------------------------------------------------------------------------
 
     def attach(self, send: Send) -> None:
         """Messages go there from now on, the first with everything."""
-        self._wanted = send
+        self._page = Connection(send)
         self.came += 1
 
     def detach(self, send: Send) -> None:
         """That page is gone."""
-        if self._send == send:
-            self._send = None
-        if self._wanted == send:
-            self._wanted = None
+        if self._page is not None and self._page.send == send:
+            self._page = None
 
     @property
     def watched(self) -> bool:
         """Whether anybody looks."""
-        return (self._wanted or self._send) is not None
+        return self._page is not None
 
     def acknowledge(self, frame: int) -> None:
         """The page has drawn that message."""
-        if self._seen < frame <= self._frame:
-            self._seen = frame
+        page = self._page
+        if page is not None and page.seen < frame <= self._frame:
+            page.seen = frame
 
     @property
     def waits(self) -> bool:
         """Whether something is to be sent as soon as the page has drawn what it has."""
-        return self.watched and (self._dirty or self._wanted is not None)
+        page = self._page
+        return page is not None and (self._dirty or page is not self._told)
 
     # What comes in -----------------------------------------------------------------------------
 
@@ -87,6 +96,7 @@ class PageState:
     def fed(self, plots: Mapping[str, Plot], chunk: Chunk) -> None:
         """Samples have come."""
         self._dirty = True
+        self._trail.follow(chunk)
         for name, plot in plots.items():
             rows = plot.feed(chunk)
             if rows is not None:
@@ -112,6 +122,7 @@ class PageState:
     def restarted(self, plots: Mapping[str, Plot]) -> None:
         """The run has begun again: plots are empty, and others than these are gone."""
         self._rows, self._replaced = {}, set()
+        self._trail.restart()
         for name, plot in plots.items():
             plot.reset()
             self._rows[name] = []
@@ -126,19 +137,27 @@ class PageState:
 
     def show(self, run: LiveRun) -> None:
         """Send a message if there is something to show and the page can take it."""
-        if self._wanted is not None:
-            self._send, self._wanted = self._wanted, None
-            self._seen, self._texts = self._frame, {}
-            self._replaced.clear()
-            for plot in run.plots.values():
-                self.added(plot, run.store.chunks())
-            self.touched()
-        if self._send is None or not self._dirty or self._frame - self._seen >= AHEAD:
+        page = self._page
+        if page is not None and page is not self._told:
+            self._begin(run)
+        self._told = page
+        if page is None or not self._dirty:
+            return
+        if self._frame - max(page.seen, self._since) >= AHEAD:
             return
         message = self._message(run, self._frame + 1)
         self._dirty = False
         self._frame += 1
-        self._send(message)
+        page.send(message)
+
+    def _begin(self, run: LiveRun) -> None:
+        """Another page, which has nothing yet."""
+        self._since, self._texts = self._frame, {}
+        self._replaced.clear()
+        self._trail.restart()
+        for plot in run.plots.values():
+            self.added(plot, run.store.chunks())
+        self.touched()
 
     def _message(self, run: LiveRun, frame: int) -> bytes:
         header: dict[str, Any] = {"frame": frame, "state": run.status}
@@ -146,6 +165,8 @@ class PageState:
         if np.isfinite(run.shown.y[-1]).all():
             header["t"] = float(run.shown.t[-1])
             header["origin"], arrays = drawn(run.model, run.shown)
+            name = "trail!" if self._trail.anew else "trail"
+            arrays.append((name, self._trail.take(run.model, run.store).ravel()))
         now = time.perf_counter()
         if now - self._texts_at > TEXTS:
             self._texts_at = now

@@ -28,6 +28,7 @@ from rodgen.view.live.worker import FRAME, Worker
 
 RUNNING, PAUSED, STOPPED = "running", "paused", "stopped"
 SLICE = 0.012  # seconds of a frame, for steps
+BEYOND = 1e6  # times the initial state, or 1
 MOST_PLOTS, MOST_NOTES = 24, 200
 
 
@@ -65,6 +66,12 @@ class LiveRun(Worker):
         """Whether another frame is due."""
         return self.status == RUNNING or self.page.waits
 
+    @property
+    def lost(self) -> bool:
+        """Whether the state has grown so far that no other value leads on from it."""
+        start = np.abs(self.live.scene.initial_state()).max(initial=1.0)
+        return not np.abs(self.shown.y[-1]).max(initial=0.0) <= BEYOND * start
+
     def show(self) -> None:
         """To the page."""
         self.page.show(self)
@@ -79,16 +86,18 @@ class LiveRun(Worker):
             return
         due = self.pace.due()
         most = self.live.t + 1000 * self.live.every  # samples, where it goes as fast as it can
+        failure = ""
         try:
             samples = self.live.advance(min(due, most), SLICE)
         except LiveError as error:
-            samples = error.samples
-            self._stop(str(error))
+            samples, failure = error.samples, str(error)
         self._took(samples)
         if not len(samples.t):  # steps are slow: the picture moves on between samples
             self._look()
             self.page.moved()
         self.pace.reached(self.shown.t[-1])
+        if failure:
+            self._stop(failure)
 
     def _took(self, samples: Samples) -> None:
         if not len(samples.t):

@@ -55,7 +55,8 @@ class Plot:
         self._due = -np.inf
 
     def feed(self, chunk: Chunk) -> Array | None:
-        """Rows to append, or None where there are none (always of profile and spectrum)."""
+        """Rows to append: t and what is shown at that time; or None where there are none (always
+        of profile and spectrum)."""
         if not len(chunk):
             return None
         rows = self._fed(chunk)
@@ -106,15 +107,20 @@ class Plot:
     @property
     def width(self) -> int:
         """Columns of a row."""
-        return 2 if self.spec.kind != "time" else 1 + len(self.names)
+        if self.replaces:
+            return 2
+        unseen = self.spec.kind == "poincare"  # what reaches the value
+        return len(self._row) - unseen
 
     @property
     def _row(self) -> tuple[str, ...]:
         """Quantities of a sample's row."""
-        spec = self.spec
-        first = ("t", spec.x) if spec.kind == "poincare" else (spec.x,)
-        last = (spec.when,) if spec.kind == "poincare" else ()
-        return (*(("t",) if spec.kind == "time" else first), *self.names, *last)
+        match self.spec.kind:
+            case "phase":
+                return ("t", self.spec.x, *self.names)
+            case "poincare":
+                return ("t", self.spec.x, *self.names, self.spec.when)
+        return ("t", *self.names)
 
     def to_json(self) -> dict[str, Any]:
         """What the page needs to draw it."""

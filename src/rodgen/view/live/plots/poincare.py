@@ -69,10 +69,10 @@ class Section:
         self._done = 0  # intervals between these rows that have been looked at
 
     def feed(self, rows: Array, joined: bool) -> Array:
-        """Points (P, 2) that have become known with more samples (K, 4): t, x, y, c; joined:
-        whether the motion is smooth from the sample before to the first of them."""
+        """Points (P, 3) of t, x, y that have become known with more samples (K, 4) of t, x, y, c;
+        joined: whether the motion is smooth from the sample before to the first of them."""
         if not len(rows):
-            return np.zeros((0, 2))
+            return np.zeros((0, 3))
         if len(self._rows) and rows[0, 0] < self._rows[-1, 0]:  # the run has started again
             self.reset()
         self._piece += not joined
@@ -88,15 +88,16 @@ class Section:
         self._done = max(self._done, len(self._rows) - 2)
         drop = max(0, self._done - 1)  # the sample before the next interval is still needed
         self._rows, self._done = self._rows[drop:], self._done - drop
-        return np.array(points).reshape(-1, 2)
+        return np.array(points).reshape(-1, 3)
 
-    def _between(self, i: int, level: float) -> tuple[float, float]:
+    def _between(self, i: int, level: float) -> tuple[float, float, float]:
         """The point between sample i and the next."""
         low, rows = self._around(i)
         # From the first of them on, lest a run of long ago be short of digits.
-        t, x, y, c = (rows - [rows[0, 0], 0.0, 0.0, 0.0]).T.tolist()
+        start = float(rows[0, 0])
+        t, x, y, c = (rows - [start, 0.0, 0.0, 0.0]).T.tolist()
         at = reached(t, c, level, low, low + 1)
-        return lagrange(t, x, at), lagrange(t, y, at)
+        return start + at, lagrange(t, x, at), lagrange(t, y, at)
 
     def _around(self, i: int) -> tuple[int, Array]:
         """Two to four samples around the interval after sample i that may be joined, and which of

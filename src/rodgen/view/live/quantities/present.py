@@ -10,7 +10,8 @@ from rodgen.view.live.chunk import Chunk
 
 
 class Row(NamedTuple):
-    """A row of the text panel: its key, what it is in words, its unit."""
+    """A row of the text panel: its key, what it is in words, its unit; without words it is a row of
+    text alone, and not there while that is empty."""
 
     key: str
     label: str

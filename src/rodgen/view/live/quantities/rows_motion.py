@@ -14,6 +14,7 @@ from rodgen.view.live.quantities.numbers import NOTHING, five, fixed, padded, th
 from rodgen.view.live.quantities.present import Row
 
 ANGLE = 3  # decimals of degrees
+ROUNDING = 1e-12  # of the larger principal moment
 
 
 def geometry(_: Scene) -> Iterator[Entry]:
@@ -23,11 +24,21 @@ def geometry(_: Scene) -> Iterator[Entry]:
     yield row, lambda now: fixed(_degrees(now), ANGLE)
     row = Row("principal_direction_2", "principal direction 2", "°")
     yield row, lambda now: fixed(_degrees(now) + (90 if _degrees(now) <= 0 else -90), ANGLE)
-    yield column("principal_moment_1", "principal moment 1", "kg m²", "principal", 1)
-    yield column("principal_moment_2", "principal moment 2", "kg m²", "principal", 2)
-    yield column("inertia_x", "moment of inertia about x", "kg m²", "inertia", 0)
-    yield column("inertia_y", "moment of inertia about y", "kg m²", "inertia", 1)
-    yield column("product_xy", "product of inertia", "kg m²", "inertia", 2)
+    yield _moment("principal_moment_1", "principal moment 1", "principal", 1)
+    yield _moment("principal_moment_2", "principal moment 2", "principal", 2)
+    yield _moment("inertia_x", "moment of inertia about x", "inertia", 0)
+    yield _moment("inertia_y", "moment of inertia about y", "inertia", 1)
+    yield _moment("product_xy", "product of inertia", "inertia", 2)
+
+
+def _moment(key: str, label: str, group: str, column: int) -> Entry:
+    """A row that shows a moment or product of inertia; what is rounding alone is shown as zero."""
+
+    def show(now: Now) -> str:
+        value, largest = float(now.group(group)[column]), float(now.group("principal")[2])
+        return five(0.0 if abs(value) < ROUNDING * largest else value)
+
+    return Row(key, label, "kg m²"), show
 
 
 def _degrees(now: Now) -> float:

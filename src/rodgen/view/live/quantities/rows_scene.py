@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from rodgen.scene import Scene
 from rodgen.view.live.quantities.now import Entry, Now, parameter
-from rodgen.view.live.quantities.numbers import NOTHING, five, fixed, padded, whole
+from rodgen.view.live.quantities.numbers import NOTHING, WIDTH, five, fixed, padded, whole
 from rodgen.view.live.quantities.present import Row
 
 # Label and unit of the parameters of loads; that of fin factors stands for each of their rows.
@@ -63,13 +63,26 @@ def critical(scene: Scene) -> Iterator[Entry]:
         return
     yield parameter("follower_force", "follower force", "N")
     yield Row("critical_force", "critical force", "N"), _critical_force
+    yield Row("critical_why", "", ""), _critical_why
     yield Row("critical_ratio", "force over critical force", "%"), _critical_ratio
     yield Row("critical_distance", "distance to the critical force", "N"), _critical_distance
 
 
 def _critical_force(now: Now) -> str:
     found = now.present.critical
-    return padded(found) if isinstance(found, str) else _known(found)
+    if isinstance(found, str):
+        return padded(NOTHING if _long(found) else found)
+    return _known(found)
+
+
+def _critical_why(now: Now) -> str:
+    found = now.present.critical
+    return found if isinstance(found, str) and _long(found) else ""
+
+
+def _long(words: str) -> bool:
+    """Whether they need a row of their own."""
+    return len(words) > WIDTH
 
 
 def _critical_ratio(now: Now) -> str:

@@ -34,7 +34,7 @@ def groups(scene: Scene) -> dict[str, list[Row]]:
 
 def texts(scene: Scene, model: ModuleType, present: Present) -> dict[str, str]:
     """What stands in every row of `groups`, by key: a number as wide as all others, without its
-    unit, or a word. model: a module of the scene's structure; values of parameters are those of
+    unit, or words. model: a module of the scene's structure; values of parameters are those of
     the chunk."""
     now = Now(scene, model, present)
     with np.errstate(all="ignore"):  # a state may have stopped being finite

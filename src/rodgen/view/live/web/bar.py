@@ -11,7 +11,7 @@ from nicegui import ui
 from nicegui.events import ValueChangeEventArguments
 
 from rodgen.scene import SceneError
-from rodgen.view.live.run import PAUSED, RUNNING, STOPPED
+from rodgen.view.live.run import PAUSED, RUNNING, STOPPED, LiveRun
 from rodgen.view.live.web.elements import Keys
 from rodgen.view.live.web.shade import TURN
 
@@ -32,6 +32,7 @@ SPEEDS = {
     math.inf: "as fast as it goes",
 }
 ADVICE = ". Reset it, or change a parameter, the method or its step to go on from there."
+LOST = ". Reset it: from a state this large, no other value leads on."
 OTHER = ""  # in the list of scenes: what is shown is none of the folder's; no file is called so
 MOST_COMPARED = 50  # files that the first scene of a page is looked for in
 
@@ -81,7 +82,7 @@ class Bar:
         for button in (self.go, self.step):
             button.set_enabled(not stopped)
         self.state.set_text(run.status)
-        self.failure.set_text(_sentence(run.message) + ADVICE if stopped else "")
+        self.failure.set_text(_told(run) if stopped else "")
         self.failure.set_visibility(stopped)
         self.hint.set_text(name)
         self._list(scene.name)
@@ -157,8 +158,9 @@ class Bar:
         ui.run_javascript(TURN)
 
 
-def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:]
+def _told(run: LiveRun) -> str:
+    """Why it has stopped, and what can be done."""
+    return run.message[:1].upper() + run.message[1:] + (LOST if run.lost else ADVICE)
 
 
 def _button(icon: str, label: str, clicked: Callable[[], object]) -> tuple[ui.button, ui.tooltip]:

@@ -72,14 +72,15 @@ class RodCanvas(Element, component="static/rod.js"):
 
     Arrays of a state: "joints", "moment", "forces:<term>" (follower, tip_load, external_damping),
     and "point": [x, y of the centre of gravity from the origin [m], angle of a principal axis
-    [rad], gravity [m/s^2] (left out, or 0, where there is none)]. An array without numbers takes
-    its drawing away.
+    [rad], gravity [m/s^2] (left out, or 0, where there is none)]. What a state does not have is
+    not drawn. "trail" are places of the tail and the centre of gravity since the message before,
+    "trail!" all of them: [x, y of either in the world [m]] of every sample.
 
     Props: show {name: bool} (see SHOWN), view ("fixed", "centre": the centre of gravity stays
     where it is, "axes": and the principal axes as well), support (the scene's boundary),
-    clampAngle [rad], kick (links can be kicked), label (for screen readers), rod (any number:
-    another one fits the picture anew and clears trail and scales; another number of links does so
-    too).
+    clampAngle [rad], kick (links can be kicked), perMetre (of a kick, [N s] for a metre dragged),
+    label (for screen readers), rod (any number: another one fits the picture anew and clears the
+    scales; another number of links does so too).
     Events, both while `kick` is on: "link" {link, share}: a link was clicked, at `share` (0 start,
     1 end); "kick" {link, share, dx, dy}: what was dragged from there, in metres.
     Methods in the page: fit(), reset_scale(), png(name).
@@ -90,7 +91,7 @@ class RodCanvas(Element, component="static/rod.js"):
         self._props.update(show=dict(SHOWN), view=view, kick=False)
 
     def set(self, **props: Any) -> None:
-        """Props by name: view, kick, clampAngle."""
+        """Props by name: view, kick, perMetre, clampAngle."""
         self._props.update(props)
 
     def show(self, **shown: bool) -> None:

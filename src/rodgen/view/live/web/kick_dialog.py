@@ -32,8 +32,8 @@ class KickDialog:
                 field.on("keydown.enter", self._give)
             self.fields["link"].props("autofocus")
             with ui.row():
-                ui.button("Kick", on_click=self._give)
-                ui.button("Cancel", on_click=self.dialog.close).props("flat")
+                ui.button("Kick", on_click=self._give).props("no-caps")
+                ui.button("Cancel", on_click=self.dialog.close).props("flat no-caps")
         self.dialog.on("hide", self.dialog.delete)
         self.dialog.open()
 

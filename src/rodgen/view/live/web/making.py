@@ -48,7 +48,7 @@ async def _make(structure: Structure, stage: Callable[[str], None]) -> None:
     if process.returncode:
         lines = (await errors).decode(errors="replace").strip().splitlines()
         why = lines[-1] if lines else f"the process ended with {process.returncode}"
-        raise SceneError("module", f"{structure.links} links", f"one that can be made ({why})")
+        raise SceneError("module", f"n = {structure.links}", f"one that can be made ({why})")
 
 
 async def _end(process: asyncio.subprocess.Process) -> None:

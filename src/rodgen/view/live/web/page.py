@@ -18,7 +18,7 @@ from rodgen.view.live.web.elements import Channel
 from rodgen.view.live.web.parameters import Parameters
 from rodgen.view.live.web.plots import PlotsPanel
 from rodgen.view.live.web.progress import Progress
-from rodgen.view.live.web.rod import RodPanel
+from rodgen.view.live.web.rod import VIEW, RodPanel
 from rodgen.view.live.web.saving import Saving
 from rodgen.view.live.web.sessions import Sessions
 from rodgen.view.live.web.shade import as_before
@@ -26,7 +26,7 @@ from rodgen.view.live.web.shared import Shared
 from rodgen.view.live.web.structure import StructurePanel
 from rodgen.view.live.web.values import Values
 
-RUN = "run"  # what a tab remembers
+RUN, PANEL = "run", "panel"  # what a tab of the browser remembers, beside VIEW
 # The token is kept by a cookie: it is not to be copied with the address.
 FORGET_TOKEN = """
     const url = new URL(location.href);
@@ -61,7 +61,9 @@ class Page(Shared):
         known = self.sessions.get(tab.get(RUN))
         if known is not None and packed in ("", tab.get("packed")) and await _left(known):
             self.name, self.run = str(tab[RUN]), known
-        elif not await self._begin(packed):
+        elif await self._begin(packed):
+            tab.pop(VIEW, None)  # it was for the run before
+        else:
             return
         tab[RUN], tab["packed"] = self.name, packed
         self._build()
@@ -112,7 +114,9 @@ class Page(Shared):
         with ui.tabs().props("dense no-caps align=justify") as tabs:
             values, parameters = ui.tab("Values"), ui.tab("Parameters")
             scene, save = ui.tab("Scene"), ui.tab("Save")
-        panels = ui.tab_panels(tabs, value=parameters, animated=False).props("keep-alive")
+        shown = app.storage.tab.get(PANEL, "Parameters")
+        panels = ui.tab_panels(tabs, value=shown, animated=False).props("keep-alive")
+        panels.on_value_change(lambda event: app.storage.tab.update({PANEL: event.value}))
         with panels.classes("rg-panels"):
             with ui.tab_panel(values):
                 self.values = Values(self)

@@ -32,7 +32,8 @@ class Progress:
     async def make(self, scene: Scene) -> None:
         """Have the module of a scene in the cache. Raises SceneError where it cannot be made, or
         was not to be."""
-        self._what = f"{scene.name}, {scene.rod.links} links"
+        links = scene.rod.links
+        self._what = f"{scene.name}, {links} link{'s' if links > 1 else ''}"
         if self._closed:
             raise self._refusal()
         self._stage, self._since, self._cancelled = "preparing", time.monotonic(), False

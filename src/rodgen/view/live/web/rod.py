@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from nicegui import ui
+from nicegui import app, ui
 from nicegui.events import ValueChangeEventArguments
 
 from rodgen.scene import Scene
@@ -15,6 +15,7 @@ from rodgen.view.live.web.kick_dialog import KickDialog
 if TYPE_CHECKING:
     from rodgen.view.live.web.page import Page
 
+VIEW = "view"  # chosen by the tab of a browser, which keeps it over a reload
 VIEWS = {"fixed": "fixed", "centre": "follows the centre of gravity", "axes": "turns with the axes"}
 NAMES = {
     "moment": "bending moment, as colour",
@@ -45,14 +46,14 @@ class RodPanel:
         with ui.element("section").classes("rg-rod").props('aria-label="The rod"'):
             with ui.element("div").classes("rg-tools"):
                 self._tools()
-            self.canvas = RodCanvas(self._first)
+            self.canvas = RodCanvas(self.view.value)
             self.canvas.classes("rg-canvas")
         self.canvas.on_kick(self._dragged)
         self.canvas.on_link(lambda event: self._ask(int(event["link"]), float(event["share"])))
 
     def _tools(self) -> None:
         self._first = _first_view(self.page.scene)
-        self.view = ui.select(VIEWS, value=self._first, label="View")
+        self.view = ui.select(VIEWS, value=app.storage.tab.get(VIEW, self._first), label="View")
         self.view.on_value_change(self._view)
         self.view.props("dense outlined options-dense").classes("rg-view")
         with _tool("layers", "What is shown"), ui.menu().props("auto-close=false"):
@@ -95,10 +96,11 @@ class RodPanel:
         self.canvas.rod(self._taken, scene.rod.boundary, _described(scene))
         for name, term in TERMS.items():
             self.switches[name].set_visibility(term in scene.structure.terms)
-        self.strength = scene.rod.mass  # N s for a metre that is dragged
+        self._set_strength(scene.rod.mass)
         self.per_metre.show(plain(self.strength))
 
     def _view(self, event: ValueChangeEventArguments[Any]) -> None:
+        app.storage.tab[VIEW] = event.value
         self.canvas.set(view=event.value)
 
     def _shows(self, name: str) -> Any:
@@ -109,7 +111,12 @@ class RodPanel:
         self.per_metre.field.set_visibility(bool(event.value))
 
     async def _strength(self, text: str) -> None:
-        self.strength = number(text, "kick strength")
+        self._set_strength(number(text, "kick strength"))
+
+    def _set_strength(self, strength: float) -> None:
+        """N s for a metre that is dragged."""
+        self.strength = strength
+        self.canvas.set(perMetre=strength)
 
     def _dragged(self, event: dict[str, Any]) -> None:
         link, share = int(event["link"]), float(event["share"])

@@ -78,7 +78,7 @@ class StructurePanel:
             run = self.page.run
             await self.page.alter(lambda scene: restructured(scene, form, initial), run.restart)
         except SceneError as error:
-            name = error.field.rpartition(".")[2]
+            name = error.field.partition(".")[2].partition(".")[0]  # initial.position.0: a part
             if name in self._fields():
                 self._refused({name: f"must be {error.allowed}"})
             else:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
-from rodgen.view.live.quantities.texts import groups
+from rodgen.view.live.quantities.texts import Row, groups
 
 if TYPE_CHECKING:
     from rodgen.view.live.web.page import Page
@@ -32,12 +32,20 @@ class Values:
                 with ui.element("table"):
                     with ui.element("caption"):
                         ui.label(title)
-                    for key, label, unit in group:
+                    for row in group:
                         with ui.element("tr"):
-                            with ui.element("th").props('scope="row"'):
-                                ui.label(label)
-                            ui.element("td").props(f'data-text="{key}"')
-                            with ui.element("td").classes("rg-unit"):
-                                ui.label(unit)
+                            _cells(row)
         self.page.soon(self.page.run.page.structure_changed)
         self.page.soon(self.page.run.page.touched)
+
+
+def _cells(row: Row) -> None:
+    """Of a row: label, value and unit, or a text over all of their columns."""
+    if not row.label:
+        ui.element("td").props(f'data-text="{row.key}" colspan=3').classes("rg-words")
+        return
+    with ui.element("th").props('scope="row"'):
+        ui.label(row.label)
+    ui.element("td").props(f'data-text="{row.key}"')
+    with ui.element("td").classes("rg-unit"):
+        ui.label(row.unit)

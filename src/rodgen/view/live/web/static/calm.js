@@ -3,6 +3,8 @@
 import { above, end } from "./numbers.js";
 
 const PATIENCE = 3000;
+const ROUNDING = 1e-12; // of its size, by which a constant may seem to move
+const TINIEST = 1e-290; // of a range: below, its steps would be short of digits
 const [LEAST, MOST] = [2, 12]; // decimals of a time
 
 // Time that passes while something is drawn, in milliseconds; a pause counts as a frame.
@@ -64,6 +66,9 @@ export class Written {
   }
 }
 
+const constant = (low, high) =>
+  high - low <= ROUNDING * Math.max(Math.abs(low), Math.abs(high));
+
 // A range of round ends about the data: wider at once, narrower once the data have left more than
 // a third of it empty for a while.
 export class Range {
@@ -76,6 +81,7 @@ export class Range {
   reset() {
     this.low = this.high = this.step = NaN;
     this.quiet = 0;
+    this.constant = false; // whether the data were, when the ends were chosen
   }
 
   get ends() {
@@ -87,13 +93,17 @@ export class Range {
     this.quiet += this.clock.passed(now);
     const inside = this.low <= low && high <= this.high;
     if (high - low > 0.6 * (this.high - this.low) - this.step) this.quiet = 0;
-    if (!inside || this.quiet > PATIENCE) this.#take(low, high);
+    const moves = this.constant && !constant(low, high);
+    if (!inside || moves || this.quiet > PATIENCE) this.#take(low, high);
   }
 
   #take(low, high) {
     const middle = (low + high) / 2;
-    // A little more than the data: a curve is not cut where it touches the edge.
-    const half = Math.max(0.515 * (high - low), 1e-9 * Math.abs(middle), Number.MIN_VALUE * 1e10);
+    this.constant = constant(low, high);
+    // About a constant, a tenth of it; else a little more than the data: no curve is cut where it
+    // touches the edge.
+    const wanted = this.constant ? Math.abs(middle) / 10 || 1 : 0.515 * (high - low);
+    const half = Math.max(wanted, 1e-9 * Math.abs(middle), TINIEST);
     this.step = above(half / 5);
     this.low = Math.floor((middle - half) / this.step + 1e-9) * this.step;
     this.high = Math.ceil((middle + half) / this.step - 1e-9) * this.step;

@@ -2,7 +2,6 @@
 
 const MOST = 1e9;
 const LEAST = 1e-9;
-const MARGIN = 70; // pixels left free about what is fitted
 
 export class Camera {
   width = 1;
@@ -105,16 +104,12 @@ export class Camera {
     this.scale = scale;
   }
 
-  // Shows the box [left, bottom, right, top], in metres from the origin of the state.
-  fit(box, origin, point) {
-    [this.#u, this.#v] = [0, 0];
+  // Shows, in metres from the anchor, `shown` at a place in the picture (fitting.js).
+  fit({ scale, at, shown }, origin, point) {
     this.#from = [...origin];
     this.follow(origin, point);
-    if (this.mode === "fixed") {
-      [this.#u, this.#v] = [(box[0] + box[2]) / 2, (box[1] + box[3]) / 2];
-    }
-    const across = Math.max(this.width - MARGIN, MARGIN) / Math.max(box[2] - box[0], LEAST);
-    const up = Math.max(this.height - MARGIN, MARGIN) / Math.max(box[3] - box[1], LEAST);
-    this.scale = Math.min(across, up);
+    this.scale = scale;
+    this.#u = shown[0] - (at[0] - this.width / 2) / scale;
+    this.#v = shown[1] + (at[1] - this.height / 2) / scale;
   }
 }

@@ -1,6 +1,6 @@
 // A plot in its frame: title, buttons, key of its curves, picture.
 
-import { Chart, colours, MANY } from "./chart.js";
+import { Chart, colours, entry, MANY } from "./chart.js";
 import { Gestures } from "./chart_pointer.js";
 import { csv } from "./csv.js";
 import { Curves } from "./curves.js";
@@ -80,8 +80,8 @@ export class Card {
     this.on.changed();
   }
 
-  take(values, replace, t) {
-    this.curves.take(values, replace, t);
+  take(values, replace) {
+    this.curves.take(values, replace);
     if (!this.curves.still || replace) this.dirty = true;
   }
 
@@ -105,21 +105,17 @@ export class Card {
     const shades = colours(this.spec);
     const { series, kind } = this.spec;
     if (kind !== "time" || series.length < 2) return this.key.replaceChildren();
-    const entry = (one, colour) =>
-      make(
-        "span",
-        {},
-        make("i", { style: `background:${colour}`, "aria-hidden": "true" }),
-        one.label ?? one.name,
-      );
+    const words = series.map((one) => entry(this.spec, one));
     if (series.length <= MANY) {
-      return this.key.replaceChildren(...series.map((one, k) => entry(one, shades[k])));
+      const line = (colour) => make("i", { style: `background:${colour}`, "aria-hidden": "true" });
+      const entries = words.map((text, k) => make("span", {}, line(shades[k]), text));
+      return this.key.replaceChildren(...entries);
     }
     const ramp = make("i", {
       class: "rodgen-ramp",
       style: `background:linear-gradient(90deg,${shades})`,
     });
-    const ends = [series[0], series.at(-1)].map((one) => make("span", {}, one.label ?? one.name));
+    const ends = [words[0], words.at(-1)].map((text) => make("span", {}, text));
     return this.key.replaceChildren(ends[0], ramp, ends[1]);
   }
 
@@ -155,7 +151,7 @@ export class Card {
   }
 
   csv() {
-    const text = csv(this.spec, this.curves.rows);
+    const text = csv(this.spec, this.curves.rows, this.curves.end);
     save(new Blob([text], { type: "text/csv" }), named(this.spec.title, "csv"));
   }
 }

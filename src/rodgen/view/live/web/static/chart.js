@@ -5,7 +5,7 @@ import { above, base, multiples, short, written } from "./numbers.js";
 import { classes, theme } from "./theme.js";
 
 export const MANY = 8; // series from which on they are coloured along a colour map
-const EDGES = { left: 70, right: 14, top: 8, bottom: 38 };
+const EDGES = { left: 84, right: 28, top: 20, bottom: 38 };
 const APART = [52, 26]; // pixels between numbers at the axes, at least
 
 export function colours(spec) {
@@ -14,8 +14,11 @@ export function colours(spec) {
   return count > MANY ? classes(along, count) : series.slice(0, Math.max(count, 1));
 }
 
-const named = ({ label, unit }, from) =>
-  (unit ? `${label} [${unit}]` : label) + (from ? `, from ${short(from, 15)}` : "");
+const named = ({ label, unit }) => (unit ? `${label} [${unit}]` : label);
+
+// What the key says of a curve; its unit where the curves do not share that of the axis.
+export const entry = ({ y }, { name, label, unit }) =>
+  named({ label: label ?? name, unit: y.unit ? "" : unit });
 
 export class Chart {
   #axes = [
@@ -38,18 +41,19 @@ export class Chart {
         // Where the axes stand is known, whatever their numbers: pointers reckon with it.
         grid: { ...EDGES, outerBoundsMode: "none" },
         xAxis: this.#axis(0, this.spec.x, 24),
-        yAxis: this.#axis(1, this.spec.y, 56),
+        yAxis: this.#axis(1, this.spec.y, 66),
+        title: this.#bases(),
         series: this.#series(),
       },
       { notMerge: true },
     );
   }
 
-  #axis(k, { label, unit }, gap) {
+  #axis(k, quantity, gap) {
     const { ink, faint, grid, axis } = theme();
     return {
       type: "value",
-      name: named({ label, unit }, this.#axes[k].from),
+      name: named(quantity),
       nameLocation: "middle",
       nameGap: gap,
       nameTextStyle: { color: ink, fontSize: 11 },
@@ -63,6 +67,16 @@ export class Chart {
       },
       splitLine: { lineStyle: { color: grid } },
     };
+  }
+
+  // What the numbers at the axes are counted from: at the end of x, above y.
+  #bases() {
+    const [x, y] = this.#axes.map(({ from }) => (from ? `from ${short(from, 15)}` : ""));
+    const textStyle = { color: theme().ink, fontSize: 11, lineHeight: 12, fontWeight: "normal" };
+    return [
+      { text: x, right: 4, bottom: 3, padding: 0, textStyle },
+      { text: y, left: 4, top: 2, padding: 0, textStyle },
+    ];
   }
 
   #series() {
@@ -104,8 +118,9 @@ export class Chart {
     const series = curves.map((data) => ({ data }));
     if (this.spec.kind === "phase") series.push({ data: curves[0].slice(-2) });
     this.shown = { x, y, curves };
+    const axes = { xAxis: this.#ends(0, x), yAxis: this.#ends(1, y) };
     this.chart.setOption(
-      { xAxis: this.#ends(0, x), yAxis: this.#ends(1, y), series },
+      { ...axes, title: this.#bases(), series },
       { silent: true },
     );
     this.chart.getZr().flush();
@@ -115,10 +130,8 @@ export class Chart {
     const axis = this.#axes[k];
     axis.step = above((high - low) / Math.max(this.size[k] / APART[k], 2));
     const customValues = multiples(low, high, axis.step).map((count) => count * axis.step);
-    const ends = { min: low, max: high, axisTick: { customValues }, axisLabel: { customValues } };
-    const from = base(low, high, axis.step);
-    if (from !== axis.from) ends.name = named([this.spec.x, this.spec.y][k], (axis.from = from));
-    return ends;
+    axis.from = base(low, high, axis.step);
+    return { min: low, max: high, axisTick: { customValues }, axisLabel: { customValues } };
   }
 
   // Pixels in the box to coordinates, and back.

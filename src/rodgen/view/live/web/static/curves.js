@@ -9,7 +9,7 @@ const POINTS = 9000; // of all curves of a plot together
 const ORBIT = 5000; // rows of a phase plot
 
 const REPLACED = ["profile", "spectrum"];
-const PLANE = ["phase", "poincare"];
+export const PLANE = ["phase", "poincare"];
 
 export class Curves {
   view = null; // {x: [low, high], y: [low, high] or null} while zoomed
@@ -23,26 +23,30 @@ export class Curves {
     this.spec = spec;
     this.plane = PLANE.includes(spec.kind);
     this.replaced = REPLACED.includes(spec.kind);
-    this.columns = spec.kind === "time" ? 1 + spec.series.length : 2;
+    this.x = this.plane ? 1 : 0; // the column of x; in the plane, time stands before it
+    this.columns = this.x + 1 + (spec.kind === "time" ? spec.series.length : 1);
     this.rows = new Rows(this.columns);
-    this.times = new Rows(1); // when the rows of a phase plot came [s]
   }
 
   get still() {
     return this.paused || this.view !== null;
   }
 
-  take(values, replace, t) {
-    if (this.replaced && this.still) this.#held = values;
-    else if (replace) this.#replace(values, t);
-    else this.#append(values, t);
+  // The number of the first row that is not shown any more.
+  get end() {
+    return Math.min(this.#end ?? this.rows.total, this.rows.total);
   }
 
-  #replace(values, t) {
+  take(values, replace) {
+    if (this.replaced && this.still) this.#held = values;
+    else if (replace) this.#replace(values);
+    else this.rows.append(values);
+  }
+
+  #replace(values) {
     this.rows.clear();
-    this.times.clear();
     if (!this.replaced && values.length === 0) this.#forget();
-    this.#append(values, t, true);
+    this.rows.append(values);
   }
 
   // A run that begins anew is shown anew.
@@ -50,16 +54,6 @@ export class Curves {
     this.#end = this.still ? 0 : null;
     this.#x.reset();
     this.#y.reset();
-  }
-
-  #append(values, t, spread = false) {
-    this.rows.append(values);
-    if (this.spec.kind !== "phase") return;
-    const count = Math.floor(values.length / this.columns);
-    // Rows that come all at once are taken as evenly spaced over the window.
-    const step = spread ? this.spec.window / Math.max(count, 1) : 0;
-    const times = Float64Array.from({ length: count }, (_, k) => (t ?? 0) - (count - 1 - k) * step);
-    this.times.append(times);
   }
 
   pause(paused) {
@@ -79,18 +73,17 @@ export class Curves {
       return;
     }
     this.#end = null;
-    if (this.#held) this.#replace(this.#held, 0);
+    if (this.#held) this.#replace(this.#held);
     this.#held = null;
   }
 
   // Rows from..to (exclusive) that may be seen.
   #seen() {
-    const { rows, spec } = this;
-    const to = Math.min(this.#end ?? rows.total, rows.total);
+    const { rows, spec, end: to } = this;
     let from = Math.min(rows.first, to);
     if (spec.kind === "phase") {
       from = Math.max(from, to - ORBIT);
-      if (to > from) from = this.times.search(this.times.at(to - 1, 0) - spec.window, from, to);
+      if (to > from) from = rows.search(rows.at(to - 1, 0) - spec.window, from, to);
     } else if (spec.kind === "time" && !this.view && to > from) {
       from = rows.search(rows.at(to - 1, 0) - spec.window, from, to);
     } else if (!this.plane && this.view) {
@@ -107,19 +100,21 @@ export class Curves {
     const [from, to] = this.#seen();
     const x = this.view?.x ?? this.#across(from, to, clock);
     const y = this.view?.y ?? this.#up(from, to, clock);
-    const count = this.columns - 1;
+    const count = this.columns - 1 - this.x;
     const columns = Math.max(Math.min(width, POINTS / count / 2), 40);
     const curves = Array.from({ length: count }, (_, k) =>
-      this.#curve(k + 1, from, to, x, y, columns, width, height),
+      this.#curve(this.x + 1 + k, from, to, x, y, columns, width, height),
     );
     return { x, y, curves };
   }
 
   #curve(column, from, to, x, y, columns, width, height) {
-    if (this.spec.kind === "poincare") return whole(this.rows, 1, from, to);
-    if (this.plane)
-      return spaced(this.rows, from, to, (x[1] - x[0]) / width, (y[1] - y[0]) / height);
-    if (to - from <= 2 * columns) return whole(this.rows, column, from, to);
+    if (this.spec.kind === "poincare") return whole(this.rows, this.x, column, from, to);
+    if (this.plane) {
+      const pixel = [(x[1] - x[0]) / width, (y[1] - y[0]) / height];
+      return spaced(this.rows, this.x, column, from, to, ...pixel);
+    }
+    if (to - from <= 2 * columns) return whole(this.rows, this.x, column, from, to);
     return extremes(this.rows, column, from, to, (x[1] - x[0]) / columns);
   }
 
@@ -135,14 +130,14 @@ export class Curves {
         begin + Math.min(above(Math.max(last - begin, 0.05 * spec.window)), spec.window),
       ];
     }
-    const [low, high] = bounds(rows, 0, 1, from, to);
+    const [low, high] = bounds(rows, this.x, this.x + 1, from, to);
     if (this.replaced) return low < high ? [low, high] : [low - 0.5, low + 0.5];
     this.#x.follow(low, high, clock);
     return this.#x.ends;
   }
 
   #up(from, to, clock) {
-    const [low, high] = bounds(this.rows, 1, this.columns, from, to);
+    const [low, high] = bounds(this.rows, this.x + 1, this.columns, from, to);
     const amplitudes = this.spec.kind === "spectrum";
     this.#y.follow(amplitudes ? 0 : low, high, clock);
     return amplitudes ? [0, this.#y.ends[1]] : this.#y.ends;

@@ -1,6 +1,8 @@
 // What the channel brings, and when it is drawn: a page has one of it, shared by all components.
 
 import { decode } from "./message.js";
+import { length } from "./rod_links.js";
+import { Trail } from "./rod_trail.js";
 import { Texts } from "./texts.js";
 
 const SHEET = document.createElement("link");
@@ -11,7 +13,16 @@ document.head.append(SHEET);
 const SECOND = 1000;
 
 class Hub {
-  rod = { t: null, origin: [0, 0], joints: null, moment: null, point: null, forces: {}, frame: 0 };
+  rod = {
+    t: null,
+    origin: [0, 0],
+    joints: null,
+    moment: null,
+    point: null,
+    forces: {},
+    trail: new Trail(),
+    frame: 0,
+  };
   texts = new Texts();
   // Objects with paint(now, fresh, fully): fresh with a new state, fully where anything else may
   // have changed. They say by true that they want another frame.
@@ -47,13 +58,15 @@ class Hub {
 
   #keep(arrays) {
     const joints = arrays.find(([name]) => name === "joints")?.[1];
-    // Another number of links: nothing of the rod before fits this one.
-    if (joints && joints.length !== this.rod.joints?.length) this.#forget();
+    // A state is whole: a load that it does not have, the rod has no longer.
+    if (joints) Object.assign(this.rod, { moment: null, point: null, forces: {} });
     for (const [name, array] of arrays) {
       if (name.startsWith("plot:") || name.startsWith("plot!")) {
         this.rows(name.slice(5), array, name[4] === "!", this.rod.t);
       } else if (name.startsWith("forces:")) {
         this.rod.forces[name.slice(7)] = array;
+      } else if (name === "trail" || name === "trail!") {
+        this.rod.trail.add(array, name === "trail!", length(joints));
       } else {
         this.rod[name] = array;
       }
@@ -62,10 +75,6 @@ class Hub {
       this.rod.frame += 1;
       this.#fresh = true;
     }
-  }
-
-  #forget() {
-    Object.assign(this.rod, { moment: null, point: null, forces: {} });
   }
 
   // Colours, sizes or options have changed.

@@ -24,13 +24,14 @@ export function multiples(low, high, step) {
 
 const power = (size) => Math.floor(Math.log10(size) + 1e-9);
 const places = (step) => Math.min(Math.max(0, -power(step)), 20);
+const NONE = 1e-6; // of a step: smaller values are zero but for rounding
 const tidy = (text) => text.replace("e+", "e").replace("-", "\u2212").replace("e-", "e\u2212");
 
 // A multiple of `step` with the digits that tell it from its neighbours.
 export function written(value, step) {
   const large = Math.max(Math.abs(value), step);
   if (large >= 1e6 || step < 1e-4) {
-    if (value === 0) return "0";
+    if (Math.abs(value) < NONE * step) return "0";
     const digits = Math.max(0, power(Math.abs(value)) - power(step));
     return tidy(value.toExponential(Math.min(digits, 15)));
   }

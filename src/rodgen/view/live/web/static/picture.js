@@ -1,15 +1,15 @@
 // The rod as it is now, drawn on a canvas.
 
-import { around } from "./fitting.js";
+import { around, fitted } from "./fitting.js";
 import { Camera } from "./camera.js";
 import { Scale, Written } from "./calm.js";
+import { short } from "./numbers.js";
 import { grid } from "./rod_grid.js";
 import { Layer } from "./layer.js";
 import { frame, legend } from "./rod_legend.js";
 import { joints, Links } from "./rod_links.js";
-import { Loads } from "./rod_loads.js";
-import { arrows, axes, centre, support } from "./rod_marks.js";
-import { Trail } from "./rod_trail.js";
+import { Loads, most } from "./rod_loads.js";
+import { arrows, axes, centre, outlined, support } from "./rod_marks.js";
 import { theme } from "./theme.js";
 
 const FONT = "12px Roboto, system-ui, sans-serif";
@@ -19,12 +19,11 @@ export class Picture {
   camera = new Camera();
   points = new Float64Array(0); // joints in pixels
   kick = null; // {link, share, dx, dy}, in pixels, while it is drawn
-  options = { show: {}, view: "fixed", support: "free", clampAngle: 0 };
+  options = { show: {}, view: "fixed", support: "free", clampAngle: 0, perMetre: 0 };
   #grid = new Layer();
   #key = new Layer();
   #links = new Links();
   #loads = new Loads();
-  #trail = new Trail();
   #moments = new Scale();
   #clock = new Written();
   settled = false; // what is shown was fitted to this rod, or chosen since
@@ -52,14 +51,13 @@ export class Picture {
   }
 
   #take() {
-    const { t, origin, joints: places, point } = this.state;
+    const places = this.state.joints;
     if (!places) return;
     if (this.points.length !== places.length) {
       this.forget();
       this.points = new Float64Array(places.length);
     }
     if (!this.settled) this.fit();
-    this.#trail.add(t, origin, places, point);
   }
 
   view(mode) {
@@ -70,13 +68,14 @@ export class Picture {
 
   // Shows the whole rod, with room to swing.
   fit() {
-    const places = this.state.joints;
-    if (!places || !(this.canvas.clientWidth > 0)) return;
-    this.camera.fit(
-      around(places, this.state.point, this.camera.mode, this.options.support),
-      this.state.origin,
-      this.state.point,
-    );
+    const { state, camera } = this;
+    const { support, show } = this.options;
+    if (!state.joints || !(this.canvas.clientWidth > 0)) return;
+    const { arrow, rows } = most(state, show);
+    const parts = around(state.joints, state.point, camera.mode, support, arrow);
+    const [left, top, , high] = frame(camera.width, show.moment, rows);
+    const view = fitted(parts, [camera.width, camera.height], [left, top + high]);
+    camera.fit(view, state.origin, state.point);
     this.settled = true;
   }
 
@@ -85,7 +84,6 @@ export class Picture {
   forget() {
     this.fit();
     this.settled = false;
-    this.#trail.clear();
     this.resetScale();
   }
 
@@ -110,7 +108,7 @@ export class Picture {
     this.#ground(colours);
     if (!this.points.length) return false;
     camera.project(state.joints, this.points);
-    if (show.trail) this.#trail.draw(context, camera, state.origin, colours);
+    if (show.trail) state.trail.draw(context, camera, state, colours);
     const limit = this.#rod(now, colours);
     this.#centre(colours);
     const rows = this.#loads.draw(context, camera, state, this.points, show, colours, now);
@@ -137,7 +135,7 @@ export class Picture {
 
   #legend(limit, rows, colours) {
     if (!limit && !rows.length) return;
-    const box = frame(this.camera.width, limit, rows);
+    const box = frame(this.camera.width, limit, rows.length);
     const key = JSON.stringify([limit, rows]) + colours.background;
     const paint = (on) => legend(on, box, limit, rows, colours);
     this.#key.put(this.context, this.dense, box, key, paint);
@@ -176,16 +174,18 @@ export class Picture {
     if (show.cg) centre(context, x, y, colours);
   }
 
-  // The arrow begins at the link, wherever that has moved to.
+  // The arrow begins at the link, wherever that has moved to; what is dragged so far beside its end.
   #aim(colours) {
     const { link, share, dx, dy } = this.kick;
     const [ax, ay, bx, by] = this.points.subarray(2 * link, 2 * link + 4);
-    arrows(
-      this.context,
-      [[ax + share * (bx - ax), ay + share * (by - ay), dx, dy]],
-      colours.kick,
-      3,
-    );
+    const [x, y] = [ax + share * (bx - ax), ay + share * (by - ay)];
+    arrows(this.context, [[x, y, dx, dy]], colours.kick, 3);
+    const impulse = Math.hypot(...this.camera.metres(dx, dy)) * this.options.perMetre;
+    this.context.textAlign = dx < 0 ? "right" : "left";
+    this.context.textBaseline = "middle";
+    this.context.fillStyle = colours.ink;
+    const beside = Math.sign(dx || 1) * 8;
+    outlined(this.context, `${short(impulse, 3)} N s`, x + dx + beside, y + dy, colours);
   }
 
   #time(colours) {

@@ -1,6 +1,6 @@
 // The picture of a plot with its title and key, as it is saved.
 
-import { colours, MANY } from "./chart.js";
+import { colours, entry, MANY } from "./chart.js";
 import { theme } from "./theme.js";
 
 const DENSE = 2;
@@ -29,7 +29,7 @@ function key(context, spec) {
   const shades = colours(spec);
   let x = 12;
   spec.series.forEach((one, k) => {
-    const label = one.label ?? one.name;
+    const label = entry(spec, one);
     context.fillStyle = shades[k];
     context.fillRect(x, 36, 14, 3);
     context.fillStyle = theme().ink;

@@ -60,14 +60,14 @@ export default {
       this.cards.delete(id);
       delete hub.shown.plots[id];
     },
-    take(id, values, replace, t) {
+    take(id, values, replace) {
       const card = this.cards.get(id);
       if (card) {
-        card.take(values, replace, t);
+        card.take(values, replace);
         return;
       }
       const kept = replace ? [] : (this.early.get(id) ?? []).slice(1 - EARLY);
-      this.early.set(id, [...kept, [values, replace, t]]);
+      this.early.set(id, [...kept, [values, replace]]);
     },
     removed(id) {
       const ids = [...this.cards.keys()];

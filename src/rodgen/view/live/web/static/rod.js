@@ -16,6 +16,7 @@ export default {
     support: String,
     clampAngle: Number,
     kick: Boolean,
+    perMetre: Number,
     label: String,
     rod: Number,
   },
@@ -47,6 +48,7 @@ export default {
     support: "set",
     clampAngle: "set",
     kick: "set",
+    perMetre: "set",
     view(mode) {
       this.picture.view(mode);
       hub.repaint();
@@ -58,8 +60,9 @@ export default {
   },
   methods: {
     set() {
-      const { show, view, support, clampAngle } = this;
-      Object.assign(this.picture.options, { show: { ...show }, view, support, clampAngle });
+      const { show, view, support, clampAngle, perMetre } = this;
+      const options = { show: { ...show }, view, support, clampAngle, perMetre };
+      Object.assign(this.picture.options, options);
       this.pointer.kicks = this.kick;
       hub.repaint();
     },

@@ -1,6 +1,7 @@
 // The grid on the ground with numbers in metres, and a bar that tells the scale.
 
 import { above, base, multiples, short, written } from "./numbers.js";
+import { outlined } from "./rod_marks.js";
 
 const SPACING = 55; // pixels between lines, at least
 
@@ -55,7 +56,7 @@ function labels(context, camera, origin, { columns, rows, step, box }, colours) 
   for (const k of columns) {
     const [x] = camera.screen(k * step - origin[0], 0);
     if (x > 46 && x < camera.width - 24) {
-      label(context, written(k * step - fromX, step), x, camera.height - 4, colours);
+      outlined(context, written(k * step - fromX, step), x, camera.height - 4, colours);
     }
   }
   context.textBaseline = "middle";
@@ -63,7 +64,7 @@ function labels(context, camera, origin, { columns, rows, step, box }, colours) 
   for (const k of rows) {
     const [, y] = camera.screen(0, k * step - origin[1]);
     if (y > 28 && y < camera.height - 26)
-      label(context, written(k * step - fromY, step), 6, y, colours);
+      outlined(context, written(k * step - fromY, step), 6, y, colours);
   }
   context.textBaseline = "bottom";
   const offsets = [
@@ -71,17 +72,8 @@ function labels(context, camera, origin, { columns, rows, step, box }, colours) 
     ["y", fromY],
   ].filter(([, from]) => from !== 0);
   const names = offsets.map(([axis, from]) => `${axis} from ${short(from, 15)} m`);
-  label(context, "m", 6, camera.height - 4, colours);
-  label(context, names.join(", "), 36, camera.height - 20, colours);
-}
-
-// Lines pass behind a number, not through it.
-function label(context, text, x, y, colours) {
-  context.strokeStyle = colours.background;
-  context.lineWidth = 4;
-  context.lineJoin = "round";
-  context.strokeText(text, x, y);
-  context.fillText(text, x, y);
+  outlined(context, "m", 6, camera.height - 4, colours);
+  outlined(context, names.join(", "), 36, camera.height - 20, colours);
 }
 
 // Where x and y point in a view that turns.

@@ -8,10 +8,11 @@ const ROW = 18;
 const STEPS = 48;
 const EDGE = 8;
 
-// Where it stands, [x, y, width, height], in a picture of `width` pixels.
-export function frame(width, limit, rows) {
+// Where it stands, [x, y, width, height], in a picture of `width` pixels: with so many rows, with
+// or without colours.
+export function frame(width, coloured, rows) {
   const wide = 204;
-  return [width - wide - 6, 6, wide, (limit ? 52 : 8) + ROW * rows.length];
+  return [width - wide - 6, 6, wide, (coloured ? 52 : 8) + ROW * rows];
 }
 
 // limit: the end of the scale of moments, 0 for none; rows: [{name, colour, length (pixels), text},

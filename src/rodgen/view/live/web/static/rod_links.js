@@ -3,12 +3,20 @@
 import { classes } from "./theme.js";
 
 const CLASSES = 64;
-const SPACING = 16; // pixels from one joint drawn to the next
 
 // 0 to CLASSES - 1 of a moment, on a scale that ends at `limit`.
 function classed(moment, limit) {
   const share = 0.5 + (0.5 * moment) / limit;
   return Math.min(Math.max(Math.floor(share * CLASSES), 0), CLASSES - 1);
+}
+
+// Of the line through x0, y0, x1, ...
+export function length(points) {
+  let sum = 0;
+  for (let at = 2; at < points.length; at += 2) {
+    sum += Math.hypot(points[at] - points[at - 2], points[at + 1] - points[at - 1]);
+  }
+  return sum;
 }
 
 export class Links {
@@ -34,11 +42,7 @@ export class Links {
   }
 
   width(points) {
-    let length = 0;
-    for (let at = 2; at < points.length; at += 2) {
-      length += Math.hypot(points[at] - points[at - 2], points[at + 1] - points[at - 1]);
-    }
-    return Math.min(Math.max(length / 70, 3), 9) || 3;
+    return Math.min(Math.max(length(points) / 70, 3), 9) || 3;
   }
 
   #outline(context, points, width, colours) {
@@ -83,19 +87,18 @@ function path(context, points) {
   for (let at = 2; at < points.length; at += 2) context.lineTo(points[at], points[at + 1]);
 }
 
-// Dots at the joints, every k-th where they would touch; rotary springs where there is room.
+// Dots at the joints, unless they would touch; rotary springs where there is room.
 export function joints(context, points, width, springs, colours) {
   const count = points.length / 2;
-  const links = count - 1;
-  const length = (width * 70) / links;
+  const link = length(points) / (count - 1);
   const radius = Math.min(Math.max(width * 0.42, 1.6), 4);
-  const every = length > 3 * radius ? 1 : Math.ceil(SPACING / Math.max(length, 0.01));
-  if (springs && length > 34) spirals(context, points, Math.min(length / 4, 14), colours);
+  if (!(link > 2 * radius + 1)) return;
+  if (springs && link > 34) spirals(context, points, Math.min(link / 4, 14), colours);
   context.fillStyle = colours.joint;
   context.strokeStyle = colours.edge;
   context.lineWidth = 1;
   context.beginPath();
-  for (let i = 0; i < count; i += every) {
+  for (let i = 0; i < count; i += 1) {
     const [x, y] = [points[2 * i], points[2 * i + 1]];
     context.moveTo(x + radius, y);
     context.arc(x, y, radius, 0, 2 * Math.PI);

@@ -4,13 +4,23 @@ import { Scale } from "./calm.js";
 import { arrows, atEnd } from "./rod_marks.js";
 import { short } from "./numbers.js";
 
-const LONGEST = 85; // pixels of the longest arrow at the end of its scale
+const LONGEST = 64; // pixels of the longest arrow at the end of its scale
 const APART = 7; // pixels from one of these to the next
 const SPREAD = 50; // and of forces at all joints
 const FORCES = [
   ["follower", "follower", "follower force"],
   ["tip", "tip_load", "tip load"],
 ];
+
+// What is drawn of a state, whether it is zero by now or not: arrow, the longest at the tail in
+// pixels; rows, how many the legend may have.
+export function most(state, show) {
+  const forces = FORCES.filter(([key, term]) => show[key] && state.forces[term]).length;
+  const gravity = show.gravity && state.point?.[3];
+  const damping = show.damping && state.forces.external_damping;
+  const rows = forces + Boolean(gravity) + Boolean(damping);
+  return { arrow: forces ? LONGEST + APART : 0, rows };
+}
 
 export class Loads {
   #ends = new Scale(); // of forces at the tail

@@ -82,6 +82,15 @@ export function atEnd([x, y], [bx, by], [dx, dy]) {
   return pushes ? [x - dx, y - dy, dx, dy] : [x, y, dx, dy];
 }
 
+// Lines pass behind a text, not through it.
+export function outlined(context, text, x, y, colours) {
+  context.strokeStyle = colours.background;
+  context.lineWidth = 4;
+  context.lineJoin = "round";
+  context.strokeText(text, x, y);
+  context.fillText(text, x, y);
+}
+
 // The support at (x, y): a wall that holds a clamped rod, a triangle under a pinned one;
 // (dx, dy): the direction of the rod there, in pixels.
 export function support(context, kind, x, y, [dx, dy], colours) {

@@ -27,21 +27,22 @@ export function extremes(rows, column, from, to, width) {
   return Float64Array.from(out);
 }
 
-export function whole(rows, column, from, to) {
+// Columns x and y of rows from..to (exclusive).
+export function whole(rows, x, y, from, to) {
   const out = new Float64Array(2 * (to - from));
   for (let row = from, at = 0; row < to; row++, at += 2) {
-    out[at] = rows.at(row, 0);
-    out[at + 1] = rows.at(row, column);
+    out[at] = rows.at(row, x);
+    out[at + 1] = rows.at(row, y);
   }
   return out;
 }
 
 // A curve in the plane without the points that lie within (dx, dy) of the last one taken.
-export function spaced(rows, from, to, dx, dy) {
+export function spaced(rows, column, other, from, to, dx, dy) {
   const out = [];
   let [px, py] = [Infinity, Infinity];
   for (let row = from; row < to; row++) {
-    const [x, y] = [rows.at(row, 0), rows.at(row, 1)];
+    const [x, y] = [rows.at(row, column), rows.at(row, other)];
     if (row < to - 1 && Math.abs(x - px) < dx && Math.abs(y - py) < dy) continue;
     out.push(x, y);
     [px, py] = [x, y];
