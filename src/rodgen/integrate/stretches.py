@@ -10,6 +10,7 @@ from rodgen.integrate.stepper import StepError
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression
 
+NEAREST = 64  # roundings of the time before a pole, where steps end: at the pole is no state
 WAKES = 1e-4  # share of the span around a break point in which a pulse is met anyway
 
 Pulse = tuple[float, float, float]  # begin, peak and end [s]
@@ -17,9 +18,10 @@ Pole = tuple[float, Expression] | None
 
 
 def ends(scene: Scene, breaks: list[float], pulses: Iterable[Pulse], pole: Pole) -> list[float]:
-    """Times to step to, one after the other: break points, and the end or the first pole."""
+    """Times to step to, one after the other: break points, and the end, or just before the first
+    pole."""
     start, end = scene.integrate.span
-    last = pole[0] if pole else end
+    last = pole[0] - NEAREST * float(np.spacing(abs(pole[0]))) if pole else end
     if not scene.integrate.fixed:  # what steps that grow in a time of rest would pass over
         # A pulse may rise slowly before its change counts: from its own length earlier on, lest
         # a method whose stages leave out the end of a step pass over what comes before.

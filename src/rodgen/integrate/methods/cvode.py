@@ -30,7 +30,7 @@ class CvodeStep:
         try:
             solver = import_module(PACKAGE).CVODE
         except ImportError as error:
-            allowed = f"another, or pip install rodgen[cvode] ({error})"
+            allowed = f'another, or pip install "rodgen[cvode]" ({error})'
             raise SceneError("integrate.method", "cvode", allowed) from None
 
         self.counts = Counts()
