@@ -28,7 +28,7 @@ class Limits:
     @classmethod
     def of(cls, quick: bool) -> Limits:
         """Of the short report or of the whole one."""
-        return cls(0.15, 0.35) if quick else cls(0.6, 1.4)
+        return cls(0.15, 0.35) if quick else cls(0.6, 1.2)
 
 
 @dataclass(frozen=True)
