@@ -157,7 +157,9 @@ def test_damaged_checkpoint_is_refused(missile: Scene, tmp_path: Path) -> None:
 
 def _interrupt(delay: float) -> None:
     """Ctrl-C so long after a run has begun; before, Python may raise it in any finaliser."""
+    end = time.monotonic() + 60.0
     while signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        assert time.monotonic() < end, "no run begins"
         time.sleep(1e-4)
     time.sleep(delay)
     os.kill(os.getpid(), signal.SIGINT)
