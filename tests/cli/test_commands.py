@@ -356,6 +356,17 @@ def test_show_says_what_is_left_out_and_why(rodgen: Run, short: Path) -> None:
     assert "break points: 0.1" in done.stdout
 
 
+def test_show_lists_the_first_of_many_break_points(rodgen: Run, short: Path) -> None:
+    """The force is switched 100 times a second for 0.3 s."""
+    text, often = short.read_text(encoding="utf-8"), "1 if sin(2*pi*50*t) > 0 else 0"
+    force = next(line for line in text.splitlines() if line.startswith("force"))
+    short.write_text(text.replace(force, f'force = "{often}"'), encoding="utf-8")
+    done = rodgen("show", short)
+    assert done.returncode == 0, done.stderr
+    assert "0.01, 0.02, 0.03" in done.stdout
+    assert "(29 in all)" in done.stdout
+
+
 def test_numbers_at_the_limit_are_no_traceback(rodgen: Run, short: Path, tmp_path: Path) -> None:
     text = short.read_text(encoding="utf-8")
     for change in (

@@ -16,6 +16,8 @@ from rodgen.scene import Scene
 from rodgen.scene.contents import contents
 from rodgen.scene.tables import FIXED_STEP
 
+MOST_LISTED = 10  # break points
+
 
 def show(
     scene_file: SceneFile,
@@ -33,7 +35,7 @@ def show(
     out.print(f"state y: {len(scene.initial_state())} values")
     out.print(f"parameters p: {', '.join(structure.parameters)}")
     settings = scene.integrate
-    breaks = ", ".join(f"{t:g}" for t in scene.breaks()) or "none"
+    breaks = _listed(scene.breaks())
     with working("generating"):
         model = build_fastest(scene)
         choice = choose(scene, model)
@@ -47,3 +49,9 @@ def show(
     out.print(f"over {settings.span} s; break points: {breaks}")
     for event in scene.events:
         out.print(f"event {event.name!r}: {event.quantity} {event.direction}, {event.action}")
+
+
+def _listed(times: list[float]) -> str:
+    """The first of them, and how many there are."""
+    first = ", ".join(f"{t:g}" for t in times[:MOST_LISTED]) or "none"
+    return first if len(times) <= MOST_LISTED else f"{first} ... ({len(times)} in all)"
