@@ -37,7 +37,7 @@ def report(
 ) -> None:
     """Measure methods, steps and forms against each other; how far the numbers can be trusted.
 
-    Without a SCENE: the fixed set, costs, stability and extreme cases, in less than 30 minutes
+    Without a SCENE: the fixed set, costs, stability and extreme cases, in half an hour
     on two cores, with --quick in three. Peers take part as far as they are installed.
     """
     from rodgen.judge.report import OF_SCENES, SECTIONS, measure, needed
