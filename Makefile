@@ -1,4 +1,4 @@
-# make demo     the main job, end to end         make test     all tests
+# make demo     the main job, end to end         make test     all tests but the long
 # make view [SCENE=scenes/missile.toml]          the live view, in a browser
 # make derive N=20 [BOUNDARY=free] [INERTIA=uniform] [TERMS=all] [TARGET=numpy] [FORM=chain]
 #             [EXPLICIT=1]                       make reference    regenerate the reference modules
@@ -6,7 +6,8 @@
 # make thesis     rebuild the tables of the thesis into results/thesis/
 # make guide      take the numbers of README and docs/which-method.md from the last report
 # make report [QUICK=1] [RESUME=1]    error against run time, stability, extremes, beside peers
-# make lint, make types                          make bench, bench-rhs, bench-analyse, bench-live
+# make test-all   the long tests as well         make lint, make types
+# make bench, bench-rhs, bench-analyse, bench-live
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -20,7 +21,7 @@ TARGET ?= numpy
 FORM ?= chain
 SCENE ?= scenes/missile.toml
 
-.PHONY: demo view derive test lint types bench bench-rhs bench-analyse bench-live reference figures screenshot thesis \
+.PHONY: demo view derive test test-all lint types bench bench-rhs bench-analyse bench-live reference figures screenshot thesis \
 	report guide clean
 
 demo: .venv/installed
@@ -36,6 +37,9 @@ derive: .venv/installed
 
 test: .venv/developing
 	$(BIN)/python -m pytest -n auto
+
+test-all: test
+	$(BIN)/python -m pytest -n auto -m long
 
 # The packages as they lie in a wheel: derive/ and templates/ inside rodgen/.
 $(LAYOUT): .venv/developing

@@ -25,6 +25,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "compiler: needs a C compiler")
+    config.addinivalue_line("markers", "long: takes long; `make test-all` alone runs it")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
