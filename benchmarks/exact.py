@@ -17,7 +17,8 @@ import numpy as np
 from mpmath import matrix, mp, mpf
 from problem import ALL, VALUES, Vector, built, state
 
-from rodgen.emit.check import DIGITS, _Exact
+from rodgen.emit.by_hand import ByHand
+from rodgen.emit.check import DIGITS
 
 
 def exact_rhs(links: int, terms: tuple[str, ...], y: Vector) -> list[Any]:
@@ -41,7 +42,7 @@ def verified(links: int = 20) -> float:
     values: dict[str, Any] = {**VALUES, "fin_factor": np.ones(links + 1)}
     y = state(links, spread=1.0, speed=1.0)
     with mpmath.workdps(DIGITS):
-        dense = _Exact(module, values, y).rhs()
+        dense = ByHand(module, values, y).rhs()
         ours = exact_rhs(links, ALL, y)
         return float(mp.norm(matrix(ours) - matrix(dense), mp.inf) / mp.norm(dense, mp.inf))
 
