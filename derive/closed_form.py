@@ -37,6 +37,12 @@ class Arithmetic:
     total: Callable[[Callable[[Num], Num], Num, Num], Num]
 
 
+def link_sizes(mass: Num, length: Num, bending_stiffness: Num, n: Num) -> tuple[Num, Num, Num]:
+    """Mass m and length l of a link, stiffness k of an inner joint: M/n, L/n, EI/l (thesis 2.1)."""
+    l = length / n
+    return mass / n, l, bending_stiffness / l
+
+
 @dataclass(frozen=True)
 class ClosedForm:
     """Entries and matrices of a rod of n links of mass m, length l, springs k.

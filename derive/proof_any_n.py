@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import sympy
 from sympy import Expr, IndexedBase, Integer, S, Sum, Symbol, expand, expand_trig
 
-from .closed_form import Arithmetic, ClosedForm, joint_drag
+from .closed_form import Arithmetic, ClosedForm, joint_drag, link_sizes
 from .comparison import ANY_N, Comparison, DisagreementError
 from .general import (
     Array,
@@ -32,8 +32,10 @@ from .symbols import (
     F_TIP,
     HALF,
     NU,
+    PARAMETERS,
     G,
     P,
+    discretisation,
     fin_factor,
     i,
     j,
@@ -56,7 +58,8 @@ SYMBOLIC = Arithmetic(
 
 
 def prove_any_n(boundary: str, inertia: str, terms: Sequence[str] = TERMS) -> Iterator[Comparison]:
-    """Every kind of entry of M, Q, K and the loads; raises DisagreementError."""
+    """Sizes of a link, every kind of entry of M, Q, K and the loads; raises DisagreementError."""
+    yield _same("sizes", _sizes())
     derived = Equations(boundary, inertia, tuple(terms))
     closed = ClosedForm(n, m, l, k, phi, derived.hold, SYMBOLIC, inertia == "lumped")
     for name, pairs in _matrices(derived, closed).items():
@@ -67,6 +70,12 @@ def prove_any_n(boundary: str, inertia: str, terms: Sequence[str] = TERMS) -> It
             yield _same(name, pairs)
     if "external_damping" in terms:
         yield _drag_law(derived.arrays)
+
+
+def _sizes() -> Pairs:
+    rod = (PARAMETERS[name] for name in ("mass", "length", "bending_stiffness"))
+    derived = discretisation()
+    return list(zip((derived[m], derived[l], derived[k]), link_sizes(*rod, n), strict=True))
 
 
 def _matrices(derived: Equations, closed: ClosedForm) -> dict[str, Pairs]:
