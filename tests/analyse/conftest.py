@@ -10,7 +10,7 @@ from typing import Any
 import mpmath as mp
 import pytest
 from rodgen.derive.chain import BOUNDARIES
-from rodgen.derive.closed_form import Arithmetic, ClosedForm
+from rodgen.derive.closed_form import Arithmetic, ClosedForm, link_sizes
 
 from rodgen.scene import Scene
 
@@ -39,12 +39,12 @@ class Exact:
     lumped: bool = False
 
     def closed(self, phi: list[Any]) -> ClosedForm:
-        m, l = mp.mpf(self.mass) / self.n, mp.mpf(self.length) / self.n
+        m, l, k = link_sizes(*map(mp.mpf, (self.mass, self.length, self.stiffness)), self.n)
         return ClosedForm(
             n=self.n,
             m=m,
             l=l,
-            k=mp.mpf(self.stiffness) / l,
+            k=k,
             phi=phi,
             hold=BOUNDARIES[self.boundary],
             arithmetic=ARITHMETIC,

@@ -29,7 +29,7 @@ CLAMPS = {"cantilever": 0.3, "clamped": 0.3}
 LOADS: dict[str, Any] = {
     "follower": {"force": "300*min(t/0.1, 1)", "angle": 0.1},
     "gravity": {"g": 9.81},
-    "internal_damping": {"coefficient": 0.7},
+    "internal_damping": {"coefficient": 0.3},
     "tip": {"x": "1.5*sin(t)**2 if t <= 0.06 else 0", "y": "abs(t - 0.06)*sin(1)"},
 }
 FINS = {"external_damping": {"coefficient": 0.5, "fin_factor": {"nose": 2.0, "tail": 20.0}}}

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from rodgen.derive import explicit, general, inertia
+from rodgen.derive import explicit, general, inertia, proof_any_n, symbols
 from rodgen.derive.calculus import TIME
 from rodgen.derive.chain import BOUNDARIES
 from rodgen.derive.closed_form import ClosedForm
@@ -17,8 +17,8 @@ from rodgen.derive.loads import TERMS, damper_moment
 from rodgen.derive.points import prove_at_points
 from rodgen.derive.proof_any_n import prove_any_n
 from rodgen.derive.proof_explicit import prove_explicit
-from rodgen.derive.symbols import PARAMETERS, i, j, later, m, n, phi, xi
-from sympy import Matrix, Sum, expand, simplify
+from rodgen.derive.symbols import PARAMETERS, i, j, l, later, m, n, phi, xi
+from sympy import Matrix, S, Sum, expand, simplify
 from sympy.physics.mechanics import LagrangesMethod
 
 from rodgen.scene import structure
@@ -46,7 +46,7 @@ def test_explicit_derivation_equals_the_closed_form(
 @pytest.mark.parametrize("boundary", BOUNDARIES)
 def test_any_n_equals_the_closed_form(boundary: str, inertia: str) -> None:
     names = {c.name for c in prove_any_n(boundary, inertia)}
-    assert names == {"M", "Q", "K", "joints", "F", "T", "A", "D_i", "D_e", "D_e force law"}
+    assert names == {"sizes", "M", "Q", "K", "joints", "F", "T", "A", "D_i", "D_e", "D_e force law"}
 
 
 @pytest.mark.parametrize("term", TERMS)
@@ -57,7 +57,7 @@ def test_every_term_is_proven_where_it_is_alone(boundary: str, term: str) -> Non
         prove_any_n(boundary, "lumped", (term,)),
         prove_explicit(2, boundary, "lumped", (term,)),
     ):
-        names = {c.name for c in proof} - {"D_e force law"}
+        names = {c.name for c in proof} - {"sizes", "D_e force law"}
         assert names == {"M", "Q", "K", "joints", name}
 
 
@@ -215,10 +215,22 @@ HELD = {
 }
 
 
-def _wrong_root_spring(patch: pytest.MonkeyPatch) -> None:
-    right, by_hand = Equations.root_spring.func, ClosedForm.K
-    patch.setattr(Equations, "root_spring", property(lambda s: 3 * right(s)))
-    patch.setattr(ClosedForm, "K", lambda s: by_hand(replace(s, hold=replace(s.hold, root=6))))
+def _wrong_root(patch: pytest.MonkeyPatch) -> None:
+    """Three inner springs in the table of boundaries, where half a link has two."""
+    patch.setitem(BOUNDARIES, "clamped", replace(BOUNDARIES["clamped"], root=3))
+
+
+def _wrong_root_damper(patch: pytest.MonkeyPatch) -> None:
+    """As damped as an inner joint, in both derivations."""
+    one = property(lambda s: damper_moment(S.Zero, general.omega[0]))
+    patch.setattr(Equations, "root_damper", one)
+    right = ExplicitDerivation.internal_damping.func
+
+    def wrong(self: ExplicitDerivation) -> Any:
+        self.joints = [1] * self.n  # K has been compared by then
+        return right(self)
+
+    patch.setattr(ExplicitDerivation, "internal_damping", property(wrong))
 
 
 def _wrong_mass(patch: pytest.MonkeyPatch) -> None:
@@ -231,7 +243,8 @@ def _wrong_inertia(patch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("proof", HELD)
 @pytest.mark.parametrize(
-    ("wrong", "entry"), [(_wrong_root_spring, "K"), (_wrong_mass, "M"), (_wrong_inertia, "M")]
+    ("wrong", "entry"),
+    [(_wrong_root, "K"), (_wrong_root_damper, "D_i"), (_wrong_mass, "M"), (_wrong_inertia, "M")],
 )
 def test_every_proof_catches_a_wrong_clamp_and_wrong_masses(
     proof: str,
@@ -242,6 +255,16 @@ def test_every_proof_catches_a_wrong_clamp_and_wrong_masses(
     wrong(monkeypatch)
     with pytest.raises(DisagreementError, match=rf"^{entry}\b"):
         list(HELD[proof]())
+
+
+@pytest.mark.parametrize("size", ["m", "l", "k"])
+def test_a_wrong_size_of_a_link_is_caught(size: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As k = EI l for EI / l would be: the matrices only know k."""
+    right = symbols.discretisation()
+    wrong = {x: value * (l**2 if str(x) == size else 1) for x, value in right.items()}
+    monkeypatch.setattr(proof_any_n, "discretisation", lambda: wrong)
+    with pytest.raises(DisagreementError, match=r"^sizes\b"):
+        list(PROOFS["any n"](()))
 
 
 @pytest.mark.parametrize("proof", PROOFS)

@@ -11,7 +11,7 @@ import numpy as np
 from mpmath import mp, mpf
 
 from rodgen.derive.chain import BOUNDARIES
-from rodgen.derive.closed_form import Arithmetic, ClosedForm, joint_drag
+from rodgen.derive.closed_form import Arithmetic, ClosedForm, joint_drag, link_sizes
 
 FIFTY_DIGITS = Arithmetic(
     mp.cos,
@@ -31,8 +31,8 @@ class ByHand:
         number = {k: mpf(float(v)) for k, v in values.items() if k != "fin_factor"}
         self.number = number
         self.fins = [mpf(float(f)) for f in values.get("fin_factor", [])]
-        self.m, self.l = number["mass"] / self.n, number["length"] / self.n
-        self.k = number["bending_stiffness"] / self.l
+        rod = (number[name] for name in ("mass", "length", "bending_stiffness"))
+        self.m, self.l, self.k = sizes = link_sizes(*rod, self.n)
         half, base = len(y) // 2, 2 * hold.translates
         q, u = [mpf(float(v)) for v in y[:half]], [mpf(float(v)) for v in y[half:]]
         held = hold.first
@@ -40,14 +40,13 @@ class ByHand:
         self.origin = (q[0], q[1]) if base else (mpf(0), mpf(0))
         self.v0 = (u[0], u[1]) if base else (mpf(0), mpf(0))
         self.phi = [number["clamp_angle"]] * held + q[base:] if held else q[base:]
+        self.omega = [mpf(0)] * held + u[base:]
+        self.lumped = module.INERTIA == "lumped"
+        self.closed = ClosedForm(self.n, *sizes, self.phi, hold, FIFTY_DIGITS, self.lumped)
         # Every angle that a spring knows, with the stiffness between it and the next.
         root = [number["clamp_angle"]] if hold.root else []
         self.bent = root + self.phi
-        self.stiffness = [hold.root * self.k] * len(root) + [self.k] * (self.n - 1)
-        self.omega = [mpf(0)] * held + u[base:]
-        sizes = (self.m, self.l, self.k)
-        self.lumped = module.INERTIA == "lumped"
-        self.closed = ClosedForm(self.n, *sizes, self.phi, hold, FIFTY_DIGITS, self.lumped)
+        self.stiffness = [self.closed.root * self.k] * len(root) + [self.k] * (self.n - 1)
 
     def rhs(self) -> list[Any]:
         closed, moving = self.closed, self.omega[self.hold.first :]
