@@ -64,7 +64,7 @@ def critical_force(
     """The smallest follower force above ``lowest`` [N] at which small motions begin to grow.
 
     highest: where the search ends [N], by default 1000 EI/L^2; t: time whose other loads are taken
-    [s], by default the end of the span. The force of the scene itself is not used. A range of
+    [s], by default the start of the span. The force of the scene itself is not used. A range of
     forces is searched in the lowest 16 modes, in steps of EI/(2 L^2) or 1 %; what is found there
     is solved for with all links, to about ten digits. Internal damping counts as the scene has it
     (a little of it can lower the force much), external damping as for motions across a rod that

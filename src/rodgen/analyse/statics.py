@@ -67,7 +67,7 @@ class Rest:
 def static_equilibrium(scene: Scene, *, t: float | None = None) -> Equilibrium:
     """The equilibrium that the rod reaches from its straight shape as its loads grow from zero.
 
-    t: time whose loads are taken [s], by default the end of the scene's span. A pinned rod hangs
+    t: time whose loads are taken [s], by default the start of the scene's span. A pinned rod hangs
     from its pivot. The tip is right to about 1e-10 of the length at a few hundred links. Raises
     SceneError for a free rod, AnalysisError where no equilibrium is found; both say why.
     """

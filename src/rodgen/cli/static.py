@@ -28,6 +28,7 @@ def static(
     as_json: AsJson = False,
 ) -> None:
     """Show the static equilibrium of SCENE; draw the deflected rod."""
+    from rodgen.analyse.instant import in_words, silent
     from rodgen.analyse.statics import static_equilibrium
     from rodgen.analyse.system import System
     from rodgen.scene import Scene
@@ -39,8 +40,9 @@ def static(
         if rest.stable is False:
             err.print("rodgen: warning: this equilibrium is unstable: small motions about it grow")
         if as_json:
-            print(json.dumps(_object(rest), allow_nan=False))
+            print(json.dumps(_object(rest) | {"silent": silent(scene, rest.t)}, allow_nan=False))
             return
+        out.print(f"{scene.name}: {in_words(scene, rest.t)}")
         out.print(_table(rest, scene.name))
         from rodgen.view.analysis_pictures import equilibrium_shape, save_picture
 
@@ -71,7 +73,6 @@ def _table(rest: Equilibrium, name: str) -> Table:
         "tip angle": f"{angle:.12g} rad = {math.degrees(angle):.6g} degrees",
         "Newton iterations": f"{rest.iterations}, the last correction {rest.change:.1e} rad",
         "load stages": str(stages) if stages > 1 else "1 (the whole load at once)",
-        "loads as at": f"t = {rest.t:g} s",
         "stable": STABLE[rest.stable],
     }
     table = Table(title=f"{name}: static equilibrium", show_header=False)
