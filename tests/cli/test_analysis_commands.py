@@ -158,10 +158,24 @@ def test_static_with_all_loads_as_table_and_picture(call: Call, write: Write) ->
 
 def test_static_warns_of_an_unstable_equilibrium(call: Call, write: Write) -> None:
     """Ten times Euler's load pi^2 EI / (4 L^2) = 9.87 N, exactly along the rod."""
-    done = call("static", write("[loads.tip]\nx = -100.0", 5), "--json")
-    assert _strict(done)["stable"] is False
-    assert "warning: this equilibrium is unstable" in done.err
+    scene = write("[loads.tip]\nx = -100.0", 5)
+    done = call("static", scene, "--json")
+    found = _strict(done)
+    assert (found["stable"], found["instability"]) == (False, "divergence")
+    assert "warning: this equilibrium is unstable (divergence)" in done.err
+    assert "--imperfection 0.01 looks for a stable one" in done.err
     assert len(done.err.splitlines()) == 1
+    done = call("static", scene, "--imperfection", "0.01", "--json")
+    assert _strict(done)["stable"] is True
+    assert _strict(done)["tip"][1] > 0.1 * LENGTH
+    assert done.err == ""
+
+
+def test_static_offers_no_imperfection_against_flutter(call: Call, write: Write) -> None:
+    done = call("static", write("[loads.follower]\nforce = 90.0", 5))
+    assert "unstable (flutter)" in done.err
+    assert "--imperfection" not in done.err
+    assert "NO (flutter)" in done.out
 
 
 @pytest.mark.parametrize("command", ["modes", "static", "critical"])
@@ -275,6 +289,8 @@ BAD = [
     (("modes",), 2, "SCENE"),
     (("static", "SCENE", "--t", "inf"), 2, "--t = inf"),
     (("static", "SCENE"), 2, "nothing holds a free rod"),
+    (("static", "PUSHED", "--imperfection", "0"), 2, "imperfection = 0.0"),
+    (("static", "PUSHED", "--imperfection", "nan"), 2, "imperfection = nan"),
     (("critical", "SCENE"), 2, "loads.follower"),
     (("critical", "PUSHED", "--highest", "50"), 3, "between 0 and 50 N"),
     (("critical", "PUSHED", "--lowest", "200"), 3, "unstable already at the lowest"),
