@@ -56,11 +56,11 @@ def _largest(matrix: Array, share: float) -> NDArray[Any]:
     """Eigenvalues that are larger than this share of the largest."""
     values = np.linalg.eigvals(matrix).astype(complex)
     size = np.abs(values)
-    return values[size > share * size.max(initial=0.0)]
+    return np.asarray(values[size > share * size.max(initial=0.0)])
 
 
 def _finite(inverse: NDArray[Any], cells: int) -> NDArray[Any]:
     """Without the one that is so much larger than the others that its sign is rounding."""
     size = np.abs(inverse)
     others = np.sort(size)[:-1].max(initial=0.0)
-    return inverse[size * ROUNDING * cells**2 <= others] if others else inverse
+    return np.asarray(inverse[size * ROUNDING * cells**2 <= others]) if others else inverse
