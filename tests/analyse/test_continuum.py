@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mpmath import mp
-from scipy.integrate import quad, solve_bvp
+from scipy.integrate import quad, solve_bvp, solve_ivp
 from scipy.linalg import eigvals
 from scipy.optimize import brentq
 from scipy.special import jn_zeros
@@ -21,7 +21,7 @@ from rodgen.analyse.continuum import (
     natural_frequency,
     wave_number,
 )
-from rodgen.analyse.elastica import Tip, own_weight, tip_force
+from rodgen.analyse.elastica import Tip, axial_force, own_weight, tip_force
 from rodgen.analyse.errors import AnalysisError
 from rodgen.scene.errors import SceneError
 
@@ -216,6 +216,43 @@ def test_published_elastica(load: int, x: float, y: float, angle: float) -> None
     np.testing.assert_allclose(tip_force(load), (1 - x, y, angle), atol=6e-6)
 
 
+@pytest.mark.parametrize(
+    ("degrees", "load", "x", "y"),
+    [(20, 1.015, 0.970, 0.220), (60, 1.152, 0.741, 0.593), (120, 1.884, 0.123, 0.803)],
+)
+def test_published_columns(degrees: float, load: float, x: float, y: float) -> None:
+    """S. P. Timoshenko and J. M. Gere, Theory of Elastic Stability (1961), table 2-4: loads over
+    Euler's. A load that is rounded to three digits turns the tip by up to a degree."""
+    tip = axial_force(load * np.pi**2 / 4)
+    np.testing.assert_allclose(np.degrees(tip.angle), degrees, atol=1.0)
+    np.testing.assert_allclose(tip[:2], (x, y), atol=0.01)
+
+
+@pytest.mark.parametrize("load", [2.4675, 3.0, 8.0, 60.0])
+def test_columns_by_shooting_from_the_tip(load: float) -> None:
+    """theta'' = -load sin(theta) from the angle of the tip ends at the clamp with zero."""
+    tip = axial_force(load)
+    run = solve_ivp(
+        lambda s, w: (w[1], -load * np.sin(w[0]), np.cos(w[0]), np.sin(w[0])),
+        (0, 1),
+        (tip.angle, 0.0, 0.0, 0.0),
+        "DOP853",
+        rtol=1e-13,
+        atol=1e-15,
+    )
+    # What the integrator loses near the tip grows by cosh(sqrt(load)), 1200 at the largest.
+    np.testing.assert_allclose(run.y[[0, 2, 3], -1], (0.0, tip.x, tip.y), atol=1e-10)
+
+
+def test_columns_bend_from_eulers_load_on() -> None:
+    """theta_1^2 = 8 (load / Euler's - 1) next to it, and all digits are there."""
+    euler = mp.mpf(np.pi) ** 2 / 4  # just below: pi is cut off
+    assert axial_force(euler) == axial_force(0) == Tip(1.0, 0.0, 0.0)
+    with mp.workdps(60):
+        angle = axial_force((1 + mp.mpf("1e-12")) * mp.pi**2 / 4, digits=30).angle
+        assert abs(angle**2 / mp.mpf("8e-12") - 1) < 1e-11  # the next term
+
+
 @pytest.mark.parametrize("solve", [tip_force, own_weight])
 def test_elastica_to_many_digits(solve: Callable[..., Tip]) -> None:
     short, long = solve("2", digits=20), solve("2", digits=30)
@@ -260,6 +297,7 @@ def test_small_deflections_are_linear() -> None:
         (lambda: thrust_frequencies(2 * LOADS, 2), "load"),
         (lambda: thrust_frequencies(1.0, 0), "count"),
         (lambda: tip_force(-1.0), "load"),
+        (lambda: axial_force(-1.0), "load"),
         (lambda: own_weight("heavy"), "load"),
     ],
 )

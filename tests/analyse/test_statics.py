@@ -123,6 +123,101 @@ def test_a_column_that_would_fall_over(rod: Rod) -> None:
         np.testing.assert_allclose(found.tip, [0.0, LENGTH], atol=1e-12)
 
 
+def _euler(n: int) -> float:
+    """Buckling load [N] of the column of n links: springs of EI n/L at joints, 2 EI n/L at the
+    clamp, have sin((j + 1/2) pi / 2n) as their first shape."""
+    return float(4 * STIFFNESS * (n / LENGTH) ** 2 * np.sin(np.pi / (4 * n)) ** 2)
+
+
+def _energy(n: int, phi: np.ndarray, load: float) -> float:
+    """Of springs and of an axial load [J]."""
+    l = LENGTH / n
+    bends = np.diff(phi, prepend=0.0)
+    stiffness = np.full(n, STIFFNESS / l)
+    stiffness[0] *= 2
+    return float(stiffness @ bends**2 / 2 + load * l * np.cos(phi).sum())
+
+
+@pytest.mark.parametrize("beyond", [1e-6, 1e-4, 1e-2])
+@pytest.mark.parametrize("n", [5, 100])
+def test_a_column_just_beyond_eulers_load(rod: Rod, n: int, beyond: float) -> None:
+    """It bends by the root of what its load has too much; the straight state is not stable."""
+    load = _euler(n) * (1 + beyond)
+    scene = rod(n, "clamped", {"tip": {"x": -load}})
+    straight = static_equilibrium(scene)
+    assert (straight.stable, straight.instability) == (False, "divergence")
+    np.testing.assert_array_equal(straight.phi, 0.0)
+    bent = static_equilibrium(scene, imperfection=0.01)
+    assert (bent.stable, bent.instability) == (True, "")
+    # a^2 = 8 (1 - Euler's / load) of a bend a sin((j + 1/2) pi / 2n), from its work up to a^4; the
+    # other shapes in it, and the next term, are a^2 / 16 of it at most.
+    amplitude = np.sqrt(8 * beyond / (1 + beyond))
+    shape = np.sin((np.arange(n) + 0.5) * np.pi / (2 * n))
+    np.testing.assert_allclose(bent.phi, amplitude * shape, atol=amplitude**3 / 16)
+    assert _energy(n, bent.phi, load) < _energy(n, straight.phi, load)
+
+
+def test_a_column_just_below_eulers_load_stays_straight(rod: Rod) -> None:
+    scene = rod(20, "clamped", {"tip": {"x": -_euler(20) * (1 - 1e-6)}})
+    for imperfection in (None, 0.01, 1.0):
+        found = static_equilibrium(scene, imperfection=imperfection)
+        assert found.stable
+        np.testing.assert_allclose(found.phi, 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("load", [3.0, 8.0, 20.0])
+def test_bent_columns_extrapolate_to_the_elastica(rod: Rod, load: float) -> None:
+    loads = {"tip": {"x": -load * STIFFNESS / LENGTH**2}}
+    n = [20, 40, 80, 160]
+    found = [static_equilibrium(rod(k, "clamped", loads), imperfection=0.01) for k in n]
+    assert all(one.stable for one in found)
+    expected = elastica.axial_force(load)
+    for at, exact in ((0, expected.x), (1, expected.y)):
+        limit = richardson(n, [one.tip[at] / LENGTH for one in found], order=[2, 4, 6])
+        assert limit.value == pytest.approx(exact, abs=1e-8)
+
+
+def test_the_size_of_an_imperfection_leaves_no_trace(rod: Rod) -> None:
+    """And the bent state is that of moments taken by hand."""
+    scene = rod(5, "clamped", {"tip": {"x": -15.0}})
+    found = [static_equilibrium(scene, imperfection=size) for size in (1e-6, 1e-3, 1.0)]
+    with mp.workdps(30):
+        exact = mp.findroot(
+            lambda *phi: _residual_moments(5, list(phi), 0.0, (-15.0, 0.0)),
+            tuple(map(float, found[0].phi)),
+        )
+    for one in found:
+        np.testing.assert_allclose(one.phi, [float(a) for a in exact], atol=1e-12)
+        assert one.phi[-1] > 1
+
+
+def test_what_does_not_buckle_is_the_same_with_an_imperfection(rod: Rod) -> None:
+    for boundary, loads in (
+        ("clamped", {"gravity": {"g": 300.0}}),
+        ("clamped", {"tip": {"x": 50.0}}),
+        ("pinned", {"gravity": {}}),
+    ):
+        scene = rod(6, boundary, loads)
+        plain, bent = static_equilibrium(scene), static_equilibrium(scene, imperfection=0.1)
+        np.testing.assert_allclose(bent.phi, plain.phi, atol=1e-12)
+
+
+def test_flutter_is_told_from_divergence(rod: Rod) -> None:
+    """Beck's column just below and above its critical load; no imperfection helps it."""
+    scene = rod(6, "clamped", {"follower": {"force": 1.0}})
+    critical = rodgen.critical_force(scene).force
+    for over, instability in ((-1e-6, ""), (1e-6, "flutter")):
+        pushed = rod(6, "clamped", {"follower": {"force": critical * (1 + over)}})
+        assert static_equilibrium(pushed).instability == instability
+        assert static_equilibrium(pushed, imperfection=0.01).instability == instability
+
+
+@pytest.mark.parametrize("imperfection", [0.0, -0.01, 1.5, np.nan, np.inf, "0.1", True])
+def test_imperfections_that_are_none(rod: Rod, imperfection: Any) -> None:
+    with pytest.raises(SceneError, match="above 0 and at most 1 rad"):
+        static_equilibrium(rod(4, "clamped"), imperfection=imperfection)
+
+
 def test_thousands_of_links(rod: Rod) -> None:
     force = 10.0 * STIFFNESS / LENGTH**2
     found = static_equilibrium(rod(5000, "clamped", {"tip": {"y": -force}}))

@@ -118,7 +118,8 @@ def test_modes_with_damping_as_table_and_picture(call: Call, write: Write) -> No
 def test_modes_of_a_free_rod_say_what_is_left_out(call: Call, write: Write) -> None:
     done = call("modes", write(PUSHED, 6, "free"), "--t", "2")
     assert "growth" not in done.out
-    assert "steadily accelerating; loads as at t = 2 s" in done.out
+    assert done.out.splitlines()[0] == "rod: loads as at t = 2 s"
+    assert "steadily accelerating." in done.out
     assert "3 rigid-body motions" in done.out
 
 
@@ -151,17 +152,44 @@ def test_static_with_all_loads_as_table_and_picture(call: Call, write: Write) ->
     loads = f'{PUSHED}\n{HANGING}\n[loads.tip]\nx = "3*t"\ny = 5.0'
     done = call("static", write(loads, 10), "--t", 1.5)
     assert (done.status, done.err) == (0, "")
-    assert "loads as at" in done.out
-    assert "t = 1.5 s" in done.out
+    assert done.out.splitlines()[0] == "rod: loads as at t = 1.5 s"
     _picture("static.png")
 
 
 def test_static_warns_of_an_unstable_equilibrium(call: Call, write: Write) -> None:
     """Ten times Euler's load pi^2 EI / (4 L^2) = 9.87 N, exactly along the rod."""
-    done = call("static", write("[loads.tip]\nx = -100.0", 5), "--json")
-    assert _strict(done)["stable"] is False
-    assert "warning: this equilibrium is unstable" in done.err
+    scene = write("[loads.tip]\nx = -100.0", 5)
+    done = call("static", scene, "--json")
+    found = _strict(done)
+    assert (found["stable"], found["instability"]) == (False, "divergence")
+    assert "warning: this equilibrium is unstable (divergence)" in done.err
+    assert "--imperfection 0.01 looks for a stable one" in done.err
     assert len(done.err.splitlines()) == 1
+    done = call("static", scene, "--imperfection", "0.01", "--json")
+    assert _strict(done)["stable"] is True
+    assert _strict(done)["tip"][1] > 0.1 * LENGTH
+    assert done.err == ""
+
+
+def test_static_offers_no_imperfection_against_flutter(call: Call, write: Write) -> None:
+    done = call("static", write("[loads.follower]\nforce = 90.0", 5))
+    assert "unstable (flutter)" in done.err
+    assert "--imperfection" not in done.err
+    assert "NO (flutter)" in done.out
+
+
+@pytest.mark.parametrize("command", ["modes", "static", "critical"])
+def test_first_line_says_when_and_what_is_zero_then(call: Call, write: Write, command: str) -> None:
+    """A tip load that begins after a second; the follower force is no matter for `critical`."""
+    loads = '[loads.follower]\nforce = "t"\n[loads.tip]\ny = "max(0, t - 1)"'
+    scene = write(f"{loads}\n[integrate]\nspan = [0.0, 8.0]", 3)
+    quiet = ["loads.tip.y"] if command == "critical" else ["loads.follower.force", "loads.tip.y"]
+    for t, expected in ((0.0, quiet), (4.0, [])):
+        found = _strict(call(command, scene, "--t", t, "--json"))
+        assert (found["t"], found["silent"]) == (t, expected)
+    first = call(command, scene).out.splitlines()[0]
+    assert "loads as at t = 0 s, the start of the span" in first
+    assert f"where {' and '.join(quiet)} " in first
 
 
 def test_critical_force_of_becks_column(call: Call, write: Write) -> None:
@@ -256,10 +284,13 @@ BAD = [
     (("modes", "SCENE", "--count", "-3"), 2, "count = -3"),
     (("modes", "SCENE", "--count", "many"), 2, "--count"),
     (("modes", "SCENE", "--t", "nan"), 2, "--t = nan"),
+    (("modes", "SCENE", "--t", "11"), 2, "t = 11.0: must be a time in the span"),
     (("modes", "missing.toml"), 2, "missing.toml"),
     (("modes",), 2, "SCENE"),
     (("static", "SCENE", "--t", "inf"), 2, "--t = inf"),
     (("static", "SCENE"), 2, "nothing holds a free rod"),
+    (("static", "PUSHED", "--imperfection", "0"), 2, "imperfection = 0.0"),
+    (("static", "PUSHED", "--imperfection", "nan"), 2, "imperfection = nan"),
     (("critical", "SCENE"), 2, "loads.follower"),
     (("critical", "PUSHED", "--highest", "50"), 3, "between 0 and 50 N"),
     (("critical", "PUSHED", "--lowest", "200"), 3, "unstable already at the lowest"),

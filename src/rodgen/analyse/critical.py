@@ -9,6 +9,7 @@ import numpy as np
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import BASIS, GROWS, MOST_DENSE, Family
 from rodgen.analyse.guarded import guarded
+from rodgen.analyse.instability import DIVERGENCE, FLUTTER
 from rodgen.analyse.onset import At, Onset, onset, turning_onset
 from rodgen.analyse.pencil import Pencil
 from rodgen.analyse.system import System
@@ -23,7 +24,6 @@ GROWS_DAMPED = 1e-11  # of the lowest frequency: less is rounding
 NEAR = 1e-3  # of a force, within which a search in a few modes has found it
 SLOW = 0.01  # of the lowest frequency
 CHECKED = (0.4, 0.7, 0.9, 0.99)  # of the force, where all modes are looked at
-FLUTTER, DIVERGENCE = "flutter", "divergence"
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def critical_force(
     """The smallest follower force above ``lowest`` [N] at which small motions begin to grow.
 
     highest: where the search ends [N], by default 1000 EI/L^2; t: time whose other loads are taken
-    [s], by default the end of the span. The force of the scene itself is not used. A range of
+    [s], by default the start of the span. The force of the scene itself is not used. A range of
     forces is searched in the lowest 16 modes, in steps of EI/(2 L^2) or 1 %; what is found there
     is solved for with all links, to about ten digits. Internal damping counts as the scene has it
     (a little of it can lower the force much), external damping as for motions across a rod that

@@ -1,7 +1,8 @@
 """Continuum references of large deflections: the tip of a cantilever that bends like an elastica.
 
-The rod, of length 1, leaves its clamp along x, the load points along y and keeps its direction:
-theta(s) rises from 0 at the clamp to theta_1 < pi/2 at the tip. Numbers as in `continuum`.
+The rod, of length 1, leaves its clamp along x, the load keeps its direction: along y, where
+theta(s) rises from 0 at the clamp to theta_1 < pi/2 at the tip, or against x. Numbers as in
+`continuum`.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from rodgen.analyse.continuum import Quantity, Real, rounded
 from rodgen.scene.errors import SceneError
 
 LARGEST = 1000  # load; the tip is then vertical to 8 digits
+EXCESS = 20  # digits: a column is bent by the root of what its load has more than Euler's
 
 
 class Tip(NamedTuple):
@@ -87,6 +89,35 @@ def own_weight(load: Quantity, *, digits: int | None = None) -> Tip:
         return Tip(x / end, y / end, mp.pi / 2 - mp.exp(-q))
 
     result: Tip = rounded(tip, digits, _lost(size))
+    return result
+
+
+def axial_force(load: Quantity, *, digits: int | None = None) -> Tip:
+    """Column: cantilever under a dead force F at its tip, along the undeformed rod and towards its
+    clamp; load: F L^2 / EI. Beyond Euler's load, pi^2 / 4, the bent state, else the straight one.
+
+    theta'' = -load sin(theta), theta(0) = theta'(1) = 0. With k = sin(theta_1 / 2):
+    sqrt(load) = K(k), x = 2 E(k) / K(k) - 1, y = 2 k / K(k). L. Euler, De curvis elasticis (1744);
+    S. P. Timoshenko and J. M. Gere, Theory of Elastic Stability (1961), 2.7. Raises SceneError for
+    a load below 0 or above LARGEST.
+    """
+    size = _checked(load)
+
+    def tip() -> Tip:
+        root, euler = mp.sqrt(mp.mpf(load)), mp.pi / 2
+        if root <= euler:
+            return _straight()
+
+        # 1 - k^2 decays like exp(-2 sqrt(load)), k^2 grows from 0 like load: both are kept.
+        def excess(q: Any) -> Any:
+            return mp.ellipk(-mp.expm1(-q)) - root
+
+        q = mp.findroot(excess, (0, 2 * root), solver="anderson", tol=_square(size))
+        m = -mp.expm1(-q)
+        k = mp.sqrt(m)
+        return Tip(2 * mp.ellipe(m) / root - 1, 2 * k / root, 2 * mp.asin(k))
+
+    result: Tip = rounded(tip, digits, _lost(size) + EXCESS)
     return result
 
 

@@ -50,7 +50,7 @@ def natural_modes(scene: Scene, count: int = 10, *, t: float | None = None) -> M
     """The lowest natural frequencies and mode shapes of a scene about its steady state: straight
     and at rest, in static equilibrium, or straight and steadily accelerating under its thrust.
 
-    count: how many, at most; t: time whose loads are taken [s], by default the end of the span.
+    count: how many, at most; t: time whose loads are taken [s], by default the start of the span.
     All eigenvalues are computed up to 24 links, where a third or more are asked for, where there is
     external damping, and with internal damping up to 500 links; else those of smallest |s| by
     sparse shift-invert, in O(n). With much damping beyond 500 links overdamped motions can leave

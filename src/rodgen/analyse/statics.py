@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse.linalg import splu
 
+from rodgen.analyse.branch import ITERATIONS, Loading, Rest, follow, newton
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.guarded import guarded
-from rodgen.analyse.pencil import Cells, Pencil, solve, sparse
+from rodgen.analyse.instability import instability
+from rodgen.analyse.pencil import Cells, Pencil, solve
 from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.plain import plain
 
 LOADS = ("follower_force", "gravity", "tip_force_x", "tip_force_y")
-ITERATIONS = 40  # of Newton's method for one load
-FARTHEST = 0.2  # rad of a correction that is taken, else the step of load is halved
 NEAR_END = 1e-4  # rad
-SMALL = 1e-4  # of the load: what changes its stability over it does so on this branch
-LEAST = 1e-6  # of the load, the smallest step
-NOISE = 1e-9  # rad: a correction below it that no longer shrinks is rounding
-MOST_DENSE = 200  # links up to which all eigenvalues are looked at for stability
-UNSTABLE = 1e-6  # of the largest squared rate of the lowest modes
+MOST_BENT = 1.0  # rad
 
 
 @dataclass(frozen=True)
@@ -35,8 +29,10 @@ class Equilibrium:
     phi: angles of all n links [rad]; joints: (n+1, 2) [m]; tip: the tail (2,) [m]; force: in the
     joints before the moving links over the mass of a link, (cells, 2) [m/s^2]; change: the last
     correction of Newton's method [rad]; iterations: of all loads together; stages: the fractions
-    of the load that were stepped through; stable: whether small motions about it do not grow, None
-    where that was not looked at (more than 200 links); t: the time whose loads were taken [s].
+    of the load that were stepped through; instability: "divergence" where a small motion about it
+    grows without oscillating, so that another equilibrium is to be looked for, "flutter" where one
+    oscillates more and more, "" where none grows, None where that was not looked at (more than 200
+    links); stable: the same as yes or no; t: the time whose loads were taken [s].
     """
 
     phi: Array = field(repr=False)
@@ -46,157 +42,105 @@ class Equilibrium:
     change: float
     iterations: int
     stages: tuple[float, ...]
-    stable: bool | None
+    stable: bool | None = field(init=False)
+    instability: str | None
     t: float
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tip", self.joints[-1])
-
-
-@dataclass
-class Rest:
-    """Angles (cells,) and joint forces (cells, 2) on their way to an equilibrium."""
-
-    phi: Array
-    force: Array
-    iterations: int = 0
-    change: float = np.inf
+        stable = None if self.instability is None else not self.instability
+        object.__setattr__(self, "stable", stable)
 
 
 @guarded
-def static_equilibrium(scene: Scene, *, t: float | None = None) -> Equilibrium:
+def static_equilibrium(
+    scene: Scene, *, t: float | None = None, imperfection: float | None = None
+) -> Equilibrium:
     """The equilibrium that the rod reaches from its straight shape as its loads grow from zero.
 
-    t: time whose loads are taken [s], by default the end of the scene's span. A pinned rod hangs
-    from its pivot. The tip is right to about 1e-10 of the length at a few hundred links. Raises
-    SceneError for a free rod, AnalysisError where no equilibrium is found; both say why.
+    t: time whose loads are taken [s], by default the start of the scene's span. imperfection: the
+    angle [rad], above 0 and at most 1, by which the tail of an unloaded rod is turned that is bent
+    evenly; it is loaded, and then made straight again under its whole load. What is found is an
+    equilibrium of the scene's own rod, beyond a buckling load the bent and stable one (that which
+    turns to the left), where without imperfection it is the straight and unstable one. A pinned rod
+    hangs from its pivot, imperfect or not. The tip is right to about 1e-10 of the length at a few
+    hundred links. Raises SceneError for a free rod and an imperfection out of range, AnalysisError
+    where no equilibrium is found; both say why.
     """
+    bend = 0.0 if imperfection is None else _checked(imperfection)
     system = System.of(scene, t)
     if system.scene.hold.translates:
         allowed = "clamped, cantilever or pinned: nothing holds a free rod in place"
         raise SceneError("rod.boundary", system.scene.rod.boundary, allowed)
-    rest, stages = settle(system, system.given)
+    rest, stages = settle(system, system.given, bend=bend)
     p = system.parameters()
-    joints = system.model.joints(system.at_rest(rest.phi), p)
-    phi = system.all_links(rest.phi)
-    stable = _stable(system, rest, p)
     return Equilibrium(
-        phi, joints, rest.force, rest.change, rest.iterations, stages, stable, system.t
+        phi=system.all_links(rest.phi),
+        joints=system.model.joints(system.at_rest(rest.phi), p),
+        force=rest.force,
+        change=rest.change,
+        iterations=rest.iterations,
+        stages=stages,
+        instability=instability(system, rest, p),
+        t=system.t,
     )
 
 
+def _checked(imperfection: float) -> float:
+    size = plain(imperfection, "imperfection")
+    number = isinstance(size, int | float) and not isinstance(size, bool)
+    if not (number and 0 < size <= MOST_BENT):
+        allowed = f"an angle of the tail above 0 and at most {MOST_BENT:g} rad"
+        raise SceneError("imperfection", imperfection, allowed)
+    return float(size)
+
+
 def settle(
-    system: System, given: dict[str, float], start: Rest | None = None
+    system: System, given: dict[str, float], start: Rest | None = None, bend: float = 0.0
 ) -> tuple[Rest, tuple[float, ...]]:
     """Angles and joint forces under these parameters, and the fractions of the load in between.
 
-    start: an equilibrium under loads close to these, from which Newton's method is tried first.
+    start: an equilibrium under loads close to these, from which Newton's method is tried first;
+    bend: angle of the tail of the rod that is loaded, before it is made straight again [rad].
     """
     if start is not None:
         near = Rest(start.phi.copy(), start.force.copy())
-        if _newton(system, near, system.parameters(**given), FARTHEST):
+        if newton(system, near, Loading(system.parameters(**given))):
             return near, (1.0,)
     if not system.clamped:
         return _hang(system, given), (1.0,)
-    loads = {name: given[name] for name in LOADS if name in given}
-
-    def at(fraction: float) -> Array:
-        return system.parameters(**given | {k: fraction * value for k, value in loads.items()})
-
     try:
-        return _follow(system, Rest(system.straight, np.zeros((system.cells, 2))), at)
+        return _load(system, given, bend)
     except AnalysisError:
-        if given.get("follower_force") or not any(loads.values()):
+        if given.get("follower_force") or not any(given.get(name) for name in LOADS):
             raise
         # Springs too soft to keep the rod near its straight shape: it hangs like a chain.
-        return _hang(system, given), (1.0,)
+        with suppress(AnalysisError):
+            return _hang(system, given), (1.0,)
+        raise
 
 
-def _follow(
-    system: System, rest: Rest, at: Callable[[float], Array]
-) -> tuple[Rest, tuple[float, ...]]:
-    """Load stepping along the branch that begins unloaded.
+def _load(system: System, given: dict[str, float], bend: float) -> tuple[Rest, tuple[float, ...]]:
+    """The branch that begins with the unloaded rod: bent by moments that keep it so, and keep
+    their value while the load grows; they are taken away under the whole load."""
+    loads = {name: given[name] for name in LOADS if name in given}
 
-    A step is taken where Newton's method converges without a large correction from the tangent,
-    and where no motion has become unstable or stable on the way: else it is halved, so that no
-    other branch is jumped to. A change that remains over the smallest step is one of this branch.
-    """
-    done, step = 0.0, 1.0
-    stages: list[float] = []
-    signature = _signature(system, rest, at(0.0))
-    slope = None
-    while done < 1:
-        fraction = min(done + step, 1.0)
-        trial = Rest(rest.phi.copy(), rest.force.copy(), rest.iterations)
-        if slope is not None:
-            trial.phi = trial.phi + (fraction - done) * slope[0]
-            trial.force = trial.force + (fraction - done) * slope[1]
-        taken = _newton(system, trial, at(fraction), FARTHEST)
-        found = _signature(system, trial, at(fraction)) if taken else signature
-        if taken and (found == signature or step < SMALL):
-            change = fraction - done
-            slope = ((trial.phi - rest.phi) / change, (trial.force - rest.force) / change)
-            rest, done, signature = trial, fraction, found
-            stages.append(fraction)
-            step *= 2
-        else:
-            rest.iterations = trial.iterations
-            step /= 2
-        if step < LEAST:
-            raise AnalysisError(
-                f"no equilibrium found beyond {done:.6g} of the load: Newton's method failed from "
-                f"there for every step of load down to {LEAST:g} of it ({rest.iterations} "
-                "iterations)"
-            )
-    return rest, tuple(stages)
+    def p(fraction: float) -> Array:
+        return system.parameters(**given | {k: fraction * value for k, value in loads.items()})
+
+    rest = Rest(system.straight + bend * _middles(system), np.zeros((system.cells, 2)))
+    moments = Loading(p(0.0)).cells(system, rest).residual
+    rest, stages = follow(system, rest, lambda done: Loading(p(done), moments))
+    if bend:
+        way = "the way back to a rod that is straight without load"
+        rest, _ = follow(system, rest, lambda done: Loading(p(1.0), (1 - done) * moments), way)
+    return rest, stages
 
 
-def _newton(system: System, rest: Rest, p: Array, farthest: float) -> bool:
-    """Iterate in place, with corrections of at most ``farthest`` that shrink; whether it
-    converged."""
-    before = np.inf
-    for _ in range(ITERATIONS):
-        cells = Cells.at(system, rest.phi, rest.force, p)
-        try:
-            z = solve(cells.statics, -cells.residual.ravel()).reshape(-1, 3)
-        except AnalysisError:
-            return False
-        change = float(np.abs(z[:, 0]).max())
-        rest.iterations += 1
-        settled = change <= 4 * np.finfo(float).eps or (change < NOISE and change >= before / 2)
-        if not (settled or change < min(farthest, before)):
-            return False
-        rest.phi = rest.phi + z[:, 0]
-        rest.force = rest.force + z[:, 1:]
-        rest.change = change
-        if settled:
-            return True
-        before = change
-    return False
-
-
-def _signature(system: System, rest: Rest, p: Array) -> int:
-    """How many motions are unstable without damping; beyond MOST_DENSE links the sign of the
-    determinant of the stiffness, which tells odd changes alone."""
-    cells = Cells.at(system, rest.phi, rest.force, p)
-    if system.cells <= MOST_DENSE:
-        dense = Pencil.of(cells).reduced()
-        return int((np.linalg.eigvals(np.linalg.solve(dense.M, -dense.K)).real > 0).sum())
-    factors = splu(sparse(cells.statics))
-    signs = np.sign(factors.U.diagonal()).prod()
-    return int(signs * _parity(factors.perm_r) * _parity(factors.perm_c))
-
-
-def _parity(order: NDArray[Any]) -> int:
-    """1 for an even permutation, -1 for an odd one."""
-    left, cycles = np.ones(len(order), dtype=bool), 0
-    for first in range(len(order)):
-        cycles += bool(left[first])
-        at = first
-        while left[at]:
-            left[at] = False
-            at = int(order[at])
-    return 1 if (len(order) - cycles) % 2 == 0 else -1
+def _middles(system: System) -> Array:
+    """s in the middles of the moving links."""
+    n = system.scene.rod.links
+    return (np.arange(system.scene.held, n) + 0.5) / n
 
 
 def _hang(system: System, given: dict[str, float]) -> Rest:
@@ -215,7 +159,7 @@ def _hang(system: System, given: dict[str, float]) -> Rest:
         z = solve(blocks, -cells.residual.ravel()).reshape(-1, 3)
         rest.phi, rest.force = rest.phi + z[:, 0], rest.force + z[:, 1:]
         rest.iterations += 1
-        if np.abs(z[:, 0]).max() < NEAR_END and _newton(system, rest, p, FARTHEST):
+        if np.abs(z[:, 0]).max() < NEAR_END and newton(system, rest, Loading(p)):
             return rest
     raise AnalysisError(
         f"no equilibrium found: the pinned rod did not come to rest in {rest.iterations} iterations"
@@ -232,14 +176,3 @@ def _along(system: System, given: dict[str, float]) -> Array:
             "direction"
         )
     return np.full(system.cells, np.arctan2(pull[1], pull[0]))
-
-
-def _stable(system: System, rest: Rest, p: Array) -> bool | None:
-    """Whether no small motion grows, by all eigenvalues without damping."""
-    if system.cells > MOST_DENSE:
-        return None
-    dense = Pencil.of(Cells.at(system, rest.phi, rest.force, p)).reduced()
-    squares = np.linalg.eigvals(np.linalg.solve(dense.M, -dense.K))
-    scale = np.sort(np.abs(squares))[min(4, len(squares) - 1)]
-    rates = np.sqrt(squares.astype(complex))
-    return bool(np.abs(rates.real).max() <= np.sqrt(UNSTABLE * scale))

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rodgen.analyse.branch import Rest
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import Cells, Dense, Pencil, forces
-from rodgen.analyse.statics import Rest, settle
+from rodgen.analyse.statics import settle
 from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
 

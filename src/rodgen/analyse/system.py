@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.analyse.instant import instant
 from rodgen.integrate.stepper import Array
 from rodgen.loading import build
 from rodgen.scene import Scene, SceneError
@@ -27,14 +28,12 @@ class System:
 
     @classmethod
     def of(cls, scene: Scene, t: float | None = None) -> System:
-        """t: at which loads are taken, by default the end of the scene's span. Raises SceneError.
+        """t: at which loads are taken, see `instant`. Raises SceneError.
 
         The module is that of the NumPy target: a few evaluations are not worth a compilation.
         """
         check_scene(scene)
-        t = scene.integrate.span[1] if t is None else t
-        if not np.isfinite(t):
-            raise SceneError("t", t, "a finite time")
+        t = instant(scene, t)
         scene = frozen(scene, t)
         return cls(scene, build(scene, "numpy"), t)
 

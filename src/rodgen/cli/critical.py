@@ -46,6 +46,8 @@ def critical(
     """Find the smallest follower force under which SCENE flutters or diverges, whatever force it
     has itself; draw frequencies and growth against the force."""
     from rodgen.analyse.critical import critical_force, family_of
+    from rodgen.analyse.instant import in_words, silent
+    from rodgen.analyse.system import without
 
     for option, value in (("--lowest", lowest), ("--highest", highest), ("--t", t)):
         finite(option, value)
@@ -56,10 +58,13 @@ def critical(
         with working("searching"):
             found = critical_force(scene, lowest=lowest, highest=highest, t=t)
             family = family_of(scene, t)
+            others = without(scene, "follower")
         simulated = _simulated(family.system.scene, simulate) if simulate else None
         if as_json:
-            print(json.dumps(_object(found, simulated), allow_nan=False))
+            given = _object(found, simulated) | {"silent": silent(others, found.t)}
+            print(json.dumps(given, allow_nan=False))
         else:
+            out.print(f"{scene.name}: other {in_words(others, found.t)}")
             out.print(_table(found, simulated, scene.name))
             from rodgen.view.analysis_pictures import save_picture, stability_curves
 
@@ -108,7 +113,6 @@ def _table(found: Critical, simulated: Simulated | None, name: str) -> Table:
         "modes": f"{first} and {second}" if first != second else str(first),
         "error, estimated": f"{found.error:.1e} N",
         "grows from the state": found.state,
-        "other loads as at": f"t = {found.t:g} s",
         "searched": f"{low:g} to {high:g} N at {forces} forces",
         "modes looked at": "all" if found.complete else "the lowest 16",
     }

@@ -26,6 +26,7 @@ def modes(
     as_json: AsJson = False,
 ) -> None:
     """Show the natural frequencies of SCENE about its steady state; draw the shapes."""
+    from rodgen.analyse.instant import in_words, silent
     from rodgen.analyse.modes import natural_modes
     from rodgen.scene import Scene
 
@@ -35,13 +36,14 @@ def modes(
             found = natural_modes(scene, count, t=finite("--t", t))
         _warn(found)
         if as_json:
-            print(json.dumps(_object(found), allow_nan=False))
+            print(json.dumps(_object(found) | {"silent": silent(scene, found.t)}, allow_nan=False))
             return
+        out.print(f"{scene.name}: {in_words(scene, found.t)}")
         if len(found.frequencies):
             out.print(_table(found, scene.name))
         else:
             out.print(f"{scene.name}: no natural frequencies")
-        out.print(f"About the state: {found.state}; loads as at t = {found.t:g} s.")
+        out.print(f"About the state: {found.state}.")
         out.print(f"Left out: {_left_out(found)}.")
         if len(found.frequencies):
             from rodgen.view.analysis_pictures import mode_shapes, save_picture

@@ -9,7 +9,10 @@ import typer
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene, in TOML.")]
 AtTime = Annotated[
-    float | None, typer.Option("--t", help="Time whose loads are taken [s]; the end of the span.")
+    float | None,
+    typer.Option(
+        "--t", help="Time of the span whose loads are taken [s]; its start, if not given."
+    ),
 ]
 OutFolder = Annotated[
     Path, typer.Option("--out", help="Folder in which a folder of the scene's name is made.")
