@@ -1,4 +1,10 @@
-"""The critical follower force as the thesis found it: by simulations, and whether they grow."""
+"""The critical follower force as the thesis found it: by simulations, and whether they grow.
+
+Whether a motion grows is read off the run itself: the linear map that takes its samples to those
+half a run later, in the few directions in which they move, is fitted, and its largest eigenvalue
+says by how much the motion that grows most has grown (dynamic mode decomposition: P. J. Schmid,
+Dynamic mode decomposition of numerical and experimental data, J. Fluid Mech. 656, 2010).
+"""
 
 from __future__ import annotations
 
