@@ -77,8 +77,9 @@ def critical_force(
     it stayed as it is. The force of the scene itself is not used, but for that run. A range of
     forces is searched in the lowest 16 modes, in steps of EI/(2 L^2) or 1 %; what is found there
     is solved for with all links, to about ten digits. Internal damping counts as the scene has it
-    (a little of it can lower the force much), external damping as it is at the speed. Raises SceneError for a scene without a follower force,
-    AnalysisError where no steady state exists or none loses its stability in the range.
+    (a little of it can lower the force much), external damping as it is at the speed. Raises
+    SceneError for a scene without a follower force, AnalysisError where no steady state exists or
+    none loses its stability in the range.
     """
     family = family_of(scene, t, speed, after)
     unit = family.unit

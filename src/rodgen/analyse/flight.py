@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from rodgen.analyse.errors import AnalysisError
+from rodgen.integrate.outcome import RunError
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
@@ -56,7 +58,7 @@ def flown(
     scene: Scene, t: float | None, speed: float | None, after: float | None
 ) -> tuple[Scene, float | None]:
     """The scene that starts in the state that its run has reached after so many seconds, and that
-    time; where no time is asked for, the scene itself and t. Raises SceneError, RunError."""
+    time; where no time is asked for, the scene itself and t. Raises SceneError, AnalysisError."""
     if after is None:
         return scene, t
     start, end = scene.integrate.span
@@ -69,7 +71,10 @@ def flown(
     if after == start:
         return scene, float(after)
     table = scene.model_dump(exclude_none=True)
-    run = simulate(scene, span=[start, float(after)], output_every=float(after) - start)
+    try:
+        run = simulate(scene, span=[start, float(after)], output_every=float(after) - start)
+    except RunError as error:
+        raise AnalysisError(f"the run up to {after:g} s cannot be finished: {error}") from error
     if run.t[-1] < after:
         raise SceneError("after", after, f"before the run ends, at {run.t[-1]:g} s")
     return Scene.from_dict(table | {"initial": initial(scene, run.y[-1])}), float(after)

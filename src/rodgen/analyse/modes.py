@@ -69,7 +69,7 @@ def natural_modes(
     external damping, and with internal damping up to 500 links; else those of smallest |s| by
     sparse shift-invert, in O(n). With much damping beyond 500 links overdamped motions can leave
     fewer than ``count``, and one of large |s| but low frequency can be missed. Raises SceneError,
-    AnalysisError where there is no steady state, and RunError.
+    and AnalysisError where there is no steady state.
     """
     count = plain(count, "count")
     if not isinstance(count, int) or count < 1:

@@ -1,4 +1,4 @@
-"""The equations linearised about a state at rest or flying straight ahead: (S0 + s S1 + s^2 S2) z = 0.
+"""The equations linearised about a state at rest or in flight: (S0 + s S1 + s^2 S2) z = 0.
 
 z holds a column for the angle of every moving link and two for the force in the joint before it,
 in cells; the blocks are SymPy's derivatives of the equations with the joint forces as unknowns

@@ -55,8 +55,8 @@ class Steady:
             return None
         if not (system.speed or system.across):
             return (
-                "linearised about a rod at rest, whose motions across external damping brakes; of "
-                "a rod that flies it brakes none, however slowly it flies (ask for it at a speed)"
+                "linearised about a rod at rest, where external damping brakes small motions across "
+                "it; of one that moves along its axis, however slowly, it brakes none (give a speed)"
             )
         angle = np.degrees(np.arctan2(abs(system.across), abs(system.speed)))
         if angle <= ASKEW:
