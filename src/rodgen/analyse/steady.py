@@ -55,8 +55,8 @@ class Steady:
             return None
         if not (system.speed or system.across):
             return (
-                "linearised about a rod at rest, where external damping brakes small motions across "
-                "it; of one that moves along its axis, however slowly, it brakes none (give a speed)"
+                "linearised about a rod at rest, where external damping brakes small motions "
+                "across it; of one that moves along its axis it brakes none (give a speed)"
             )
         angle = np.degrees(np.arctan2(abs(system.across), abs(system.speed)))
         if angle <= ASKEW:
@@ -75,6 +75,7 @@ class Steady:
         angles = np.abs(here.by_angle).sum(axis=0)
         pulls = np.abs(here.by_unknown[..., 1:]).sum(axis=(0, 3))
         sizes = angles + pulls * np.abs(self.force).max(initial=0.0)
+        sizes += np.abs(self._drag_across).sum(axis=(0, 3)) * abs(self.system.speed)
         made = Pencil.of(here).product(0.0, self.turning).reshape(sizes.shape)
         return bool((np.abs(made) <= STEADY * sizes).all())
 
@@ -92,6 +93,12 @@ class Steady:
         """The equations linearised here, without what follows the velocities of the joints."""
         return Pencil.of(self._cells)
 
+    @cached_property
+    def _drag_across(self) -> Array:
+        """How drag follows the velocities of the joints (2, cells, 3, 2) where the rod moves across
+        itself as fast as it flies: a measure of what is small."""
+        return Cells.across(self.system, self.phi, self.force, self.p).by_velocity
+
     @property
     def follows_velocity(self) -> bool:
         """Whether drag answers a small velocity of a joint, to first order, by more than a force
@@ -102,10 +109,7 @@ class Steady:
         c, s = np.cos(self.phi[0]), np.sin(self.phi[0])
         felt, all_of_it = (
             np.stack((D[..., 0, :], D[..., 2, :] * c - D[..., 1, :] * s))
-            for D in (
-                self._cells.by_velocity,
-                Cells.across(system, self.phi, self.force, self.p).by_velocity,
-            )
+            for D in (self._cells.by_velocity, self._drag_across)
         )
         sizes = np.abs(all_of_it).max(axis=(1, 2, 3), keepdims=True)
         return bool((np.abs(felt) > STEADY * sizes).any())
