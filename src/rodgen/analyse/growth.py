@@ -154,7 +154,7 @@ def _bracket(run: _Run, low: float | None, high: float | None, unit: float) -> t
     while not run.grows(upper):
         if high is not None or upper > HIGHEST * unit:
             raise AnalysisError(
-                f"no motion grows {run.times:g} times within {run.span:g} s up to {upper:g} N "
+                f"no motion grows {run.seen:g} times within {run.span:g} s up to {upper:g} N "
                 f"({run.count} simulations)"
             )
         lower, upper = upper, 2 * upper
@@ -178,7 +178,7 @@ class _Run:
         self.settings, self.count = settings, 0
         scene = family.system.scene
         self.model = build(scene, target) if target else build_fastest(scene)
-        self.times = growth or MEASURED
+        self.seen = growth or MEASURED
         self.start = _angles(scene, disturbance, AMPLITUDE[growth is None])
         self.table = scene.model_dump(exclude_none=True)
         self.ends = np.linspace(0.0, span, PIECES + 1)
@@ -221,7 +221,7 @@ class _Run:
             bent.append((angles[:-1], rates[:-1]))
         if self.growth:
             return False
-        return growth_in([np.concatenate(part) for part in zip(*bent, strict=True)]) > MEASURED
+        return growth_in([np.concatenate(part) for part in zip(*bent, strict=True)]) > self.seen
 
 
 def _angles(scene: Scene, disturbance: str | None, amplitude: float) -> Array:

@@ -137,12 +137,15 @@ def _rigid(state: Steady) -> int:
 def _shapes(
     state: Steady, s: NDArray[Any], vectors: NDArray[Any]
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Angles (k, n) and displacements (k, n+1, 2) of modes from their vectors (k, coordinates)."""
-    system = state.system
+    """Angles (k, n) and displacements (k, n+1, 2) of modes from their vectors (k, coordinates):
+    those of the angles, or before them the displacement of joint 0 across the rod."""
+    system, across = state.system, vectors[:, : -state.system.cells]
     q = np.zeros((len(s), system.base + system.cells), dtype=complex)
     q[:, system.base :] = vectors[:, -system.cells :]
+    if across.size:
+        q[:, :2] = across * [-np.sin(state.phi[0]), np.cos(state.phi[0])]
     q /= np.abs(q).max(axis=1, keepdims=True)
-    if system.base:
+    if system.base and not across.size:
         q[:, :2] = _base(state, s, q)
     parts = [_displaced(state, part) for part in (q.real, q.imag)]
     moved = parts[0] + 1j * parts[1]
