@@ -8,6 +8,7 @@ import numpy as np
 
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import BASIS, GROWS, MOST_DENSE, Family
+from rodgen.analyse.flight import flown
 from rodgen.analyse.guarded import guarded
 from rodgen.analyse.instability import DIVERGENCE, FLUTTER
 from rodgen.analyse.onset import At, Onset, onset, turning_onset
@@ -37,7 +38,9 @@ class Critical:
     twice. error: of the force, rounding apart [N];
     searched: range of forces that was looked at [N], up to the onset, and at how many of them;
     state: what grows unstable; complete: whether all modes were looked at below the force (at four
-    forces), or the lowest 16 alone; t: the time at which the other loads are taken [s].
+    forces), or the lowest 16 alone; t: the time at which the other loads are taken [s];
+    speed: of a free rod along its axis, nose first [m/s]; note: what is to be known of the speed,
+    where it counts.
     """
 
     force: float
@@ -51,6 +54,8 @@ class Critical:
     state: str
     complete: bool
     t: float
+    speed: float = 0.0
+    note: str | None = None
 
 
 @guarded
@@ -60,18 +65,23 @@ def critical_force(
     lowest: float = 0.0,
     highest: float | None = None,
     t: float | None = None,
+    speed: float | None = None,
+    after: float | None = None,
 ) -> Critical:
     """The smallest follower force above ``lowest`` [N] at which small motions begin to grow.
 
     highest: where the search ends [N], by default 1000 EI/L^2; t: time whose other loads are taken
-    [s], by default the start of the span. The force of the scene itself is not used. A range of
+    [s], by default the start of the span; speed: at which a free rod flies along its axis, nose first
+    [m/s], by default the part along it of the scene's initial velocity; after: time [s] of a run of
+    the scene whose other loads, speed and direction are taken instead. The speed is taken as though
+    it stayed as it is. The force of the scene itself is not used, but for that run. A range of
     forces is searched in the lowest 16 modes, in steps of EI/(2 L^2) or 1 %; what is found there
     is solved for with all links, to about ten digits. Internal damping counts as the scene has it
-    (a little of it can lower the force much), external damping as for motions across a rod that
-    does not move along itself. Raises SceneError for a scene without a follower force,
-    AnalysisError where no steady state exists or none loses its stability in the range.
+    (a little of it can lower the force much), external damping as it is at the speed. Raises
+    SceneError for a scene without a follower force, AnalysisError where no steady state exists or
+    none loses its stability in the range.
     """
-    family = family_of(scene, t)
+    family = family_of(scene, t, speed, after)
     unit = family.unit
     highest = HIGHEST * unit if highest is None else highest
     if not family.whole:
@@ -97,10 +107,17 @@ def critical_force(
         state=family.state(found.force).words,
         complete=complete,
         t=family.system.t,
+        speed=family.system.speed,
+        note=family.state(found.force).note,
     )
 
 
-def family_of(scene: Scene, t: float | None = None) -> Family:
+def family_of(
+    scene: Scene,
+    t: float | None = None,
+    speed: float | None = None,
+    after: float | None = None,
+) -> Family:
     """The linearised scene for every follower force. Raises SceneError, AnalysisError."""
     check_scene(scene)
     if scene.loads.follower is None:
@@ -108,9 +125,10 @@ def family_of(scene: Scene, t: float | None = None) -> Family:
         raise SceneError("loads.follower", None, allowed)
     if scene.rod.bending_stiffness == 0:
         raise SceneError("rod.bending_stiffness", 0.0, "positive: a chain bears no thrust")
+    scene, t = flown(scene, t, speed, after)
     given = scene.model_dump(exclude_none=True)
     given["loads"]["follower"]["force"] = 0.0
-    system = System.of(Scene.from_dict(given), t)
+    system = System.of(Scene.from_dict(given), t, speed)
     return Family(system, scene.rod.bending_stiffness / scene.rod.length**2)
 
 

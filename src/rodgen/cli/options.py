@@ -14,6 +14,20 @@ AtTime = Annotated[
         "--t", help="Time of the span whose loads are taken [s]; its start, if not given."
     ),
 ]
+Speed = Annotated[
+    float | None,
+    typer.Option(
+        help="Speed of a free rod along its axis, nose first [m/s]; that of its initial state, if "
+        "not given."
+    ),
+]
+After = Annotated[
+    float | None,
+    typer.Option(
+        metavar="SECONDS",
+        help="Time of a run of SCENE whose loads, speed and direction are taken.",
+    ),
+]
 OutFolder = Annotated[
     Path, typer.Option("--out", help="Folder in which a folder of the scene's name is made.")
 ]
