@@ -28,7 +28,7 @@ class Boundary:
     translates: joint 0 moves freely, with coordinates x0, y0.
     first: the first link that moves; links before it are held at clamp_angle.
     root: stiffness of a spring in joint 0 that holds link 0 at clamp_angle, in springs between
-    links (half a link bends there: twice as stiff).
+    links (half a link bends there: twice as stiff), and internal damping there, in the same way.
     """
 
     translates: bool

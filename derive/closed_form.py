@@ -15,6 +15,9 @@ from typing import Any
 
 from .chain import Boundary
 
+# Half a link bends at a clamped root: its spring is twice an inner joint's, and its damping too.
+ROOT = 2
+
 # Any kind of number: polynomial, Fraction, SymPy expression, mpf.
 Num = Any
 Pair = tuple[Num, Num]
@@ -95,12 +98,16 @@ class ClosedForm:
         factor = self.arithmetic.half * self.m * self.l**2 * self.w(later)
         return factor * self._sin(self.phi[j] - self.phi[i])
 
-    def bending_row(self, factor: Num, before: bool, after: bool) -> tuple[Num, Num, Num]:
-        """Row of K or D_i of a link with a joint before it, after it, or both: coefficients of
-        the link before, of itself, and of the link after (thesis 2.42, 2.52)."""
-        zero = 0 * factor
-        joints = before + after
-        return (-factor if before else zero), joints * factor, (-factor if after else zero)
+    @property
+    def root(self) -> int:
+        """How many inner joints the root is as stiff and as damped as."""
+        return ROOT if self.hold.root else 0
+
+    def bending_row(self, factor: Num, start: int, end: int) -> tuple[Num, Num, Num]:
+        """Row of K or D_i of a link that starts and ends in as much as so many inner joints:
+        coefficients of the link before (at the root the clamp), of itself, and of the link after
+        (thesis 2.42, 2.52)."""
+        return -start * factor, (start + end) * factor, -end * factor
 
     def F_base(self, P: Num, nu: Num) -> Pair:
         """-P (cos, sin)(phi_{n-1} + nu) (thesis 2.46, for thrust)."""
@@ -183,22 +190,17 @@ class ClosedForm:
     def K(self) -> list[list[Num]]:
         """Columns are all links, a held one too; before them clamp_angle, where a root spring
         holds link 0 at it."""
-        rows, root = self._bending(self.k, range(self.n)), self.hold.root * self.k
-        if not self.hold.root:
-            return rows
-        rows[0][0] = rows[0][0] + root
-        zero = 0 * self.k
-        return [[zero - root if at == 0 else zero, *row] for at, row in enumerate(rows)]
+        return self._bending(self.k, range(-1 if self.root else 0, self.n))
 
     def D_i(self, c_int: Num) -> list[list[Num]]:
-        """Columns are the moving links: a held link has no rate."""
+        """Columns are the moving links: a held link and a clamp have no rate."""
         return self._bending(c_int * self.m, self.links)
 
     def _bending(self, factor: Num, columns: range) -> list[list[Num]]:
         zero = 0 * factor
         rows = [[zero for _ in columns] for _ in range(2 * self.hold.translates)]
         for i in self.links:
-            row = self.bending_row(factor, i > 0, i < self.n - 1)
+            row = self.bending_row(factor, 1 if i else self.root, int(i < self.n - 1))
             entries = dict(zip((i - 1, i, i + 1), row, strict=True))
             rows.append([entries.get(j, zero) for j in columns])
         return rows

@@ -7,6 +7,7 @@ from virtual work: a force F at r does the work F . dr/dq on a coordinate q.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 from sympy import Add, Expr, Mul, S, Symbol
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
@@ -44,8 +45,9 @@ class ExplicitDerivation:
         hold = BOUNDARIES[self.boundary]
         moving = list(dynamicsymbols(f"phi{hold.first}:{self.n}", real=True))
         self.angles: list[Expr] = [ALPHA] * hold.first + moving
-        # Every angle that a spring knows.
+        # Every angle that a spring knows; springs and dampers between them, in inner joints.
         self.bent = [ALPHA, *self.angles] if hold.root else self.angles
+        self.joints = [*([hold.root] if hold.root else []), *([1] * (self.n - 1))]
         self.base: list[Expr] = list(dynamicsymbols("x0 y0", real=True)) if hold.translates else []
         self.coordinates: list[Expr] = self.base + moving
         self.moving = moving
@@ -97,9 +99,9 @@ class ExplicitDerivation:
 
     @cached_property
     def spring_energy(self) -> PolyElement:
-        pairs = zip(self.angles, self.angles[1:], strict=False)
-        root = BOUNDARIES[self.boundary].root * spring_potential(ALPHA, self.angles[0])
-        return self.calculus.poly(Add(root, *(spring_potential(a, b) for a, b in pairs)))
+        """Energy of the springs in all joints."""
+        joints = zip(self.joints, pairwise(self.bent), strict=True)
+        return self.calculus.poly(Add(*(size * spring_potential(*ends) for size, ends in joints)))
 
     @cached_property
     def lagranges_method(self) -> LagrangesMethod:
@@ -202,8 +204,8 @@ class ExplicitDerivation:
     def internal_damping(self) -> PolyMatrix:
         """D_i: minus the virtual work of the damping moments across the joints, by rate."""
         poly, rows = self.calculus.poly, []
-        for before, after in zip(self.angles, self.angles[1:], strict=False):
-            moment = poly(damper_moment(before.diff(TIME), after.diff(TIME)))
+        for size, (before, after) in zip(self.joints, pairwise(self.bent), strict=True):
+            moment = poly(size * damper_moment(before.diff(TIME), after.diff(TIME)))
             opening = poly(after - before)
             rows.append([moment * self.calculus.diff(opening, q) for q in self.coordinates])
         rates = [a.diff(TIME) for a in self.moving]

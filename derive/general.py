@@ -256,12 +256,31 @@ class Equations:
         return factor(-potential.diff(phi[0]))
 
     @cached_property
+    def root_damper(self) -> Expr:
+        """Moment of internal damping in the root on link 0, whose clamp does not turn; zero where
+        no spring holds it."""
+        return self.hold.root * damper_moment(S.Zero, omega[0])
+
+    @cached_property
+    def inner_moment(self) -> Expr:
+        """The moments of this scene in joint s, between two links, on the link after it."""
+        return self.spring + (self.damper if self._damped else S.Zero)
+
+    @cached_property
+    def root_moment(self) -> Expr:
+        """The moments of this scene in joint 0 on link 0."""
+        return self.root_spring + (self.root_damper if self._damped else S.Zero)
+
+    @property
+    def _damped(self) -> bool:
+        return "internal_damping" in self.terms
+
+    @cached_property
     def joint_moment(self) -> Expr:
         """The moments of this scene in joint s on the link after it."""
-        inner = self.spring + (self.damper if "internal_damping" in self.terms else 0)
         if not self.hold.root:
-            return inner
-        return Piecewise((self.root_spring, Eq(s, 0)), (inner, True))
+            return self.inner_moment
+        return Piecewise((self.root_moment, Eq(s, 0)), (self.inner_moment, True))
 
     @cached_property
     def link_moment(self) -> Expr:

@@ -175,15 +175,10 @@ class ImplicitForm:
     def _moment(self, place: _Place) -> Expr:
         """The moments of the joints at both ends of link i."""
         equations = self.equations
-        inner = equations.joint_moment
-        if equations.hold.root:
-            inner = inner.subs(Eq(s, 0), S.false)
-        start, end = inner.subs(s, i), -inner.subs(s, i + 1)
-        if place.first and equations.hold.root:
-            start = equations.root_spring.subs(phi[0], phi[i])
-        elif place.first and equations.hold.first < equations.hold.first_spring:
-            start = S.Zero
-        return start + (S.Zero if place.last else end)
+        start, end = (equations.inner_moment.subs(s, at) for at in (i, i + 1))
+        if place.first and not equations.hold.first:
+            start = equations.root_moment.xreplace({phi[0]: phi[i], omega[0]: omega[i]})
+        return start - (S.Zero if place.last else end)
 
     def _with_drag(self, rows: Matrix, place: _Place) -> Matrix:
         """The law of external damping in place of its forces."""

@@ -23,7 +23,7 @@ def spring_potential(before: Expr, after: Expr) -> Expr:
 
 def damper_moment(before: Expr, after: Expr) -> Expr:
     """Moment of internal damping on the later link at these rates [N m] (thesis 2.50);
-    the earlier link gets the opposite."""
+    the earlier link, or the clamp, gets the opposite."""
     return -C_INT * m * (after - before)
 
 

@@ -25,7 +25,6 @@ from sympy import (
     Piecewise,
     Pow,
     Rational,
-    S,
     Sum,
     Symbol,
     cos,
@@ -97,8 +96,10 @@ class _Points:
         derived, closed, value = self.derived, self.closed, self.values
         yield self._same("M", self._mass())
         yield self._same("Q", self._velocity())
-        if closed.n > 1 or derived.hold.root:  # else there is no spring
-            yield self._same("K", self._bending(derived.spring, phi, closed.k, derived.root_spring))
+        joined = closed.n > derived.hold.first_spring  # else there is no spring
+        if joined:
+            moments = derived.spring, derived.root_spring
+            yield self._same("K", self._bending(moments, phi, closed.k, ALPHA))
         if "follower" in derived.terms:
             base = closed.F_base(value[P], value[NU])
             hand = [closed.F_link(a, value[P], value[NU]) for a in self.rows]
@@ -114,9 +115,9 @@ class _Points:
             yield self._same(
                 "A", self._work(derived.gravity, closed.A_base(value[G]), hand, self.rows)
             )
-        if "internal_damping" in derived.terms and closed.n > 1:
-            factor = value[C_INT] * value[m]
-            yield self._same("D_i", self._bending(derived.damper, omega, factor, S.Zero))
+        if "internal_damping" in derived.terms and joined:
+            moments = derived.damper, derived.root_damper
+            yield self._same("D_i", self._bending(moments, omega, value[C_INT] * value[m]))
         if "external_damping" in derived.terms:
             resisting = ([-f for f in self.forces[0]], [-f for f in self.forces[1]])
             near = [a for a in self.rows if closed.n - a <= REACH]
@@ -172,23 +173,26 @@ class _Points:
         for a, value in zip(rows, hand, strict=True):
             yield f"phi_{a}", work.link, {i: a}, value
 
-    def _bending(self, moment: Expr, of: IndexedBase, factor: Any, root: Expr) -> Iterator[Entry]:
-        """Coefficients of the three links that bend a link, from the moments at its ends."""
-        end = moment.subs(s, i + 1)
-        hold = self.derived.hold
+    def _bending(
+        self, moments: tuple[Expr, Expr], of: IndexedBase, factor: Any, clamp: Symbol | None = None
+    ) -> Iterator[Entry]:
+        """Coefficients of the three links that bend a link, from the moments at its ends, inner
+        joint's and root's; clamp: what stands before the first link, unless that is zero."""
+        inner, root = moments
+        last = self.closed.n - 1
         work = self.derived.link_moment.subs(n, self.closed.n)
-        neighbours = (of[i - 1], of[i], of[i + 1])
         for a in self.rows:
-            at_root = a == 0 and hold.root > 0
-            start = root.subs(phi[0], phi[i]) if at_root else moment.subs(s, i)
-            here = work.subs({Eq(i, at): at == a for at in (0, self.closed.n - 1)})
-            here = here.xreplace({joint_moment[i]: start, joint_moment[i + 1]: end})
-            row = list(self.closed.bending_row(factor, a > 0, a < self.closed.n - 1))
-            if at_root and root != 0:
-                row[1] += hold.root * factor
-                yield f"phi_{a},clamp_angle", -here.diff(ALPHA), {i: a}, -hold.root * factor
-            for neighbour, hand in zip(neighbours, row, strict=True):
-                yield f"phi_{a},{neighbour}", -here.diff(neighbour), {i: a}, hand
+            start = inner.subs(s, i) if a else root.xreplace({of[0]: of[i]})
+            here = work.subs({Eq(i, at): at == a for at in (0, last)})
+            here = here.xreplace(
+                {joint_moment[i]: start, joint_moment[i + 1]: inner.subs(s, i + 1)}
+            )
+            row = self.closed.bending_row(factor, 1 if a else self.closed.root, int(a < last))
+            for neighbour, hand in zip(
+                (of[i - 1] if a else clamp, of[i], of[i + 1]), row, strict=True
+            ):
+                if neighbour is not None:
+                    yield f"phi_{a},{neighbour}", -here.diff(neighbour), {i: a}, hand
 
 
 def pythagorean(t: Fraction) -> angles.Angle:

@@ -80,7 +80,7 @@ def _matrices(derived: Equations, closed: ClosedForm) -> dict[str, Pairs]:
         M.append((derived.mass_base, closed.M_base()))
         M += zip(derived.mass_base_link, closed.M_base_link(i), strict=True)
         Q += zip(derived.velocity_base_link, closed.Q_base_link(i), strict=True)
-    K = _bending(derived, derived.spring, phi, closed, closed.k, derived.root_spring)
+    K = _bending(derived, (derived.spring, derived.root_spring), phi, closed, closed.k, ALPHA)
     steps: Pairs = []
     by_hand = (*closed.joint_step(i), *closed.velocity_step(i, omega[i]))
     for quantity, hand in zip((joint_x, joint_y, joint_vx, joint_vy), by_hand, strict=True):
@@ -108,7 +108,8 @@ def _loads(derived: Equations, closed: ClosedForm) -> dict[str, dict[str, Pairs]
         if derived.hold.translates:
             pairs += zip(work.base, base, strict=True)
         loads[term] = {name: pairs}
-    D_i = _bending(derived, derived.damper, omega, closed, C_INT * m, S.Zero)
+    dampers = derived.damper, derived.root_damper
+    D_i = _bending(derived, dampers, omega, closed, C_INT * m, S.Zero)
     loads["internal_damping"] = {"D_i": D_i}
     return loads
 
@@ -125,32 +126,28 @@ class _Opposite:
 
 def _bending(
     derived: Equations,
-    moment: Expr,
+    moments: tuple[Expr, Expr],
     of: IndexedBase,
     closed: ClosedForm,
     factor: Expr,
-    root_moment: Expr,
+    clamp: Expr,
 ) -> Pairs:
     """What the joints at its ends do to a link, against its row of K or D_i: for a link inside,
-    for the first of all, and for the last."""
+    for the first of all, and for the last. moments: of an inner joint and of the root; clamp:
+    what stands before the first link."""
     pairs = []
-    for where, (before, after) in {
-        "inside": (True, True),
-        "tail": (True, False),
-        "start": (False, True),
-    }.items():
+    inner, root = moments
+    for where, ends in {"inside": (1, 1), "tail": (1, 0), "start": (closed.root, 1)}.items():
         if where == "start" and derived.hold.first:
             continue
         work = _case(derived.link_moment, i, where)
-        moments = {joint_moment[at]: moment.subs(s, at) for at in (i, i + 1)}
+        acting = {joint_moment[at]: inner.subs(s, at) for at in (i, i + 1)}
         if where == "start":
-            moments[joint_moment[i]] = root_moment.subs(phi[0], phi[i])
-        work = work.xreplace(moments)
-        row = closed.bending_row(factor, before, after)
-        by_hand = sum(c * of[at] for c, at in zip(row, (i - 1, i, i + 1), strict=True))
-        if where == "start" and root_moment != 0:
-            by_hand += derived.hold.root * factor * (of[i] - ALPHA)
-        pairs.append((work, -by_hand))
+            acting[joint_moment[i]] = root.xreplace({of[0]: of[i]})
+        links = (clamp if where == "start" else of[i - 1], of[i], of[i + 1])
+        row = closed.bending_row(factor, *ends)
+        by_hand = sum(c * at for c, at in zip(row, links, strict=True))
+        pairs.append((work.xreplace(acting), -by_hand))
     return pairs
 
 

@@ -122,7 +122,8 @@ class Quantities:
         powers = {
             "follower": force[0] * joint_vx[n] + force[1] * joint_vy[n],
             "tip_load": dead[0] * joint_vx[n] + dead[1] * joint_vy[n],
-            "internal_damping": Sum(moment * opening, (s, 1, n - 1)),
+            "internal_damping": self.equations.root_damper * omega[0]
+            + Sum(moment * opening, (s, 1, n - 1)),
             "external_damping": Sum(
                 drag_x[joint] * joint_vx[joint] + drag_y[joint] * joint_vy[joint], (joint, low, n)
             ),

@@ -18,7 +18,7 @@ from rodgen.derive.points import prove_at_points
 from rodgen.derive.proof_any_n import prove_any_n
 from rodgen.derive.proof_explicit import prove_explicit
 from rodgen.derive.symbols import PARAMETERS, i, j, later, m, n, phi, xi
-from sympy import Matrix, Sum, expand, simplify
+from sympy import Matrix, S, Sum, expand, simplify
 from sympy.physics.mechanics import LagrangesMethod
 
 from rodgen.scene import structure
@@ -215,10 +215,22 @@ HELD = {
 }
 
 
-def _wrong_root_spring(patch: pytest.MonkeyPatch) -> None:
-    right, by_hand = Equations.root_spring.func, ClosedForm.K
-    patch.setattr(Equations, "root_spring", property(lambda s: 3 * right(s)))
-    patch.setattr(ClosedForm, "K", lambda s: by_hand(replace(s, hold=replace(s.hold, root=6))))
+def _wrong_root(patch: pytest.MonkeyPatch) -> None:
+    """Three inner springs in the table of boundaries, where half a link has two."""
+    patch.setitem(BOUNDARIES, "clamped", replace(BOUNDARIES["clamped"], root=3))
+
+
+def _wrong_root_damper(patch: pytest.MonkeyPatch) -> None:
+    """As damped as an inner joint, in both derivations."""
+    one = property(lambda s: damper_moment(S.Zero, general.omega[0]))
+    patch.setattr(Equations, "root_damper", one)
+    right = ExplicitDerivation.internal_damping.func
+
+    def wrong(self: ExplicitDerivation) -> Any:
+        self.joints = [1] * self.n  # K has been compared by then
+        return right(self)
+
+    patch.setattr(ExplicitDerivation, "internal_damping", property(wrong))
 
 
 def _wrong_mass(patch: pytest.MonkeyPatch) -> None:
@@ -231,7 +243,8 @@ def _wrong_inertia(patch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("proof", HELD)
 @pytest.mark.parametrize(
-    ("wrong", "entry"), [(_wrong_root_spring, "K"), (_wrong_mass, "M"), (_wrong_inertia, "M")]
+    ("wrong", "entry"),
+    [(_wrong_root, "K"), (_wrong_root_damper, "D_i"), (_wrong_mass, "M"), (_wrong_inertia, "M")],
 )
 def test_every_proof_catches_a_wrong_clamp_and_wrong_masses(
     proof: str,

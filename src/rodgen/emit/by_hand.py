@@ -40,14 +40,14 @@ class ByHand:
         self.origin = (q[0], q[1]) if base else (mpf(0), mpf(0))
         self.v0 = (u[0], u[1]) if base else (mpf(0), mpf(0))
         self.phi = [number["clamp_angle"]] * held + q[base:] if held else q[base:]
-        # Every angle that a spring knows, with the stiffness between it and the next.
-        root = [number["clamp_angle"]] if hold.root else []
-        self.bent = root + self.phi
-        self.stiffness = [hold.root * self.k] * len(root) + [self.k] * (self.n - 1)
         self.omega = [mpf(0)] * held + u[base:]
         sizes = (self.m, self.l, self.k)
         self.lumped = module.INERTIA == "lumped"
         self.closed = ClosedForm(self.n, *sizes, self.phi, hold, FIFTY_DIGITS, self.lumped)
+        # Every angle that a spring knows, with the stiffness between it and the next.
+        root = [number["clamp_angle"]] if hold.root else []
+        self.bent = root + self.phi
+        self.stiffness = [self.closed.root * self.k] * len(root) + [self.k] * (self.n - 1)
 
     def rhs(self) -> list[Any]:
         closed, moving = self.closed, self.omega[self.hold.first :]

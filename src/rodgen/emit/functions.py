@@ -328,8 +328,8 @@ class Functions:
         return _scalars(acting)
 
     def _acts(self, term: str) -> bool:
-        """Internal damping acts across inner joints: a single link has none."""
-        return term != "internal_damping" or self.links > 1
+        """Internal damping acts where springs do."""
+        return term != "internal_damping" or self.springs
 
 
 @cache

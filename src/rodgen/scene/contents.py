@@ -67,7 +67,7 @@ def _term(scene: Scene, term: str) -> Piece:
     name, table = term.replace("_", " "), f"table [loads.{TABLES[term]}]"
     if term not in scene.structure.terms:
         return Piece(name, False, f"no {table}")
-    if term == "internal_damping" and scene.rod.links == 1:
+    if term == "internal_damping" and scene.rod.links == 1 and not scene.hold.root_spring:
         return Piece(name, False, "one link has no inner joint; the parameter is taken, not used")
     timed = scene.timed
     functions = [

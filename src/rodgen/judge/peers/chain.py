@@ -92,7 +92,7 @@ def _torques(
 ) -> list[Any]:
     """On the links that move, by springs and dampers; in m l^2. phi: of all links."""
     n, held = scene.rod.links, scene.held
-    spring, drag = given["bending_stiffness"] / (m * l * l * l), None
+    spring = given["bending_stiffness"] / (m * l * l * l)
     joints = [spring * (phi[i + 1] - phi[i]) for i in range(n - 1)]
     if "internal_damping" in given:
         drag = given["internal_damping"] / (l * l)
@@ -100,7 +100,11 @@ def _torques(
         for i in range(n - 1):
             turn = rates[i + 1] - rates[i] if i >= held else rates[i + 1]
             joints[i] = joints[i] + drag * turn
-    root = 2 * spring * (phi[0] - given["clamp_angle"]) if scene.hold.root_spring else 0.0
+    root: Any = 0.0
+    if scene.hold.root_spring:
+        root = 2 * spring * (phi[0] - given["clamp_angle"])
+        if "internal_damping" in given:
+            root = root + 2 * drag * omega[0]
     before, after = [root, *joints], [*joints, 0.0]
     return [after[i] - before[i] for i in range(held, n)]
 

@@ -42,7 +42,8 @@ class Tree:
         spring, damper = given["bending_stiffness"] / l, m * given.get("internal_damping", 0.0)
         clamp = given.get("clamp_angle", 0.0)
         # The hinge before the first link that moves, and those between.
-        first = (spring, damper) if held else (2 * spring * scene.hold.root_spring, 0.0)
+        root = 2 * scene.hold.root_spring
+        first = (spring, damper) if held else (root * spring, root * damper)
         return cls(
             links=n - held,
             mass=m,
