@@ -259,7 +259,7 @@ def _equations(family: Family, near: Onset) -> At:
 def _kind(family: Family, found: Onset) -> str:
     """Flutter, divergence, or the turning of the whole rod, by the angles of what grows."""
     here = family.at(found.force)
-    if isinstance(here, Dense) and family.bare is not None:
+    if isinstance(here, Dense) and family.bare is not None and family.system.base:
         shape = np.linalg.svd(here.at(found.s))[2][-1, -family.system.cells :]
         common = abs(shape.mean()) ** 2 * len(shape)
         if common >= WHOLE * np.linalg.norm(shape) ** 2 and not family.diverges(found.force):

@@ -24,6 +24,7 @@ ITERATIONS = 30
 SMALL = 1e-7  # relative change below which one that no longer shrinks is rounding
 START = 1e-4  # the share of the force in which an onset is looked for first
 APART = 0.05  # by which an estimate may be wrong
+ENTRY = 16 * ROUNDING  # of an entry of the matrices, which a few operations make
 DIGITS = (3, 12)  # the least and the most that are printed of a load
 
 
@@ -131,7 +132,7 @@ class _Search:
             moved = float(np.abs(change).max())
             if not abs(x[0] - start[0]) < APART * self.size:
                 break
-            noise = float((np.abs(inverse) @ rounding)[0] + ROUNDING) * self.size
+            noise = float((np.abs(inverse) @ rounding)[0] + ENTRY) * self.size
             if (np.abs(residual) <= rounding).all():
                 return x.tolist(), noise
             if moved < SMALL and moved >= before / 4:
@@ -154,7 +155,7 @@ class _Search:
         made = Bordered(here.at_square(0.0), self.b, self.c)
         rounding = made.size_of(here.sizes(0.0) + abs(values[0]) * by_force.sizes(0.0))
         slope = made.by(by_force.at_square(0.0))
-        return np.array([made.g]), np.array([[slope]]), ROUNDING * np.array([rounding])
+        return np.array([made.g]), np.array([[slope]]), ENTRY * np.array([rounding])
 
     def flutter(self, values: Array) -> Measured:
         """Real and imaginary part of g(P, omega)."""
@@ -166,7 +167,7 @@ class _Search:
         return (
             np.array([made.g.real, made.g.imag]),
             np.array([[one.real for one in slopes], [one.imag for one in slopes]]),
-            ROUNDING * np.array(rounding),
+            ENTRY * np.array(rounding),
         )
 
     def meeting(self, values: Array) -> Measured:
@@ -182,5 +183,5 @@ class _Search:
         return (
             np.array([made.g, slope]),
             np.array([[made.by(P_slope), -slope], [mixed, -curve]]),
-            ROUNDING * np.array(rounding),
+            ENTRY * np.array(rounding),
         )
