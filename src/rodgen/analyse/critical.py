@@ -9,6 +9,7 @@ import numpy as np
 
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import BASIS, MOST_DENSE, Family
+from rodgen.analyse.flight import flown
 from rodgen.analyse.guarded import guarded
 from rodgen.analyse.onset import At, Onset, onset, turning_onset
 from rodgen.analyse.pencil import Dense, Pencil
@@ -46,7 +47,8 @@ class Critical:
     state: what grows unstable; complete: whether all modes were looked at below the force (at four
     forces), or the lowest 16 alone; t: the time at which the other loads are taken [s].
 
-    load: which is scaled, unit: its unit; end: "upper" or "lower"; growth: what grows at the lowest
+    speed: of a free rod along its axis, nose first [m/s]; note: what is to be known of the speed,
+    where it counts; load: which is scaled, unit: its unit; end: "upper" or "lower"; growth: what grows at the lowest
     force already [1/s], 0 where nothing does; elastic: whether turning of the whole rod was left
     out; stable: all windows of stability in the range (low, high) [N], where they were asked for.
     """
@@ -62,6 +64,8 @@ class Critical:
     state: str
     complete: bool
     t: float
+    speed: float = 0.0
+    note: str | None = None
     load: str = FOLLOWER
     unit: str = UNITS[FOLLOWER]
     end: str = UPPER
@@ -77,6 +81,8 @@ def critical_force(
     lowest: float | None = None,
     highest: float | None = None,
     t: float | None = None,
+    speed: float | None = None,
+    after: float | None = None,
     load: str = FOLLOWER,
     end: str = UPPER,
     windows: bool = False,
@@ -85,7 +91,10 @@ def critical_force(
     """The smallest force above ``lowest`` [N] at which a small motion begins to grow.
 
     lowest, highest: where the search begins and ends [N], by default 0 and 1000 EI/L^2; t: time
-    whose other loads are taken [s]; load: which one is scaled, "follower" (the force of the scene
+    whose other loads are taken [s]; speed: at which a free rod flies along its axis, nose first
+    [m/s], by default the part along it of the scene's initial velocity; after: time [s] of a run of
+    the scene whose other loads, speed and direction are taken instead. The speed is taken as though
+    it stayed as it is. load: which one is scaled, "follower" (the force of the scene
     itself is not used), "tip" (the dead force, in its direction), "gravity" [m/s^2] or "all" (by
     one factor); end: "lower" asks where a rod that is unstable grows stable; windows: also find all
     windows of stability in the range; elastic: leave out motions that turn a free rod as a whole.
@@ -93,12 +102,12 @@ def critical_force(
     A range of forces is searched in the lowest 16 modes, in steps of EI/(2 L^2) or 1 %; what is
     found there is solved for with all links, as closely as ``error`` says. Where a motion grows at
     a ``lowest`` that was asked for, the next motion that begins to grow is found. Internal damping
-    counts as the scene has it (a little of it can lower the force much), external damping as for
-    motions across a rod that does not move along itself. Raises SceneError for a scene without that
+    counts as the scene has it (a little of it can lower the force much), external damping as it is
+    at the speed. Raises SceneError for a scene without that
     load and for a range that is none, AnalysisError where no steady state exists, where none loses
     its stability in the range, or where one is unstable from the start.
     """
-    family = family_of(scene, t, load)
+    family = family_of(scene, t, speed, after, load)
     if not family.whole:
         raise AnalysisError("no mode can become unstable: all motions move the rod as a whole")
     if end not in (UPPER, LOWER):
@@ -124,6 +133,8 @@ def critical_force(
         state=family.state(found.force).words,
         complete=complete,
         t=family.system.t,
+        speed=family.system.speed,
+        note=family.state(found.force).note,
         load=load,
         unit=UNITS[load],
         end=end,
@@ -133,14 +144,21 @@ def critical_force(
     )
 
 
-def family_of(scene: Scene, t: float | None = None, load: str = FOLLOWER) -> Family:
+def family_of(
+    scene: Scene,
+    t: float | None = None,
+    speed: float | None = None,
+    after: float | None = None,
+    load: str = FOLLOWER,
+) -> Family:
     """The linearised scene for every size of a load. Raises SceneError, AnalysisError."""
     check_scene(scene)
+    scene, t = flown(scene, t, speed, after)
     if load == FOLLOWER and scene.loads.follower is not None:
         given = scene.model_dump(exclude_none=True)
         given["loads"]["follower"]["force"] = 0.0
         scene = Scene.from_dict(given)
-    system = System.of(scene, t)
+    system = System.of(scene, t, speed)
     return Family(system, ScaledLoad.of(load, system))
 
 

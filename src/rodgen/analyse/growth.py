@@ -10,9 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.analyse.critical import HIGHEST, family_of
+from rodgen.analyse.critical import HIGHEST, Critical, family_of
+from rodgen.analyse.decomposition import growth_in
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import Family
+from rodgen.analyse.flight import initial
 from rodgen.analyse.guarded import guarded
 from rodgen.integrate.outcome import RunError
 from rodgen.integrate.simulate import simulate
@@ -26,28 +28,40 @@ from rodgen.scene.tables import FIXED_STEP
 
 FIRST = 4.0  # EI/L^2, doubled until a motion grows
 PIECES = 20  # of a run
-TOLERANCES = {"rtol": 1e-6, "atol": 1e-8}  # what grows by itself is far larger than errors
-SAMPLES = 4000  # of a run, among which the largest bending is looked for
+SAMPLES = 4000  # of a run
+MEASURED = 1.01  # times, by which a motion has to grow where its growth is measured
+FAR = 1e4  # times the bending of the start: no more has to be measured
+# What is measured has to stand out against errors, what grows a hundredfold does so by itself.
+TOLERANCES = {True: {"rtol": 1e-10, "atol": 1e-12}, False: {"rtol": 1e-6, "atol": 1e-8}}
 # Small angles [rad], without a moment at free ends.
-DISTURBED = "1e-4*(cos(pi*s) + cos(2*pi*s) + cos(3*pi*s))"
-DISTURBED_CLAMPED = "1e-4*(sin(pi*s/2) + sin(3*pi*s/2))"
+AMPLITUDE = {True: 1e-6, False: 1e-4}
+DISTURBED = "{:g}*(cos(pi*s) + cos(2*pi*s) + cos(3*pi*s))"
+DISTURBED_CLAMPED = "{:g}*(sin(pi*s/2) + sin(3*pi*s/2))"
+APART = 0.05  # relative: where forces differ by more, one is not to be trusted
 
 
 @dataclass(frozen=True)
 class SimulatedCritical:
     """low, high: the largest force whose motion did not grow and the smallest whose motion did
     [N]; force: between them; span: simulated time of a run [s]; growth: by how much the bending of
-    the start has to be exceeded; runs: how many; seconds: what they took together; target: of the
-    module that ran, "c" or "numpy"."""
+    the start has to be exceeded, None where the growth was measured; runs: how many; seconds: what
+    they took together; target: of the module that ran, "c" or "numpy"; speed: along its axis with
+    which a free rod starts [m/s]."""
 
     force: float
     low: float
     high: float
     span: float
-    growth: float
+    growth: float | None
     runs: int
     seconds: float
     target: str
+    speed: float = 0.0
+
+    @property
+    def seen(self) -> float:
+        """Times that a motion has to grow within the span to be seen."""
+        return MEASURED if self.growth is None else self.growth
 
 
 @guarded
@@ -55,8 +69,11 @@ def simulated_critical_force(
     scene: Scene,
     *,
     span: float = 200.0,
-    growth: float = 100.0,
+    growth: float | None = None,
     tolerance: float = 1e-4,
+    t: float | None = None,
+    speed: float | None = None,
+    after: float | None = None,
     low: float | None = None,
     high: float | None = None,
     disturbance: str | None = None,
@@ -65,25 +82,32 @@ def simulated_critical_force(
     **settings: Any,
 ) -> SimulatedCritical:
     """Bisection by simulations of so many seconds, each from the steady state under its force,
-    disturbed a little; the initial state of the scene is not used.
+    disturbed a little; of the initial state of the scene its speed alone is used.
 
-    A motion has grown when the largest angle between two links, those of the steady state taken
-    off, exceeds ``growth`` times that of the start. A finite time finds too large a force: next to
-    the onset growth is slow; a small growth too small a one, since frequencies that nearly meet
-    beat. tolerance: of the force, relative; low, high: forces between which it lies [N], by default
-    found by doubling from 4 EI/L^2; disturbance: angles [rad], an expression in s as in a scene, by
-    default about 1e-4; progress: called with every force and whether the motion grew; target: "c"
-    or "numpy", "c" where it can be built; settings: those of `simulate` (method, step; rtol 1e-6
-    and atol 1e-8, if not given). Raises SceneError, AnalysisError where there is no steady state,
-    or nothing grows up to 1000 EI/L^2.
+    By default the growth is measured: from the samples of the angles between links and of their
+    rates, those of the steady state taken off, follows by how much the motion that grows most has
+    grown, and 1 % within the span is growth. Where ``growth`` is given, a motion has grown when the
+    largest angle between two links exceeds so many times that of the start, as in the thesis: a
+    finite time then finds too large a force, since next to the onset growth is slow, and a small
+    growth too small a one, since frequencies that nearly meet beat. tolerance: of the force,
+    relative; t, speed, after: as of `critical_force`, but the speed changes as the run goes on;
+    low, high: forces between which it lies [N], by default found by doubling from 4 EI/L^2;
+    disturbance: angles [rad], an expression in s as in a scene, by default about 1e-6, or 1e-4
+    where ``growth`` is given; progress: called with every force and whether the motion grew;
+    target: "c" or "numpy", "c" where it can be built; settings: those of `simulate` (method, step;
+    rtol 1e-10 and atol 1e-12, if not given, or 1e-6 and 1e-8 where ``growth`` is). Raises
+    SceneError, AnalysisError where there is no steady state, or nothing grows up to 1000 EI/L^2.
     """
-    family = family_of(scene)  # refuses a scene without a follower force, or without a stiffness
+    # Refuses a scene without a follower force, or without a stiffness.
+    family = family_of(scene, t, speed, after)
     check_used(scene.with_integrate(**settings).integrate, settings)
-    for name, value in (("span", span), ("growth - 1", growth - 1), ("tolerance", tolerance)):
+    over = 1.0 if growth is None else growth - 1
+    for name, value in (("span", span), ("growth - 1", over), ("tolerance", tolerance)):
         if not (np.isfinite(value) and value > 0):
             raise SceneError(name, value, "positive")
     begun = time.perf_counter()
-    run = _Run(family, span, growth, disturbance, progress, target, TOLERANCES | settings)
+    settings = TOLERANCES[growth is None] | settings
+    run = _Run(family, span, growth, disturbance, progress, target, settings)
     lower, upper = _bracket(run, low, high, family.unit)
     while upper - lower > tolerance * upper:
         middle = (lower + upper) / 2
@@ -97,7 +121,28 @@ def simulated_critical_force(
         runs=run.count,
         seconds=time.perf_counter() - begun,
         target=run.model.PROVENANCE["target"],
+        speed=family.system.speed,
     )
+
+
+def doubt(found: Critical, simulated: SimulatedCritical, family: Family) -> str | None:
+    """Why one of two critical forces is not to be trusted, as far as that is known: that by
+    eigenvalues, of a family, and that by simulations; None where they agree within 5 %."""
+    if abs(simulated.force - found.force) <= APART * abs(found.force):
+        return None
+    words = (
+        "the forces by eigenvalues and by simulations differ by more than 5 %: one of them is not "
+        "to be trusted"
+    )
+    if found.note:
+        return f"{words}; {found.note}; the runs have the speed that they gain"
+    rate = np.nanmax(family.elastic(np.array([simulated.low]), family.whole).real)
+    if 0 < rate * simulated.span < np.log(simulated.seen):
+        return (
+            f"{words}; under {simulated.low:.6g} N motions grow with {rate:.3g} 1/s by "
+            f"eigenvalues, too slowly to be seen in {simulated.span:g} s: simulate for longer"
+        )
+    return words
 
 
 def _bracket(run: _Run, low: float | None, high: float | None, unit: float) -> tuple[float, float]:
@@ -109,7 +154,7 @@ def _bracket(run: _Run, low: float | None, high: float | None, unit: float) -> t
     while not run.grows(upper):
         if high is not None or upper > HIGHEST * unit:
             raise AnalysisError(
-                f"no motion grows {run.growth:g} times within {run.span:g} s up to {upper:g} N "
+                f"no motion grows {run.seen:g} times within {run.span:g} s up to {upper:g} N "
                 f"({run.count} simulations)"
             )
         lower, upper = upper, 2 * upper
@@ -123,7 +168,7 @@ class _Run:
         self,
         family: Family,
         span: float,
-        growth: float,
+        growth: float | None,
         disturbance: str | None,
         progress: Callable[[float, bool], None],
         target: str | None,
@@ -133,18 +178,19 @@ class _Run:
         self.settings, self.count = settings, 0
         scene = family.system.scene
         self.model = build(scene, target) if target else build_fastest(scene)
-        self.start = _angles(scene, disturbance)
+        self.seen = growth or MEASURED
+        self.start = _angles(scene, disturbance, AMPLITUDE[growth is None])
         self.table = scene.model_dump(exclude_none=True)
-        self.table["integrate"]["output_every"] = span / SAMPLES
         self.ends = np.linspace(0.0, span, PIECES + 1)
         step = settings.get("step", scene.integrate.step)
         if settings.get("method", scene.integrate.method) in FIXED_STEP and step:
             # A piece of whole steps: every shortened one would disturb the fastest motions.
             piece = max(1, round(span / PIECES / step)) * step
             self.ends = np.append(np.arange(0.0, span - piece / 2, piece), span)
+        self.table["integrate"]["output_every"] = self.ends[1] * PIECES / SAMPLES
 
     def grows(self, force: float) -> bool:
-        """Whether the bending of the start is exceeded by so much; a run that blows up has."""
+        """Whether a motion has grown; in a run that blows up it has."""
         self.count += 1
         grew = self._grows(force)
         self.progress(force, grew)
@@ -152,11 +198,12 @@ class _Run:
 
     def _grows(self, force: float) -> bool:
         """The span is gone through in pieces, since a motion that has grown costs the most."""
-        steady = self.family.system.all_links(self.family.state(force).phi)
-        held = self.family.system.scene.held
-        table = self.table | {"initial": {"phi": (steady[held:] + self.start).tolist()}}
+        system, phi = self.family.system, self.family.state(force).phi
+        y = system.flying(phi)
+        y[system.base : system.base + system.cells] += self.start
+        table = self.table | {"initial": initial(system.scene, y)}
         table["loads"]["follower"]["force"] = force
-        most = np.inf
+        most, bent = np.inf, []
         for start, end in pairwise(self.ends.tolist()):
             table["integrate"]["span"] = [start, end]
             try:
@@ -164,19 +211,24 @@ class _Run:
                 solution = simulate(scene, model=self.model)
             except RunError:
                 return True
-            bend = _bending(solution, steady)
+            angles, rates = _bending(solution, system.all_links(phi))
             if start == 0:
-                most = self.growth * bend[0]
-            if bend.max() > most:
+                most = (self.growth or FAR) * np.abs(angles[0]).max()
+            if np.abs(angles).max() > most:
                 return True
-            table["initial"] = _state(scene, solution.y[-1])
-        return False
+            table["initial"] = initial(scene, solution.y[-1])
+            # The last sample of a piece is the first of the next.
+            bent.append((angles[:-1], rates[:-1]))
+        if self.growth:
+            return False
+        return growth_in([np.concatenate(part) for part in zip(*bent, strict=True)]) > self.seen
 
 
-def _angles(scene: Scene, disturbance: str | None) -> Array:
+def _angles(scene: Scene, disturbance: str | None, amplitude: float) -> Array:
     """Angles of the moving links [rad] by which the start is disturbed."""
     clamped = scene.held or scene.hold.root_spring
-    text = disturbance or (DISTURBED_CLAMPED if clamped else DISTURBED)
+    default = (DISTURBED_CLAMPED if clamped else DISTURBED).format(amplitude)
+    text = disturbance or default
     n = scene.rod.links
     links = np.arange(scene.held, n)
     values = np.broadcast_to(Expression(text, "s", "disturbance")((links + 0.5) / n), links.shape)
@@ -185,20 +237,13 @@ def _angles(scene: Scene, disturbance: str | None) -> Array:
     return np.asarray(values, dtype=float)
 
 
-def _state(scene: Scene, y: Array) -> dict[str, list[float]]:
-    """The table [initial] of a state."""
-    q, v = np.split(y, 2)
-    base = 2 * scene.hold.translates
-    table = {"phi": q[base:].tolist(), "omega": v[base:].tolist()}
-    return table | ({"position": q[:2].tolist(), "velocity": v[:2].tolist()} if base else {})
+def _bending(solution: Solution, steady: Array) -> tuple[Array, Array]:
+    """Angles between two links, or a link and its clamp, at every sample [rad], less those of the
+    steady state, and their rates [rad/s]."""
 
+    def between(links: Array) -> Array:
+        if solution.scene.hold.root_spring:
+            links = np.concatenate((np.zeros((len(links), 1)), links), axis=1)
+        return links if links.shape[1] == 1 else np.diff(links, axis=1)
 
-def _bending(solution: Solution, steady: Array) -> Array:
-    """The largest angle between two links, or a link and its clamp, at every sample [rad], less
-    those of the steady state."""
-    away = solution.phi - steady
-    if solution.scene.hold.root_spring:
-        away = np.concatenate((np.zeros((len(away), 1)), away), axis=1)
-    if away.shape[1] == 1:
-        return np.asarray(np.abs(away[:, 0]))
-    return np.asarray(np.abs(np.diff(away, axis=1)).max(axis=1))
+    return between(solution.phi - steady), between(solution.omega)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.analyse.eigen import MOST_DENSE, Values, all_values, lowest_values, refined
+from rodgen.analyse.flight import flown
 from rodgen.analyse.guarded import guarded
 from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.steady import Steady, linearised, steady
@@ -31,7 +32,8 @@ class Modes:
     phi: (k, n) and displacements: (k, n+1, 2) of links and joints, the largest displacement 1,
     complex where there is damping or growth; state: what it is about; rigid: motions without
     frequency that turn or move the rod as a whole, left out; overdamped: motions without frequency
-    among those computed, left out too; joints: (n+1, 2) of the steady state [m].
+    among those computed, left out too; joints: (n+1, 2) of the steady state [m]; speed: of a free
+    rod along its axis, nose first [m/s]; note: what is to be known of the speed, where it counts.
     """
 
     frequencies: Array
@@ -43,24 +45,37 @@ class Modes:
     rigid: int
     overdamped: int
     t: float
+    speed: float = 0.0
+    note: str | None = None
 
 
 @guarded
-def natural_modes(scene: Scene, count: int = 10, *, t: float | None = None) -> Modes:
+def natural_modes(
+    scene: Scene,
+    count: int = 10,
+    *,
+    t: float | None = None,
+    speed: float | None = None,
+    after: float | None = None,
+) -> Modes:
     """The lowest natural frequencies and mode shapes of a scene about its steady state: straight
     and at rest, in static equilibrium, or straight and steadily accelerating under its thrust.
 
     count: how many, at most; t: time whose loads are taken [s], by default the end of the span.
+    speed: at which a free rod flies along its axis, nose first [m/s], by default the part along it
+    of the scene's initial velocity; after: time [s] of a run of the scene whose loads, speed and
+    direction are taken instead. The speed is taken as though it stayed as it is.
     All eigenvalues are computed up to 24 links, where a third or more are asked for, where there is
     external damping, and with internal damping up to 500 links; else those of smallest |s| by
     sparse shift-invert, in O(n). With much damping beyond 500 links overdamped motions can leave
-    fewer than ``count``, and one of large |s| but low frequency can be missed. Damping is that of
-    the scene at rest. Raises SceneError, and AnalysisError where there is no steady state.
+    fewer than ``count``, and one of large |s| but low frequency can be missed. Raises SceneError,
+    and AnalysisError where there is no steady state.
     """
     count = plain(count, "count")
     if not isinstance(count, int) or count < 1:
         raise SceneError("count", count, "a whole number of at least 1")
-    system = System.of(scene, t)
+    scene, t = flown(scene, t, speed, after)
+    system = System.of(scene, t, speed)
     return modes_about(steady(system), count)
 
 
@@ -84,6 +99,8 @@ def modes_about(state: Steady, count: int) -> Modes:
         rigid=_rigid(state),
         overdamped=int((~moves & (s.real < 0)).sum()),
         t=system.t,
+        speed=system.speed,
+        note=state.note,
     )
 
 
@@ -120,12 +137,15 @@ def _rigid(state: Steady) -> int:
 def _shapes(
     state: Steady, s: NDArray[Any], vectors: NDArray[Any]
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Angles (k, n) and displacements (k, n+1, 2) of modes from their vectors (k, coordinates)."""
-    system = state.system
+    """Angles (k, n) and displacements (k, n+1, 2) of modes from their vectors (k, coordinates):
+    those of the angles, or before them the displacement of joint 0 across the rod."""
+    system, across = state.system, vectors[:, : -state.system.cells]
     q = np.zeros((len(s), system.base + system.cells), dtype=complex)
     q[:, system.base :] = vectors[:, -system.cells :]
+    if across.size:
+        q[:, :2] = across * [-np.sin(state.phi[0]), np.cos(state.phi[0])]
     q /= np.abs(q).max(axis=1, keepdims=True)
-    if system.base:
+    if system.base and not across.size:
         q[:, :2] = _base(state, s, q)
     parts = [_displaced(state, part) for part in (q.real, q.imag)]
     moved = parts[0] + 1j * parts[1]
@@ -141,7 +161,7 @@ def _shapes(
 
 def _base(state: Steady, s: NDArray[Any], q: NDArray[Any]) -> NDArray[Any]:
     """Displacements (k, 2) of joint 0 that go with the angles: its acceleration over s^2."""
-    system, y = state.system, state.system.at_rest(state.phi)
+    system, y = state.system, state.system.flying(state.phi)
     base = np.zeros((len(s), 2), dtype=complex)
     for at, (rate, shape) in enumerate(zip(s, q, strict=True)):
         change = np.concatenate((shape, np.zeros_like(shape)))

@@ -1,4 +1,4 @@
-"""The equations linearised about a state at rest: (S0 + s S1 + s^2 S2) z = 0.
+"""The equations linearised about a state at rest or in flight: (S0 + s S1 + s^2 S2) z = 0.
 
 z holds a column for the angle of every moving link and two for the force in the joint before it,
 in cells; the blocks are SymPy's derivatives of the equations with the joint forces as unknowns
@@ -7,7 +7,7 @@ in cells; the blocks are SymPy's derivatives of the equations with the joint for
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from typing import Any
 
@@ -23,27 +23,51 @@ from rodgen.integrate.stepper import Array
 
 Matrix = NDArray[Any]
 NUDGE = 2.0**-52  # of the largest entry: a rounding
+ASIDE = 2.0**-45  # of the speed, to either side of straight ahead: more than a rounding
 SINGULAR = "the linearised equations are singular"
 
 
 @dataclass(frozen=True)
 class Cells:
-    """The implicit form at a state at rest with angular accelerations zero: residual (cells, 3)
-    and derivatives by angle, rate (3, cells, 3) and unknowns (3, cells, 3, 3)."""
+    """The implicit form without angular rates and accelerations: residual (cells, 3), derivatives
+    by angle, rate (3, cells, 3), unknowns (3, cells, 3, 3), and by the velocities of the joints at
+    the start and at the end of every link (2, cells, 3, 2)."""
 
     residual: Array
     by_angle: Array
     by_rate: Array
     by_unknown: Array
+    by_velocity: Array
 
     @classmethod
     def at(cls, system: System, phi: Array, force: Array, p: Array) -> Cells:
-        """phi (cells,); force (cells, 2) over the mass of a link [m/s^2]."""
-        y, still = system.at_rest(phi), np.zeros(system.cells)
-        residual, by_angle, by_rate, by_unknown, _ = system.model.implicit(0.0, y, p, still, force)
-        if not all(np.isfinite(part).all() for part in (residual, by_angle, by_unknown)):
+        """Of a rod that flies straight ahead with the speed of the system, or is at rest.
+
+        phi (cells,); force (cells, 2) over the mass of a link [m/s^2]. In flight a law may have a
+        kink, as that of external damping has: derivatives are the means of both of its sides.
+        """
+        made = cls._in(system, system.flying(phi), force, p)
+        if not system.speed:
+            return made
+        aside = ASIDE * system.speed
+        left, right = (
+            cls._in(system, system.flying(phi, side), force, p) for side in (aside, -aside)
+        )
+        names = [field.name for field in fields(cls)][1:]
+        return cls(made.residual, *((getattr(left, k) + getattr(right, k)) / 2 for k in names))
+
+    @classmethod
+    def across(cls, system: System, phi: Array, force: Array, p: Array) -> Cells:
+        """Of a free rod that moves across its axis alone, as fast as it flies."""
+        y = replace(system, speed=0.0).flying(phi, system.speed)
+        return cls._in(system, y, force, p)
+
+    @classmethod
+    def _in(cls, system: System, y: Array, force: Array, p: Array) -> Cells:
+        parts = system.model.implicit(0.0, y, p, np.zeros(system.cells), force)
+        if not all(np.isfinite(part).all() for part in parts):
             raise AnalysisError("the linearised equations are not finite")
-        return cls(residual, by_angle, by_rate, by_unknown)
+        return cls(*parts)
 
     @property
     def statics(self) -> Array:
@@ -273,7 +297,7 @@ def solve(blocks: Matrix, right: Matrix, transposed: bool = False) -> Matrix:
 
 def forces(system: System, phi: Array, p: Array) -> tuple[Array, Array]:
     """Angular accelerations (cells,) [rad/s^2] and joint forces over the mass of a link (cells, 2)
-    [m/s^2] of the rod at rest: the implicit form is linear in both."""
+    [m/s^2] of the rod at rest, or in flight: the implicit form is linear in both."""
     cells = Cells.at(system, phi, np.zeros((system.cells, 2)), p)
     unknowns = solve(cells.by_unknown, -cells.residual.ravel()).reshape(-1, 3)
     return unknowns[:, 0], unknowns[:, 1:]

@@ -1,8 +1,10 @@
-"""The state about which a scene is linearised: at rest, or straight and steadily accelerating."""
+"""The state about which a scene is linearised: at rest, or straight and steadily accelerating,
+with the speed that a free rod has along its axis."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -14,6 +16,7 @@ from rodgen.integrate.stepper import Array
 
 STEADY = 1e-9  # of the accelerations that the joint forces would cause: rounding
 STRAIGHT = 1e-12  # rad
+ASKEW = 5.0  # degrees between the velocity and the axis, up to which a rod flies along it
 
 
 @dataclass(frozen=True)
@@ -36,19 +39,45 @@ class Steady:
         """What the state is, for a reader."""
         if not self.system.scene.hold.translates:
             return "straight, at rest" if self.straight else "static equilibrium"
-        pushed = np.abs(self.force).max(initial=0.0) > 0
-        return f"straight, {'steadily accelerating' if pushed else 'at rest or falling freely'}"
+        _, force = forces(replace(self.system, speed=0.0), self.phi, self.p)
+        pushed, speed = np.abs(force).max(initial=0.0) > 0, self.system.speed
+        if not speed:
+            return f"straight, {'steadily accelerating' if pushed else 'at rest or falling freely'}"
+        flies = f"flying at {abs(speed):.6g} m/s{' tail first' * (speed < 0)}"
+        return f"straight, {flies}{' and accelerating' * bool(pushed)}"
+
+    @property
+    def note(self) -> str | None:
+        """What a reader has to know of the speed, where it counts: None for a rod that is held, and
+        where no load depends on it."""
+        system = self.system
+        if not (has_drag(system) and system.scene.hold.translates):
+            return None
+        if not (system.speed or system.across):
+            return (
+                "linearised about a rod at rest, where external damping brakes small motions "
+                "across it; of one that moves along its axis it brakes none (give a speed)"
+            )
+        angle = np.degrees(np.arctan2(abs(system.across), abs(system.speed)))
+        if angle <= ASKEW:
+            return None
+        return (
+            f"the rod moves {angle:.3g} degrees away from its axis, which is no steady state: "
+            "linearised as though it moved along its axis alone"
+        )
 
     @property
     def turns_freely(self) -> bool:
         """Whether turning the whole rod makes no moment: a rigid-body motion of frequency zero.
         Its loads turn with it, or there are none."""
-        turned = Cells.at(self.system, self.phi + 1.0, _turned(self.force, 1.0), self.p)
+        here = self._cells
         # Row by row, for a soft spring counts beside a hard one.
-        angles = np.abs(turned.by_angle).sum(axis=0)
-        pulls = np.abs(turned.by_unknown[..., 1:]).sum(axis=(0, 3))
+        angles = np.abs(here.by_angle).sum(axis=0)
+        pulls = np.abs(here.by_unknown[..., 1:]).sum(axis=(0, 3))
         sizes = angles + pulls * np.abs(self.force).max(initial=0.0)
-        return bool((np.abs(turned.residual) <= STEADY * sizes).all())
+        sizes += np.abs(self._drag_across).sum(axis=(0, 3)) * abs(self.system.speed)
+        made = Pencil.of(here).product(0.0, self.turning).reshape(sizes.shape)
+        return bool((np.abs(made) <= STEADY * sizes).all())
 
     @property
     def turning(self) -> Array:
@@ -56,17 +85,42 @@ class Steady:
         across = self.force @ np.array([[0.0, 1.0], [-1.0, 0.0]])
         return np.column_stack((np.ones(len(self.phi)), across)).ravel()
 
+    @cached_property
+    def _cells(self) -> Cells:
+        return Cells.at(self.system, self.phi, self.force, self.p)
+
     def pencil(self) -> Pencil:
-        """The equations linearised here, external damping left out."""
-        return Pencil.of(Cells.at(self.system, self.phi, self.force, self.p))
+        """The equations linearised here, without what follows the velocities of the joints."""
+        return Pencil.of(self._cells)
+
+    @cached_property
+    def _drag_across(self) -> Array:
+        """How drag follows the velocities of the joints (2, cells, 3, 2) where the rod moves across
+        itself as fast as it flies: a measure of what is small."""
+        return Cells.across(self.system, self.phi, self.force, self.p).by_velocity
+
+    @property
+    def follows_velocity(self) -> bool:
+        """Whether drag answers a small velocity of a joint, to first order, by more than a force
+        along the straight rod, which does not act on small motions across it."""
+        system = self.system
+        if not (has_drag(system) and system.speed):
+            return has_drag(system)
+        c, s = np.cos(self.phi[0]), np.sin(self.phi[0])
+        felt, all_of_it = (
+            np.stack((D[..., 0, :], D[..., 2, :] * c - D[..., 1, :] * s))
+            for D in (self._cells.by_velocity, self._drag_across)
+        )
+        sizes = np.abs(all_of_it).max(axis=(1, 2, 3), keepdims=True)
+        return bool((np.abs(felt) > STEADY * sizes).any())
 
     def dense(self) -> Dense:
-        """The equations linearised here, external damping as it is for motions across the rod.
+        """The equations linearised here, external damping with them.
 
-        The drag on a joint is -c_ext s a m v with a the share of v across the rod: for motions
-        across it, a = 1 and the drag is linear, while along a bent rod it has no linear part.
-        Coordinates: the displacement of joint 0 across the rod, where it is free, and the angles.
-        Raises AnalysisError for a bent rod.
+        The drag on a joint is -c_ext s a m v with a the share of v across the rod: at rest it is
+        linear for motions across the rod, where a = 1, while along a bent rod it has no linear
+        part. Coordinates: the displacement of joint 0 across the rod, where it is free, and the
+        angles. Raises AnalysisError for a bent rod.
         """
         system = self.system
         if not self.straight:
@@ -74,27 +128,20 @@ class Steady:
                 "external damping has no linear part about a bent state (its force depends on the "
                 "share of the velocity across the rod): leave out loads.external_damping"
             )
-        y = system.at_rest(self.phi)
+        y = system.flying(self.phi)
         half = len(y) // 2
         across = np.zeros((half, half - system.base // 2))
         across[system.base :, system.base // 2 :] = np.eye(system.cells)
         moving = y.copy()
         if system.base:
-            angle = self.phi[0]
-            across[:2, 0] = moving[half : half + 2] = -np.sin(angle), np.cos(angle)
-        else:
-            moving[half:] = 1.0
+            across[:2, 0] = -np.sin(self.phi[0]), np.cos(self.phi[0])
+        if not system.speed:
+            # At any speed across the rod drag has the same derivative by the velocities.
+            moving[half:] = across[:, 0] if system.base else 1.0
         by_state = system.model.jac(0.0, y, self.p)[half:, :half]
-        # At any speed across the rod drag has the same derivative by the velocities.
         by_rate = system.model.jac(0.0, moving, self.p)[half:, half:]
         mass = system.model.mass_matrix(y, self.p)
         return Dense(*(across.T @ m @ across for m in (-mass @ by_state, -mass @ by_rate, mass)))
-
-
-def _turned(force: Array, angle: float) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    turned: Array = force @ np.array([[c, s], [-s, c]])
-    return turned
 
 
 def steady(system: System, start: Steady | None = None, **changes: float) -> Steady:
@@ -124,5 +171,6 @@ def has_drag(system: System) -> bool:
 
 
 def linearised(state: Steady) -> Pencil | Dense:
-    """The equations linearised about a steady state, in O(n) where there is no external damping."""
-    return state.dense() if has_drag(state.system) else state.pencil()
+    """The equations linearised about a steady state, in O(n) where no velocity of a joint counts:
+    without external damping, and in flight."""
+    return state.dense() if state.follows_velocity else state.pencil()

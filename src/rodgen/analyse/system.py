@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import ModuleType
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.analyse import flight
 from rodgen.integrate.stepper import Array
 from rodgen.loading import build
 from rodgen.scene import Scene, SceneError
@@ -19,15 +20,20 @@ from rodgen.scene.tables import PLACES
 
 @dataclass(frozen=True)
 class System:
-    """scene: its loads are numbers, those at the time t [s]; model: its generated module."""
+    """scene: its loads are numbers, those at the time t [s]; model: its generated module; speed:
+    at which a free rod moves along its axis, nose first [m/s]; across: the part of its velocity
+    that is left out, since no state that moves so is steady [m/s]."""
 
     scene: Scene
     model: ModuleType
     t: float
+    speed: float = 0.0
+    across: float = 0.0
 
     @classmethod
-    def of(cls, scene: Scene, t: float | None = None) -> System:
-        """t: at which loads are taken, by default the end of the scene's span. Raises SceneError.
+    def of(cls, scene: Scene, t: float | None = None, speed: float | None = None) -> System:
+        """t: at which loads are taken, by default the end of the scene's span; speed: of a free rod
+        along its axis [m/s], by default that of the scene's initial state. Raises SceneError.
 
         The module is that of the NumPy target: a few evaluations are not worth a compilation.
         """
@@ -35,8 +41,18 @@ class System:
         t = scene.integrate.span[1] if t is None else t
         if not np.isfinite(t):
             raise SceneError("t", t, "a finite time")
+        speed = flight.checked(scene, speed)
         scene = frozen(scene, t)
-        return cls(scene, build(scene, "numpy"), t)
+        system = cls(scene, build(scene, "numpy"), t)
+        along, across = system._motion() if speed is None else (speed, 0.0)
+        return replace(system, speed=along, across=across)
+
+    def _motion(self) -> tuple[float, float]:
+        """Velocity of a free rod along and across its axis at the start [m/s]."""
+        if not self.base:
+            return 0.0, 0.0
+        moving = flight.velocity(self.model, self.scene.initial_state(), self.parameters())
+        return flight.along_and_across(moving, float(self.straight[0]))
 
     @property
     def base(self) -> int:
@@ -62,6 +78,14 @@ class System:
         """y (states,) with these angles of the moving links [rad], joint 0 at the origin."""
         y = np.zeros(2 * (self.base + self.cells))
         y[self.base : self.base + self.cells] = phi
+        return y
+
+    def flying(self, phi: Array, across: float = 0.0) -> Array:
+        """The same of a rod that moves along its straight axis with its speed, and across [m/s]."""
+        y = self.at_rest(phi)
+        if self.base:
+            c, s = np.cos(self.straight[0]), np.sin(self.straight[0])
+            y[len(y) // 2 :][:2] = -self.speed * c - across * s, -self.speed * s + across * c
         return y
 
     @property

@@ -15,12 +15,14 @@ from rodgen.analyse.errors import AnalysisError
 from rodgen.cli.console import err, out, working
 from rodgen.cli.errors import FAILED_RUN, fail, finite
 from rodgen.cli.folders import promised
-from rodgen.cli.options import AsJson, AtTime, OutFolder, SceneFile
+from rodgen.cli.options import After, AsJson, AtTime, OutFolder, SceneFile, Speed
 from rodgen.scene import Scene, SceneError
 
 if TYPE_CHECKING:
     from rodgen.analyse.critical import Critical
+    from rodgen.analyse.family import Family
     from rodgen.analyse.growth import SimulatedCritical
+    from rodgen.analyse.system import System
 
     Simulated = SimulatedCritical | AnalysisError
 
@@ -32,12 +34,14 @@ def critical(
         float | None, typer.Option(help="Where it ends [N]; 1000 EI/L^2, if not given.")
     ] = None,
     t: AtTime = None,
+    speed: Speed = None,
+    after: After = None,
     simulate: Annotated[
         float | None,
         typer.Option(
             metavar="SECONDS",
             help="Also find it by simulations of so many seconds, each from the steady state with "
-            "a small disturbance of its own: the scene's initial state is not used. Takes long.",
+            "a small disturbance of its own: of the scene's initial state its speed alone is used.",
         ),
     ] = None,
     out_folder: OutFolder = Path("results"),
@@ -46,6 +50,7 @@ def critical(
     """Find the smallest follower force under which SCENE flutters or diverges, whatever force it
     has itself; draw frequencies and growth against the force."""
     from rodgen.analyse.critical import critical_force, family_of
+    from rodgen.analyse.flight import flown
 
     for option, value in (("--lowest", lowest), ("--highest", highest), ("--t", t)):
         finite(option, value)
@@ -54,12 +59,16 @@ def critical(
     scene = Scene.from_toml(scene_file)
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("searching"):
-            found = critical_force(scene, lowest=lowest, highest=highest, t=t)
-            family = family_of(scene, t)
-        simulated = _simulated(family.system.scene, simulate) if simulate else None
+            scene, t = flown(scene, t, speed, after)
+            found = critical_force(scene, lowest=lowest, highest=highest, t=t, speed=speed)
+            family = family_of(scene, t, speed)
+        simulated = _simulated(family.system, simulate) if simulate else None
+        doubted = _doubt(found, simulated, family)
         if as_json:
-            print(json.dumps(_object(found, simulated), allow_nan=False))
+            print(json.dumps(_object(found, simulated, doubted), allow_nan=False))
         else:
+            if found.note:
+                out.print(f"{scene.name}: {found.note}.")
             out.print(_table(found, simulated, scene.name))
             from rodgen.view.analysis_pictures import save_picture, stability_curves
 
@@ -70,11 +79,12 @@ def critical(
         fail(f"by simulation: {simulated}", FAILED_RUN)
 
 
-def _simulated(scene: Scene, span: float) -> Simulated:
-    """The same by simulations, or why there is no result; scene: its loads are numbers."""
+def _simulated(system: System, span: float) -> Simulated:
+    """The same by simulations, or why there is no result."""
     from rodgen.analyse.growth import simulated_critical_force
     from rodgen.loading import build_fastest
 
+    scene = system.scene
     with working("generating"):
         target = build_fastest(scene).PROVENANCE["target"]
     if target == "numpy":
@@ -84,17 +94,30 @@ def _simulated(scene: Scene, span: float) -> Simulated:
             return simulated_critical_force(
                 scene,
                 span=span,
+                speed=system.speed if system.base else None,
                 progress=lambda force, grew: step(f"{force:.6g} N {'grows' if grew else 'stays'}"),
             )
         except AnalysisError as error:
             return error
 
 
-def _object(found: Critical, simulated: Simulated | None) -> dict[str, Any]:
+def _doubt(found: Critical, simulated: Simulated | None, family: Family) -> str | None:
+    """Say which of two results is not to be trusted, where they differ."""
+    from rodgen.analyse.growth import doubt
+
+    if simulated is None or isinstance(simulated, AnalysisError):
+        return None
+    words = doubt(found, simulated, family)
+    if words:
+        err.print(f"rodgen: warning: {words}")
+    return words
+
+
+def _object(found: Critical, simulated: Simulated | None, doubted: str | None) -> dict[str, Any]:
     if simulated is None:
         return asdict(found)
     result = None if isinstance(simulated, AnalysisError) else asdict(simulated)
-    return asdict(found) | {"simulated": result}
+    return asdict(found) | {"simulated": result, "doubt": doubted}
 
 
 def _table(found: Critical, simulated: Simulated | None, name: str) -> Table:
@@ -127,7 +150,9 @@ def _rows(force: float, simulated: Simulated) -> dict[str, str]:
     if isinstance(simulated, AnalysisError):
         return {"by simulation": str(simulated)}
     away = simulated.force / force - 1 if force else 0.0
-    limit = f"bending beyond {simulated.growth:g} times its start"
+    limit = "growth of 1 %, measured,"
+    if simulated.growth:
+        limit = f"bending beyond {simulated.growth:g} times its start"
     module = "C" if simulated.target == "c" else "NumPy"
     return {
         "by simulation": f"{simulated.force:.6g} N, {away:+.2%}",

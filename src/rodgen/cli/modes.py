@@ -12,7 +12,7 @@ from rich.table import Table
 from rodgen.cli.console import err, out, working
 from rodgen.cli.errors import finite
 from rodgen.cli.folders import promised
-from rodgen.cli.options import AsJson, AtTime, OutFolder, SceneFile
+from rodgen.cli.options import After, AsJson, AtTime, OutFolder, SceneFile, Speed
 
 if TYPE_CHECKING:
     from rodgen.analyse.modes import Modes
@@ -22,6 +22,8 @@ def modes(
     scene_file: SceneFile,
     count: Annotated[int, typer.Option(help="How many modes, from the lowest on.")] = 10,
     t: AtTime = None,
+    speed: Speed = None,
+    after: After = None,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
@@ -32,11 +34,13 @@ def modes(
     scene = Scene.from_toml(scene_file)
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("linearising"):
-            found = natural_modes(scene, count, t=finite("--t", t))
+            found = natural_modes(scene, count, t=finite("--t", t), speed=speed, after=after)
         _warn(found)
         if as_json:
             print(json.dumps(_object(found), allow_nan=False))
             return
+        if found.note:
+            out.print(f"{scene.name}: {found.note}.")
         if len(found.frequencies):
             out.print(_table(found, scene.name))
         else:
@@ -71,6 +75,8 @@ def _object(found: Modes) -> dict[str, object]:
         "rigid": found.rigid,
         "overdamped": found.overdamped,
         "t": found.t,
+        "speed": found.speed,
+        "note": found.note,
     }
 
 

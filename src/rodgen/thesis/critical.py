@@ -21,6 +21,7 @@ BENT = {"free": "1e-5*(cos(pi*s) + cos(2*pi*s))", "cantilever": "1e-5*s**2"}
 SAFETY = 0.8  # of the largest stable step of the free rod, at most; held, it is slower
 WHOLE = 0.5  # s, of which a step is a whole fraction: a step that changes pumps fast modes up
 CLOSE = 0.5  # %, within which a load found by simulation counts as reproduced
+HUNDREDFOLD = 100.0  # times the bending of the start: what the thesis calls unstable
 TOLERANCE = 2e-5  # of the simulated force
 AROUND = (0.97, 1.03)  # of the critical force by eigenvalues: there it is looked for by simulation
 
@@ -139,6 +140,7 @@ def simulated(links: int, boundary: str, near: float, span: float) -> SimulatedC
     return simulated_critical_force(
         scene,
         span=span,
+        growth=HUNDREDFOLD,
         tolerance=TOLERANCE,
         low=low,
         high=high,
