@@ -1,46 +1,57 @@
-"""The critical follower force, by the eigenvalues of the linearised scene."""
+"""The critical load of a scene, by the eigenvalues of the linearised equations."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.family import BASIS, GROWS, MOST_DENSE, Family
+from rodgen.analyse.family import BASIS, MOST_DENSE, Family
 from rodgen.analyse.flight import flown
 from rodgen.analyse.guarded import guarded
 from rodgen.analyse.instability import DIVERGENCE, FLUTTER
 from rodgen.analyse.onset import At, Onset, onset, turning_onset
-from rodgen.analyse.pencil import Pencil
+from rodgen.analyse.pencil import Dense, Pencil
+from rodgen.analyse.scaled_load import FOLLOWER, UNITS, ScaledLoad
+from rodgen.analyse.search import Event, Search, grid
 from rodgen.analyse.system import System
-from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.plain import plain
 from rodgen.scene.scene import check_scene
+from rodgen.scene.tables import LARGEST
 
 HIGHEST = 1000.0  # EI/L^2: ten times what a free rod bears
-FINE, COARSE = 0.5, 0.01  # step of the search: EI/L^2, and of the force
-LEAST = 200  # forces at which a range is searched
-GROWS_DAMPED = 1e-11  # of the lowest frequency: less is rounding
+NARROWEST = 1e-6, 1e-9  # range that is searched: of EI/L^2, and of its ends
 NEAR = 1e-3  # of a force, within which a search in a few modes has found it
 SLOW = 0.01  # of the lowest frequency
+AT_ONCE = 1e-2  # EI/L^2: an onset so close to the lowest force lies at it
+WHOLE = 0.9  # of the angles that links have in common, squared: the whole rod turns
 CHECKED = (0.4, 0.7, 0.9, 0.99)  # of the force, where all modes are looked at
+TURNING = "turning"
+UPPER, LOWER = "upper", "lower"
 
 
 @dataclass(frozen=True)
 class Critical:
-    """Where the steady state loses its stability as the follower force grows.
+    """Where the steady state loses its stability as a load grows, or, for a lower end, regains it.
 
-    force [N]; factor: force L^2/EI; kind: "flutter", frequency [Hz] at onset, or "divergence",
-    frequency zero; modes: the two whose frequencies meet, or, with damping, the one that grows and
-    the one next to it in frequency, counted from 1 by frequency just below the force, rigid-body
-    motions apart; a mode that diverges, or that alone oscillates, is named
-    twice. error: of the force, rounding apart [N];
+    force: size of the load [N; m/s^2 of gravity]; factor: force L^2/EI, of gravity the weight
+    M g L^2/EI, of all loads their multiple; kind: "flutter", frequency [Hz] at onset,
+    "divergence", frequency zero, or "turning", where the rod turns as a whole; modes: the two whose
+    frequencies meet, or, with damping, the one that grows and the one next to it in frequency,
+    counted from 1 by frequency just below the force, rigid-body motions apart; a mode that
+    diverges, or that alone oscillates, is named twice. turning: growth of a slow turning of the
+    whole rod at that force [1/s]; error: of the force [N], what rounding can do to it;
     searched: range of forces that was looked at [N], up to the onset, and at how many of them;
     state: what grows unstable; complete: whether all modes were looked at below the force (at four
-    forces), or the lowest 16 alone; t: the time at which the other loads are taken [s];
+    forces), or the lowest 16 alone; t: the time at which the other loads are taken [s].
+
     speed: of a free rod along its axis, nose first [m/s]; note: what is to be known of the speed,
-    where it counts.
+    where it counts; load: which is scaled, unit: its unit; end: "upper" or "lower"; growth: what grows at the lowest
+    force already [1/s], 0 where nothing does; elastic: whether turning of the whole rod was left
+    out; stable: all windows of stability in the range (low, high) [N], where they were asked for.
     """
 
     force: float
@@ -56,59 +67,82 @@ class Critical:
     t: float
     speed: float = 0.0
     note: str | None = None
+    load: str = FOLLOWER
+    unit: str = UNITS[FOLLOWER]
+    end: str = UPPER
+    growth: float = 0.0
+    elastic: bool = False
+    stable: tuple[tuple[float, float], ...] | None = None
 
 
 @guarded
 def critical_force(
     scene: Scene,
     *,
-    lowest: float = 0.0,
+    lowest: float | None = None,
     highest: float | None = None,
     t: float | None = None,
     speed: float | None = None,
     after: float | None = None,
+    load: str = FOLLOWER,
+    end: str = UPPER,
+    windows: bool = False,
+    elastic: bool = False,
 ) -> Critical:
-    """The smallest follower force above ``lowest`` [N] at which small motions begin to grow.
+    """The smallest force above ``lowest`` [N] at which a small motion begins to grow.
 
-    highest: where the search ends [N], by default 1000 EI/L^2; t: time whose other loads are taken
-    [s], by default the start of the span; speed: at which a free rod flies along its axis, nose first
+    lowest, highest: where the search begins and ends [N], by default 0 and 1000 EI/L^2; t: time
+    whose other loads are taken [s], by default the start of the span; speed: at which a free rod
+    flies along its axis, nose first
     [m/s], by default the part along it of the scene's initial velocity; after: time [s] of a run of
     the scene whose other loads, speed and direction are taken instead. The speed is taken as though
-    it stayed as it is. The force of the scene itself is not used, but for that run. A range of
-    forces is searched in the lowest 16 modes, in steps of EI/(2 L^2) or 1 %; what is found there
-    is solved for with all links, to about ten digits. Internal damping counts as the scene has it
-    (a little of it can lower the force much), external damping as it is at the speed. Raises
-    SceneError for a scene without a follower force, AnalysisError where no steady state exists or
-    none loses its stability in the range.
+    it stayed as it is. load: which one is scaled, "follower" (the force of the scene
+    itself is not used), "tip" (the dead force, in its direction), "gravity" [m/s^2] or "all" (by
+    one factor); end: "lower" asks where a rod that is unstable grows stable; windows: also find all
+    windows of stability in the range; elastic: leave out motions that turn a free rod as a whole.
+
+    A range of forces is searched in the lowest 16 modes, in steps of EI/(2 L^2) or 1 %; what is
+    found there is solved for with all links, as closely as ``error`` says. Where a motion grows at
+    a ``lowest`` that was asked for, the next motion that begins to grow is found. Internal damping
+    counts as the scene has it (a little of it can lower the force much), external damping as it is
+    at the speed. Raises SceneError for a scene without that
+    load and for a range that is none, AnalysisError where no steady state exists, where none loses
+    its stability in the range, or where one is unstable from the start.
     """
-    family = family_of(scene, t, speed, after)
-    unit = family.unit
-    highest = HIGHEST * unit if highest is None else highest
+    family = family_of(scene, t, speed, after, load)
     if not family.whole:
         raise AnalysisError("no mode can become unstable: all motions move the rod as a whole")
-    if not np.isfinite(lowest):
-        raise SceneError("lowest", lowest, "a finite force")
-    if not (np.isfinite(highest) and lowest < highest):
-        raise SceneError("highest", highest, f"a force above lowest = {lowest:g} N")
-    forces = grid(lowest, highest, unit)
-    complete = family.system.cells <= MOST_DENSE
-    found = _refined(family, forces, complete)
+    if end not in (UPPER, LOWER):
+        raise SceneError("end", end, f"{UPPER} or {LOWER}")
+    low, high = _range(lowest, highest, family.unit)
+    forces = grid(low, high, family.unit)
+    search = Search(family, forces, BASIS, elastic)
+    growth = float(family.motions(forces[:1], BASIS, elastic).growth.max(initial=0.0))
+    if growth and lowest is None and end == UPPER and not windows:
+        raise AnalysisError(_unstable(search, growth))
+    found = _first(search, end, growth)
     looked = forces[: int(np.searchsorted(forces, found.force)) + 1]
-    rod = family.system.scene.rod
+    complete = family.system.cells <= MOST_DENSE
     return Critical(
         force=found.force,
-        factor=found.force * rod.length**2 / rod.bending_stiffness,
-        kind=FLUTTER if found.s else DIVERGENCE,
+        factor=found.force / family.load.reference,
+        kind=_kind(family, found),
         frequency=found.s.imag / (2 * np.pi),
-        modes=_pair(family, found, family.whole if complete else BASIS),
+        modes=_pair(family, found, end, family.whole if complete else BASIS),
         turning=family.turning(found.force),
         error=found.error,
-        searched=(float(lowest), float(looked[-1]), len(looked)),
+        searched=(low, float(looked[-1]), len(looked)),
         state=family.state(found.force).words,
         complete=complete,
         t=family.system.t,
         speed=family.system.speed,
         note=family.state(found.force).note,
+        load=load,
+        unit=UNITS[load],
+        end=end,
+        growth=growth,
+        elastic=elastic,
+        stable=tuple(_windows(search)) if windows else None,
     )
 
 
@@ -117,102 +151,123 @@ def family_of(
     t: float | None = None,
     speed: float | None = None,
     after: float | None = None,
+    load: str = FOLLOWER,
 ) -> Family:
-    """The linearised scene for every follower force. Raises SceneError, AnalysisError."""
+    """The linearised scene for every size of a load. Raises SceneError, AnalysisError."""
     check_scene(scene)
-    if scene.loads.follower is None:
-        allowed = "a table with a force (which is itself not used): its critical value is asked for"
-        raise SceneError("loads.follower", None, allowed)
-    if scene.rod.bending_stiffness == 0:
-        raise SceneError("rod.bending_stiffness", 0.0, "positive: a chain bears no thrust")
     scene, t = flown(scene, t, speed, after)
-    given = scene.model_dump(exclude_none=True)
-    given["loads"]["follower"]["force"] = 0.0
-    system = System.of(Scene.from_dict(given), t, speed)
-    return Family(system, scene.rod.bending_stiffness / scene.rod.length**2)
+    if load == FOLLOWER and scene.loads.follower is not None:
+        given = scene.model_dump(exclude_none=True)
+        given["loads"]["follower"]["force"] = 0.0
+        scene = Scene.from_dict(given)
+    system = System.of(scene, t, speed)
+    return Family(system, ScaledLoad.of(load, system))
 
 
-def grid(lowest: float, highest: float, unit: float) -> Array:
-    """Forces from lowest to highest, closer together where they are small."""
-    most = (highest - lowest) / LEAST
-    forces = [lowest]
-    while forces[-1] < highest:
-        forces.append(forces[-1] + min(most, max(FINE * unit, COARSE * abs(forces[-1]))))
-    return np.array([*forces[:-1], highest])
+def _range(lowest: float | None, highest: float | None, unit: float) -> tuple[float, float]:
+    """Ends of the search; raises SceneError for what are none."""
+    low = 0.0 if lowest is None else _number("lowest", lowest)
+    high = HIGHEST * unit if highest is None else _number("highest", highest)
+    least = max(NARROWEST[0] * unit, NARROWEST[1] * max(abs(low), abs(high)))
+    if not high - low >= least:
+        raise SceneError("highest", high, f"above lowest = {low:g}, by {least:.3g} or more")
+    return low, high
 
 
-def _growth(family: Family, forces: Array, modes: int) -> Array:
-    """The largest growth [1/s] under every force, motions of the rod as a whole apart."""
-    growth = family.elastic(forces, modes).real
-    return np.asarray(np.nan_to_num(growth, nan=-np.inf).max(axis=-1))
+def _number(name: str, value: float) -> float:
+    value = plain(value, name)
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not (number and np.isfinite(value) and abs(value) <= LARGEST):
+        raise SceneError(name, value, f"a finite number, at most {LARGEST:g} in size")
+    return float(value)
 
 
-def _unstable(family: Family, forces: Array, modes: int) -> Array:
-    limit = (GROWS_DAMPED if family.damped else GROWS) * family.lowest
-    return np.asarray(_growth(family, forces, modes) > limit)
+def _unstable(search: Search, growth: float) -> str:
+    """What is said of a rod that is unstable from the start."""
+    low, unit = search.forces[0], UNITS[search.family.load.name]
+    said = f"unstable already at the lowest force of the search, {low:g} {unit}: "
+    said += f"a motion grows with {growth:.3g} 1/s"
+    found = [f"{a:.6g} to {b:.6g}" for a, b in _rough(search)]
+    if not found:
+        return said
+    return f"{said}; stable from {', '.join(found)} {unit} (lowest, end and windows find the ends)"
 
 
-def _search(family: Family, forces: Array, modes: int) -> Onset:
-    """The first force of a range from which a motion grows, roughly."""
-    low = float(forces[0])
-    if _unstable(family, forces[:1], modes)[0]:
-        raise AnalysisError(
-            f"unstable already at the lowest force of the search, {low:g} N: a motion grows with "
-            f"{_growth(family, forces[:1], modes)[0]:.3g} 1/s"
-        )
-    for block in np.array_split(forces[1:], max(1, len(forces) // 64)):
-        unstable = _unstable(family, block, modes)
-        if unstable.any():
-            at = int(np.argmax(unstable))
-            before = low if at == 0 else float(block[at - 1])
-            return _between(family, before, float(block[at]), modes)
-        low = float(block[-1])
-    raise AnalysisError(
-        f"neither flutter nor divergence between {forces[0]:g} and {forces[-1]:g} N "
-        f"({len(forces)} forces, the lowest {min(modes, family.whole)} modes)"
-    )
+def _rough(search: Search) -> list[tuple[float, float]]:
+    """Windows of stability, their ends by bisection."""
+    return _between(search, lambda event: search.near(event).force)
 
 
-def _between(family: Family, low: float, high: float, modes: int) -> Onset:
-    """Bisection to a part in a million, in the basis."""
-    while high - low > 1e-6 * max(abs(high), abs(low)):
-        middle = (low + high) / 2
-        if _unstable(family, np.array([middle]), modes)[0]:
-            high = middle
-        else:
-            low = middle
-    s = family.elastic(np.array([high]), modes)[0]
-    grown = s[np.nanargmax(s.real)]
-    # Just beyond divergence a rate is real; with damping flutter has an imaginary part.
-    return Onset(high, 0j if abs(grown.imag) <= abs(grown.real) else 1j * abs(grown.imag))
+def _windows(search: Search) -> list[tuple[float, float]]:
+    """Windows of stability, their ends to the last digits."""
+    return _between(search, lambda event: _onset(search, search.near(event)).force)
 
 
-def _refined(family: Family, forces: Array, complete: bool) -> Onset:
-    """With all links, from a search in a few modes; with all modes where those did not do, or
-    where the others show an onset at a lower force."""
-    near = _search(family, forces, BASIS)
-    if not complete:
-        return _onset(family, near)
+def _between(search: Search, solved: Callable[[Event], float]) -> list[tuple[float, float]]:
+    events = list(search.borders())
+    first, last = (float(search.forces[at]) for at in (0, -1))
+    ends = [first] * (not (events[0].before if events else search.counts(search.forces[:1])[0]))
+    ends += [solved(event) for event in events]
+    ends += [last] * (len(ends) % 2)
+    return list(zip(ends[::2], ends[1::2], strict=True))
+
+
+def _first(search: Search, end: str, growth: float) -> Onset:
+    """The first onset with all links, from a search in a few modes; with all modes where those did
+    not do, or where the others show an onset at a lower force."""
+    family, forces = search.family, search.forces
+    near = _found(search, end, growth)
+    if family.system.cells > MOST_DENSE:
+        return _onset(search, near)
+    every = replace(search, modes=family.whole)
+    if family.whole <= BASIS:
+        return _onset(search, near)
     try:
-        found = _onset(family, near)
+        found = _onset(search, near)
     except AnalysisError:
-        return _onset(family, _search(family, forces, family.whole))
-    below = forces[0] + np.array(CHECKED) * (found.force - forces[0])
-    unstable = _unstable(family, below, family.whole)
-    if not unstable.any():
+        return _onset(every, _found(every, end, growth))
+    if end == LOWER:
         return found
-    until = below[int(np.argmax(unstable))]
-    every = np.append(forces[forces < until], until)
-    return _onset(family, _search(family, every, family.whole))
+    below = forces[0] + np.array(CHECKED) * (found.force - forces[0])
+    more = every.counts(below) > every.counts(forces[:1])
+    if not more.any():
+        return found
+    until = below[int(np.argmax(more))]
+    every = replace(every, forces=np.append(forces[forces < until], until))
+    return _onset(every, _found(every, end, growth))
 
 
-def _onset(family: Family, near: Onset) -> Onset:
+def _found(search: Search, end: str, growth: float) -> Onset:
+    """The first event that is asked for, roughly."""
+    ends = (event for event in search.borders() if not event.after)
+    event = next(search.begins() if end == UPPER else ends, None)
+    if event is not None:
+        return search.near(event)
+    low, high = search.forces[[0, -1]]
+    unit = UNITS[search.family.load.name]
+    where = f"between {low:g} and {high:g} {unit}"
+    if end == LOWER:
+        what = f"no lower end of a window of stability {where}"
+    elif growth:
+        what = f"{_unstable(search, growth)}; no other motion begins to grow {where}"
+    else:
+        what = f"neither flutter nor divergence {where}"
+    modes = min(search.modes, search.family.whole)
+    raise AnalysisError(f"{what} ({len(search.forces)} forces, the lowest {modes} modes)")
+
+
+def _onset(search: Search, near: Onset) -> Onset:
     """Of a pinned rod whose turning is damped from outside, a real eigenvalue reaches zero beside
     the one that is zero always: a matter of damping, not of stiffness alone."""
-    turns = family.bare is not None and not family.system.base
-    if near.s == 0 and turns and not family.diverges(near.force * (1 + NEAR)):
-        return turning_onset(family.at, near)
-    return onset(_equations(family, near), near)
+    family = search.family
+    if family.bare is not None and near.s == 0 and not family.diverges(near.force * (1 + NEAR)):
+        if not family.system.base:
+            return turning_onset(family.at, near)
+        lowest = float(search.forces[0])
+        if near.force - lowest < AT_ONCE * family.unit:
+            return Onset(lowest, near.s, near.force - lowest)
+        return near
+    return onset(_equations(family, near), near, family.unit)
 
 
 def _equations(family: Family, near: Onset) -> At:
@@ -221,9 +276,21 @@ def _equations(family: Family, near: Onset) -> At:
     return family.held if near.s == 0 or slow else family.at
 
 
-def _pair(family: Family, found: Onset, modes: int) -> tuple[int, int]:
-    """Numbers of the modes, by frequency just below the force."""
-    s = family.rates(np.array([found.force * (1 - 1e-5)]), modes)[0]
+def _kind(family: Family, found: Onset) -> str:
+    """Flutter, divergence, or the turning of the whole rod, by the angles of what grows."""
+    here = family.at(found.force)
+    if isinstance(here, Dense) and family.bare is not None and family.system.base:
+        shape = np.linalg.svd(here.at(found.s))[2][-1, -family.system.cells :]
+        common = abs(shape.mean()) ** 2 * len(shape)
+        if common >= WHOLE * np.linalg.norm(shape) ** 2 and not family.diverges(found.force):
+            return TURNING
+    return FLUTTER if found.s else DIVERGENCE
+
+
+def _pair(family: Family, found: Onset, end: str, modes: int) -> tuple[int, int]:
+    """Numbers of the modes, by frequency just below the force, or just above a lower end."""
+    beside = found.force * (1 - 1e-5 if end == UPPER else 1 + 1e-5)
+    s = family.rates(np.array([beside]), modes)[0]
     rates = np.sort(s.imag[s.imag > family.rigid])
     if not found.s or len(rates) < 2:
         return 1, 1

@@ -1,4 +1,4 @@
-"""The equations linearised about the steady state, as the follower force grows."""
+"""The equations linearised about the steady state, as a load grows."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from rodgen.analyse.eigen import lowest_values
+from rodgen.analyse.motions import GROWS, Modal, Motions
 from rodgen.analyse.pencil import Dense, Held, Pencil
+from rodgen.analyse.scaled_load import ScaledLoad
 from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System, without
 from rodgen.integrate.stepper import Array
@@ -20,47 +22,41 @@ BASIS = 16  # modes of the unloaded rod in which a range of forces is searched
 MOST_DENSE = 200  # links up to which all modes are looked at
 RIGID = 1e-6  # of the lowest frequency: less is a rigid-body motion
 RIGID_DENSE, ROUNDED = 1e-4, 1e-7  # the same, of the lowest and of the largest, in dense matrices
-GROWS = 1e-6  # of the lowest frequency: less growth without damping is rounding
 KEPT = 64  # steady states remembered
 
 
 class Family:
-    """S(s, P) of a scene for every follower force P [N].
+    """S(s, P) of a scene for every size P of a load, by default the follower force [N].
 
     A rod that stays straight has S linear in P; else the state is followed by Newton's method.
     """
 
-    def __init__(self, system: System, unit: float):
-        self.system, self.unit = system, unit
+    def __init__(self, system: System, load: ScaledLoad):
+        self.system, self.load, self.unit = system, load, load.unit
         self._states: dict[float, Steady] = {}
         self._projected: dict[tuple[float, int], Dense] = {}
-        self.straight = self.state(0.0).straight and self.state(unit).straight
+        self.straight = self.state(0.0).straight and self.state(self.unit).straight
         if self.straight:
-            self._start, self._unit = (linearised(self.state(P)) for P in (0.0, unit))
+            self._start, self._unit = (linearised(self.state(P)) for P in (0.0, self.unit))
 
     def state(self, force: float) -> Steady:
-        """The steady state under a follower force; AnalysisError where there is none."""
+        """The steady state under a load; AnalysisError where there is none."""
         if force not in self._states:
             near = min(self._states, key=lambda P: abs(P - force), default=None)
             start = None if near is None else self._states[near]
-            made = steady(self.system, start, follower_force=float(force))
+            made = steady(self.system, start, **self.load.parameters(force))
             while len(self._states) > KEPT:
                 self._states.pop(next(iter(self._states)))
             self._states[force] = made
         return self._states[force]
 
     def at(self, force: float) -> Pencil | Dense:
-        """The linearised equations under a follower force."""
+        """The linearised equations under a load."""
         if not self.straight:
             return linearised(self.state(force))
-        x = force / self.unit
-        if isinstance(self._start, Pencil) and isinstance(self._unit, Pencil):
-            a, b = self._start, self._unit
-            return Pencil(a.S0 + x * (b.S0 - a.S0), a.S1, a.S2)
-        assert isinstance(self._start, Dense)
-        assert isinstance(self._unit, Dense)
-        c, d = self._start, self._unit
-        return Dense(c.K + x * (d.K - c.K), c.C, c.M)
+        x, kind = force / self.unit, type(self._start)
+        pairs = zip(self._start.parts, self._unit.parts, strict=True)
+        return kind(*(a + x * (b - a) for a, b in pairs))
 
     def held(self, force: float) -> Pencil | Held:
         """The same without external damping, turning the whole rod taken away."""
@@ -108,21 +104,31 @@ class Family:
         dense = isinstance(self.at(0.0), Dense)
         return max(RIGID_DENSE * self.lowest, ROUNDED * largest) if dense else RIGID * self.lowest
 
+    def motions(self, forces: Array, modes: int = BASIS, elastic: bool = False) -> Motions:
+        """Small motions under every load, in a basis of so many modes of the unloaded rod; those
+        without a rate, which move or turn the rod as a whole, as nan. elastic: also that which
+        turns a free rod with external damping, the real one that grows most, at any load, unless
+        the rod without that damping diverges, which is a matter of its stiffness alone."""
+        found = self._modal(forces, modes).motions()
+        if not isinstance(self.at(0.0), Dense):
+            return found
+        away = np.abs(found.s) <= self.rigid
+        if elastic and self.bare is not None and self.system.base:
+            away |= self._turns(found.s, np.asarray(forces), modes, ~away)
+        return Motions(np.where(away, np.nan, found.s), np.where(away, 0.0, found.growth))
+
+    def _turns(self, s: Complex, forces: Array, modes: int, kept: Array) -> Array:
+        """Which motions turn the whole rod, among those that are kept."""
+        assert self.bare is not None
+        diverges = (self.bare.motions(forces, modes).growth > 0).any(axis=-1)
+        real = np.where((np.abs(s.imag) <= self.rigid) & kept, s.real, -np.inf)
+        largest = real.max(axis=-1, keepdims=True)
+        first = np.arange(s.shape[-1]) == np.argmax(real, axis=-1)[:, None]
+        return np.asarray(first & np.isfinite(largest) & ~diverges[:, None])
+
     def elastic(self, forces: Array, modes: int = BASIS) -> Complex:
-        """The same with nan for motions of the rod as a whole: zero ones, and, where external
-        damping acts on a free rod, the real one that grows most, at any force, unless the rod
-        without that damping diverges, which is a matter of its stiffness alone."""
-        s = self.rates(forces, modes)
-        s = np.where(np.abs(s) > self.rigid, s, np.nan)
-        if self.bare is None or not self.system.base:
-            return s
-        diverges = (self.bare.rates(forces, modes).real > GROWS * self.lowest).any(axis=-1)
-        slow = (np.abs(s.imag) <= self.rigid) & ~np.isnan(s)
-        real = np.where(slow, s.real, -np.inf)
-        at = np.argmax(real, axis=-1)
-        rows = np.flatnonzero(~diverges & np.isfinite(real.max(axis=-1)))
-        s[rows, at[rows]] = np.nan
-        return s
+        """Eigenvalues s [1/s] (forces, k) with nan for motions of the rod as a whole."""
+        return self.motions(forces, modes, elastic=True).s
 
     @cached_property
     def bare(self) -> Family | None:
@@ -130,12 +136,12 @@ class Family:
         if not (isinstance(self.at(0.0), Dense) and self.state(0.0).turns_freely):
             return None
         scene = without(without(self.system.scene, "external_damping"), "internal_damping")
-        return Family(System.of(scene), self.unit)
+        return Family(System.of(scene), self.load)
 
     def diverges(self, force: float) -> bool:
         """Whether the rod without damping grows without oscillating."""
-        s = (self.bare or self).rates(np.array([force]))[0]
-        return bool(((s.real > GROWS * self.lowest) & (s.imag <= self.rigid)).any())
+        found = (self.bare or self).motions(np.array([force]))
+        return bool(((found.growth > 0) & (found.s.imag <= self.rigid)).any())
 
     def turning(self, force: float) -> float:
         """Growth [1/s] of a slow turning of the whole rod; zero where there is none."""
@@ -153,21 +159,20 @@ class Family:
     def rates(self, forces: Array, modes: int = BASIS) -> Complex:
         """Eigenvalues s [1/s] (forces, k) in a basis of so many modes of the unloaded rod: without
         damping one of every pair of opposites, with imaginary part >= 0."""
+        return self._modal(forces, modes).motions().s
+
+    def _modal(self, forces: Array, modes: int) -> Modal:
         if self.straight:
             first, last = (self._on(P, modes) for P in (0.0, self.unit))
             x = (np.asarray(forces) / self.unit)[:, None, None]
-            K, C, M = first.K + x * (last.K - first.K), first.C, first.M
+            K, C, M = (a + x * (b - a) for a, b in zip(first.parts, last.parts, strict=True))
         else:
-            all_of = [self._on(float(P), modes) for P in forces]
-            K, C, M = (np.stack([getattr(one, name) for one in all_of]) for name in "KCM")
-        inverse = np.linalg.inv(M)
-        A = -inverse @ K
-        if not C.any():
-            s = np.sqrt(np.linalg.eigvals(A).astype(complex))
-            return np.asarray(np.where(s.imag < 0, -s, s))
-        B = np.broadcast_to(-inverse @ C, A.shape)
-        zero, one = np.zeros_like(A), np.broadcast_to(np.eye(A.shape[-1]), A.shape)
-        return np.asarray(np.linalg.eigvals(np.block([[zero, one], [A, B]])))
+            all_of = [self._on(float(P), modes).parts for P in forces]
+            K, C, M = (np.stack(parts) for parts in zip(*all_of, strict=True))
+        squares = self._modes[0][:modes]
+        frequencies = np.maximum(np.sqrt(np.abs(squares)), self.lowest)
+        singular = isinstance(self.at(0.0), Dense) and self.state(0.0).turns_freely
+        return Modal(K, C, M, frequencies, singular)
 
     def _on(self, force: float, modes: int) -> Dense:
         """By virtual work of so many motions."""

@@ -1,4 +1,4 @@
-"""The force at which stability is lost, to the last digits: Newton's method on the singularity."""
+"""The load at which stability is lost, to the last digits: Newton's method on the singularity."""
 
 from __future__ import annotations
 
@@ -11,51 +11,56 @@ import numpy as np
 from scipy.linalg import null_space
 from scipy.optimize import brentq
 
+from rodgen.analyse.bordered import Bordered, Parts
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.pencil import Dense, Held, Matrix, Pencil
+from rodgen.analyse.motions import ROUNDING
+from rodgen.analyse.pencil import Dense, Held, Pencil
 from rodgen.integrate.stepper import Array
 
 Linear = Pencil | Dense | Held
-At = Callable[[float], Linear]  # the equations linearised at a force
-DIFFERENCE = 1e-4  # relative: errors are its square
+At = Callable[[float], Linear]  # the equations linearised at a load
+DIFFERENCE = 1e-4  # relative, of derivatives by the load: exact where S is linear in it
 ITERATIONS = 30
 SMALL = 1e-7  # relative change below which one that no longer shrinks is rounding
 START = 1e-4  # the share of the force in which an onset is looked for first
 APART = 0.05  # by which an estimate may be wrong
+ENTRY = 16 * ROUNDING  # of an entry of the matrices, which a few operations make
+DIGITS = (3, 12)  # the least and the most that are printed of a load
 
 
 @dataclass(frozen=True)
 class Onset:
-    """force [N]; s: the eigenvalue there [1/s]: zero for divergence, on the imaginary axis for
-    flutter; error: of the force, estimated from Newton's last steps [N]."""
+    """force: the load [N]; s: the eigenvalue there [1/s]: zero for divergence, on the imaginary
+    axis for flutter; error: of the load, what roundings of the matrices can do to it, or the last
+    step of Newton's method if that is more."""
 
     force: float
     s: complex
     error: float = 0.0
 
 
-def onset(at: At, near: Onset) -> Onset:
-    """The onset next to an estimate, to about ten digits or more.
+def onset(at: At, near: Onset, unit: float) -> Onset:
+    """The onset next to an estimate, as closely as the matrices tell; unit: a size of the load
+    that matters.
 
     Divergence: S(0, P) is singular. Flutter of a damped rod: S(i omega, P) is, for two real
     unknowns. Flutter without damping, where two frequencies meet: S is, and stays so to first
     order as omega^2 changes. How far S is from singular says g of the bordered system
-    S x + b g = 0, c x = 1, whose derivatives are -y S' x (W. Govaerts, Numerical Methods for
-    Bifurcations of Dynamical Equilibria, SIAM 2000, ch. 3). Raises AnalysisError.
+    S x + b g = 0, c x = 1, which is regular where S is singular, and whose derivatives are
+    -y S' x (W. Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria, SIAM 2000,
+    ch. 3). Complex numbers of which the imaginary part is tiny keep the digits of either part, so
+    that any damping will do. Raises AnalysisError.
     """
-    damped = at(near.force).damped
+    damped = near.s != 0 and at(near.force).damped
+    search = _Search(at, near, unit, damped)
     if near.s == 0:
-        start, measure = np.array([near.force]), _of_divergence
-    elif damped:
-        start, measure = np.array([near.force, abs(near.s)]), _of_damped_flutter
-    else:
-        start, measure = np.array([near.force, abs(near.s) ** 2]), _of_meeting
-    borders = _borders(at(near.force), near.s)
-    values, error = _newton(lambda x: measure(at, x, borders), start)
-    if near.s == 0:
-        return Onset(float(values[0]), 0j, error)
-    rate = values[1] if damped else np.sqrt(values[1])
-    return Onset(float(values[0]), 1j * float(rate), error)
+        values, error = search.newton(search.divergence, np.array([near.force]))
+        return Onset(values[0], 0j, error)
+    rate = abs(near.s) if damped else abs(near.s) ** 2
+    measure = search.flutter if damped else search.meeting
+    values, error = search.newton(measure, np.array([near.force, rate]))
+    omega = values[1] if damped else np.sqrt(values[1])
+    return Onset(values[0], 1j * float(omega), error)
 
 
 def turning_onset(at: At, near: Onset) -> Onset:
@@ -82,62 +87,101 @@ def turning_onset(at: At, near: Onset) -> Onset:
     raise AnalysisError(_unfound(near.force))
 
 
+def digits(value: float, error: float) -> str:
+    """A value with the digits that an error leaves, twelve at most."""
+    least, most = DIGITS
+    if not value or not error:
+        return f"{value:.{most}g}"
+    known = int(np.floor(np.log10(abs(value) / error)))
+    return f"{value:.{min(max(known, least), most)}g}"
+
+
 def _unfound(force: float) -> str:
     return f"Newton's method found no onset of instability within {APART:.0%} of {force:.9g} N"
 
 
-def _newton(measure: Callable[[Array], Array], start: Array) -> tuple[Array, float]:
-    """Zero of a measure, with central differences wide against rounding; the last change of the
-    first unknown is its error."""
-    x, before = start, np.inf
-    for _ in range(ITERATIONS):
-        steps = np.diag(DIFFERENCE * x)
-        slopes = [(measure(x + d) - measure(x - d)) / (2 * DIFFERENCE) for d in steps]
-        change = x * np.linalg.solve(np.column_stack(slopes), -measure(x))
-        x = x + change
-        moved = float(np.abs(change / x).max())
-        if not abs(x[0] / start[0] - 1) < APART:
-            break
-        if moved < SMALL and moved >= before / 4:
-            return x, float(min(abs(change[0]), before * abs(x[0])))
-        before = moved
-    raise AnalysisError(_unfound(float(start[0])))
+Measured = tuple[Array, Array, Array]  # residuals (k,), derivatives (k, k), roundings (k,)
 
 
-Borders = tuple[Matrix, Matrix]
+class _Search:
+    """Newton's method next to an estimate, with scales and borders that are taken there."""
 
+    def __init__(self, at: At, near: Onset, unit: float, damped: bool):
+        self.at, self.near = at, near
+        self.size = max(abs(near.force), unit)
+        self.s = 1j * abs(near.s) if damped else 0.0
+        self.square = -(abs(near.s) ** 2)
+        here = Parts.of(at(near.force))
+        self.scales = here.scales(abs(near.s))
+        here = here.scaled(self.scales)
+        self.b, self.c = here.borders(here.at(self.s) if damped else here.at_square(self.square))
 
-def _of_divergence(at: At, values: Array, borders: Borders) -> Array:
-    here = at(values[0])
-    return np.array([_bordered(here, here.at_square(0.0), borders)[0]])
+    def newton(
+        self, measure: Callable[[Array], Measured], start: Array
+    ) -> tuple[list[float], float]:
+        """The zero of a measure, and the error of its first unknown."""
+        x, before = start, np.inf
+        scale = np.concatenate(([self.size], np.abs(start[1:])))
+        for _ in range(ITERATIONS):
+            residual, slopes, rounding = measure(x)
+            slopes = slopes * scale
+            rows = np.abs(slopes).max(axis=1)
+            inverse = np.linalg.inv(slopes / rows[:, None]) / rows
+            change = -inverse @ residual
+            x = x + change * scale
+            moved = float(np.abs(change).max())
+            if not abs(x[0] - start[0]) < APART * self.size:
+                break
+            noise = float((np.abs(inverse) @ rounding)[0] + ENTRY) * self.size
+            if (np.abs(residual) <= rounding).all():
+                return x.tolist(), noise
+            if moved < SMALL and moved >= before / 4:
+                return x.tolist(), max(noise, abs(float(change[0])) * self.size)
+            before = moved
+        raise AnalysisError(_unfound(self.near.force))
 
+    def _parts(self, force: float) -> tuple[Parts, Parts]:
+        """At a load, and their derivative by it."""
+        step = DIFFERENCE * self.size
+        here, up, down = (
+            Parts.of(self.at(float(P))).scaled(self.scales)
+            for P in (force, force + step, force - step)
+        )
+        return here, up.less(down, 2 * step)
 
-def _of_damped_flutter(at: At, values: Array, borders: Borders) -> Array:
-    here = at(values[0])
-    g = _bordered(here, here.at(1j * values[1]), borders)[0]
-    return np.array([g.real, g.imag])
+    def divergence(self, values: Array) -> Measured:
+        """g(P)."""
+        here, by_force = self._parts(values[0])
+        made = Bordered(here.at_square(0.0), self.b, self.c)
+        rounding = made.size_of(here.sizes(0.0) + abs(values[0]) * by_force.sizes(0.0))
+        slope = made.by(by_force.at_square(0.0))
+        return np.array([made.g]), np.array([[slope]]), ENTRY * np.array([rounding])
 
+    def flutter(self, values: Array) -> Measured:
+        """Real and imaginary part of g(P, omega)."""
+        (here, by_force), omega = self._parts(values[0]), values[1]
+        s = 1j * omega
+        made = Bordered(here.at(s), self.b, self.c)
+        slopes = made.by(by_force.at(s)), 1j * made.by(here.slope(s))
+        rounding = made.roundings(here, by_force, values[0], omega)
+        return (
+            np.array([made.g.real, made.g.imag]),
+            np.array([[one.real for one in slopes], [one.imag for one in slopes]]),
+            ENTRY * np.array(rounding),
+        )
 
-def _of_meeting(at: At, values: Array, borders: Borders) -> Array:
-    here = at(values[0])
-    g, x, y = _bordered(here, here.at_square(-values[1]), borders)
-    return np.array([g, values[1] * (y @ here.inertia(x))])
-
-
-def _bordered(here: Linear, S: Matrix, borders: Borders) -> tuple[Any, Matrix, Matrix]:
-    """g, x and y; by solutions with S itself, whose errors along the null vector cancel."""
-    b, c = borders
-    x, y = here.solve(S, b), here.solve(S, c, transposed=True)
-    g = -1 / (c @ x)
-    return g, -g * x, -g * y
-
-
-def _borders(here: Linear, s: complex) -> Borders:
-    """Estimates of the left and the right null vector, by inverse iteration."""
-    oscillates = here.damped and s != 0
-    S = here.at(s) if oscillates else here.at_square(-(abs(s) ** 2))
-    b = c = np.cos(np.arange(here.size) ** 2 / 7.0)
-    for _ in range(2):
-        b, c = here.solve(S, b, transposed=True), here.solve(S, c)
-        b, c = b / np.linalg.norm(b), c / np.linalg.norm(c)
-    return (b.conj(), c.conj()) if oscillates else (b, c)
+    def meeting(self, values: Array) -> Measured:
+        """g and its derivative by the square of the rate, (P, omega^2)."""
+        (here, by_force), square = self._parts(values[0]), -values[1]
+        made = Bordered(here.at_square(square), self.b, self.c)
+        P_slope, turned = by_force.at_square(square), made.moved(here.S2)
+        slope = made.by(here.S2)
+        mixed = made.between(P_slope, turned) + made.between(here.S2, made.moved(P_slope))
+        curve = 2 * made.between(here.S2, turned)
+        sizes = here.sizes(abs(square) ** 0.5) + abs(values[0]) * by_force.sizes(0.0)
+        rounding = made.size_of(sizes), made.size_of(abs(here.S2))
+        return (
+            np.array([made.g, slope]),
+            np.array([[made.by(P_slope), -slope], [mixed, -curve]]),
+            ENTRY * np.array(rounding),
+        )

@@ -97,6 +97,11 @@ class Pencil:
         return bool(self.S1.any())
 
     @property
+    def parts(self) -> tuple[Matrix, Matrix, Matrix]:
+        """S0, S1 and S2."""
+        return self.S0, self.S1, self.S2
+
+    @property
     def cells(self) -> int:
         return int(self.S0.shape[1])
 
@@ -189,6 +194,11 @@ class Dense:
     def size(self) -> int:
         """Unknowns."""
         return len(self.K)
+
+    @property
+    def parts(self) -> tuple[Matrix, Matrix, Matrix]:
+        """K, C and M."""
+        return self.K, self.C, self.M
 
     def on(self, basis: Matrix) -> Dense:
         """The same for motions q = basis times coordinates, by virtual work."""
