@@ -63,7 +63,7 @@ def _terms(row: Sequence[float]) -> list[tuple[int, float]]:
 
 # Power of the step in the error that two steps in a row tell, and by how much that is weighed, so
 # that the error of a run is a tenth of the tolerance (measured, see docs/methods.md).
-TWO_STEPS = {"gauss": (6.0, 7.0), "radau": (5.0, 3.0)}
+TWO_STEPS = {"gauss": (6.0, 7.0), "radau": (5.0, 4.5)}
 
 
 def _collocation(name: str) -> Mapping[str, Any]:
