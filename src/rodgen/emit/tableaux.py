@@ -61,6 +61,11 @@ def _terms(row: Sequence[float]) -> list[tuple[int, float]]:
     return [(at, float(value)) for at, value in enumerate(row) if value != 0]
 
 
+# Power of the step in the error that two steps in a row tell, and by how much that is weighed, so
+# that the error of a run is a tenth of the tolerance (measured, see docs/methods.md).
+TWO_STEPS = {"gauss": (6.0, 7.0), "radau": (5.0, 4.5)}
+
+
 def _collocation(name: str) -> Mapping[str, Any]:
     """Collocation at three nodes, transformed as in RADAU5 (Hairer, Wanner: Solving Ordinary
     Differential Equations II, IV.8): with z the stages less the state, A^-1 = T L T^-1, L holding
@@ -98,6 +103,10 @@ def _collocation(name: str) -> Mapping[str, Any]:
             "end": _floats(end),
             "error": _floats(_error(c, b, inverse, gamma)),
             "dense": _rows(_dense(c)),
+            "slope": _floats(_slope(c)),
+            "missing": _rows(_missing(c)),
+            "power": TWO_STEPS[name][0],
+            "weight": TWO_STEPS[name][1],
         }
 
 
@@ -134,6 +143,28 @@ def _dense(c: Any) -> Any:
         for k in range(3):
             powers[row, k] = c[row] ** (k + 1)
     return mpmath.inverse(powers)
+
+
+def _slope(c: Any) -> Any:
+    """The slope of the collocation polynomial at the end of the step, from z, where the method
+    does not make it that of the equations there."""
+    if abs(c[2] - 1) < mpmath.mpf(10) ** -30:
+        return mpmath.zeros(3, 1)
+    return _dense(c).T * mpmath.matrix([1, 2, 3])
+
+
+def _missing(c: Any) -> Any:
+    """Coefficients of x to x^5 of what the collocation polynomial lacks, in three parts: with
+    M(x) of zeros c, the integrals of M, of (x - 1/2) M, and of the parabola that takes the values
+    of the first of them at c."""
+    zeros = [-c[0] * c[1] * c[2], c[0] * c[1] + c[0] * c[2] + c[1] * c[2], -sum(c), mpmath.mpf(1)]
+    turned = [(zeros[k - 1] if k else 0) - (zeros[k] / 2 if k < 4 else 0) for k in range(5)]
+    first, second = ([part[k] / (k + 1) for k in range(len(part))] for part in (zeros, turned))
+    powers = mpmath.matrix([[at**k for k in range(3)] for at in c])
+    values = [sum(part * at ** (k + 1) for k, part in enumerate(first)) for at in c]
+    parabola = mpmath.lu_solve(powers, mpmath.matrix(values))
+    third = [parabola[k] / (k + 1) for k in range(3)]
+    return mpmath.matrix([[*part, *[0] * (5 - len(part))] for part in (first, second, third)])
 
 
 def _floats(values: Any) -> list[float]:

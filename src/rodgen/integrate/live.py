@@ -126,8 +126,7 @@ class Live(Progress):
     ) -> Course:
         """A course from (t, y), of a run that began at the origin [s]. Raises SceneError."""
         origin = self._origin if origin is None else origin
-        settings = scene.integrate.model_copy(update={"method": choice.method})
-        scene = scene.model_copy(update={"integrate": settings})
+        scene = scene.integrated_by(choice.method)
         with np.errstate(all="ignore"):
             return Course(scene, self.model, t, y, origin)
 

@@ -72,7 +72,7 @@ def simulate(
     if model is None:
         model = build(scene, target) if target else build_fastest(scene)
     if scene.integrate.method == AUTO:
-        scene = scene.with_integrate(method=choose(scene, model).method)
+        scene = scene.integrated_by(choose(scene, model).method)
     with HeldBack() as held:  # from here on there is a file
         saver = Saver.begin(scene, model, out, checkpoint)
         return _Run(scene, model, saver, progress, held).go()

@@ -19,6 +19,8 @@ from rodgen.scene.expression import Expression
 from rodgen.scene.onsets import onsets
 from rodgen.scene.plain import plain
 from rodgen.scene.tables import (
+    AUTO,
+    EITHER,
     Event,
     FinFactor,
     Initial,
@@ -209,11 +211,25 @@ class Scene(Table):
         return min(found, key=lambda pair: pair[0], default=None)
 
     def with_integrate(self, **changes: Any) -> Scene:
-        """The same scene with other values in [integrate]; those that are None are left."""
+        """The same scene with other values in [integrate]; those that are None are left.
+
+        A tolerance takes the place of a step of the scene, where the method has a use for either.
+        """
         changes = {name: value for name, value in changes.items() if value is not None}
         table = self.model_dump(exclude_none=True)
+        method = changes.get("method", self.integrate.method)
+        if method in EITHER and {"rtol", "atol"} & set(changes):
+            table["integrate"].pop("step", None)
         table["integrate"] |= changes
         return Scene.from_dict(table)
+
+    def integrated_by(self, method: str) -> Scene:
+        """The same scene by a method that was found for it; what `auto` finds is no method of equal
+        steps, whatever the step that stands in the scene."""
+        found: dict[str, Any] = {"method": method}
+        if self.integrate.method == AUTO:
+            found["step"] = None
+        return self.model_copy(update={"integrate": self.integrate.model_copy(update=found)})
 
 
 def check_scene(scene: object) -> None:

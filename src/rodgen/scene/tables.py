@@ -20,6 +20,7 @@ from rodgen.scene.expression import Expression
 AUTO = "auto"
 FIXED_STEP = ("euler", "semi_implicit_euler", "rk4", "thesis_runge_kutta")
 ADAPTIVE = ("dop853", "gauss", "radau", "rk23", "rk45", "bdf", "lsoda", "cvode")
+EITHER = ("gauss",)  # adaptive methods that take equal steps where a step is given
 METHODS = (AUTO, *FIXED_STEP, *ADAPTIVE)
 MOST_SAMPLES = 10**6
 MOST_STEPS = 10**9
@@ -272,8 +273,9 @@ class Integrate(Table):
 
     @property
     def fixed(self) -> bool:
-        """Whether the method has a fixed step."""
-        return self.method in FIXED_STEP
+        """Whether steps are all equal: the method has a fixed step, or may have one and is given
+        it."""
+        return self.method in FIXED_STEP or (self.method in EITHER and self.step is not None)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -284,6 +286,8 @@ class Integrate(Table):
         if self.method in FIXED_STEP and self.step is None:
             allowed = f"given in seconds: method {self.method} has a fixed step"
             raise SceneError("integrate.step", None, allowed)
+        if self.method in EITHER and self.fixed:
+            self._equal_steps()
         if self.step is not None and (end - start) / self.step > MOST_STEPS:
             raise SceneError("integrate.step", self.step, f"at most {MOST_STEPS} steps in the span")
         if (end - start) / self.output_every > MOST_SAMPLES:
@@ -292,6 +296,13 @@ class Integrate(Table):
         if not LEAST_RTOL <= self.rtol < 1:
             raise SceneError("integrate.rtol", self.rtol, f"from {LEAST_RTOL} to below 1")
         return self
+
+    def _equal_steps(self) -> None:
+        """Raise SceneError for a tolerance beside a step: one of them would count for nothing."""
+        for name in ("rtol", "atol"):
+            if getattr(self, name) != type(self).model_fields[name].default:
+                why = f"absent beside integrate.step, with which {self.method} takes equal steps"
+                raise SceneError(f"integrate.{name}", getattr(self, name), why)
 
     @property
     def samples(self) -> NDArray[np.float64]:

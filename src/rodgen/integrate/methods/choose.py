@@ -11,7 +11,7 @@ from rodgen.integrate.methods import fixed_step, scipy_methods
 from rodgen.integrate.methods.compiled import Compiled
 from rodgen.integrate.methods.cvode import CvodeStep
 from rodgen.integrate.methods.from_home import Longest, from_home
-from rodgen.integrate.methods.gauss import GaussStep
+from rodgen.integrate.methods.gauss import GaussEqualSteps, GaussStep
 from rodgen.integrate.methods.walk import Make, Walk
 from rodgen.integrate.spectrum import Dominant, spectrum
 from rodgen.integrate.stability import largest, limit
@@ -144,6 +144,8 @@ def _maker(settings: Integrate, angles: slice, stable: Longest) -> Make:
     def make(rhs: Rhs, jac: Rhs, t: float, y: Array, end: float, longest: float) -> Stepper:
         if settings.fixed:
             assert settings.step is not None
+            if settings.method == "gauss":
+                return GaussEqualSteps(rhs, jac, t, y, end, settings.step)
             return fixed_step.FixedStep(settings.method, rhs, t, y, end, settings.step)
 
         def least(t: float, y: Array) -> float:

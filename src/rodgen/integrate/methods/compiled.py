@@ -10,7 +10,7 @@ import numpy as np
 from rodgen.integrate.events import Watch
 from rodgen.integrate.files.recorder import Recorder
 from rodgen.integrate.stepper import Array, Counts, Happened, State, StepError
-from rodgen.scene.tables import Integrate
+from rodgen.scene.tables import EITHER, Integrate
 
 SLICE = 0.03  # seconds between two looks at the clock and at Ctrl-C
 FIRST, MOST = 8, 10**7  # steps in a slice: at first, and at most
@@ -30,7 +30,9 @@ class Compiled:
     def __init__(self, model: ModuleType, p: Array, settings: Integrate, t: float, y: Array):
         self._model = model
         step = settings.step if settings.fixed else 0.0
-        self._run = model.Run(settings.method, t, y, p, step, settings.rtol, settings.atol)
+        equal = settings.method in EITHER and settings.fixed
+        method = f"{settings.method}_equal_steps" if equal else settings.method
+        self._run = model.Run(method, t, y, p, step, settings.rtol, settings.atol)
         self._numbers = self._run.numbers
         self._states, self._quota = len(y), FIRST
 
