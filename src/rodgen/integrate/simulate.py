@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rodgen.integrate.events import Watch
 from rodgen.integrate.files.recorder import Recorder
@@ -35,7 +36,7 @@ from rodgen.integrate.stretches import ends, inside
 from rodgen.integrate.warned import step_warnings
 from rodgen.loading import build, build_fastest
 from rodgen.scene import Scene
-from rodgen.scene.overrides import check_used
+from rodgen.scene.overrides import check_used, with_parameters, with_state
 from rodgen.scene.scene import check_scene
 from rodgen.scene.tables import AUTO
 
@@ -50,12 +51,17 @@ def simulate(
     progress: Callable[[float], None] | None = None,
     out: str | Path | None = None,
     checkpoint: float | None = None,
+    y0: ArrayLike | None = None,
+    parameters: Mapping[str, Any] | None = None,
     **overrides: Any,
 ) -> Solution:
     """Integrate a scene.
 
-    target: "c" or "numpy"; if not given, C where it can be built. overrides: values for the
-    scene's [integrate] (method, span, step, rtol, atol, output_every, max_steps); model: a module
+    target: "c" or "numpy"; if not given, C where it can be built. y0: the state (states,) at the
+    start, in the order of the module's STATE, instead of the scene's [initial]. parameters: values
+    instead of those of the scene, by their names in the module, such as {"follower_force": 300}.
+    overrides: values for the scene's [integrate] (method, span, step, rtol, atol, output_every,
+    t_eval, max_steps); all of these are checked as the scene's are. model: a module
     built before; progress: called with the time [s] some ten times a second. out: a NetCDF file
     into which samples are written as they come, so that memory does not grow with the span; the
     Solution then has at most MOST_SAMPLES of them. checkpoint: seconds between two states of the
@@ -67,6 +73,10 @@ def simulate(
     fixed step beyond the method's stability limit, and of loads that steps cannot follow.
     """
     check_scene(scene)
+    if parameters is not None:
+        scene = with_parameters(scene, parameters)
+    if y0 is not None:
+        scene = with_state(scene, y0)
     scene = scene.with_integrate(**overrides)
     check_used(scene.integrate, overrides)
     if model is None:
@@ -148,8 +158,8 @@ class _Run:
         breaks, self.pole = self.scene.breaks(), self.scene.pole()
         longest = self.scene.swing()
         taken_up = self.saver.restore(self.machine)
-        if not taken_up:
-            _, rows = self.recorder.room()
+        times, rows = self.recorder.room()
+        if not taken_up and times[0] == self.machine.t:
             rows[0] = 0.0
             rows[0, : self.recorder.states] = self.machine.y
             self.recorder.took(1)
@@ -197,7 +207,7 @@ class _Run:
     def counts(self) -> Stats:
         """What the run has cost so far."""
         seconds = self.seconds_before + time.perf_counter() - self.start
-        return Stats.of(self.machine.counts, seconds)
+        return Stats.of(self.machine.counts, seconds, self.model.PROVENANCE["target"])
 
     def solution(self, status: str, message: str) -> Solution:
         """What there is, from memory or from the file."""

@@ -209,9 +209,12 @@ class Scene(Table):
         return min(found, key=lambda pair: pair[0], default=None)
 
     def with_integrate(self, **changes: Any) -> Scene:
-        """The same scene with other values in [integrate]; those that are None are left."""
+        """The same scene with other values in [integrate]; those that are None are left. With
+        another output_every, t_eval goes."""
         changes = {name: value for name, value in changes.items() if value is not None}
         table = self.model_dump(exclude_none=True)
+        if "output_every" in changes:
+            table["integrate"].pop("t_eval", None)
         table["integrate"] |= changes
         return Scene.from_dict(table)
 

@@ -254,7 +254,8 @@ def _is_one(quantity: str, name: str, numbers: range) -> bool:
 
 
 class Integrate(Table):
-    """How the scene is integrated; max_steps: after so many, a run is stopped (if not given, ten
+    """How the scene is integrated; t_eval: times of the samples [s], ascending, instead of one at
+    the start and every output_every; max_steps: after so many, a run is stopped (if not given, ten
     million of an adaptive method)."""
 
     method: str = AUTO
@@ -263,6 +264,7 @@ class Integrate(Table):
     rtol: Positive = 1e-8
     atol: Positive = 1e-10
     output_every: Positive = 0.01
+    t_eval: Annotated[list[Finite], Field(min_length=1, max_length=MOST_SAMPLES)] | None = None
     max_steps: Annotated[int, Field(gt=0)] | None = None
 
     @property
@@ -286,7 +288,9 @@ class Integrate(Table):
             raise SceneError("integrate.step", None, allowed)
         if self.step is not None and (end - start) / self.step > MOST_STEPS:
             raise SceneError("integrate.step", self.step, f"at most {MOST_STEPS} steps in the span")
-        if (end - start) / self.output_every > MOST_SAMPLES:
+        if self.t_eval is not None:
+            _check_times(self.t_eval, start, end)
+        elif (end - start) / self.output_every > MOST_SAMPLES:
             allowed = f"at most {MOST_SAMPLES} samples in the span"
             raise SceneError("integrate.output_every", self.output_every, allowed)
         if not LEAST_RTOL <= self.rtol < 1:
@@ -295,7 +299,9 @@ class Integrate(Table):
 
     @property
     def samples(self) -> NDArray[np.float64]:
-        """Output times: the start, every output_every, and the end."""
+        """Output times: t_eval, or the start, every output_every, and the end."""
+        if self.t_eval is not None:
+            return np.array(self.t_eval, dtype=float)
         start, end = self.span
         count = math.floor((end - start) / self.output_every * (1 + 1e-12))
         times: NDArray[np.float64] = start + self.output_every * np.arange(count + 1.0)
@@ -303,3 +309,14 @@ class Integrate(Table):
             times = np.append(times, end)
         times[-1] = end
         return times
+
+
+def _check_times(times: list[float], start: float, end: float) -> None:
+    """Raise SceneError unless times ascend within a span [s]."""
+    at = np.array(times)
+    wrong = ~((at >= start) & (at <= end))
+    wrong[1:] |= at[1:] <= at[:-1]
+    if wrong.any():
+        i = int(np.argmax(wrong))
+        allowed = f"within the span, {start!r} to {end!r} s, and above the one before"
+        raise SceneError(f"integrate.t_eval[{i}]", times[i], allowed)

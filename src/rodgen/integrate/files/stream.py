@@ -52,10 +52,12 @@ class Stream:
         has_events = "event_number" in header.variables
         kept = self._file.fixed("event_number") >= 0 if has_events else np.empty(0)
         self._capacity, self._kept = len(kept), int(kept.sum())
-        self._first: float | None = None  # energy [J] of the first sample
+        self._first: float | None = None  # energy [J] at the start of the run
         for record in self._file.records()[:1]:
             energies = (record[f"{kind}_energy"] for kind in ("kinetic", "spring", "gravity"))
-            self._first = sum(energies, start=0.0)
+            names = record.dtype.names or ()
+            put_in = (record[name] for name in names if name.startswith(WORK) or name == GIVEN)
+            self._first = sum(energies, start=0.0) - sum(put_in, start=0.0)
 
     @classmethod
     def create(
@@ -133,7 +135,7 @@ class Stream:
         block._p = self._p
         with np.errstate(all="ignore"):  # of a run that blew up
             if self._first is None:
-                self._first = block.energy.total[0]
+                self._first = block.start_energy
             block.energy_balance = block.balance(self._first)
             found = quantities(block)
         records = np.zeros(len(block.t), self._file.header.record)
