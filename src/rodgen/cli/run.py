@@ -61,8 +61,10 @@ def run(
     if resumed:
         check_same(scene, file)
     else:
-        with working("generating"):
-            model, without_c = (build(scene, target), "") if target else fastest(scene)
+        with working("generating") as told:
+            model, without_c = (
+                (build(scene, target, stage=told), "") if target else fastest(scene, told)
+            )
         writable(folder)
         stale = to_replace(scene, file)
     # What a batch system sends to end a program is to lose nothing either.

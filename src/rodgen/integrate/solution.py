@@ -131,7 +131,7 @@ class Solution:
     stats: Stats
     status: str = "finished"
     message: str = ""
-    model: _Module = _Module()  # noqa: RUF009
+    model: _Module = _Module()
     events: tuple[Event, ...] = ()
     changes: Changes | None = None
 
@@ -231,10 +231,11 @@ class Solution:
 
     @property
     def start_energy(self) -> float:
-        """Energy at the start of the run [J]: that of the first sample, less what was put in until
-        then; zero without samples."""
+        """Energy at the start of the run [J]: that of the first sample, less the work done until
+        then where samples need not begin at the start; zero without samples."""
         first = self.taken(slice(1))
-        return float(first.balance(0.0).sum())
+        late = self.scene.integrate.t_eval is not None
+        return float((first.balance(0.0) if late else first.energy.total).sum())
 
     def balance(self, start: float) -> Array:
         """The same, of a run that began with this energy [J]."""

@@ -264,7 +264,7 @@ class Integrate(Table):
     rtol: Positive = 1e-8
     atol: Positive = 1e-10
     output_every: Positive = 0.01
-    t_eval: Annotated[list[Finite], Field(min_length=1, max_length=MOST_SAMPLES)] | None = None
+    t_eval: list[Finite] | None = None
     max_steps: Annotated[int, Field(gt=0)] | None = None
 
     @property
@@ -312,7 +312,9 @@ class Integrate(Table):
 
 
 def _check_times(times: list[float], start: float, end: float) -> None:
-    """Raise SceneError unless times ascend within a span [s]."""
+    """Raise SceneError unless there are times that ascend within a span [s]."""
+    if not 0 < len(times) <= MOST_SAMPLES:
+        raise SceneError("integrate.t_eval", times, f"1 to {MOST_SAMPLES} times")
     at = np.array(times)
     wrong = ~((at >= start) & (at <= end))
     wrong[1:] |= at[1:] <= at[:-1]

@@ -55,9 +55,10 @@ class Stream:
         self._first: float | None = None  # energy [J] at the start of the run
         for record in self._file.records()[:1]:
             energies = (record[f"{kind}_energy"] for kind in ("kinetic", "spring", "gravity"))
-            names = record.dtype.names or ()
-            put_in = (record[name] for name in names if name.startswith(WORK) or name == GIVEN)
-            self._first = sum(energies, start=0.0) - sum(put_in, start=0.0)
+            self._first = sum(energies, start=0.0)
+            if scene.integrate.t_eval is not None:  # work was done before the first sample
+                works = (name for name in record.dtype.names or () if name.startswith(WORK))
+                self._first -= sum((record[name] for name in works), start=0.0)
 
     @classmethod
     def create(
