@@ -144,7 +144,7 @@ def test_what_follows_from_a_solution_is_made_again() -> None:
     np.testing.assert_array_equal(back.joints, sol.joints)
     np.testing.assert_array_equal(back(0.25), sol(0.25))
     assert back.energy_error == sol.energy_error
-    assert len(pickle.dumps(back)) == len(pickle.dumps(copy.copy(sol)))
+    assert "joints" not in vars(copy.copy(sol))  # what can be made again is not carried
 
 
 def test_errors_with_values_that_cannot_be_pickled_keep_their_words() -> None:

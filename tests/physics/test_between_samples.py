@@ -18,7 +18,7 @@ from rodgen.scene.tables import ADAPTIVE, FIXED_STEP
 Make = Callable[..., Scene]
 TIMES = np.linspace(0.0, 1.0, 101)
 RTOL, ATOL = 1e-7, 1e-9
-STEPS = {"rk4": 2e-3, "thesis_runge_kutta": 2e-3, "euler": 1e-4, "semi_implicit_euler": 1e-4}
+STEPS = {"rk4": 2e-3, "thesis_runge_kutta": 2e-3, "euler": 5e-4, "semi_implicit_euler": 1e-3}
 # A load that switches off between two samples, a swinging one, and an event that is recorded.
 TABLE = {
     "name": "between",

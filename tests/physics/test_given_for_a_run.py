@@ -12,7 +12,7 @@ import pytest
 import rodgen
 from rodgen.scene import Scene
 from rodgen.scene.overrides import with_parameters, with_state
-from rodgen.scene.structure import BOUNDARIES, TERMS
+from rodgen.scene.structure import TERMS
 
 Make = Callable[..., Scene]
 TERMS_HERE = ("follower", "gravity", "external_damping")
@@ -23,7 +23,7 @@ def scene(make_scene: Make) -> Scene:
     return make_scene(3, "free", TERMS_HERE, output_every=0.1)
 
 
-@pytest.mark.parametrize("boundary", BOUNDARIES)
+@pytest.mark.parametrize("boundary", ["free", "cantilever"])
 def test_a_run_goes_on_from_a_state_of_another(make_scene: Make, boundary: str) -> None:
     whole = make_scene(3, boundary, TERMS_HERE, output_every=0.1)
     first = rodgen.simulate(whole, target="numpy")
@@ -67,7 +67,7 @@ def test_samples_are_at_the_times_that_are_asked_for(scene: Scene, tmp_path: Pat
 def test_compiled_methods_end_after_the_last_sample(scene: Scene, method: str) -> None:
     step = {"step": 1e-3} if method == "rk4" else {}
     whole = rodgen.simulate(scene, target="c", method=method, **step)
-    sol = rodgen.simulate(scene, target="c", method=method, t_eval=[0.3], **step)
+    sol = rodgen.simulate(scene, target="c", method=method, t_eval=[whole.t[3]], **step)
     np.testing.assert_array_equal(sol.y[0], whole.y[3])
     assert sol.stats.steps == whole.stats.steps
 
