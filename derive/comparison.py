@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 EXPLICIT = "explicit n"
 ANY_N = "any n"
@@ -16,6 +17,9 @@ class DisagreementError(ArithmeticError):
     def __init__(self, how: str, entry: str, derived: object, closed: object):
         self.how, self.entry, self.derived, self.closed = how, entry, derived, closed
         super().__init__(f"{entry} ({how}): derived {derived}, closed form {closed}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.how, self.entry, self.derived, self.closed)
 
 
 @dataclass(frozen=True)

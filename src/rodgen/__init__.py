@@ -30,7 +30,7 @@ if TYPE_CHECKING:
         simulate,
     )
     from rodgen.integrate.files.storage import load
-    from rodgen.loading import build
+    from rodgen.loading import BuildError, build
     from rodgen.scene import Scene, SceneError, Structure
 
 _HOMES = {
@@ -38,6 +38,7 @@ _HOMES = {
     "SceneError": "rodgen.scene",
     "Structure": "rodgen.scene",
     "build": "rodgen.loading.build",
+    "BuildError": "rodgen.loading.module",
     "simulate": "rodgen.integrate.simulate",
     "resume": "rodgen.integrate.simulate",
     "choose": "rodgen.integrate.methods.choose",
@@ -64,6 +65,7 @@ _HOMES = {
 
 __all__ = [
     "AnalysisError",
+    "BuildError",
     "Critical",
     "Equilibrium",
     "Event",

@@ -41,7 +41,7 @@ def changed(samples: Make) -> Callable[..., tuple[Solution, list[Solution]]]:
             part = sol.taken(slice(first, last))
             part.scene, part.model = Scene.from_dict(table), sol.model
             pieces.append(part)
-        p = [sol._model.parameters(**piece.scene.parameters) for piece in pieces]
+        p = [sol.model.parameters(**piece.scene.parameters) for piece in pieces]
         sol.changes = Changes(np.repeat(p, np.diff(EDGES), axis=0), GIVEN)
         sol.scene = pieces[-1].scene
         return sol, pieces

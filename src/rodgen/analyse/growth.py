@@ -181,6 +181,7 @@ class _Run:
         self.seen = growth or MEASURED
         self.start = _angles(scene, disturbance, AMPLITUDE[growth is None])
         self.table = scene.model_dump(exclude_none=True)
+        self.table["integrate"].pop("t_eval", None)
         self.ends = np.linspace(0.0, span, PIECES + 1)
         step = settings.get("step", scene.integrate.step)
         if settings.get("method", scene.integrate.method) in FIXED_STEP and step:

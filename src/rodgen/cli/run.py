@@ -32,6 +32,12 @@ def run(
     method: Annotated[str | None, typer.Option(help="Instead of the scene's method.")] = None,
     step: Annotated[float | None, typer.Option(help="Step of a fixed-step method [s].")] = None,
     rtol: Annotated[float | None, typer.Option(help="Relative tolerance.")] = None,
+    atol: Annotated[float | None, typer.Option(help="Absolute tolerance.")] = None,
+    span: Annotated[
+        tuple[float, float] | None,
+        typer.Option(metavar="START END", help="Instead of the scene's span [s]."),
+    ] = None,
+    output_every: Annotated[float | None, typer.Option(help="Spacing of the samples [s].")] = None,
     target: Annotated[
         str | None, typer.Option(help="numpy or c; if not given, c where it can be built.")
     ] = None,
@@ -45,8 +51,9 @@ def run(
 ) -> None:
     """Integrate SCENE; write states, pictures and a summary, and say what came out."""
     given = Scene.from_toml(scene_file)
-    scene = given.with_integrate(method=method, step=step, rtol=rtol)
-    check_used(scene.integrate, {"step": step, "rtol": rtol}, prefix="--")
+    overrides = {"step": step, "rtol": rtol, "atol": atol}
+    scene = given.with_integrate(method=method, span=span, output_every=output_every, **overrides)
+    check_used(scene.integrate, overrides, prefix="--")
     start, end = scene.integrate.span
     folder = out_folder / scene.name
     file = folder / RESULT
@@ -54,8 +61,10 @@ def run(
     if resumed:
         check_same(scene, file)
     else:
-        with working("generating"):
-            model, without_c = (build(scene, target), "") if target else fastest(scene)
+        with working("generating") as told:
+            model, without_c = (
+                (build(scene, target, stage=told), "") if target else fastest(scene, told)
+            )
         writable(folder)
         stale = to_replace(scene, file)
     # What a batch system sends to end a program is to lose nothing either.

@@ -17,6 +17,7 @@ from rodgen.emit.functions import Functions
 from rodgen.emit.native import native, segments
 from rodgen.emit.statements import PAIR
 from rodgen.emit.tableaux import tableaux
+from rodgen.progress import EMITTING, Stage
 from rodgen.scene.expression import Expression
 from rodgen.scene.structure import TERM_PARAMETERS, Structure, check_output
 
@@ -67,16 +68,23 @@ NO_ENERGY = "np.zeros_like(kinetic)"  # the contract has three energies, whateve
 
 
 def module_files(
-    structure: Structure, target: str = "numpy", form: str = "chain"
+    structure: Structure,
+    target: str = "numpy",
+    form: str = "chain",
+    stage: Stage = lambda _: None,
 ) -> dict[str, str]:
-    """The texts of a module, by file name; the first is the Python module itself."""
+    """The texts of a module, by file name; the first is the Python module itself. stage: told when
+    the equations are derived."""
     check_output(target, form)
     environment = Environment(
         loader=DictLoader(_templates()), undefined=StrictUndefined, keep_trailing_newline=True
     )
     templates = TEMPLATES[target, form]
     stem = structure.module_stem(target, form)
-    context = _context(structure, target, form, next(iter(templates.values())))
+    functions = Functions(structure)
+    _ = functions.system  # what takes long to derive is kept from here on
+    stage(EMITTING)
+    context = _context(functions, target, form, next(iter(templates.values())))
     return {
         f"{stem}.{ending}": environment.get_template(template).render(context)
         for ending, template in templates.items()
@@ -102,8 +110,8 @@ def template_hash() -> str:
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
-def _context(structure: Structure, target: str, form: str, template: str) -> dict[str, Any]:
-    functions = Functions(structure)
+def _context(functions: Functions, target: str, form: str, template: str) -> dict[str, Any]:
+    structure = functions.structure
     hold, n = functions.equations.hold, structure.links
     programs = {
         "rhs": functions.dense() if form == "dense" else functions.chain(),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,9 @@ class LiveError(ArithmeticError):
     def __init__(self, message: str, t: float, samples: Samples):
         super().__init__(message)
         self.t, self.samples = t, samples
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.t, self.samples)
 
 
 class Progress:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from rodgen.integrate.solution import Solution
@@ -24,6 +26,9 @@ class RunError(ArithmeticError):
         super().__init__(message)
         self.solution = solution
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.solution)
+
 
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C during a run. solution: all samples up to there."""
@@ -31,6 +36,9 @@ class Interrupted(KeyboardInterrupt):
     def __init__(self, solution: Solution):
         super().__init__(solution.message)
         self.solution = solution
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.solution,)
 
 
 class StepWarning(UserWarning):

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rodgen.integrate.events import Watch
 from rodgen.integrate.files.recorder import Recorder
@@ -34,12 +35,15 @@ from rodgen.integrate.stepper import Happened, StepError
 from rodgen.integrate.stretches import ends, inside
 from rodgen.integrate.warned import step_warnings
 from rodgen.loading import build, build_fastest
-from rodgen.scene import Scene
-from rodgen.scene.overrides import check_used
+from rodgen.progress import Moment, Stage, running
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.overrides import check_used, with_parameters, with_state
 from rodgen.scene.scene import check_scene
 from rodgen.scene.tables import AUTO
 
 TICK = 0.1  # seconds between two calls of the progress callback
+
+Progress = Callable[[Moment], None] | bool | None
 
 
 def simulate(
@@ -47,19 +51,26 @@ def simulate(
     *,
     target: str | None = None,
     model: ModuleType | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = None,
     out: str | Path | None = None,
     checkpoint: float | None = None,
+    y0: ArrayLike | None = None,
+    parameters: Mapping[str, Any] | None = None,
     **overrides: Any,
 ) -> Solution:
     """Integrate a scene.
 
-    target: "c" or "numpy"; if not given, C where it can be built. overrides: values for the
-    scene's [integrate] (method, span, step, rtol, atol, output_every, max_steps); model: a module
-    built before; progress: called with the time [s] some ten times a second. out: a NetCDF file
-    into which samples are written as they come, so that memory does not grow with the span; the
-    Solution then has at most MOST_SAMPLES of them. checkpoint: seconds between two states of the
-    run beside that file, from which `resume` goes on to the same bits.
+    target: "c" or "numpy"; if not given, C where it can be built. y0: the state (states,) at the
+    start, in the order of the module's STATE, instead of the scene's [initial]. parameters: values
+    instead of those of the scene, by their names in the module, such as {"follower_force": 300}.
+    overrides: values for the scene's [integrate] (method, span, step, rtol, atol, output_every,
+    t_eval, max_steps); all of these are checked as the scene's are. model: a module built before.
+    progress: called with the time [s] some ten times a second, and before that with the start at
+    every stage of making the module, which the time has as its attribute ``stage``; if it is not
+    given, terminals and notebooks show a bar of what takes more than a second, unless it is False.
+    out: a NetCDF file into which samples are written as they come, so that memory does not grow
+    with the span; the Solution then has at most MOST_SAMPLES of them. checkpoint: seconds between
+    two states of the run beside that file, from which `resume` goes on to the same bits.
 
     Raises SceneError for values that cannot be used, such as a step for a method that chooses its
     own, TypeError for what is no Scene, RunError where the state stops being finite or the method
@@ -67,21 +78,29 @@ def simulate(
     fixed step beyond the method's stability limit, and of loads that steps cannot follow.
     """
     check_scene(scene)
+    if parameters is not None:
+        scene = with_parameters(scene, parameters)
+    if y0 is not None:
+        scene = with_state(scene, y0)
     scene = scene.with_integrate(**overrides)
     check_used(scene.integrate, overrides)
     if model is None:
-        model = build(scene, target) if target else build_fastest(scene)
+        stage = _told(progress, scene.integrate.span[0])
+        model = build(scene, target, stage=stage) if target else build_fastest(scene, stage)
+    elif model.PROVENANCE["structure_hash"] != scene.structure.hash:
+        allowed = f"built for this scene, with {scene.structure!r}"
+        raise SceneError("model", model.__name__, allowed)
     if scene.integrate.method == AUTO:
         scene = scene.integrated_by(choose(scene, model).method)
     with HeldBack() as held:  # from here on there is a file
         saver = Saver.begin(scene, model, out, checkpoint)
-        return _Run(scene, model, saver, progress, held).go()
+        return _run(saver, progress, held)
 
 
 def resume(
     path: str | Path,
     *,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = None,
     checkpoint: float | None = None,
 ) -> Solution:
     """Go on with a run that was killed, from the last checkpoint beside its file.
@@ -92,20 +111,31 @@ def resume(
     """
     saver = Saver.resume(Path(path), checkpoint)
     with HeldBack() as held:
-        return _Run(saver.scene, saver.model, saver, progress, held).go()
+        return _run(saver, progress, held)
+
+
+def _told(progress: Progress, start: float) -> Stage | None:
+    """What is told of the stages of a module that is made; None: whoever looks on."""
+    if callable(progress):
+        return lambda stage: progress(Moment(start, stage))
+    return (lambda _: None) if progress is False else None
+
+
+def _run(saver: Saver, progress: Progress, held: HeldBack) -> Solution:
+    """The run, with a bar if nothing else was asked for."""
+    if callable(progress):
+        return _Run(saver, progress, held).go()
+    if progress is False:
+        return _Run(saver, lambda _: None, held).go()
+    with running(saver.scene.name, *saver.scene.integrate.span) as update:
+        return _Run(saver, update, held).go()
 
 
 class _Run:
-    def __init__(
-        self,
-        scene: Scene,
-        model: ModuleType,
-        saver: Saver,
-        progress: Callable[[float], None] | None,
-        held: HeldBack,
-    ):
-        self.scene, self.model, self.settings = scene, model, scene.integrate
-        self.saver, self.progress, self.held = saver, progress or (lambda _: None), held
+    def __init__(self, saver: Saver, progress: Callable[[Moment], None], held: HeldBack):
+        self.saver, self.progress, self.held = saver, progress, held
+        self.scene, self.model = scene, model = saver.scene, saver.model
+        self.settings = scene.integrate
         self.p = model.parameters(**scene.parameters)
         self.watch = Watch(scene.events, model, self.p)
         self.start = time.perf_counter()
@@ -141,15 +171,15 @@ class _Run:
         if self.saver.resumed:
             return
         for text in step_warnings(self.scene, self.model, self.p):
-            warnings.warn(text, StepWarning, stacklevel=4)
+            warnings.warn(text, StepWarning, stacklevel=5)
 
     def _walk(self) -> str:
         """All stretches; what there is to say of the end."""
         breaks, self.pole = self.scene.breaks(), self.scene.pole()
         longest = self.scene.swing()
         taken_up = self.saver.restore(self.machine)
-        if not taken_up:
-            _, rows = self.recorder.room()
+        times, rows = self.recorder.room()
+        if not taken_up and times[0] == self.machine.t:
             rows[0] = 0.0
             rows[0, : self.recorder.states] = self.machine.y
             self.recorder.took(1)
@@ -190,14 +220,14 @@ class _Run:
             self.saver.tick(now)
             if now - tick > TICK:
                 tick = now
-                self.progress(self.machine.t)
+                self.progress(Moment(self.machine.t))
             self.held.look()
 
     @property
     def counts(self) -> Stats:
         """What the run has cost so far."""
         seconds = self.seconds_before + time.perf_counter() - self.start
-        return Stats.of(self.machine.counts, seconds)
+        return Stats.of(self.machine.counts, seconds, self.model.PROVENANCE["target"])
 
     def solution(self, status: str, message: str) -> Solution:
         """What there is, from memory or from the file."""

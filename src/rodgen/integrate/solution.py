@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from types import ModuleType
@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from rodgen.integrate.changes import Changes
 from rodgen.integrate.stepper import Array, Counts
-from rodgen.loading import build
-from rodgen.scene import Scene
+from rodgen.loading import build, build_fastest
+from rodgen.scene import Scene, SceneError
 
 if TYPE_CHECKING:
     import xarray
+
+    from rodgen.integrate.between import Between
 
 
 class Energy(NamedTuple):
@@ -73,7 +75,8 @@ class Event(NamedTuple):
 
 @dataclass(frozen=True)
 class Stats:
-    """Cost of a run; rejected is None where the method does not tell."""
+    """Cost of a run; rejected is None where the method does not tell; target: of the module that
+    ran, "c" or "numpy", empty where it is not known."""
 
     steps: int
     rejected: int | None
@@ -81,14 +84,32 @@ class Stats:
     jacobian: int
     factorisations: int
     wall_seconds: float
+    target: str = ""
 
     @classmethod
-    def of(cls, counts: Counts, seconds: float) -> Stats:
+    def of(cls, counts: Counts, seconds: float, target: str = "") -> Stats:
         """From the counts of the steppers and the wall time."""
         # Some methods count in NumPy's integers, which JSON does not know.
         whole = {name: int(n) for name, n in asdict(counts).items() if n is not None}
         rejected = whole.pop("rejected", None)
-        return cls(rejected=rejected, **whole, wall_seconds=seconds)
+        return cls(rejected=rejected, **whole, wall_seconds=seconds, target=target)
+
+
+class _Module:
+    """The module of a solution: that of its run, or one that is built when it is asked for."""
+
+    def __get__(self, solution: Solution | None, _: object = None) -> ModuleType:
+        if solution is None:
+            return None  # type: ignore[return-value]  # the default of the field
+        kept = solution.__dict__
+        if kept["model"] is None:
+            native = solution.stats.target == "c"
+            kept["model"] = (build_fastest if native else build)(solution.scene)
+        module: ModuleType = kept["model"]
+        return module
+
+    def __set__(self, solution: Solution, module: ModuleType | None) -> None:
+        solution.__dict__["model"] = module
 
 
 @dataclass(repr=False)
@@ -98,8 +119,9 @@ class Solution:
     t: times [s], (T,); y: states in the order of the module's STATE, (T, states); work: work done
     by each load without potential since the start [J], by term, each (T,); status: finished,
     failed or interrupted, with a message where there is something to say; model: the generated
-    module; events: those of the scene that happened; changes: what held at each sample, where that
-    is not the same all along.
+    module, built when it is asked for where the solution was read, unpickled or copied; events:
+    those of the scene that happened; changes: what held at each sample, where that is not the same
+    all along.
     """
 
     scene: Scene
@@ -109,7 +131,7 @@ class Solution:
     stats: Stats
     status: str = "finished"
     message: str = ""
-    model: ModuleType | None = None
+    model: _Module = _Module()
     events: tuple[Event, ...] = ()
     changes: Changes | None = None
 
@@ -119,13 +141,33 @@ class Solution:
         what = f"{len(self.t)} samples of {self.y.shape[-1]} states{span}"
         return f"<Solution of {self.scene.name}: {what}; {self.status}{said}>"
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What cannot be made again: neither the module nor what follows from the states."""
+        kept = {field.name for field in fields(self)} | {"energy_error"}  # which `load` may know
+        return {k: v for k, v in self.__dict__.items() if k in kept} | {"model": None}
+
+    def __call__(self, t: float | Array) -> Array:
+        """States between samples: (states,) at a time t [s], (states, K) at times (K,).
+
+        The run is taken up from the sample before, by its method and with its tolerance; at a
+        sample it is the sample. Raises SceneError for times that the run has not reached and for a
+        run that was changed while it went on, RunError where a step fails.
+        """
+        times = np.asarray(t)
+        if times.dtype.kind not in "iuf" or times.ndim > 1:
+            raise SceneError("t", t, "a time in seconds, or an array (K,) of them")
+        states = self._between.at(np.atleast_1d(times).astype(float)).T
+        return states if times.ndim else states[:, 0]
+
     @cached_property
-    def _model(self) -> ModuleType:
-        return self.model or build(self.scene, "numpy")
+    def _between(self) -> Between:
+        from rodgen.integrate.between import Between  # which is made of methods
+
+        return Between(self)
 
     @cached_property
     def _p(self) -> Array:
-        p: Array = self._model.parameters(**self.scene.parameters)
+        p: Array = self.model.parameters(**self.scene.parameters)
         return p
 
     def _follow(self, made: Callable[..., Any], *of: Array, axis: int = 0) -> Any:
@@ -162,7 +204,7 @@ class Solution:
     @cached_property
     def joints(self) -> Array:
         """Positions of the joints [m], nose to tail, (T, n+1, 2)."""
-        positions: Array = self._follow(self._model.joints, self.y)
+        positions: Array = self._follow(self.model.joints, self.y)
         return positions
 
     @property
@@ -173,7 +215,7 @@ class Solution:
     @cached_property
     def energy(self) -> Energy:
         """Kinetic, spring and gravity energy [J]."""
-        return Energy(*self._follow(self._model.energy, self.y, axis=1))
+        return Energy(*self._follow(self.model.energy, self.y, axis=1))
 
     @cached_property
     def total_work(self) -> Array:
@@ -185,7 +227,15 @@ class Solution:
     def energy_balance(self) -> Array:
         """Energy gained since the start less the work done, and less what changes have put in [J],
         (T,): zero but for errors."""
-        return self.balance(self.energy.total[0])
+        return self.balance(self.start_energy)
+
+    @property
+    def start_energy(self) -> float:
+        """Energy at the start of the run [J]: that of the first sample, less the work done until
+        then where samples need not begin at the start; zero without samples."""
+        first = self.taken(slice(1))
+        late = self.scene.integrate.t_eval is not None
+        return float((first.balance(0.0) if late else first.energy.total).sum())
 
     def balance(self, start: float) -> Array:
         """The same, of a run that began with this energy [J]."""
@@ -200,30 +250,51 @@ class Solution:
     @cached_property
     def centre_of_gravity(self) -> Array:
         """Centre of gravity [m], (T, 2)."""
-        centre: Array = self._follow(self._model.centre_of_gravity, self.y)
+        centre: Array = self._follow(self.model.centre_of_gravity, self.y)
         return centre
 
     @cached_property
     def inertia(self) -> Inertia:
         """Moments and product of inertia about the centre of gravity [kg m^2]."""
-        return Inertia(*self._follow(self._model.inertia, self.y, axis=1))
+        return Inertia(*self._follow(self.model.inertia, self.y, axis=1))
 
     @cached_property
     def principal_axes(self) -> PrincipalAxes:
         """Principal axes of inertia: that of the smaller moment runs along a straight rod."""
         return principal_axes(*self.inertia)
 
+    @cached_property
+    def bending_moments(self) -> Array:
+        """Bending moments in the joints, those of the springs [N m], (T, n+1); positive where the
+        angle grows from link to link."""
+        moments: Array = self._follow(self.model.bending_moments, self.y)
+        return moments
+
+    @cached_property
+    def forces(self) -> dict[str, Array]:
+        """Forces of the loads on the joints [N], by term, each (T, n+1, 2). Gravity, which acts on
+        all mass, is not among them."""
+
+        def of(term: str) -> Array:
+            forces = self.model.forces
+            acting: Array = self._follow(lambda *of: forces(*of)[term], self.t, self.y)
+            return acting
+
+        return {term: of(term) for term in self.model.forces(self.t[:1], self.y[:1], self._p)}
+
     def until(self, count: int) -> Solution:
         """The same run with its first ``count`` samples alone."""
         first = self.taken(slice(count))
         end = first.t[-1] if len(first.t) else -np.inf
-        return replace(first, events=tuple(event for event in self.events if event.t <= end))
+        first.events = tuple(event for event in self.events if event.t <= end)
+        return first
 
     def taken(self, kept: NDArray[np.intp] | slice) -> Solution:
         """The same run with some of its samples alone, and without events."""
         work = {term: values[kept] for term, values in self.work.items()}
         changes = self.changes and self.changes.taken(kept)
-        return replace(self, t=self.t[kept], y=self.y[kept], work=work, events=(), changes=changes)
+        rest = {"work": work, "events": (), "changes": changes, "model": self.__dict__["model"]}
+        return replace(self, t=self.t[kept], y=self.y[kept], **rest)
 
     def to_xarray(self) -> xarray.Dataset:
         """All quantities with names, dimensions and units."""

@@ -87,18 +87,18 @@ class Windows:
             self._ends = [self._border(number + 1)]
             return
         at, over = self._border(number), self._border(number + 1)
-        self.scene = _between(self._scene, at, over)
+        self.scene = window(self._scene, at, over)
         breaks, self.pole = self.scene.breaks(), self.scene.pole()
         self.swing = self.scene.swing()
         pulses = self.scene.pulses()
         if number and not self.scene.integrate.fixed:  # a rest may reach across the border
             half = self.length / 2
-            across = _between(self._scene, at - half, at + half).pulses()
+            across = window(self._scene, at - half, at + half).pulses()
             pulses = sorted({*pulses, *across})
         self._ends = ends(self.scene, breaks, pulses, self.pole)
 
 
-def _between(scene: Scene, start: float, end: float) -> Scene:
+def window(scene: Scene, start: float, end: float) -> Scene:
     """The scene with another span, which need not be checked."""
     settings = scene.integrate.model_copy(update={"span": [start, end]})
     return scene.model_copy(update={"integrate": settings})

@@ -13,11 +13,9 @@ import signal
 import sys
 from dataclasses import asdict
 
-from rodgen.loading.build import build_fastest, sources
+from rodgen.loading.build import build_fastest
 from rodgen.loading.module import BuildError
 from rodgen.scene import SceneError, Structure
-
-DERIVING, COMPILING = "deriving the equations", "compiling"
 
 
 def dump(structure: Structure) -> str:
@@ -38,11 +36,8 @@ def main() -> None:
     # As an exception it reaches whoever waits for the compiler, which has a session of its own.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("it was ended"))
     structure = parse(sys.stdin.read())
-    print(DERIVING, flush=True)
     try:
-        sources(structure, "c")
-        print(COMPILING, flush=True)
-        build_fastest(structure)
+        build_fastest(structure, lambda stage: print(stage, flush=True))
     except (BuildError, SceneError) as error:
         sys.exit(str(error))
 

@@ -6,8 +6,10 @@ import linecache
 import tempfile
 from pathlib import Path
 from types import ModuleType
+from typing import Any, Self
 
 from rodgen.scene.errors import SceneError
+from rodgen.scene.structure import Structure
 
 CONTRACT = (
     *("N", "BOUNDARY", "INERTIA", "TERMS", "STATE", "PARAMETERS", "PROVENANCE"),
@@ -19,6 +21,23 @@ CONTRACT = (
 
 class BuildError(RuntimeError):
     """A C module that cannot be compiled or loaded: why, and what there is instead."""
+
+
+class Model(ModuleType):
+    """A generated module. Its copy is itself; where it is unpickled, it is built again."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        from rodgen.loading.build import build
+
+        expressions = tuple(getattr(self, "EXPRESSIONS", {}).items())
+        structure = Structure(self.N, self.BOUNDARY, self.INERTIA, self.TERMS, expressions)
+        return build, (structure, self.PROVENANCE["target"], self.PROVENANCE["form"])
+
+    def __copy__(self) -> Self:
+        return self
+
+    def __deepcopy__(self, _: object) -> Self:
+        return self
 
 
 def load_files(texts: dict[str, str]) -> ModuleType:
@@ -47,7 +66,7 @@ def load_text(text: str, name: str, origin: str | None = None) -> ModuleType:
     It is not entered into sys.modules: two modules of one name do not get in each other's way.
     """
     origin = origin or f"<{name}>"
-    module = ModuleType(name)
+    module = Model(name)
     module.__file__ = origin
     linecache.cache[origin] = (len(text), None, text.splitlines(keepends=True), origin)
     try:

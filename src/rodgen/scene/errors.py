@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
+from typing import Any
+
 
 class SceneError(ValueError):
     """A field of a scene, an option or a file that cannot be used as it is."""
@@ -9,6 +12,26 @@ class SceneError(ValueError):
     def __init__(self, field: str, value: object, allowed: str):
         self.field, self.value, self.allowed = field, value, allowed
         super().__init__(_one_line(f"{field} = {short(value)}: must be {allowed}"))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # What reaches another process is the error, whatever the value was.
+        return type(self), (self.field, _portable(self.value), self.allowed)
+
+
+class _Shown(str):
+    """A value that cannot be pickled, as it is shown in a message."""
+
+    __slots__ = ()
+    __repr__ = str.__str__
+
+
+def _portable(value: object) -> object:
+    """The value, or what is shown of it where it cannot be pickled."""
+    try:
+        pickle.dumps(value)
+    except Exception:
+        return _Shown(short(value))
+    return value
 
 
 def check_type(name: str, value: object, *kinds: type, see: str = "") -> None:

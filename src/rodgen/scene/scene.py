@@ -213,13 +213,16 @@ class Scene(Table):
     def with_integrate(self, **changes: Any) -> Scene:
         """The same scene with other values in [integrate]; those that are None are left.
 
-        A tolerance takes the place of a step of the scene, where the method has a use for either.
+        A tolerance takes the place of a step of the scene, where the method has a use for either;
+        another output_every that of t_eval.
         """
         changes = {name: value for name, value in changes.items() if value is not None}
         table = self.model_dump(exclude_none=True)
         method = changes.get("method", self.integrate.method)
         if method in EITHER and {"rtol", "atol"} & set(changes):
             table["integrate"].pop("step", None)
+        if "output_every" in changes:
+            table["integrate"].pop("t_eval", None)
         table["integrate"] |= changes
         return Scene.from_dict(table)
 

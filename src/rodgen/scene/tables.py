@@ -255,7 +255,8 @@ def _is_one(quantity: str, name: str, numbers: range) -> bool:
 
 
 class Integrate(Table):
-    """How the scene is integrated; max_steps: after so many, a run is stopped (if not given, ten
+    """How the scene is integrated; t_eval: times of the samples [s], ascending, instead of one at
+    the start and every output_every; max_steps: after so many, a run is stopped (if not given, ten
     million of an adaptive method)."""
 
     method: str = AUTO
@@ -264,6 +265,7 @@ class Integrate(Table):
     rtol: Positive = 1e-8
     atol: Positive = 1e-10
     output_every: Positive = 0.01
+    t_eval: list[Finite] | None = None
     max_steps: Annotated[int, Field(gt=0)] | None = None
 
     @property
@@ -290,7 +292,9 @@ class Integrate(Table):
             self._equal_steps()
         if self.step is not None and (end - start) / self.step > MOST_STEPS:
             raise SceneError("integrate.step", self.step, f"at most {MOST_STEPS} steps in the span")
-        if (end - start) / self.output_every > MOST_SAMPLES:
+        if self.t_eval is not None:
+            _check_times(self.t_eval, start, end)
+        elif (end - start) / self.output_every > MOST_SAMPLES:
             allowed = f"at most {MOST_SAMPLES} samples in the span"
             raise SceneError("integrate.output_every", self.output_every, allowed)
         if not LEAST_RTOL <= self.rtol < 1:
@@ -306,7 +310,9 @@ class Integrate(Table):
 
     @property
     def samples(self) -> NDArray[np.float64]:
-        """Output times: the start, every output_every, and the end."""
+        """Output times: t_eval, or the start, every output_every, and the end."""
+        if self.t_eval is not None:
+            return np.array(self.t_eval, dtype=float)
         start, end = self.span
         count = math.floor((end - start) / self.output_every * (1 + 1e-12))
         times: NDArray[np.float64] = start + self.output_every * np.arange(count + 1.0)
@@ -314,3 +320,16 @@ class Integrate(Table):
             times = np.append(times, end)
         times[-1] = end
         return times
+
+
+def _check_times(times: list[float], start: float, end: float) -> None:
+    """Raise SceneError unless there are times that ascend within a span [s]."""
+    if not 0 < len(times) <= MOST_SAMPLES:
+        raise SceneError("integrate.t_eval", times, f"1 to {MOST_SAMPLES} times")
+    at = np.array(times)
+    wrong = ~((at >= start) & (at <= end))
+    wrong[1:] |= at[1:] <= at[:-1]
+    if wrong.any():
+        i = int(np.argmax(wrong))
+        allowed = f"within the span, {start!r} to {end!r} s, and above the one before"
+        raise SceneError(f"integrate.t_eval[{i}]", times[i], allowed)

@@ -42,7 +42,7 @@ def _run(solution: Solution) -> str:
     rejected = "" if stats.rejected is None else f" ({stats.rejected} rejected)"
     tolerances = f"rtol {settings.rtol:g}, atol {settings.atol:g}"
     accuracy = f"step {settings.step:g} s" if settings.fixed else tolerances
-    target = f", target {solution.model.PROVENANCE['target']}," if solution.model else ""
+    target = f", target {stats.target}," if stats.target else ""
     return (
         f"{how}: {solution.t[-1] - solution.t[0]:g} s of motion by {settings.method} ({accuracy})"
         f"{target} in {stats.wall_seconds:.2f} s, {stats.steps} steps{rejected}, "

@@ -60,7 +60,17 @@ def quantities(solution: Solution) -> dict[str, Quantity]:
 def derived(solution: Solution) -> dict[str, Quantity]:
     """What a Dataset has beside these, and no file, since it follows from what is there."""
     axes, in_time = solution.principal_axes, over_time()
+    forces = {
+        f"force_{term}": over_time("joint", "axis")(
+            values, "N", f"force of {term.replace('_', ' ')} on the joints"
+        )
+        for term, values in solution.forces.items()
+    }
     return {
+        **forces,
+        "bending_moments": over_time("joint")(
+            solution.bending_moments, "N m", "bending moments in the joints"
+        ),
         "tip": over_time("axis")(solution.tip, "m", "position of the tail"),
         "total_energy": in_time(solution.energy.total, "J", "energy"),
         "principal_angle": in_time(axes.angle, "rad", "axis of the smaller moment of inertia"),

@@ -40,7 +40,7 @@ def to_xarray(solution: Solution) -> xarray.Dataset:
     import xarray  # only where it is needed: it takes longer to import than to load a file
 
     n = solution.scene.rod.links
-    states = list(solution._model.STATE)
+    states = list(solution.model.STATE)
     coordinates: dict[str, Any] = {
         "state": states,
         "state_units": ("state", state_units(states)),
@@ -74,7 +74,7 @@ def _event_numbers(solution: Solution) -> list[int]:
 
 def save(solution: Solution, path: Path) -> None:
     """Write a NetCDF file, whole or not at all; raises SceneError where there is no folder."""
-    parts = (solution.scene, solution._model, solution._p, list(solution.work))
+    parts = (solution.scene, solution.model, solution._p, list(solution.work))
     room, changes = len(solution.events), solution.changes
     with (
         replaced(path) as part,

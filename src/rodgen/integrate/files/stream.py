@@ -52,10 +52,13 @@ class Stream:
         has_events = "event_number" in header.variables
         kept = self._file.fixed("event_number") >= 0 if has_events else np.empty(0)
         self._capacity, self._kept = len(kept), int(kept.sum())
-        self._first: float | None = None  # energy [J] of the first sample
+        self._first: float | None = None  # energy [J] at the start of the run
         for record in self._file.records()[:1]:
             energies = (record[f"{kind}_energy"] for kind in ("kinetic", "spring", "gravity"))
             self._first = sum(energies, start=0.0)
+            if scene.integrate.t_eval is not None:  # work was done before the first sample
+                works = (name for name in record.dtype.names or () if name.startswith(WORK))
+                self._first -= sum((record[name] for name in works), start=0.0)
 
     @classmethod
     def create(
@@ -133,7 +136,7 @@ class Stream:
         block._p = self._p
         with np.errstate(all="ignore"):  # of a run that blew up
             if self._first is None:
-                self._first = block.energy.total[0]
+                self._first = block.start_energy
             block.energy_balance = block.balance(self._first)
             found = quantities(block)
         records = np.zeros(len(block.t), self._file.header.record)

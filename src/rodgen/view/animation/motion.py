@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
-from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
@@ -65,8 +63,7 @@ def _bending(solution: Solution) -> tuple[Array, str]:
     """Bending moments, or the curvature of a rod without stiffness, in every joint, (S, n+1)."""
     links = solution.scene.rod.links
     if solution.parameter("bending_stiffness").any():
-        moments: Array = solution._follow(solution._model.bending_moments, solution.y)
-        return moments, "bending moment [N m]"
+        return solution.bending_moments, "bending moment [N m]"
     curvature = np.zeros((len(solution.t), links + 1))
     per_metre = links / solution.parameter("length")
     curvature[:, 1:-1] = np.diff(solution.phi, axis=1) * per_metre[:, None]
@@ -91,11 +88,5 @@ def _loads(solution: Solution) -> dict[str, Load]:
         found["weight"] = Load(solution.centre_of_gravity, force)
     for term, name in NAMES.items():
         if term in terms:
-            at_tail = partial(_at_tail, solution._model, term)
-            found[name] = Load(solution.tip, solution._follow(at_tail, solution.t, solution.y))
+            found[name] = Load(solution.tip, solution.forces[term][:, -1])
     return found
-
-
-def _at_tail(model: ModuleType, term: str, t: Array, y: Array, p: Array) -> Array:
-    force: Array = model.forces(t, y, p)[term][:, -1]
-    return force

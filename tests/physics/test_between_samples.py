@@ -1,0 +1,143 @@
+"""States between the samples of a run: as exact as the samples, whatever the method."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.integrate.between import Between
+from rodgen.integrate.changes import Changes
+from rodgen.scene import Scene
+from rodgen.scene.tables import ADAPTIVE, FIXED_STEP
+
+Make = Callable[..., Scene]
+TIMES = np.linspace(0.0, 1.0, 101)
+RTOL, ATOL = 1e-7, 1e-9
+STEPS = {"rk4": 2e-3, "thesis_runge_kutta": 2e-3, "euler": 5e-4, "semi_implicit_euler": 1e-3}
+# A load that switches off between two samples, a swinging one, and an event that is recorded.
+TABLE = {
+    "name": "between",
+    "rod": {"links": 5, "length": 2.0, "bending_stiffness": 3.0, "mass": 3.0, "boundary": "pinned"},
+    "loads": {
+        "follower": {"force": "4 if t < 0.53 else 1"},
+        "gravity": {},
+        "tip": {"y": "sin(9*t)"},
+    },
+    "initial": {"phi": "0.4*cos(pi*s)"},
+    "events": [{"quantity": "phi_4", "value": 0.0}],
+    "integrate": {"span": [0.0, 1.0], "output_every": 0.25, "rtol": RTOL, "atol": ATOL},
+}
+SCENE = Scene.from_dict(TABLE)
+
+
+@cache
+def _exact() -> np.ndarray:
+    """States (states, K) at TIMES, to ten digits."""
+    tight = {"rtol": 1e-12, "atol": 1e-13}
+    return rodgen.simulate(SCENE, target="numpy", method="dop853", output_every=0.01, **tight).y.T
+
+
+def _error(states: np.ndarray, at: np.ndarray) -> float:
+    return float(np.abs(states - _exact()[:, at]).max())
+
+
+@pytest.mark.parametrize(
+    ("target", "method"),
+    [
+        *(("numpy", method) for method in ADAPTIVE),
+        *(
+            pytest.param("c", name, marks=pytest.mark.compiler)
+            for name in ("dop853", "gauss", "radau")
+        ),
+    ],
+)
+def test_error_is_that_of_the_tolerance(target: str, method: str) -> None:
+    """Between 5 samples as at 101: the run itself, asked for all, is the measure."""
+    if method == "cvode":
+        pytest.importorskip("sksundae")
+    every = np.arange(len(TIMES))
+    dense = rodgen.simulate(SCENE, target=target, method=method, output_every=0.01)
+    sol = rodgen.simulate(SCENE, target=target, method=method)
+    states = sol(TIMES)
+    assert states.shape == (10, 101)
+    # Rates, which reach 40 rad/s, bound the absolute size of what the tolerance allows; errors of
+    # two runs of the same tolerance differ by a small factor.
+    assert _error(states, every) <= 3 * max(_error(dense.y.T, every), RTOL)
+
+
+@pytest.mark.parametrize("method", FIXED_STEP)
+def test_error_of_fixed_steps_is_that_of_the_run(method: str) -> None:
+    sol = rodgen.simulate(SCENE, target="numpy", method=method, step=STEPS[method])
+    # What is asked for at once meets an end of the last step alone.
+    some = np.array([13, 40, 60, 77])
+    assert _error(sol(TIMES[some]), some) <= 2 * _error(sol.y.T, np.arange(0, 101, 25))
+
+
+def test_shapes_and_samples_are_those_of_scipy() -> None:
+    sol = rodgen.simulate(SCENE, target="numpy")
+    assert sol(0.4).shape == (10,)
+    assert sol([]).shape == (10, 0)
+    np.testing.assert_array_equal(sol(sol.t), sol.y.T)
+    np.testing.assert_array_equal(sol(0), SCENE.initial_state())
+    mixed = np.array([0.9, 0.1, 0.4, 0.1])
+    np.testing.assert_allclose(sol(mixed)[:, 2], sol(0.4), rtol=0, atol=10 * RTOL)
+    np.testing.assert_array_equal(sol(mixed)[:, 1], sol(mixed)[:, 3])
+
+
+@pytest.mark.parametrize("t", [-1e-9, 1.0 + 1e-9, np.nan, np.inf, "now", 1j, [[0.5]]])
+def test_other_times_are_refused(t: object) -> None:
+    sol = rodgen.simulate(SCENE, target="numpy")
+    with pytest.raises(rodgen.SceneError, match="t = "):
+        sol(t)  # type: ignore[arg-type]
+
+
+def test_a_run_ended_by_an_event_ends_there(make_scene: Make) -> None:
+    table = {**TABLE, "events": [{"quantity": "phi_4", "value": -0.5, "action": "stop"}]}
+    sol = rodgen.simulate(Scene.from_dict(table), target="numpy", t_eval=[0.01, 0.9])
+    (event,) = sol.events
+    np.testing.assert_array_equal(sol(event.t), event.y)
+    assert sol(event.t / 2)[4] > -0.5
+    with pytest.raises(rodgen.SceneError, match="where the run has been"):
+        sol(event.t + 1e-6)
+
+
+def test_a_run_that_failed_is_known_up_to_its_last_sample() -> None:
+    with pytest.raises(rodgen.RunError) as found:
+        rodgen.simulate(SCENE, target="numpy", method="dop853", max_steps=20, output_every=0.01)
+    sol = found.value.solution
+    between = (sol.t[-1] + sol.t[-2]) / 2
+    assert np.isfinite(sol(between)).all()
+    with pytest.raises(rodgen.SceneError, match="where the run has been"):
+        sol(1.0)
+
+
+def test_a_changed_run_is_refused() -> None:
+    sol = rodgen.simulate(SCENE, target="numpy")
+    p = np.tile(sol.model.parameters(**SCENE.parameters), (len(sol.t), 1))
+    sol.changes = Changes(p, np.zeros(len(sol.t)))
+    with pytest.raises(rodgen.SceneError, match="not changed"):
+        sol(0.4)
+
+
+def test_it_follows_from_a_file(tmp_path: Path) -> None:
+    """From all samples or some: what was read integrates again."""
+    sol = rodgen.simulate(SCENE, target="numpy", output_every=0.01)
+    sol.save(tmp_path / "run.nc")
+    back = rodgen.load(tmp_path / "run.nc")
+    assert back.stats.target == "numpy"
+    np.testing.assert_array_equal(back(0.123), sol(0.123))
+    few = rodgen.load(tmp_path / "run.nc", most=2)
+    np.testing.assert_allclose(few(0.123), sol(0.123), rtol=0, atol=20 * RTOL)
+
+
+def test_a_window_far_from_the_start_has_its_own_switches() -> None:
+    """Of a piece of a run, as a live one gives: its own times count, not the span."""
+    sol = rodgen.simulate(SCENE, target="numpy", output_every=0.01)
+    piece = sol.taken(slice(52, 55))
+    assert (Between(piece).first, Between(piece).last) == (sol.t[52], sol.t[54])
+    np.testing.assert_allclose(piece(0.537), sol(0.537), rtol=0, atol=0)

@@ -1,0 +1,156 @@
+"""What is given for one run: a start, times of samples, parameters; and what it gives back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.scene import Scene
+from rodgen.scene.overrides import with_parameters, with_state
+from rodgen.scene.structure import TERMS
+
+Make = Callable[..., Scene]
+TERMS_HERE = ("follower", "gravity", "external_damping")
+
+
+@pytest.fixture
+def scene(make_scene: Make) -> Scene:
+    return make_scene(3, "free", TERMS_HERE, output_every=0.1)
+
+
+@pytest.mark.parametrize("boundary", ["free", "cantilever"])
+def test_a_run_goes_on_from_a_state_of_another(make_scene: Make, boundary: str) -> None:
+    whole = make_scene(3, boundary, TERMS_HERE, output_every=0.1)
+    first = rodgen.simulate(whole, target="numpy")
+    second = rodgen.simulate(whole, target="numpy", y0=first.y[4], span=(0.4, 1.0))
+    np.testing.assert_array_equal(second.y[0], first.y[4])
+    # Of the tolerance's size, 1e-10 of rates of 10 to 100.
+    np.testing.assert_allclose(second.y[-1], first.y[-1], rtol=0, atol=1e-7)
+    np.testing.assert_array_equal(with_state(whole, first.y[4]).initial_state(), first.y[4])
+
+
+@pytest.mark.parametrize(
+    "y0", [[1.0, 2.0], np.full(10, np.nan), "text", np.ones(10, bool), 3.0, 1j]
+)
+def test_other_states_are_refused(scene: Scene, y0: object) -> None:
+    with pytest.raises(rodgen.SceneError, match="y0"):
+        rodgen.simulate(scene, y0=y0)  # type: ignore[arg-type]
+
+
+def test_samples_are_at_the_times_that_are_asked_for(scene: Scene, tmp_path: Path) -> None:
+    whole = rodgen.simulate(scene, target="numpy")
+    times = [0.2, 0.7]
+    sol = rodgen.simulate(scene, target="numpy", t_eval=np.array(times))
+    np.testing.assert_array_equal(sol.t, times)
+    np.testing.assert_allclose(sol.y, whole.y[[2, 7]], rtol=0, atol=1e-9)
+    for term, values in sol.work.items():
+        np.testing.assert_allclose(values, whole.work[term][[2, 7]], rtol=0, atol=1e-8)
+    # The balance is that of the run: energy is counted from the start, at which is no sample.
+    assert sol.start_energy == pytest.approx(whole.energy.total[0], abs=1e-8)
+    np.testing.assert_allclose(sol(0.4), whole.y[4], rtol=0, atol=1e-9)
+    np.testing.assert_array_equal(sol(0.0), scene.initial_state())
+    file = tmp_path / "run.nc"
+    streamed = rodgen.simulate(scene, target="numpy", t_eval=times, out=file)
+    for other in (streamed, rodgen.load(file)):
+        np.testing.assert_array_equal(other.t, times)
+        np.testing.assert_array_equal(other.y, sol.y)
+        np.testing.assert_array_equal(other.energy_balance, sol.energy_balance)
+
+
+@pytest.mark.parametrize("method", ["dop853", "gauss", "radau", "rk4"])
+@pytest.mark.compiler
+def test_compiled_methods_end_after_the_last_sample(scene: Scene, method: str) -> None:
+    step = {"step": 1e-3} if method == "rk4" else {}
+    whole = rodgen.simulate(scene, target="c", method=method, **step)
+    sol = rodgen.simulate(scene, target="c", method=method, t_eval=[whole.t[3]], **step)
+    np.testing.assert_array_equal(sol.y[0], whole.y[3])
+    assert sol.stats.steps == whole.stats.steps
+
+
+@pytest.mark.parametrize("t_eval", [[], [0.5, 0.5], [0.5, 0.2], [-0.1], [0.1, 1.1], 0.5, ["a"]])
+def test_other_times_are_refused(scene: Scene, t_eval: object) -> None:
+    with pytest.raises(rodgen.SceneError, match=r"integrate\.t_eval"):
+        rodgen.simulate(scene, t_eval=t_eval)
+
+
+def test_times_and_their_spacing_exclude_each_other(scene: Scene) -> None:
+    with pytest.raises(rodgen.SceneError, match=r"output_every = 0\.1: must be absent"):
+        rodgen.simulate(scene, t_eval=[0.5], output_every=0.1)
+    asked = scene.with_integrate(t_eval=[0.5])
+    assert asked.with_integrate(output_every=0.5).integrate.t_eval is None
+    assert asked.with_integrate(rtol=1e-6).integrate.t_eval == [0.5]
+
+
+def test_parameters_are_those_of_a_scene_that_has_them(make_scene: Make, scene: Scene) -> None:
+    given: dict[str, Any] = {"follower_force": np.float32(20), "mass": 4, "gravity": 3.0}
+    table = scene.model_dump(exclude_none=True)
+    table["loads"]["follower"]["force"], table["rod"]["mass"] = 20.0, 4.0
+    table["loads"]["gravity"]["g"] = 3.0
+    written = Scene.from_dict(table)
+    assert with_parameters(scene, given) == written
+    assert (
+        rodgen.simulate(scene, target="numpy", parameters=given, span=(0, 0.1)).scene.rod
+        == written.rod
+    )
+    every = make_scene(3, "clamped", TERMS)
+    assert with_parameters(every, every.parameters).parameters == every.parameters
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"follower_force": np.nan}, r"loads\.follower\.force"),
+        ({"mass": -1.0}, r"rod\.mass"),
+        ({"gravity": True}, r"loads\.gravity\.g"),
+        ({"fin_factor": [1.0]}, r"fin_factor"),
+        ({"clamp_angle": 0.1}, "parameters = 'clamp_angle': must be one of mass, "),
+        ({"tip_force_x": 0.1}, "parameters = 'tip_force_x': must be one of mass, "),
+        ([300], "parameters"),
+    ],
+)
+def test_other_parameters_are_refused(scene: Scene, given: Any, message: str) -> None:
+    with pytest.raises(rodgen.SceneError, match=message):
+        rodgen.simulate(scene, parameters=given)
+
+
+def test_a_load_may_become_a_number(make_scene: Make) -> None:
+    """Another module then: one that was built for the function of time is refused."""
+    timed = make_scene(3, "pinned", ("tip_load",), span=[0.0, 0.1])
+    model = rodgen.build(timed)
+    assert "tip_force_y" in model.EXPRESSIONS
+    sol = rodgen.simulate(timed, target="numpy", parameters={"tip_force_y": 2.0})
+    assert sol.scene.parameters["tip_force_y"] == 2.0
+    with pytest.raises(rodgen.SceneError, match="model = 'rod_pinned"):
+        rodgen.simulate(timed, model=model, parameters={"tip_force_y": 2.0})
+
+
+def test_moments_and_forces_of_a_run(scene: Scene, tmp_path: Path) -> None:
+    sol = rodgen.simulate(scene, target="numpy")
+    stiffness = 30.0 / (2.0 / 3)  # EI over the length of a link
+    by_hand = np.zeros((len(sol.t), 4))
+    by_hand[:, 1:-1] = stiffness * np.diff(sol.phi, axis=1)
+    np.testing.assert_allclose(sol.bending_moments, by_hand, rtol=1e-12, atol=1e-12)
+    assert list(sol.forces) == ["follower", "external_damping"]
+    thrust = np.linalg.norm(sol.forces["follower"], axis=-1)
+    np.testing.assert_allclose(thrust[:, -1], 40.0, rtol=1e-12)
+    assert not thrust[:, :-1].any()
+    np.testing.assert_array_equal(
+        sol.forces["external_damping"][3],
+        sol.model.forces(sol.t[3], sol.y[3], sol._p)["external_damping"],
+    )
+    sol.save(tmp_path / "run.nc")
+    for data in (sol.to_xarray(), rodgen.load(tmp_path / "run.nc").to_xarray()):
+        np.testing.assert_array_equal(data["bending_moments"], sol.bending_moments)
+        np.testing.assert_array_equal(data["force_follower"], sol.forces["follower"])
+        assert data["force_follower"].dims == ("time", "joint", "axis")
+        assert (data["bending_moments"].units, data["force_follower"].units) == ("N m", "N")
+
+
+@pytest.mark.parametrize("target", ["numpy", pytest.param("c", marks=pytest.mark.compiler)])
+def test_a_run_says_which_target_ran(scene: Scene, target: str) -> None:
+    assert rodgen.simulate(scene, target=target, span=(0, 0.01)).stats.target == target
