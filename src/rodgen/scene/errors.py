@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 
+LONGEST = 200  # characters of a field in a message
+
+
 class SceneError(ValueError):
     """A field of a scene, an option or a file that cannot be used as it is."""
 
     def __init__(self, field: str, value: object, allowed: str):
         self.field, self.value, self.allowed = field, value, allowed
-        super().__init__(_one_line(f"{field} = {short(value)}: must be {allowed}"))
+        shown = field if len(field) <= LONGEST else field[:LONGEST] + "..."
+        super().__init__(_one_line(f"{shown} = {short(value)}: must be {allowed}"))
 
 
 def check_type(name: str, value: object, *kinds: type, see: str = "") -> None:
