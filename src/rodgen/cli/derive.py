@@ -11,7 +11,7 @@ from rich.table import Table
 
 from rodgen.cli.console import out, working
 from rodgen.cli.errors import DISPROVEN, fail
-from rodgen.cli.folders import writable
+from rodgen.cli.folders import promised, unwritable
 from rodgen.loading import sources
 from rodgen.loading.cache import write_whole
 from rodgen.loading.proofs import MOST_EXPLICIT, MOST_JOINTS, Proof, prove
@@ -47,14 +47,14 @@ def derive(
     targets = TARGETS if target == "both" else (target,)
     for one in targets:
         check_output(one, form)
-    writable(out_folder)
-    proof = _prove(structure, explicit)
-    out.print(_table(structure, proof))
-    with working("generating") as told:
-        every = [sources(structure, one, form, told) for one in targets]
-    texts = {name: text for some in every for name, text in some.items()}
-    for name, text in texts.items():
-        out.print(_write(out_folder / name, text))
+    with promised(out_folder):
+        proof = _prove(structure, explicit)
+        out.print(_table(structure, proof))
+        with working("generating") as told:
+            every = [sources(structure, one, form, told) for one in targets]
+        texts = {name: text for some in every for name, text in some.items()}
+        for name, text in texts.items():
+            out.print(_write(out_folder / name, text))
 
 
 def _whole(text: str) -> int:
@@ -104,7 +104,5 @@ def _write(path: Path, text: str) -> str:
             return f"{path} is up to date"
         write_whole(path, text)
     except OSError as error:
-        raise SceneError(
-            "--out", str(path.parent), f"a folder to write into ({error.strerror})"
-        ) from None
+        raise unwritable(path.parent, error) from None
     return f"wrote {path} ({len(text.encode())} bytes)"

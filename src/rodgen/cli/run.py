@@ -14,11 +14,12 @@ import typer
 
 from rodgen.cli.console import err, out, progress, working
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
-from rodgen.cli.folders import unwritable, writable
+from rodgen.cli.folders import promised, unwritable
 from rodgen.cli.options import OutFolder, SceneFile
 from rodgen.cli.results import check_same, to_replace
 from rodgen.integrate import Interrupted, RunError, Solution, StepWarning, resume, simulate
 from rodgen.integrate.files.checkpoint import beside
+from rodgen.integrate.files.saver import check_every
 from rodgen.loading import build, fastest, sources
 from rodgen.loading.cache import write_whole
 from rodgen.scene import Scene
@@ -28,6 +29,7 @@ RESULT = "solution.nc"
 
 
 def run(
+    context: typer.Context,
     scene_file: SceneFile,
     method: Annotated[str | None, typer.Option(help="Instead of the scene's method.")] = None,
     step: Annotated[float | None, typer.Option(help="Step of a fixed-step method [s].")] = None,
@@ -50,6 +52,7 @@ def run(
     ] = False,
 ) -> None:
     """Integrate SCENE; write states, pictures and a summary, and say what came out."""
+    check_every(checkpoint, "--checkpoint")
     given = Scene.from_toml(scene_file)
     overrides = {"step": step, "rtol": rtol, "atol": atol}
     scene = given.with_integrate(method=method, span=span, output_every=output_every, **overrides)
@@ -65,7 +68,7 @@ def run(
             model, without_c = (
                 (build(scene, target, stage=told), "") if target else fastest(scene, told)
             )
-        writable(folder)
+        context.with_resource(promised(folder))
         stale = to_replace(scene, file)
     # What a batch system sends to end a program is to lose nothing either.
     signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))

@@ -5,13 +5,16 @@ from __future__ import annotations
 import pickle
 from typing import Any
 
+LONGEST = 200  # characters of a field in a message
+
 
 class SceneError(ValueError):
     """A field of a scene, an option or a file that cannot be used as it is."""
 
     def __init__(self, field: str, value: object, allowed: str):
         self.field, self.value, self.allowed = field, value, allowed
-        super().__init__(_one_line(f"{field} = {short(value)}: must be {allowed}"))
+        shown = field if len(field) <= LONGEST else field[:LONGEST] + "..."
+        super().__init__(_one_line(f"{shown} = {short(value)}: must be {allowed}"))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # What reaches another process is the error, whatever the value was.

@@ -18,7 +18,8 @@ def explain(error: ValidationError, table: dict[str, Any], scene: type[BaseModel
     cause = first.get("ctx", {}).get("error")
     if isinstance(cause, SceneError):
         return cause
-    path = _path(first, table)
+    names = _names(table)
+    path = _path(first, names)
     if first["type"] == "missing":
         return SceneError(".".join([*path, str(first["loc"][-1])]), _Missing(), "given")
     if first["type"] == "extra_forbidden":
@@ -26,16 +27,15 @@ def explain(error: ValidationError, table: dict[str, Any], scene: type[BaseModel
         allowed = f"absent: not a known key (known: {known})"
         return SceneError(".".join(path), first["input"], allowed)
     # A value that may be of several types has a finding for each: those that went deepest count.
-    same = [d for d in details if _path(d, table)[: len(path)] == path]
-    deepest = max((_path(d, table) for d in same), key=len)
-    same = [d for d in same if _path(d, table) == deepest]
+    paths = [(_path(d, names), d) for d in details]
+    deepest = max((p for p, _ in paths if p[: len(path)] == path), key=len)
+    same = [d for p, d in paths if p == deepest]
     allowed = " or ".join(dict.fromkeys(_plain(d) for d in same))
     return SceneError(".".join(deepest) or "scene", same[0]["input"], allowed)
 
 
-def _path(detail: Any, table: dict[str, Any]) -> list[str]:
+def _path(detail: Any, names: set[str]) -> list[str]:
     """Keys and positions of a finding, without the names of types that pydantic puts between."""
-    names = _names(table)
     return [str(p) for p in detail["loc"] if isinstance(p, int) or str(p) in names]
 
 
@@ -45,6 +45,7 @@ class _Missing:
 
 
 def _names(table: Any) -> set[str]:
+    """Keys of a table and of those in it."""
     if isinstance(table, dict):
         return set(map(str, table)) | set().union(*map(_names, table.values()), set())
     return set()

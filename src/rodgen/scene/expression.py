@@ -15,6 +15,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from rodgen.scene.errors import SceneError, short
 from rodgen.scene.zeros import sampled, zeros
 
 LONGEST = 1000  # characters
+BRACKETS = 50  # in each other
 FEWEST_TURNS = 3  # of what swings
 COMMON = 0.2  # share of the times between turns that are shorter
 TURNS = 1e-6  # of the largest value: changes from one sample to the next that are none
@@ -122,6 +124,8 @@ class Expression:
             raise SceneError(
                 self.field, self.text, f"an expression of at most {LONGEST} characters"
             )
+        if max(accumulate((c in "([") - (c in ")]") for c in self.text), default=0) > BRACKETS:
+            raise SceneError(self.field, self.text, f"of parentheses at most {BRACKETS} deep")
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # Python's opinion of "1if t<1else 2"

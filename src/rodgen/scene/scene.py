@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from pathlib import Path
 from typing import Any, Self
 
@@ -30,6 +29,7 @@ from rodgen.scene.tables import (
     Table,
     check_events,
 )
+from rodgen.scene.toml import read_table
 
 
 class Scene(Table):
@@ -52,17 +52,8 @@ class Scene(Table):
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Scene:
-        """Read a scene from a TOML file."""
-        try:
-            text = Path(path).read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            reason = getattr(error, "strerror", None) or "not UTF-8 text"
-            raise SceneError("scene", str(path), f"a file that can be read ({reason})") from None
-        try:
-            table = tomllib.loads(text)
-        except (ValueError, RecursionError) as error:
-            raise SceneError("scene", str(path), f"valid TOML ({error})") from None
-        return cls.from_dict(table)
+        """Read a scene from a TOML file; raises SceneError for what is none, or beyond its limits."""
+        return cls.from_dict(read_table(Path(path)))
 
     @classmethod
     def from_dict(cls, table: dict[str, Any]) -> Scene:

@@ -42,6 +42,9 @@ Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=LARGEST)]
 Size = Annotated[Positive, AfterValidator(_not_vanishing)]
 NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0, le=LARGEST)]
 Pair = Annotated[list[Finite], Field(min_length=2, max_length=2)]
+# Of a list, which may be long, the first wrong value is enough.
+Values = Annotated[list[Finite], Field(fail_fast=True)]
+Factors = Annotated[list[NotNegative], Field(fail_fast=True)]
 Timed = Finite | str  # a number, or an expression in t
 
 # Where in [loads] a scene has a parameter of its module: table and key.
@@ -130,7 +133,7 @@ class ExternalDamping(Table):
     """Coefficient c_ext [1/s] and the fin factors s of the joints."""
 
     coefficient: NotNegative
-    fin_factor: FinFactor | list[NotNegative] = FinFactor()
+    fin_factor: FinFactor | Factors = FinFactor()
 
 
 class Tip(Table):
@@ -190,8 +193,8 @@ class Initial(Table):
 
     position: Pair | None = None
     velocity: Pair | None = None
-    phi: Finite | list[Finite] | str | None = None
-    omega: Finite | list[Finite] | str | None = None
+    phi: Finite | Values | str | None = None
+    omega: Finite | Values | str | None = None
 
     @model_validator(mode="after")
     def _expressions(self) -> Self:

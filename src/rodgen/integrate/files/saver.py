@@ -24,6 +24,12 @@ ROOM = 4096  # events that a file has room for
 PATIENCE = 2.0  # seconds after which samples are written, whether a block is full or not
 
 
+def check_every(seconds: float | None, field: str = "checkpoint") -> None:
+    """Raise SceneError unless checkpoints can be kept every so many seconds, or are not wanted."""
+    if seconds is not None and not 0 < seconds < math.inf:
+        raise SceneError(field, seconds, "a positive number of seconds")
+
+
 class Saver:
     """What is written of a run; nothing if it has no file.
 
@@ -47,8 +53,7 @@ class Saver:
         cls, scene: Scene, model: ModuleType, out: str | Path | None, every: float | None
     ) -> Saver:
         """A new file, if one is asked for. Raises SceneError where it cannot be."""
-        if every is not None and not (math.isfinite(every) and every > 0):
-            raise SceneError("checkpoint", every, "a positive number of seconds")
+        check_every(every)
         if out is None:
             if every is not None:
                 raise SceneError("checkpoint", every, "given with out, beside which it is kept")

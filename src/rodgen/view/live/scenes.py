@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import base64
 import binascii
-import tomllib
 import zlib
 from pathlib import Path
 
 import tomli_w
 
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.toml import read_text
 
 LARGEST = 2**20  # bytes of a scene, unpacked
 MOST_SCENES = 500  # of a folder
@@ -25,11 +25,7 @@ def from_toml_text(text: bytes) -> Scene:
     """A scene from the bytes of a file, checked as files are. Raises SceneError."""
     if len(text) > LARGEST:
         raise SceneError("scene", f"{len(text)} bytes", f"at most {LARGEST} bytes")
-    try:
-        table = tomllib.loads(text.decode("utf-8"))
-    except (UnicodeDecodeError, RecursionError, tomllib.TOMLDecodeError) as error:
-        raise SceneError("scene", "this file", f"valid TOML ({error})") from None
-    return Scene.from_dict(table)
+    return Scene.from_dict(read_text(text, "this file"))
 
 
 def packed(scene: Scene) -> str:
