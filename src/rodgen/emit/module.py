@@ -152,6 +152,7 @@ def _context(functions: Functions, target: str, form: str, template: str) -> dic
             Expression(text, "t").source("c") for _, text in structure.expressions
         ),
         "slot": _slots(hold.translates, moving),
+        "state_places": _places(_slots(hold.translates, moving), hold.first),
         "provenance": provenance,
         "constants": functions.compiler.constants,
         "pairs": [c for c in functions.compiler.constants if c.domain.indices == PAIR],
@@ -204,6 +205,7 @@ def _parameters(structure: Structure) -> dict[str, Any]:
         "width": len(names) + (n if "fin_factor" in names else 0),
         "scalars": scalars,
         "scalar_rules": [(name, RULES.get(name, "any")) for name in scalars],
+        "divisors": [name for name in scalars if RULES.get(name) == "positive"],
         "signature": [(name, DEFAULTS.get(name)) for name in names],
         "parameter_docs": [(name, PARAMETER_DOCS[name]) for name in names],
         "parameter_text": ", ".join(fins if name == "fin_factor" else name for name in names),
@@ -229,6 +231,13 @@ def _state(structure: Structure, translates: bool, first: int) -> dict[str, Any]
         span = f"{name}_{first}" if first == last else f"{name}_{first} .. {name}_{last}"
         words.append(span)
     return {"state_groups": groups, "state_text": ", ".join(words)}
+
+
+def _places(slots: Mapping[str, int], first: int) -> dict[str, int]:
+    """Where in y its numbers are, by name; of the angles and their rates the first."""
+    return {
+        f"{name}_{first}" if name in ("phi", "omega") else name: at for name, at in slots.items()
+    }
 
 
 def _slots(translates: bool, moving: int) -> dict[str, int]:

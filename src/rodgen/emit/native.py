@@ -11,6 +11,20 @@ from rodgen.derive.symbols import i
 from rodgen.emit.functions import Functions
 from rodgen.emit.loops import Code, LoopWriter
 from rodgen.emit.statements import Domain, Outputs, Statement
+from rodgen.scene.structure import COLLOCATION
+from rodgen.scene.tables import FIXED_STEP
+
+# Methods by their number in a run, and what the functions of a run end with.
+METHODS = (*FIXED_STEP, "dop853", *COLLOCATION, "gauss_equal_steps")
+STATUSES = {
+    "PAUSED": (0, "the quota is used"),
+    "REACHED": (1, "the end is reached"),
+    "FULL": (2, "all samples are taken"),
+    "NOT_FINITE": (-1, "the state or the rates stop being finite"),
+    "TOO_SMALL": (-2, "the step becomes too small"),
+    "DIVERGED": (-3, "Newton's method finds no solution"),
+    "REFUSED": (-4, "no such run: method, times, step or tolerances, or it was not begun"),
+}
 
 
 def native(functions: Functions) -> dict[str, Any]:
@@ -30,6 +44,9 @@ def native(functions: Functions) -> dict[str, Any]:
     return {
         **{f"{name}_code": code for name, code in codes.items()},
         "code_of": codes,
+        "methods": METHODS,
+        "statuses": {name: number for name, (number, _) in STATUSES.items()},
+        "status_texts": {name: text for name, (_, text) in STATUSES.items()},
         "jac_tangents": tangents,
         "newton_made": {*functions.cells, *functions.motion},
         "ends_of": {
