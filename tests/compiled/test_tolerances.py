@@ -1,0 +1,79 @@
+"""What a tolerance asks for is what the implicit methods give, at the price of their order."""
+
+from __future__ import annotations
+
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen import Scene
+from rodgen.integrate import Solution
+from tests.compiled.conftest import SMOOTH
+
+TOLERANCES = 10.0 ** -np.arange(3, 12)
+ORDERS = {"gauss": 6, "radau": 5}
+
+
+@pytest.fixture(scope="module")
+def model() -> ModuleType:
+    return rodgen.build(Scene.from_dict(SMOOTH), "c")
+
+
+@pytest.fixture(scope="module")
+def exact(model: ModuleType) -> Solution:
+    """By another family of methods, 100 times as sharp as the sharpest of these runs."""
+    return _run(model, "dop853", 1e-13)
+
+
+def _run(model: ModuleType, method: str, rtol: float, **how: Any) -> Solution:
+    scene = Scene.from_dict(SMOOTH)
+    return rodgen.simulate(scene, model=model, method=method, rtol=rtol, atol=rtol / 100, **how)
+
+
+def _over_tolerance(sol: Solution, exact: Solution, rtol: float) -> float:
+    """Largest error of the positions over all samples, which lie between steps, in tolerances."""
+    half = sol.y.shape[1] // 2
+    allowed = rtol * np.abs(exact.y[:, :half]).max(axis=0) + rtol / 100
+    return float(np.sqrt(np.mean(((sol.y - exact.y)[:, :half] / allowed) ** 2, axis=1)).max())
+
+
+@pytest.mark.parametrize("method", ORDERS)
+def test_errors_follow_the_tolerance(model: ModuleType, exact: Solution, method: str) -> None:
+    sols = [_run(model, method, rtol) for rtol in TOLERANCES]
+    errors = [_over_tolerance(*pair) for pair in zip(sols, [exact] * 9, TOLERANCES, strict=True)]
+    assert 0.005 < min(errors)
+    assert max(errors) < 1
+    # What control of a method of that order asks for, from each tolerance to the next: errors of a
+    # run that are a tenth of it are divided by ten for steps that are longer by a root of ten.
+    steps = np.array([sol.stats.steps for sol in sols], dtype=float)
+    assert (steps[3:] / steps[2:-1] < 1.05 * 10 ** (1 / ORDERS[method])).all()
+    assert sum(sol.stats.rejected or 0 for sol in sols) < 0.05 * steps.sum()
+
+
+@pytest.mark.parametrize("method", ORDERS)
+def test_samples_are_as_good_as_the_ends_of_steps(
+    model: ModuleType, exact: Solution, method: str
+) -> None:
+    """Works too: dense output is of the order of the steps."""
+    sol = _run(model, method, 1e-9)
+    assert sol.stats.steps > 2 * len(sol.t)
+    largest = np.abs(sol.y - exact.y).max(axis=0)
+    # Twice what the last sample, an end of a step, is off by, or what rates swing by meanwhile.
+    scale = np.abs(exact.y).max(axis=0)
+    assert (largest < 1e-9 * scale + 5e-10).all()
+    for term, work in sol.work.items():
+        assert np.abs(work - exact.work[term]).max() < 1e-9 * max(1.0, np.abs(work).max())
+
+
+def test_gauss_of_both_targets_takes_as_many_steps(model: ModuleType, exact: Solution) -> None:
+    """In Python derivatives are made anew for every step: a few steps fewer."""
+    scene = Scene.from_dict(SMOOTH)
+    for rtol in (1e-4, 1e-8):
+        walked = rodgen.simulate(
+            scene, target="numpy", method="gauss", rtol=rtol, atol=rtol / 100
+        )
+        assert walked.stats.steps == pytest.approx(_run(model, "gauss", rtol).stats.steps, rel=0.15)
+        assert 0.005 < _over_tolerance(walked, exact, rtol) < 1
