@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from rodgen.analyse.eigen import lowest_values
-from rodgen.analyse.motions import GROWS, Modal, Motions
+from rodgen.analyse.motions import Modal, Motions
 from rodgen.analyse.pencil import Dense, Held, Pencil
 from rodgen.analyse.scaled_load import ScaledLoad
 from rodgen.analyse.steady import Steady, linearised, steady
