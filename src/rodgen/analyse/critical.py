@@ -49,9 +49,10 @@ class Critical:
     forces), or the lowest 16 alone; t: the time at which the other loads are taken [s].
 
     speed: of a free rod along its axis, nose first [m/s]; note: what is to be known of the speed,
-    where it counts; load: which is scaled, unit: its unit; end: "upper" or "lower"; growth: what grows at the lowest
-    force already [1/s], 0 where nothing does; elastic: whether turning of the whole rod was left
-    out; stable: all windows of stability in the range (low, high) [N], where they were asked for.
+    where it counts; load: which is scaled, unit: its unit; end: "upper" or "lower"; growth: of what
+    grows at the lowest force already [1/s], 0 where nothing does; elastic: whether turning of the
+    whole rod was left out; stable: all windows of stability in the range (low, high) [N], where
+    they were asked for.
     """
 
     force: float
@@ -170,7 +171,7 @@ def _range(lowest: float | None, highest: float | None, unit: float) -> tuple[fl
     high = HIGHEST * unit if highest is None else _number("highest", highest)
     least = max(NARROWEST[0] * unit, NARROWEST[1] * max(abs(low), abs(high)))
     if not high - low >= least:
-        raise SceneError("highest", high, f"above lowest = {low:g}, by {least:.3g} or more")
+        raise SceneError("highest", high, f"above lowest = {low:g} by {least:.3g} or more")
     return low, high
 
 
@@ -190,7 +191,7 @@ def _unstable(search: Search, growth: float) -> str:
     found = [f"{a:.6g} to {b:.6g}" for a, b in _rough(search)]
     if not found:
         return said
-    return f"{said}; stable from {', '.join(found)} {unit} (lowest, end and windows find the ends)"
+    return f"{said}; stable from {', '.join(found)} {unit} (a lowest within finds where that ends)"
 
 
 def _rough(search: Search) -> list[tuple[float, float]]:

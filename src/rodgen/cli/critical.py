@@ -27,12 +27,44 @@ if TYPE_CHECKING:
     Simulated = SimulatedCritical | AnalysisError
 
 
+NAMES = {
+    "follower": "critical force",
+    "tip": "critical dead force",
+    "gravity": "critical gravity",
+    "all": "critical factor",
+}
+TITLES = NAMES | {"follower": "critical follower force"}
+FACTORS = {
+    "follower": "P L^2/EI",
+    "tip": "F L^2/EI",
+    "gravity": "M g L^2/EI",
+    "all": "factor of all loads",
+}
+
+
 def critical(
     scene_file: SceneFile,
-    lowest: Annotated[float, typer.Option(help="Where the search begins [N].")] = 0.0,
+    lowest: Annotated[
+        float | None, typer.Option(help="Where the search begins [N]; 0, if not given.")
+    ] = None,
     highest: Annotated[
         float | None, typer.Option(help="Where it ends [N]; 1000 EI/L^2, if not given.")
     ] = None,
+    load: Annotated[
+        str,
+        typer.Option(
+            help="The load that is scaled: follower, tip [N], gravity [m/s^2], or all by one factor."
+        ),
+    ] = "follower",
+    end: Annotated[
+        str, typer.Option(help="upper: where stability is lost; lower: where it is regained.")
+    ] = "upper",
+    windows: Annotated[
+        bool, typer.Option("--windows", help="Also list all windows of stability in the range.")
+    ] = False,
+    elastic: Annotated[
+        bool, typer.Option("--elastic", help="Leave out motions that turn a free rod as a whole.")
+    ] = False,
     t: AtTime = None,
     speed: Speed = None,
     after: After = None,
@@ -47,8 +79,8 @@ def critical(
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
-    """Find the smallest follower force under which SCENE flutters or diverges, whatever force it
-    has itself; draw frequencies and growth against the force."""
+    """Find the smallest follower force, or other load, under which SCENE flutters or diverges,
+    whatever force it has itself; draw frequencies and growth against the force."""
     from rodgen.analyse.critical import critical_force, family_of
     from rodgen.analyse.flight import flown
     from rodgen.analyse.instant import in_words, silent
@@ -58,13 +90,27 @@ def critical(
         finite(option, value)
     if simulate is not None and not 0 < simulate < math.inf:
         raise SceneError("--simulate", simulate, "a positive number of seconds")
+    if simulate is not None and load != "follower":
+        raise SceneError(
+            "--simulate", simulate, "absent: runs find a critical follower force alone"
+        )
     scene = Scene.from_toml(scene_file)
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("searching"):
             scene, t = flown(scene, t, speed, after)
-            found = critical_force(scene, lowest=lowest, highest=highest, t=t, speed=speed)
-            family = family_of(scene, t, speed)
-            others = without(scene, "follower")
+            found = critical_force(
+                scene,
+                lowest=lowest,
+                highest=highest,
+                t=t,
+                speed=speed,
+                load=load,
+                end=end,
+                windows=windows,
+                elastic=elastic,
+            )
+            family = family_of(scene, t, speed, load=load)
+            others = scene if load == "all" else without(scene, load)
         simulated = _simulated(family.system, simulate) if simulate else None
         doubted = _doubt(found, simulated, family)
         if as_json:
@@ -126,24 +172,31 @@ def _object(found: Critical, simulated: Simulated | None, doubted: str | None) -
 
 
 def _table(found: Critical, simulated: Simulated | None, name: str) -> Table:
+    from rodgen.analyse.onset import digits
+
     low, high, forces = found.searched
     first, second = found.modes
     rows = {
-        "critical force": f"{found.force:.10g} N",
-        "P L^2/EI": f"{found.factor:.10g}",
-        "kind": found.kind,
+        NAMES[found.load]: f"{digits(found.force, found.error)} {found.unit}",
+        FACTORS[found.load]: digits(found.factor, found.error * found.factor / (found.force or 1)),
+        "kind": found.kind + ", where stability is regained" * (found.end == "lower"),
         "frequency at onset": f"{found.frequency:.10g} Hz",
         "modes": f"{first} and {second}" if first != second else str(first),
-        "error, estimated": f"{found.error:.1e} N",
+        "error, estimated": f"{found.error:.1e} {found.unit}",
         "grows from the state": found.state,
-        "searched": f"{low:g} to {high:g} N at {forces} forces",
+        "searched": f"{low:g} to {high:g} {found.unit} at {forces} forces",
         "modes looked at": "all" if found.complete else "the lowest 16",
     }
+    if found.growth:
+        rows["grows already"] = f"at {low:g} {found.unit}, with {found.growth:.4g} 1/s"
+    if found.stable is not None:
+        ends = [f"{a:.10g} to {b:.10g} {found.unit}" for a, b in found.stable]
+        rows["stable"] = ", ".join(ends) or "nowhere in the range"
     if found.turning:
         rows["apart from that"] = f"the rod turns as a whole, with {found.turning:.4g} 1/s"
     if simulated is not None:
         rows |= _rows(found.force, simulated)
-    table = Table(title=f"{name}: critical follower force", show_header=False)
+    table = Table(title=f"{name}: {TITLES[found.load]}", show_header=False)
     for row in rows.items():
         table.add_row(*row)
     return table

@@ -172,10 +172,19 @@ def _loads(axes: Axes, system: System, joints: Array, angle: float, side: float)
     return [pair for pair, _ in ends]
 
 
+LABELS = {
+    "follower": "follower force [N]",
+    "tip": "dead force at the tail [N]",
+    "gravity": "gravity [m/s²]",
+    "all": "factor of all loads",
+}
+
+
 def stability_curves(found: Critical, family: Family) -> Figure:
-    """Frequencies of the lowest modes and below them growth, against the follower force."""
+    """Frequencies of the lowest modes and below them growth, against the load that is scaled."""
     start = min(0.0, found.searched[0])
-    forces, s = _rates(family, start, found.force + BEYOND * abs(found.force), found.force)
+    beyond = found.force + BEYOND * max(abs(found.force), family.unit * (not found.force))
+    forces, s = _rates(family, start, beyond, found)
     # Without damping one eigenvalue of each pair is here, with damping both: the upper half.
     kept = slice(s.shape[1] // 2 if family.damped else 0, None)
     frequency = np.sort(np.where(np.isnan(s), -np.inf, s.imag), axis=1)[:, kept] / (2 * np.pi)
@@ -197,8 +206,11 @@ def stability_curves(found: Critical, family: Family) -> Figure:
         axes.grid(alpha=0.3)
     at = f" at {found.frequency:.5g} Hz" if found.frequency else ""
     name = family.system.scene.name
-    upper.set(ylabel="frequency [Hz]", title=f"{name}: {found.kind} from {found.force:.6g} N{at}")
-    lower.set(xlabel="follower force [N]", ylabel="growth [1/s]", xlim=(forces[0], forces[-1]))
+    upper.set(
+        ylabel="frequency [Hz]",
+        title=f"{name}: {found.kind} from {found.force:.6g} {found.unit}{at}",
+    )
+    lower.set(xlabel=LABELS[found.load], ylabel="growth [1/s]", xlim=(forces[0], forces[-1]))
     return figure
 
 
@@ -212,13 +224,13 @@ def _limits(forces: Array, growth: Array, force: float, family: Family) -> tuple
     return 1.1 * min(low, -high / 4), 1.1 * max(high, -low / 4)
 
 
-def _rates(family: Family, low: float, high: float, until: float) -> tuple[Array, Complex]:
-    """Forces and eigenvalues at them, rigid-body motions as nan; only up to the critical force
-    where no steady state lies beyond."""
-    for end in (high, until * (1 - 1e-6)):
+def _rates(family: Family, low: float, high: float, found: Critical) -> tuple[Array, Complex]:
+    """Forces and eigenvalues at them, what is left out of the search as nan; only up to the
+    critical force where no steady state lies beyond."""
+    for end in (high, found.force * (1 - 1e-6)):
         forces = np.linspace(low, end, FORCES)
         try:
-            return forces, family.elastic(forces)
+            return forces, family.motions(forces, elastic=found.elastic).s
         except AnalysisError as error:
             last = error
     raise last
