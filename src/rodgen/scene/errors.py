@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 LONGEST = 200  # characters of a field in a message
 
 
