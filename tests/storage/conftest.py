@@ -10,7 +10,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from rodgen.integrate.files.layout import NO_STATS
+from rodgen.integrate.files.status import NO_STATS
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import Array

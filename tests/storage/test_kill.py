@@ -18,7 +18,7 @@ import xarray as xr
 
 import rodgen
 from rodgen.integrate.files import netcdf
-from rodgen.integrate.files.layout import NO_STATS
+from rodgen.integrate.files.status import NO_STATS
 from rodgen.integrate.files.stream import Stream
 
 Make = Callable[..., Any]
@@ -27,7 +27,7 @@ PROGRAM = """
 import sys
 from pathlib import Path
 import numpy as np
-from rodgen.integrate.files.layout import NO_STATS
+from rodgen.integrate.files.status import NO_STATS
 from rodgen.integrate.files.stream import Stream
 
 with Stream.reopen(Path(sys.argv[1])) as file:

@@ -15,7 +15,7 @@ from scipy.io import netcdf_file
 import rodgen
 from rodgen.integrate.files import netcdf, stream
 from rodgen.integrate.files.header import read_header
-from rodgen.integrate.files.layout import Run
+from rodgen.integrate.files.status import Run
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Stats
 from rodgen.scene.structure import BOUNDARIES, INERTIAS

@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from rodgen.integrate import Solution
-from rodgen.integrate.files.layout import NO_STATS
+from rodgen.integrate.files.status import NO_STATS
 from rodgen.scene import Scene, SceneError
 from rodgen.view.animation.files import ffmpeg
 from rodgen.view.animation.film import animate

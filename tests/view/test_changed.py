@@ -12,7 +12,7 @@ import pytest
 from rodgen.integrate import Solution
 from rodgen.integrate.changes import Changes
 from rodgen.integrate.files.excerpt import Excerpt
-from rodgen.integrate.files.layout import NO_STATS
+from rodgen.integrate.files.status import NO_STATS
 from rodgen.scene import Scene
 from rodgen.view.animation.film import animate, film
 from rodgen.view.animation.motion import motion

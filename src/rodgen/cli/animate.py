@@ -34,6 +34,9 @@ def animate(
     ] = None,
     start: Annotated[float | None, typer.Option("--from", help="Where it begins [s].")] = None,
     end: Annotated[float | None, typer.Option("--to", help="Where it ends [s].")] = None,
+    damaged: Annotated[
+        bool, typer.Option("--damaged", help="Draw a damaged result from what is left of it.")
+    ] = False,
 ) -> None:
     """Draw the run in RESULT as a film: MP4, for which ffmpeg is needed, or GIF."""
     from rodgen.integrate.files.excerpt import Excerpt
@@ -45,7 +48,9 @@ def animate(
     settings = Settings(fps, speed, view, width, height, start, end)
     check_file(out_file, settings)
     writable(out_file.parent)  # before the frames are drawn, which takes long
-    stored = Excerpt(result)
+    stored = Excerpt(result, strict=not damaged)
+    for note in stored.notes:
+        err.print(f"rodgen: warning: {note}")
     times = plan(stored.t, settings).times
     with working("generating") as told:
         stored.model = build_fastest(stored.scene, told)

@@ -7,8 +7,8 @@ from pathlib import Path
 from rodgen.cli.console import err
 from rodgen.cli.generated import is_generated
 from rodgen.integrate.files.checkpoint import beside
-from rodgen.integrate.files.layout import open_header
-from rodgen.integrate.files.storage import INTERRUPTED, load
+from rodgen.integrate.files.status import RUNNING
+from rodgen.integrate.files.stored import INTERRUPTED, Stored, open_header
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.tables import AUTO
 
@@ -17,7 +17,8 @@ def check_same(scene: Scene, file: Path) -> None:
     """Refuse to go on with the run of another scene, or with other options."""
     if not file.exists():
         raise SceneError("--resume", str(file), "a run that was begun; there is none")
-    begun = load(file, most=1)
+    with Stored(file) as begun:
+        status = begun.run.status
     method = scene.integrate.method
     if method == AUTO:
         method = begun.scene.integrate.method
@@ -25,7 +26,7 @@ def check_same(scene: Scene, file: Path) -> None:
         allowed = f"the run of this scene with the same options (changed: {', '.join(other)})"
         raise SceneError("--resume", str(file), allowed)
     # One that has ended is refused where it is taken up.
-    if begun.status == INTERRUPTED and not beside(file).exists():
+    if status in (RUNNING, INTERRUPTED) and not beside(file).exists():
         err.print("rodgen: there is no state to go on from; the run starts again")
 
 

@@ -8,31 +8,31 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.files.layout import NO_STATS, Run, open_header
 from rodgen.integrate.files.netcdf import RecordFile
 from rodgen.integrate.files.quantities import changes_in, plain
+from rodgen.integrate.files.status import NO_STATS
+from rodgen.integrate.files.stored import Stored, as_rodgens
 from rodgen.integrate.solution import Solution
 from rodgen.scene import SceneError
 
 
 class Excerpt:
-    """A result file; scene: that of its run; model: its module, where it is built; t: times of
-    all its samples [s], (T,).
+    """A result file; scene: that of its run; model: its module, where it is built; t: times of its
+    samples [s], (T,), of those that are not damaged; notes: what is to be said of it.
 
-    Raises SceneError for files that rodgen did not write.
+    Raises SceneError for files that rodgen did not write, and, unless strict is False, for those
+    that are not as they were written.
     """
 
-    def __init__(self, path: Path):
+    def __init__(self, path: Path, strict: bool = True):
         self.path = path
         self.model: ModuleType | None = None
-        self._header, self.scene = open_header(path)
-        try:
-            with RecordFile(path, self._header, "r") as file:
-                self._run = Run.of(file.fixed("run").tobytes(), path)
-                self.t = plain(file.records()["time"])
-                states = file.records()["y"].shape[1:]
-        except (LookupError, OSError, TypeError, ValueError) as error:
-            raise SceneError("file", str(path), f"written by rodgen ({error})") from None
+        with Stored(path, strict) as file, as_rodgens(path):
+            records, self._good = file.samples()
+            self.t = plain(records["time"])[self._good]
+            states = records["y"].shape[1:]
+            self.scene, self.notes = file.scene, tuple(file.notes)
+            self._header, self._run = file.header, file.run
         if states != self.scene.initial_state().shape:
             raise SceneError("file", str(path), "written by rodgen (not so: y)")
 
@@ -40,8 +40,9 @@ class Excerpt:
         """The samples with these numbers, without their work and events."""
         try:
             with RecordFile(self.path, self._header, "r") as file:
-                records = file.records()
-                y, changes = plain(records["y"][kept]), changes_in(records, kept)
+                file.count = int(self._good[-1]) + 1
+                records, numbers = file.records(), self._good[kept]
+                y, changes = plain(records["y"][numbers]), changes_in(records, numbers)
         except (OSError, ValueError) as error:  # it was changed meanwhile
             raise SceneError("file", str(self.path), f"as it was ({error})") from None
         stats = self._run.stats or NO_STATS

@@ -1,21 +1,19 @@
-"""What a result file is made of, and how to tell one: coordinates, quantities over time, events,
-the text of the run."""
+"""What a result file is made of: coordinates, quantities over time, events, checksums."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.integrate.changes import Changes
-from rodgen.integrate.files.header import Header, read_header
+from rodgen.integrate.files.checks import CHECKSUM
+from rodgen.integrate.files.header import Header
 from rodgen.integrate.files.netcdf import MOST, PAGE
 from rodgen.integrate.files.quantities import (
     PARAMETERS,
@@ -25,44 +23,13 @@ from rodgen.integrate.files.quantities import (
     parameter_names,
     quantities,
 )
-from rodgen.integrate.solution import Solution, Stats
-from rodgen.integrate.stepper import Array, Counts
+from rodgen.integrate.files.status import NO_STATS, Run
+from rodgen.integrate.solution import Solution
+from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 
-FORMAT = "rodgen 2"
-RUNNING = "running"  # status in a file whose run has not ended
-NO_STATS = Stats.of(Counts(), 0.0)
+FORMAT = "rodgen 3"
 TEXT = {"_Encoding": "utf-8"}  # what xarray makes text from
-
-
-class Run(NamedTuple):
-    """How a run goes; lost: events for which the file had no room."""
-
-    status: str = RUNNING
-    message: str = ""
-    stats: Stats | None = None
-    lost: int = 0
-
-    def text(self) -> bytes:
-        """As PAGE bytes of JSON; a message that is too long is cut."""
-        run = {**self._asdict(), "stats": self.stats and asdict(self.stats)}
-        message = self.message
-        while len(text := json.dumps({**run, "message": message}).encode()) > PAGE:
-            if not message:
-                raise ValueError(f"{len(text)} bytes of status and stats, more than {PAGE}")
-            # In JSON a character needs 12 bytes at most.
-            message = message[: -max(1, (len(text) - PAGE) // 12)]
-        return text.ljust(PAGE)
-
-    @classmethod
-    def of(cls, text: str | bytes, path: Path) -> Run:
-        """What `text` made; raises SceneError for other text, in the file at path."""
-        try:
-            run = json.loads(text)
-            stats = run["stats"] and Stats(**run["stats"])
-            return cls(str(run["status"]), str(run["message"]), stats, int(run["lost"]))
-        except (KeyError, TypeError, ValueError) as error:
-            raise SceneError("file", str(path), f"written by rodgen ({error!r})") from None
 
 
 def contents(
@@ -104,11 +71,15 @@ def contents(
         dimensions["event"] = events
         none = np.broadcast_to(np.nan, (events, states))
         variables |= event_variables(np.full(events, -1), none[:, 0], none)
+        zeros = np.zeros(events, "i4")
+        variables["event_checksum"] = Quantity(("event",), zeros, {"long_name": "its CRC-32"})
     if changed:
         labels = np.array(parameter_names(scene), dtype="S")
         dimensions |= {"parameter": len(labels), "parameter_letter": labels.itemsize}
         over = ("parameter", "parameter_letter")
         variables["parameter"] = Quantity(over, _letters(labels), TEXT)
+    # The last: in a record it is of all before it.
+    sample[CHECKSUM] = Quantity(("time",), np.zeros(1, "i4"), {"long_name": "CRC-32 of a sample"})
     how = {key: model.PROVENANCE[key] for key in ("target", "form")}
     return dimensions, variables | sample, {**attributes(scene), **how}
 
@@ -122,24 +93,6 @@ def attributes(scene: Scene) -> dict[str, str]:
 def _letters(texts: NDArray[np.bytes_]) -> NDArray[np.bytes_]:
     """Texts (...) as letters (..., longest)."""
     return texts[..., None].view("S1")
-
-
-def open_header(path: Path) -> tuple[Header, Scene]:
-    """Header of a result file, and its scene; raises SceneError for other files."""
-    try:
-        with open(path, "rb") as file:
-            if file.read(4) == b"\x89HDF":
-                raise ValueError("HDF5: from rodgen before 'rodgen 2'")
-            header = read_header(file)
-    except (OSError, ValueError) as error:
-        reason = str(error).splitlines()[0]
-        raise SceneError("file", str(path), f"a NetCDF file that can be read ({reason})") from None
-    if header.attributes.get("format") != FORMAT:
-        raise SceneError("file", str(path), f"written by rodgen (format {FORMAT!r})")
-    try:
-        return header, Scene.from_dict(json.loads(header.attributes["scene"]))
-    except (KeyError, ValueError) as error:
-        raise SceneError("file", str(path), f"written by rodgen ({error})") from None
 
 
 def check_layout(header: Header, scene: Scene, model: ModuleType, p: Array, path: Path) -> None:

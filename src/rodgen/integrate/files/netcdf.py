@@ -17,9 +17,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rodgen.integrate.files.checks import NUMRECS
 from rodgen.integrate.files.header import Header, read_header
 
-NUMRECS = 4  # where the number of records lies in a file
 MOST = 2**31 - 4  # bytes of a variable or a record, and records: SciPy reads sizes as signed
 PAGE = 4096  # what begins at a multiple of it and is no longer is written in one piece
 
@@ -71,14 +71,27 @@ class RecordFile:
         self._file = io.FileIO(path, mode)
 
     def append(self, records: NDArray[Any]) -> None:
-        """Records (K,) of type header.record, behind those that are there."""
+        """Write records (K,) of type header.record behind those that count; `count_to` counts
+        them."""
         self._write(self._end, records.tobytes())
-        self._set_count(self.count + len(records))
 
-    def truncate(self, count: int) -> None:
-        """Keep so many records, and nothing behind them."""
-        self._set_count(count)
+    def count_to(self, count: int) -> None:
+        """Say that so many records are there."""
+        self._write(NUMRECS, struct.pack(">i", count))
+        self.count = count
+
+    def counted(self) -> int:
+        """How many records the file says are there by now."""
+        (count,) = struct.unpack(">i", self.read(NUMRECS, 4))
+        return int(count)
+
+    def cut(self) -> None:
+        """Leave nothing behind the last record."""
         self._file.truncate(self._end)
+
+    def surplus(self) -> int:
+        """Bytes behind the last record; of a file that is too short, negative."""
+        return self._file.seek(0, os.SEEK_END) - self._end
 
     def records(self) -> NDArray[Any]:
         """Its records, (K,), from the disk as they are asked for."""
@@ -91,8 +104,7 @@ class RecordFile:
     def fixed(self, name: str) -> NDArray[Any]:
         """Values of a variable that is not of the records."""
         v = self.header.variables[name]
-        content = self._read(v.begin, v.size)
-        return np.ndarray(v.shape, v.dtype, content)
+        return np.ndarray(v.shape, v.dtype, self.read(v.begin, v.size))
 
     def put(self, name: str, at: int, value: ArrayLike) -> None:
         """Write one entry along the first dimension of such a variable."""
@@ -117,13 +129,13 @@ class RecordFile:
     def _end(self) -> int:
         return self.header.start + self.count * self.header.record.itemsize
 
-    def _set_count(self, count: int) -> None:
-        self._write(NUMRECS, struct.pack(">i", count))
-        self.count = count
-
-    def _read(self, at: int, size: int) -> bytes:
+    def read(self, at: int, size: int) -> bytes:
+        """So many bytes from there; raises ValueError where the file ends before."""
         self._file.seek(at)
-        return self._file.read(size)
+        content = self._file.read(size)
+        if len(content) < size:
+            raise ValueError("it ends too early")
+        return content
 
     def _write(self, at: int, content: bytes) -> None:
         self._file.seek(at)

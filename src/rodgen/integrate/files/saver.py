@@ -10,9 +10,10 @@ from types import ModuleType
 
 from rodgen.integrate.events import Watch
 from rodgen.integrate.files import checkpoint as files
-from rodgen.integrate.files.layout import RUNNING
 from rodgen.integrate.files.recorder import Recorder
-from rodgen.integrate.files.storage import load
+from rodgen.integrate.files.status import RUNNING, Run
+from rodgen.integrate.files.storage import solution_of
+from rodgen.integrate.files.stored import Stored
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.outcome import FAILED, FINISHED
 from rodgen.integrate.solution import Solution, Stats
@@ -21,6 +22,7 @@ from rodgen.scene import Scene, SceneError
 
 IN_MEMORY = 20_000  # samples of a file that a Solution has at most
 ROOM = 4096  # events that a file has room for
+_NOTHING = {"samples": 0, "events": 0, "seconds": 0.0}  # what a run without a checkpoint has
 PATIENCE = 2.0  # seconds after which samples are written, whether a block is full or not
 
 
@@ -74,29 +76,30 @@ class Saver:
         Raises SceneError for a run that has ended, and for a checkpoint that is not of this file
         or of another module.
         """
-        unfinished = load(path, most=1)
-        if unfinished.status in (FINISHED, FAILED):
-            raise SceneError(
-                "file", str(path), f"of a run to go on with; this one {_ended(unfinished)}"
-            )
-        stream = Stream.reopen(path)
-        saver = cls(stream.scene, stream.model, stream, every)
-        saver.resumed = True
+        with Stored(path) as file:
+            if file.run.status in (FINISHED, FAILED):
+                allowed = f"of a run to go on with; this one {_ended(file.run)}"
+                raise SceneError("file", str(path), allowed)
         at = files.beside(path)
-        if not at.exists():
-            stream.truncate(0, 0)
-            return saver
+        state, numbers = files.read(at) if at.exists() else ({}, _NOTHING)
         try:
-            saver._state, numbers = files.read(at)
-            if numbers["module"] != _module(stream.model):
-                raise SceneError("checkpoint", str(at), "of this version of rodgen")
-            saver.samples, saver.seconds = int(numbers["samples"]), float(numbers["seconds"])
-            stream.truncate(saver.samples, int(numbers["events"]))
+            samples, events = int(numbers["samples"]), int(numbers["events"])
+            # What is behind them is computed again, whether it is damaged or not.
+            stream = Stream.reopen(path, most=samples)
+            try:
+                if state and numbers["module"] != _module(stream.model):
+                    raise SceneError("checkpoint", str(at), "of this version of rodgen")
+                stream.truncate(samples, events)
+            except BaseException:
+                stream.close()
+                raise
+            saver = cls(stream.scene, stream.model, stream, every)
+            saver.samples, saver.seconds = samples, float(numbers["seconds"])
         except (KeyError, ValueError) as error:
-            stream.close()
             if isinstance(error, SceneError):
                 raise
             raise SceneError("checkpoint", str(at), f"of {path.name} ({error})") from None
+        saver._state, saver.resumed = state, True
         return saver
 
     def restore(self, machine: Machine) -> bool:
@@ -162,13 +165,15 @@ class Saver:
         self.stream.finish(status, message, stats)
         if status in (FINISHED, FAILED):
             files.beside(path).unlink(missing_ok=True)
-        solution = load(path, most=IN_MEMORY)
+        with Stored(path) as file:
+            records, good = file.just_written()
+            solution = solution_of(file, records, good, IN_MEMORY)
         solution.model = self.model
         return solution
 
 
-def _ended(solution: Solution) -> str:
-    return "is finished" if solution.status == FINISHED else solution.message
+def _ended(run: Run) -> str:
+    return "is finished" if run.status == FINISHED else run.message
 
 
 def _module(model: ModuleType) -> str:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.files.layout import NO_STATS, RUNNING, Run, attributes, open_header
-from rodgen.integrate.files.netcdf import RecordFile
+from rodgen.integrate.files.layout import attributes
 from rodgen.integrate.files.quantities import (
     WORK,
     changes_in,
@@ -22,16 +21,16 @@ from rodgen.integrate.files.quantities import (
     quantities,
     state_units,
 )
+from rodgen.integrate.files.status import NO_STATS, RUNNING
+from rodgen.integrate.files.stored import INTERRUPTED, Stored, as_rodgens, warn
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.files.whole import replaced
-from rodgen.integrate.solution import Event, Solution
+from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 
 if TYPE_CHECKING:
     import xarray
-
-INTERRUPTED = "interrupted"
 
 
 def to_xarray(solution: Solution) -> xarray.Dataset:
@@ -86,56 +85,56 @@ def save(solution: Solution, path: Path) -> None:
         stream.finish(solution.status, solution.message, solution.stats)
 
 
-def load(path: str | Path, most: int | None = None) -> Solution:
-    """Read a Solution from a NetCDF file that rodgen wrote; raises SceneError for others.
+def load(path: str | Path, most: int | None = None, *, strict: bool = True) -> Solution:
+    """Read a Solution from a NetCDF file that rodgen wrote; raises SceneError for others, and for
+    one that is not as it was written, with the times of samples that are damaged.
 
     most: samples to be read, evenly spaced with the first and the last (all, if not given);
-    energy_error is that of all. The run of a file that has not been ended counts as interrupted.
+    energy_error is that of all. strict: if not so, all is read that is not damaged, and what is
+    left out is warned of (FileWarning). The run of a file that has not been ended counts as
+    interrupted. Files of rodgen before format "rodgen 3" cannot be checked, and are warned of.
     """
-    path = Path(path)
-    header, scene = open_header(path)
-    try:
-        with RecordFile(path, header, "r") as file:  # not through xarray: the file may be growing
-            text = file.fixed("run").tobytes()
-            whole, events = file.records(), _events(file, scene)
-            off = float(np.abs(whole["energy_balance"]).max(initial=0.0))
-            records = _thinned(whole, most)
-            terms = [name for name in header.record.names or () if name.startswith(WORK)]
-            work = {name[len(WORK) :]: plain(records[name]) for name in terms}
-            t, y = plain(records["time"]), plain(records["y"])
-            changes = changes_in(records)
-    except (LookupError, OSError, TypeError, ValueError) as error:
-        raise SceneError("file", str(path), f"written by rodgen ({error})") from None
-    run = Run.of(text, path)
-    status, message = run.status, run.message
-    if status == RUNNING:
-        status, message = INTERRUPTED, _how_far(t, scene)
-    stats = run.stats or NO_STATS
-    if run.lost:
-        message = f"{message}; {run.lost} more events than the file has room for".lstrip("; ")
-    solution = Solution(scene, t, y, work, stats, status, message, events=events, changes=changes)
-    solution.energy_error = off  # of all samples, also of those that are not read
+    with Stored(Path(path), strict) as file:
+        records, good = file.samples()
+        solution = solution_of(file, records, good, most)
+        warn(file.notes)
     return solution
 
 
-def _thinned(records: NDArray[Any], most: int | None) -> NDArray[Any]:
-    if most is None or len(records) <= most:
-        return records
-    kept = np.linspace(0, len(records) - 1, most).round().astype(int)
-    thinned: NDArray[Any] = records[np.unique(kept)]
-    return thinned
+def solution_of(
+    file: Stored, records: NDArray[Any], good: NDArray[np.intp], most: int | None = None
+) -> Solution:
+    """Of those records of a file that are good, evenly spaced ones, at most so many."""
+    with as_rodgens(file.path):
+        off = float(np.abs(records["energy_balance"])[good].max(initial=0.0))
+        if most is not None and len(good) > most:
+            kept = np.unique(np.linspace(0, len(good) - 1, most).round().astype(int))
+            good = good[kept]
+        whole = len(good) == len(records)
+        taken = records if whole else records[good]
+        terms = [name for name in records.dtype.names or () if name.startswith(WORK)]
+        work = {name[len(WORK) :]: plain(taken[name]) for name in terms}
+        t, y = plain(taken["time"]), plain(taken["y"])
+        changes = changes_in(taken)
+        if y.shape[1:] != file.scene.initial_state().shape:
+            raise ValueError("not so: y")
+        events = file.events()
+    run = file.run
+    status, message = run.status, run.message
+    if status == RUNNING:
+        status, message = INTERRUPTED, _how_far(t, file.scene)
+    if run.lost:
+        message = f"{message}; {run.lost} more events than the file has room for"
+    for note in file.notes if file.checked else ():
+        message = f"{message}; {note}"
+    how = status, message.lstrip("; ")
+    stats = run.stats or NO_STATS
+    solution = Solution(file.scene, t, y, work, stats, *how, events=events, changes=changes)
+    solution.energy_error = off  # of all samples, also of those that are not read
+    return solution
 
 
 def _how_far(t: Array, scene: Scene) -> str:
     """What is said of a run that did not come to say it itself."""
     at = f"killed after t = {t[-1]:.9g} s" if len(t) else "killed before its first sample"
     return f"{at} of {scene.integrate.span[1]:.9g} s; rodgen run --resume continues it"
-
-
-def _events(file: RecordFile, scene: Scene) -> tuple[Event, ...]:
-    if "event_number" not in file.header.variables:
-        return ()
-    number, t, y = (file.fixed(f"event_{what}") for what in ("number", "time", "y"))
-    kept = np.flatnonzero(number >= 0)
-    names = (scene.events[k].name for k in number[kept])
-    return tuple(map(Event, names, map(float, t[kept]), plain(y[kept])))

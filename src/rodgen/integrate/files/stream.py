@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
@@ -10,17 +11,13 @@ from typing import Self
 import numpy as np
 
 from rodgen.integrate.changes import Changes
-from rodgen.integrate.files.header import Header
-from rodgen.integrate.files.layout import (
-    NO_STATS,
-    RUNNING,
-    Run,
-    check_layout,
-    contents,
-    open_header,
-)
+from rodgen.integrate.files import checks
+from rodgen.integrate.files.header import Header, read_header
+from rodgen.integrate.files.layout import check_layout, contents
 from rodgen.integrate.files.netcdf import MOST, RecordFile, empty_file
 from rodgen.integrate.files.quantities import GIVEN, PARAMETERS, WORK, quantities
+from rodgen.integrate.files.status import NO_STATS, RUNNING, Run
+from rodgen.integrate.files.stored import BEFORE, Stored, open_header
 from rodgen.integrate.files.whole import replaced
 from rodgen.integrate.solution import Solution, Stats
 from rodgen.integrate.stepper import Array
@@ -45,13 +42,13 @@ class Stream:
         self.path, self.scene, self.model, self._p = path, scene, model, p
         self._file = RecordFile(path, header)
         try:
-            self._run = Run.of(self._file.fixed("run").tobytes(), path)
+            self._run = Run.of(self._file.fixed(checks.RUN).tobytes(), path)
         except SceneError:
             self.close()
             raise
+        self._file.count = self._run.samples
         has_events = "event_number" in header.variables
-        kept = self._file.fixed("event_number") >= 0 if has_events else np.empty(0)
-        self._capacity, self._kept = len(kept), int(kept.sum())
+        self._capacity = header.variables["event_number"].shape[0] if has_events else 0
         self._first: float | None = None  # energy [J] at the start of the run
         for record in self._file.records()[:1]:
             energies = (record[f"{kind}_energy"] for kind in ("kinetic", "spring", "gravity"))
@@ -78,23 +75,31 @@ class Stream:
         """
         with replaced(path) as part:
             parts = contents(scene, model, p, work_terms, events, changed)
-            part.write_bytes(empty_file(*parts, aligned="run"))
+            part.write_bytes(_told(empty_file(*parts, aligned=checks.RUN)))
         return cls(path, *open_header(path), model, p)
 
     @classmethod
-    def reopen(cls, path: Path, model: ModuleType | None = None) -> Self:
+    def reopen(cls, path: Path, model: ModuleType | None = None, most: int | None = None) -> Self:
         """A file to go on with: its status is running again, half a record at its end is cut off.
 
-        model: the module it was made with, built if it is not given. Raises SceneError for files
-        that are not rodgen's, BuildError where the module cannot be built.
+        model: the module it was made with, built if it is not given; most: samples to go back to,
+        of which none may be damaged. Raises SceneError for files that are not rodgen's or not as
+        they were written, BuildError where the module cannot be built.
         """
-        header, scene = open_header(path)
+        with Stored(path) as file:
+            if not file.checked:
+                raise SceneError("file", str(path), f"in rodgen's present format, not {BEFORE!r}")
+            file.samples(most)
+            file.events()
+            header, scene = file.header, file.scene
         if model is None:
             model = build(scene, *(header.attributes.get(key, "") for key in ("target", "form")))
         p = model.parameters(**scene.parameters)
         check_layout(header, scene, model, p, path)
         stream = cls(path, header, scene, model, p)
-        stream.truncate(stream.count)
+        if stream._run.events < stream._capacity:  # it may be half written
+            stream._clear_event(stream._run.events)
+        stream.truncate(stream.count if most is None else min(most, stream.count))
         stream.note(RUNNING, "", stream._run.stats)
         return stream
 
@@ -106,7 +111,7 @@ class Stream:
     @property
     def events(self) -> int:
         """Events added so far, with those for which there was no room."""
-        return self._kept + self._run.lost
+        return self._run.events + self._run.lost
 
     def append(
         self, t: Array, y: Array, work: Mapping[str, Array], changes: Changes | None = None
@@ -142,24 +147,33 @@ class Stream:
         records = np.zeros(len(block.t), self._file.header.record)
         for name, quantity in found.items():
             records[name] = quantity.values
+        first = self.count
+        records[checks.CHECKSUM] = checks.of_records(records, first, self._run.fixed)
         self._file.append(records)
+        self._tell(self._run._replace(samples=first + len(records)))
+        self._file.count_to(first + len(records))
 
     def add_event(self, number: int, t: float, y: Array) -> None:
         """An event of the kind that has this number in the scene, at time t [s] in state y (S,).
 
         One for which there is no room is counted in the text of the run, and lost.
         """
-        if self._kept == self._capacity:
-            self._tell(self._run._replace(lost=self._run.lost + 1))
+        run = self._run
+        if run.events == self._capacity:
+            self._tell(run._replace(lost=run.lost + 1))
             return
-        self._put_event(self._kept, number, t, y)
-        self._kept += 1
+        checksum = checks.of_event(run.events, number, t, y, run.fixed)
+        self._put_event(run.events, number, t, y, checksum)
+        self._tell(run._replace(events=run.events + 1))
 
-    def _put_event(self, at: int, number: int, t: float, y: Array) -> None:
+    def _clear_event(self, at: int) -> None:
+        self._put_event(at, -1, np.nan, np.full(len(self.model.STATE), np.nan), 0)
+
+    def _put_event(self, at: int, number: int, t: float, y: Array, checksum: int) -> None:
         """The number is there only while all that belongs to it is."""
         self._file.put("event_number", at, -1)
-        self._file.put("event_time", at, t)
-        self._file.put("event_y", at, y)
+        for name, value in zip(checks.EVENT[1:], (t, y, checksum), strict=True):
+            self._file.put(name, at, value)
         self._file.put("event_number", at, number)
 
     def truncate(self, count: int, events: int | None = None) -> None:
@@ -171,19 +185,21 @@ class Stream:
         if not (0 <= count <= self.count and 0 <= events <= self.events):
             there = f"{self.count} samples and {self.events} events"
             raise ValueError(f"cannot go back from {there} to {count} and {events}")
-        self._file.truncate(count)
+        self._file.count_to(count)
+        self._tell(self._run._replace(samples=count))
+        self._file.cut()
         self._first = self._first if count else None
-        while self._kept > events:
-            self._kept -= 1
-            self._put_event(self._kept, -1, np.nan, np.full(len(self.model.STATE), np.nan))
-        self._tell(self._run._replace(lost=events - self._kept))
+        while self._run.events > events:
+            self._tell(self._run._replace(events=self._run.events - 1))
+            self._clear_event(self._run.events)
+        self._tell(self._run._replace(lost=events - self._run.events))
 
     def note(self, status: str, message: str, stats: Stats | None) -> None:
         """Say how the run goes; a message of more than some 4000 letters is cut."""
         self._tell(self._run._replace(status=status, message=message, stats=stats))
 
     def _tell(self, run: Run) -> None:
-        self._file.put_text("run", run.text())
+        self._file.put_text(checks.RUN, run.text())
         self._run = run
 
     def finish(self, status: str, message: str, stats: Stats) -> None:
@@ -201,3 +217,12 @@ class Stream:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _told(image: bytes) -> bytes:
+    """A file without samples, in whose text of the run the checksum of the rest is."""
+    header = read_header(io.BytesIO(image))
+    fixed = checks.of_fixed(header, lambda at, size: image[at : at + size])
+    at = header.variables[checks.RUN].begin
+    text = Run(fixed=fixed).text()
+    return image[:at] + text + image[at + len(text) :]
