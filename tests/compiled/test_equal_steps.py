@@ -71,7 +71,7 @@ def test_a_step_of_another_length_has_the_error_of_order_six(bent: Scene) -> Non
 
 @pytest.mark.parametrize("target", ["c", "numpy"])
 def test_a_step_without_a_solution_ends_the_run(bent: Scene, target: str) -> None:
-    with pytest.raises(rodgen.RunError, match="Newton's method finds no solution.*smaller step"):
+    with pytest.raises(rodgen.RunError, match=r"Newton's method finds no solution.*smaller step"):
         rodgen.simulate(bent, target=target, step=1.0, span=[0.0, 100.0])
 
 

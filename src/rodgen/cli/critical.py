@@ -53,7 +53,7 @@ def critical(
     load: Annotated[
         str,
         typer.Option(
-            help="The load that is scaled: follower, tip [N], gravity [m/s^2], or all by one factor."
+            help="The scaled load: follower, tip [N], gravity [m/s^2], or all by one factor."
         ),
     ] = "follower",
     end: Annotated[
