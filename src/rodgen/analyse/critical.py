@@ -14,6 +14,7 @@ from rodgen.analyse.pencil import Pencil
 from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.mesh import mesh_notes
 from rodgen.scene.scene import check_scene
 
 HIGHEST = 1000.0  # EI/L^2: ten times what a free rod bears
@@ -37,7 +38,8 @@ class Critical:
     twice. error: of the force, rounding apart [N];
     searched: range of forces that was looked at [N], up to the onset, and at how many of them;
     state: what grows unstable; complete: whether all modes were looked at below the force (at four
-    forces), or the lowest 16 alone; t: the time at which the other loads are taken [s].
+    forces), or the lowest 16 alone; t: the time at which the other loads are taken [s]; notes: on
+    damping that belongs to the number of links.
     """
 
     force: float
@@ -51,6 +53,7 @@ class Critical:
     state: str
     complete: bool
     t: float
+    notes: tuple[str, ...] = ()
 
 
 @guarded
@@ -97,6 +100,7 @@ def critical_force(
         state=family.state(found.force).words,
         complete=complete,
         t=family.system.t,
+        notes=mesh_notes(scene),
     )
 
 

@@ -15,6 +15,7 @@ from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.mesh import mesh_notes
 from rodgen.scene.plain import plain
 
 DENSE = 24  # links up to which all eigenvalues are computed; the lowest alone beyond
@@ -31,7 +32,8 @@ class Modes:
     phi: (k, n) and displacements: (k, n+1, 2) of links and joints, the largest displacement 1,
     complex where there is damping or growth; state: what it is about; rigid: motions without
     frequency that turn or move the rod as a whole, left out; overdamped: motions without frequency
-    among those computed, left out too; joints: (n+1, 2) of the steady state [m].
+    among those computed, left out too; joints: (n+1, 2) of the steady state [m]; notes: on damping
+    that belongs to the number of links.
     """
 
     frequencies: Array
@@ -43,6 +45,7 @@ class Modes:
     rigid: int
     overdamped: int
     t: float
+    notes: tuple[str, ...] = ()
 
 
 @guarded
@@ -84,6 +87,7 @@ def modes_about(state: Steady, count: int) -> Modes:
         rigid=_rigid(state),
         overdamped=int((~moves & (s.real < 0)).sum()),
         t=system.t,
+        notes=mesh_notes(system.scene),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from threading import Timer
 from time import perf_counter
@@ -21,6 +21,12 @@ out = Console(highlight=False, soft_wrap=True, markup=False)
 err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
 
 PATIENCE = 1.0  # seconds without a bar
+
+
+def print_notes(notes: Iterable[str]) -> None:
+    """Sentences that belong to a result, each a line."""
+    for note in notes:
+        out.print(f"note: {note}")
 
 
 @contextmanager

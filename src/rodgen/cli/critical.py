@@ -12,7 +12,7 @@ import typer
 from rich.table import Table
 
 from rodgen.analyse.errors import AnalysisError
-from rodgen.cli.console import err, out, working
+from rodgen.cli.console import err, out, print_notes, working
 from rodgen.cli.errors import FAILED_RUN, fail, finite
 from rodgen.cli.folders import promised
 from rodgen.cli.options import AsJson, AtTime, OutFolder, SceneFile
@@ -61,6 +61,7 @@ def critical(
             print(json.dumps(_object(found, simulated), allow_nan=False))
         else:
             out.print(_table(found, simulated, scene.name))
+            print_notes(found.notes)
             from rodgen.view.analysis_pictures import save_picture, stability_curves
 
             with working("drawing"):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from rodgen.cli.console import err, out, working
+from rodgen.cli.console import err, out, print_notes, working
 from rodgen.cli.errors import finite
 from rodgen.cli.folders import promised
 from rodgen.cli.options import AsJson, AtTime, OutFolder, SceneFile
@@ -43,6 +43,7 @@ def modes(
             out.print(f"{scene.name}: no natural frequencies")
         out.print(f"About the state: {found.state}; loads as at t = {found.t:g} s.")
         out.print(f"Left out: {_left_out(found)}.")
+        print_notes(found.notes)
         if len(found.frequencies):
             from rodgen.view.analysis_pictures import mode_shapes, save_picture
 
@@ -71,6 +72,7 @@ def _object(found: Modes) -> dict[str, object]:
         "rigid": found.rigid,
         "overdamped": found.overdamped,
         "t": found.t,
+        "notes": found.notes,
     }
 
 
