@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rodgen.analyse.critical import Critical, critical_force
-    from rodgen.analyse.errors import AnalysisError
+    from rodgen.analyse.errors import AnalysisError, MeshWarning
     from rodgen.analyse.extrapolate import Extrapolation, richardson
     from rodgen.analyse.fourier import spectrum
     from rodgen.analyse.growth import SimulatedCritical, simulated_critical_force
@@ -61,6 +61,7 @@ _HOMES = {
     "richardson": "rodgen.analyse.extrapolate",
     "Extrapolation": "rodgen.analyse.extrapolate",
     "AnalysisError": "rodgen.analyse.errors",
+    "MeshWarning": "rodgen.analyse.errors",
 }
 
 __all__ = [
@@ -71,6 +72,7 @@ __all__ = [
     "Event",
     "Extrapolation",
     "Interrupted",
+    "MeshWarning",
     "Modes",
     "RunError",
     "Scene",

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from math import e, inf, isnan, nan, pi, sin
 
 import numpy as np
 import pytest
 
-from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.errors import AnalysisError, MeshWarning
 from rodgen.analyse.extrapolate import richardson
-from rodgen.scene.errors import SceneError
+from rodgen.scene import Scene, SceneError
 
 N = (4, 6, 9, 13, 20, 31)
 
@@ -29,6 +30,26 @@ def _trapezoid(n: int) -> float:
     (Euler-Maclaurin of Lyness and Ninham, Math. Comp. 21 (1967) 162-178)."""
     x = np.sqrt(np.arange(n + 1) / n)
     return float((x.sum() - (x[0] + x[-1]) / 2) / n)
+
+
+@pytest.mark.parametrize("converted", [True, False])
+def test_scenes_in_place_of_their_numbers_of_links(converted: bool) -> None:
+    table = {
+        "name": "rod",
+        "rod": {"links": 10, "length": 1.0, "mass": 1.0, "bending_stiffness": 1.0},
+        "loads": {"internal_damping": {"coefficient": 0.5}},
+    }
+    one = Scene.from_dict(table)
+    scenes = [one.with_links(n) for n in (10, 20, 40)]
+    if not converted:
+        scenes = [s.model_copy(update={"loads": one.loads}) for s in scenes]
+    values = [_polygon(s.rod.links) for s in scenes]
+    expected = richardson((10, 20, 40), values)
+    unlike = pytest.warns(MeshWarning, match=r"loads\.internal_damping\.coefficient.*with_links")
+    with nullcontext() if converted else unlike:
+        assert richardson(scenes, values) == expected
+    with pytest.raises(SceneError, match="not both"):
+        richardson([10, *scenes[1:]], values)
 
 
 def test_one_elimination_is_richardsons() -> None:

@@ -106,12 +106,15 @@ def test_modes_of_a_hanging_chain(call: Call, write: Write) -> None:
 
 def test_modes_with_damping_as_table_and_picture(call: Call, write: Write) -> None:
     scene = write("[loads.internal_damping]\ncoefficient = 5.0", 8)
+    (note,) = _strict(call("modes", scene, "--count", 4, "--json"))["notes"]
     done = call("modes", scene, "--count", 4)
     assert (done.status, done.err) == (0, "")
     assert "damping ratio" in done.out
     modes = rodgen.natural_modes(rodgen.Scene.from_toml(scene), 4)
     assert all(f"{f:.10g}" in done.out for f in modes.frequencies)
     assert "straight, at rest" in done.out
+    assert "coefficient = 5 at n = 8 is 20 at n = 16" in note
+    assert f"note: {note}" in done.out
     _picture("modes.png")
 
 
@@ -209,6 +212,8 @@ def test_critical_force_as_table_and_picture(call: Call, write: Write) -> None:
     assert (done.status, done.err) == (0, "")
     found = rodgen.critical_force(rodgen.Scene.from_toml(scene), highest=300)
     assert f"{found.force:.10g} N" in done.out
+    assert len(found.notes) == 1
+    assert f"note: {found.notes[0]}" in done.out
     low, high, forces = found.searched
     assert f"{low:g} to {high:g} N at {forces} forces" in done.out
     _picture("critical.png")

@@ -354,6 +354,7 @@ def test_show_says_what_is_left_out_and_why(rodgen: Run, short: Path) -> None:
     assert "part of the code" in lines["follower"]
     assert "no table [loads.internal_damping]" in lines["internal damping"]
     assert "break points: 0.1" in done.stdout
+    assert "note:" not in done.stdout
 
 
 def test_show_lists_the_first_of_many_break_points(rodgen: Run, short: Path) -> None:

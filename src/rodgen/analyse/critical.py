@@ -18,6 +18,7 @@ from rodgen.analyse.scaled_load import FOLLOWER, UNITS, ScaledLoad
 from rodgen.analyse.search import Event, Search, grid
 from rodgen.analyse.system import System
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.mesh import mesh_notes
 from rodgen.scene.plain import plain
 from rodgen.scene.scene import check_scene
 from rodgen.scene.tables import LARGEST
@@ -48,11 +49,11 @@ class Critical:
     state: what grows unstable; complete: whether all modes were looked at below the force (at four
     forces), or the lowest 16 alone; t: the time at which the other loads are taken [s].
 
-    speed: of a free rod along its axis, nose first [m/s]; note: what is to be known of the speed,
-    where it counts; load: which is scaled, unit: its unit; end: "upper" or "lower"; growth: of what
-    grows at the lowest force already [1/s], 0 where nothing does; elastic: whether turning of the
-    whole rod was left out; stable: all windows of stability in the range (low, high) [N], where
-    they were asked for.
+    speed: of a free rod along its axis, nose first [m/s]; notes: what is to be known of that speed
+    and of damping that belongs to the number of links; load: which is scaled, unit: its unit; end:
+    "upper" or "lower"; growth: of what grows at the lowest force already [1/s], 0 where nothing
+    does; elastic: whether turning of the whole rod was left out; stable: all windows of stability
+    in the range (low, high) [N], where they were asked for.
     """
 
     force: float
@@ -67,7 +68,7 @@ class Critical:
     complete: bool
     t: float
     speed: float = 0.0
-    note: str | None = None
+    notes: tuple[str, ...] = ()
     load: str = FOLLOWER
     unit: str = UNITS[FOLLOWER]
     end: str = UPPER
@@ -137,7 +138,7 @@ def critical_force(
         complete=complete,
         t=family.system.t,
         speed=family.system.speed,
-        note=family.state(found.force).note,
+        notes=family.state(found.force).notes + mesh_notes(scene),
         load=load,
         unit=UNITS[load],
         end=end,

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
 
-from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.errors import AnalysisError, MeshWarning
 from rodgen.integrate.stepper import Array
-from rodgen.scene.errors import SceneError
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.mesh import unlike_damping
 
 HIGHEST = 50.0  # order that is looked for
 WHOLE = 0.15  # an observed order is taken for a whole number within this: by then the next term
@@ -37,7 +39,7 @@ class Extrapolation:
 
 
 def richardson(
-    n: Sequence[float] | Array,
+    n: Sequence[float] | Sequence[Scene] | Array,
     values: Sequence[float] | Array,
     order: float | Sequence[float] | None = None,
     *,
@@ -45,6 +47,8 @@ def richardson(
 ) -> Extrapolation:
     """Limit of values (m,) computed with n (m,) links, in any sequence, n not only doubled.
 
+    n: numbers of links, or the scenes themselves; then it is warned (MeshWarning) of damping that
+    is not one and the same for all of them (see Scene.with_links).
     order: p where theory knows it, or all exponents in turn, (2, 4, 6). Without it p solves
     (v1 - v2) / (v2 - v3) = (n1^-p - n2^-p) / (n2^-p - n3^-p) for the three finest, and is rounded
     where it is close to a whole number; p + 1, p + 2, ... follow, or p + 2, p + 4, ... where
@@ -57,7 +61,7 @@ def richardson(
     Raises SceneError for bad input: fewer than three values, two where the order is given;
     AnalysisError where the finest values do not converge.
     """
-    count, v = _checked(n, values, 3 if order is None else 2)
+    count, v = _checked(_links(n), values, 3 if order is None else 2)
     if noise is not None and not 0 <= noise < np.inf:
         raise SceneError("noise", noise, "a finite number of at least 0")
     floor = max(noise or 0.0, ROUNDING * float(np.abs(v).max()))
@@ -71,6 +75,19 @@ def richardson(
     exponents = _powers(count, v, orders) if order is None else _given(order, len(v))
     value, error, terms = _best(count, v, exponents, floor)
     return Extrapolation(value, error, exponents[0], orders, exponents[:terms])
+
+
+def _links(n: Sequence[float] | Sequence[Scene] | Array) -> Sequence[float] | Array:
+    """Numbers of links, those of scenes too."""
+    scenes = [one for one in n if isinstance(one, Scene)]
+    if not scenes:
+        return n  # type: ignore[return-value]
+    if len(scenes) < len(n):
+        raise SceneError("n", [type(one).__name__ for one in n], "numbers, or scenes, not both")
+    if unlike := unlike_damping(scenes):
+        text = f"{' and '.join(unlike)}: not the same damping for every number of links"
+        warnings.warn(f"{text}; take Scene.with_links", MeshWarning, stacklevel=3)
+    return [one.rod.links for one in scenes]
 
 
 def _checked(

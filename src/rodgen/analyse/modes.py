@@ -16,6 +16,7 @@ from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.mesh import mesh_notes
 from rodgen.scene.plain import plain
 
 DENSE = 24  # links up to which all eigenvalues are computed; the lowest alone beyond
@@ -33,7 +34,8 @@ class Modes:
     complex where there is damping or growth; state: what it is about; rigid: motions without
     frequency that turn or move the rod as a whole, left out; overdamped: motions without frequency
     among those computed, left out too; joints: (n+1, 2) of the steady state [m]; speed: of a free
-    rod along its axis, nose first [m/s]; note: what is to be known of the speed, where it counts.
+    rod along its axis, nose first [m/s]; notes: what is to be known of that speed, where it counts,
+    and of damping that belongs to the number of links.
     """
 
     frequencies: Array
@@ -46,7 +48,7 @@ class Modes:
     overdamped: int
     t: float
     speed: float = 0.0
-    note: str | None = None
+    notes: tuple[str, ...] = ()
 
 
 @guarded
@@ -100,7 +102,7 @@ def modes_about(state: Steady, count: int) -> Modes:
         overdamped=int((~moves & (s.real < 0)).sum()),
         t=system.t,
         speed=system.speed,
-        note=state.note,
+        notes=state.notes + mesh_notes(system.scene),
     )
 
 

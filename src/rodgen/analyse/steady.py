@@ -48,23 +48,23 @@ class Steady:
         return f"straight, {flies}{' and accelerating' * bool(pushed)}"
 
     @property
-    def note(self) -> str | None:
-        """What a reader has to know of the speed, where it counts: None for a rod that is held, and
-        where no load depends on it."""
+    def notes(self) -> tuple[str, ...]:
+        """What a reader has to know of the speed, where it counts: nothing for a rod that is held,
+        and where no load depends on it."""
         system = self.system
         if not (has_drag(system) and system.scene.hold.translates):
-            return None
+            return ()
         if not (system.speed or system.across):
             return (
                 "linearised about a rod at rest, where external damping brakes small motions "
-                "across it; of one that moves along its axis it brakes none (give a speed)"
+                "across it; of one that moves along its axis it brakes none (give a speed)",
             )
         angle = np.degrees(np.arctan2(abs(system.across), abs(system.speed)))
         if angle <= ASKEW:
-            return None
+            return ()
         return (
             f"the rod moves {angle:.3g} degrees away from its axis, which is no steady state: "
-            "linearised as though it moved along its axis alone"
+            "linearised as though it moved along its axis alone",
         )
 
     @property

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from rich.console import Console
 
 from rodgen.progress import running as progress
@@ -11,3 +13,9 @@ __all__ = ["err", "out", "progress", "working"]
 
 out = Console(highlight=False, soft_wrap=True, markup=False)
 err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
+
+
+def print_notes(notes: Iterable[str]) -> None:
+    """Sentences that belong to a result, each a line."""
+    for note in notes:
+        out.print(f"note: {note}")

@@ -12,7 +12,7 @@ import typer
 from rich.table import Table
 
 from rodgen.analyse.errors import AnalysisError
-from rodgen.cli.console import err, out, working
+from rodgen.cli.console import err, out, print_notes, working
 from rodgen.cli.errors import FAILED_RUN, fail, finite
 from rodgen.cli.folders import promised
 from rodgen.cli.options import After, AsJson, AtTime, OutFolder, SceneFile, Speed
@@ -117,8 +117,7 @@ def critical(
             given = _object(found, simulated, doubted) | {"silent": silent(others, found.t)}
             print(json.dumps(given, allow_nan=False))
         else:
-            if found.note:
-                out.print(f"{scene.name}: {found.note}.")
+            print_notes(found.notes)
             out.print(f"{scene.name}: other {in_words(others, found.t)}")
             out.print(_table(found, simulated, scene.name))
             from rodgen.view.analysis_pictures import save_picture, stability_curves

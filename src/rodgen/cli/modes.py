@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from rodgen.cli.console import err, out, working
+from rodgen.cli.console import err, out, print_notes, working
 from rodgen.cli.errors import finite
 from rodgen.cli.folders import promised
 from rodgen.cli.options import After, AsJson, AtTime, OutFolder, SceneFile, Speed
@@ -40,8 +40,7 @@ def modes(
         if as_json:
             print(json.dumps(_object(found) | {"silent": silent(scene, found.t)}, allow_nan=False))
             return
-        if found.note:
-            out.print(f"{scene.name}: {found.note}.")
+        print_notes(found.notes)
         out.print(f"{scene.name}: {in_words(scene, found.t)}")
         if len(found.frequencies):
             out.print(_table(found, scene.name))
@@ -78,7 +77,7 @@ def _object(found: Modes) -> dict[str, object]:
         "overdamped": found.overdamped,
         "t": found.t,
         "speed": found.speed,
-        "note": found.note,
+        "notes": found.notes,
     }
 
 

@@ -6,7 +6,7 @@ from contextlib import suppress
 
 from rich.table import Table
 
-from rodgen.cli.console import out, working
+from rodgen.cli.console import out, print_notes, working
 from rodgen.cli.options import SceneFile
 from rodgen.integrate import choose
 from rodgen.integrate.methods.choose import described, fastest_motion
@@ -14,6 +14,7 @@ from rodgen.integrate.stability import limit
 from rodgen.loading import build_fastest
 from rodgen.scene import Scene
 from rodgen.scene.contents import contents
+from rodgen.scene.mesh import mesh_notes
 from rodgen.scene.tables import FIXED_STEP
 
 MOST_LISTED = 10  # break points
@@ -32,6 +33,7 @@ def show(
     for row in contents(scene):
         table.add_row(row.piece, "yes" if row.present else "no", row.reason)
     out.print(table)
+    print_notes(mesh_notes(scene))
     out.print(f"state y: {len(scene.initial_state())} values")
     out.print(f"parameters p: {', '.join(structure.parameters)}")
     settings = scene.integrate

@@ -15,6 +15,7 @@ from rodgen.scene import structure as st
 from rodgen.scene.errors import SceneError, check_type
 from rodgen.scene.explain import explain
 from rodgen.scene.expression import Expression
+from rodgen.scene.mesh import with_links
 from rodgen.scene.onsets import onsets
 from rodgen.scene.plain import plain
 from rodgen.scene.tables import (
@@ -224,6 +225,13 @@ class Scene(Table):
         if self.integrate.method == AUTO:
             found["step"] = None
         return self.model_copy(update={"integrate": self.integrate.model_copy(update=found)})
+
+    def with_links(self, links: int) -> Scene:
+        """The same rod with another number of links: coefficients of damping that belong to a
+        number of links are converted, c_int by (n'/n)^2, a fin by n'/n. Raises SceneError for a
+        number that is not allowed, and for a scene that has a list of a value for every link or
+        watches one of its links."""
+        return Scene.from_dict(with_links(self, links))
 
 
 def check_scene(scene: object) -> None:

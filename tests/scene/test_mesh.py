@@ -1,0 +1,108 @@
+"""One and the same rod with several numbers of links."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.mesh import mesh_notes, unlike_damping
+
+ROD = {"links": 4, "length": 2.0, "bending_stiffness": 3.0, "mass": 5.0}
+INSIDE = {"internal_damping": {"coefficient": 0.5}}
+FINS = {"external_damping": {"coefficient": 2.0, "fin_factor": {"nose": 3.0, "tail": 9.0}}}
+
+
+def _scene(loads: dict[str, Any], boundary: str = "free", **tables: Any) -> Scene:
+    return Scene.from_dict(
+        {"name": "rod", "rod": ROD | {"boundary": boundary}, "loads": loads} | tables
+    )
+
+
+@pytest.mark.parametrize("boundary", ["free", "cantilever", "clamped", "pinned"])
+@pytest.mark.parametrize("links", [2, 7, 40])
+def test_internal_damping_keeps_its_ratio_to_the_springs(boundary: str, links: int) -> None:
+    """Kelvin and Voigt: c_int m = eta k with one eta for all; m = M/n, k = EI n/L."""
+    one = _scene(INSIDE, boundary)
+    other = one.with_links(links)
+    eta = [
+        s.parameters["internal_damping"]
+        * (s.rod.mass / s.rod.links)
+        / (s.rod.bending_stiffness * s.rod.links / s.rod.length)
+        for s in (one, other)
+    ]
+    assert eta[0] == pytest.approx(eta[1], rel=1e-14)
+    assert other.rod.links == links
+    assert other.rod.model_dump(exclude={"links"}) == one.rod.model_dump(exclude={"links"})
+
+
+@pytest.mark.parametrize("links", [2, 7, 40])
+def test_fins_keep_their_force_and_moment(links: int) -> None:
+    """Of a rod that moves across itself: sums over the joints, half a link's mass at both ends."""
+    one = _scene(FINS)
+    sums = []
+    for scene in (one, one.with_links(links)):
+        n = scene.rod.links
+        masses = scene.rod.mass / n * np.array([0.5, *[1.0] * (n - 1), 0.5])
+        forces = np.array(scene.parameters["fin_factor"]) * masses
+        sums.append([forces.sum(), forces @ np.arange(n + 1) / n])
+    np.testing.assert_allclose(sums[0], sums[1], rtol=1e-14)
+
+
+def test_the_rest_of_a_scene_stays() -> None:
+    """A fin of no more than the body is one of its joints; undamped there is nothing to convert."""
+    loads = {"external_damping": {"coefficient": 2.0, "fin_factor": {"tail": 0.5}}}
+    one = _scene(loads, initial={"phi": "0.1*s"}, integrate={"span": [0.0, 3.0]})
+    other = one.with_links(9).model_dump()
+    other["rod"]["links"] = 4
+    assert other == one.model_dump()
+    assert mesh_notes(one) == ()
+    still = _scene({"external_damping": FINS["external_damping"] | {"coefficient": 0.0}})
+    assert mesh_notes(still) == mesh_notes(_scene({"internal_damping": {"coefficient": 0}})) == ()
+
+
+def test_notes_name_every_number_and_its_equivalent() -> None:
+    inside, nose, tail = mesh_notes(_scene(INSIDE | FINS))
+    assert "loads.internal_damping.coefficient = 0.5 at n = 4 is 2 at n = 8" in inside
+    assert "fin_factor.nose = 3 at n = 4 is 5 at n = 8" in nose
+    assert "fin_factor.tail = 9 at n = 4 is 17 at n = 8" in tail
+    # The nose of a held rod does not move.
+    assert len(mesh_notes(_scene(FINS, "pinned"))) == 1
+
+
+@pytest.mark.parametrize(
+    ("tables", "field"),
+    [
+        ({"initial": {"phi": [0.1, 0.2, 0.3, 0.4]}}, "initial.phi"),
+        ({"initial": {"omega": [0.1, 0.2, 0.3, 0.4]}}, "initial.omega"),
+        ({"events": [{"quantity": "phi_2", "value": 0.1}]}, r"events\[0\].quantity"),
+        (
+            {"loads": {"external_damping": {"coefficient": 1.0, "fin_factor": [1.0] * 5}}},
+            "loads.external_damping.fin_factor",
+        ),
+    ],
+)
+def test_what_is_given_link_by_link_is_refused(tables: dict[str, Any], field: str) -> None:
+    with pytest.raises(SceneError, match=f"^{field} = .*another number of links"):
+        _scene(**({"loads": {}} | tables)).with_links(8)
+
+
+@pytest.mark.parametrize("links", [0, -3, 2.5, True, 10**7, "8"])
+def test_a_number_of_links_that_is_none(links: Any) -> None:
+    with pytest.raises(SceneError, match=r"^links = "):
+        _scene(INSIDE).with_links(links)
+
+
+def test_damping_that_was_not_converted_is_found() -> None:
+    one = _scene(INSIDE | FINS)
+    converted = [one.with_links(n) for n in (3, 8, 20)]
+    assert unlike_damping([one, *converted]) == []
+    tables = one.model_dump(exclude_none=True)
+    tables["rod"]["links"] = 8
+    assert unlike_damping([one, Scene.from_dict(tables)]) == [
+        "loads.internal_damping.coefficient",
+        "loads.external_damping.fin_factor.nose",
+        "loads.external_damping.fin_factor.tail",
+    ]
