@@ -259,7 +259,7 @@ def test_what_is_not_found_is_said(rod: Rod) -> None:
     with pytest.raises(AnalysisError, match=r"neither flutter nor divergence between 0 and 40 N"):
         critical_force(rod(6, "clamped", THRUST), highest=40.0)
     with pytest.raises(AnalysisError, match="unstable already at the lowest force"):
-        critical_force(rod(6, "clamped", THRUST), lowest=85.0)
+        critical_force(rod(6, "clamped", THRUST), lowest=85.0, highest=120.0)
     with pytest.raises(AnalysisError, match=r"no motion grows 100 times within 5 s up to 10 N"):
         simulated_critical_force(rod(3, "clamped", THRUST), span=5.0, high=10.0)
 

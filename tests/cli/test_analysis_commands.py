@@ -17,6 +17,7 @@ from rodgen.analyse import growth
 from rodgen.analyse.columns import beck
 from rodgen.analyse.critical import family_of
 from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.onset import digits
 from rodgen.cli import main
 from rodgen.view.analysis_pictures import stability_curves
 
@@ -211,11 +212,29 @@ def test_critical_force_as_table_and_picture(call: Call, write: Write) -> None:
     done = call("critical", scene, "--highest", 300)
     assert (done.status, done.err) == (0, "")
     found = rodgen.critical_force(rodgen.Scene.from_toml(scene), highest=300)
-    assert f"{found.force:.10g} N" in done.out
+    assert f"{digits(found.force, found.error)} N" in done.out
     assert len(found.notes) == 1
     assert f"note: {found.notes[0]}" in done.out
     low, high, forces = found.searched
     assert f"{low:g} to {high:g} N at {forces} forces" in done.out
+    _picture("critical.png")
+
+
+def test_window_of_a_heavy_column(call: Call, write: Write) -> None:
+    """Upright, held up by thrust: too little of it, and it buckles."""
+    scene = write(f"{HANGING.replace('9.81', '1.8')}\n{PUSHED}", 4, clamp_angle=np.pi / 2)
+    found = _strict(call("critical", scene, "--windows", "--json"))
+    ((low, high),) = found["stable"]
+    assert high == found["force"]
+    assert _strict(call("critical", scene, "--end", "lower", "--json"))["force"] == low
+    assert "stable from" in call("critical", scene).err
+    done = call("critical", scene, "--windows")
+    assert f"{low:.10g} to {high:.10g} N" in done.out
+    assert "grows already" in done.out
+    weight = _strict(call("critical", scene, "--load", "gravity", "--json"))
+    assert (weight["unit"], weight["kind"]) == ("m/s^2", "divergence")
+    assert weight["force"] > 1.8  # 10 N hold up more than the column has
+    assert "M g L^2/EI" in call("critical", scene, "--load", "gravity").out
     _picture("critical.png")
 
 
@@ -298,10 +317,15 @@ BAD = [
     (("static", "PUSHED", "--imperfection", "nan"), 2, "imperfection = nan"),
     (("critical", "SCENE"), 2, "loads.follower"),
     (("critical", "PUSHED", "--highest", "50"), 3, "between 0 and 50 N"),
-    (("critical", "PUSHED", "--lowest", "200"), 3, "unstable already at the lowest"),
+    (("critical", "PUSHED", "--lowest", "200", "--highest", "230"), 3, "unstable already at"),
     (("critical", "PUSHED", "--lowest", "9", "--highest", "3"), 2, "highest = 3.0"),
     (("critical", "PUSHED", "--lowest", "nan"), 2, "--lowest = nan"),
     (("critical", "PUSHED", "--highest", "inf"), 2, "--highest = inf"),
+    (("critical", "PUSHED", "--highest", "5e-324"), 2, "highest = 5e-324"),
+    (("critical", "PUSHED", "--load", "wind"), 2, "load = 'wind'"),
+    (("critical", "PUSHED", "--load", "tip"), 2, "loads.tip"),
+    (("critical", "PUSHED", "--load", "all", "--simulate", "5"), 2, "--simulate = 5.0"),
+    (("critical", "PUSHED", "--end", "middle"), 2, "end = 'middle'"),
     (("critical", "PUSHED", "50"), 2, "unexpected extra argument"),
     (("critical", "PUSHED", "--simulate", "0"), 2, "--simulate = 0.0"),
     (("critical", "PUSHED", "--simulate", "-5"), 2, "--simulate = -5.0"),

@@ -53,7 +53,8 @@ class Critical:
     and of damping that belongs to the number of links; load: which is scaled, unit: its unit; end:
     "upper" or "lower"; growth: of what grows at the lowest force already [1/s], 0 where nothing
     does; elastic: whether turning of the whole rod was left out; stable: all windows of stability
-    in the range (low, high) [N], where they were asked for.
+    in the range (low, high) [N], where they were asked for; frequency_error: of the frequency, as
+    that of the force [Hz].
     """
 
     force: float
@@ -75,6 +76,7 @@ class Critical:
     growth: float = 0.0
     elastic: bool = False
     stable: tuple[tuple[float, float], ...] | None = None
+    frequency_error: float = 0.0
 
 
 @guarded
@@ -128,7 +130,7 @@ def critical_force(
     return Critical(
         force=found.force,
         factor=found.force / family.load.reference,
-        kind=_kind(family, found),
+        kind=_kind(search, found),
         frequency=found.s.imag / (2 * np.pi),
         modes=_pair(family, found, end, family.whole if complete else BASIS),
         turning=family.turning(found.force),
@@ -145,6 +147,7 @@ def critical_force(
         growth=growth,
         elastic=elastic,
         stable=tuple(_windows(search)) if windows else None,
+        frequency_error=found.rate_error / (2 * np.pi),
     )
 
 
@@ -278,10 +281,11 @@ def _equations(family: Family, near: Onset) -> At:
     return family.held if near.s == 0 or slow else family.at
 
 
-def _kind(family: Family, found: Onset) -> str:
+def _kind(search: Search, found: Onset) -> str:
     """Flutter, divergence, or the turning of the whole rod, by the angles of what grows."""
-    here = family.at(found.force)
-    if isinstance(here, Dense) and family.bare is not None and family.system.base:
+    family, here = search.family, search.family.at(found.force)
+    turns = family.bare is not None and family.system.base and not search.elastic
+    if isinstance(here, Dense) and turns:
         shape = np.linalg.svd(here.at(found.s))[2][-1, -family.system.cells :]
         common = abs(shape.mean()) ** 2 * len(shape)
         if common >= WHOLE * np.linalg.norm(shape) ** 2 and not family.diverges(found.force):

@@ -31,11 +31,12 @@ DIGITS = (3, 12)  # the least and the most that are printed of a load
 class Onset:
     """force: the load [N]; s: the eigenvalue there [1/s]: zero for divergence, on the imaginary
     axis for flutter; error: of the load, what roundings of the matrices can do to it, or the last
-    step of Newton's method if that is more."""
+    step of Newton's method if that is more; rate_error: the same of abs(s)."""
 
     force: float
     s: complex
     error: float = 0.0
+    rate_error: float = 0.0
 
 
 def onset(at: At, near: Onset, unit: float) -> Onset:
@@ -53,13 +54,15 @@ def onset(at: At, near: Onset, unit: float) -> Onset:
     damped = near.s != 0 and at(near.force).damped
     search = _Search(at, near, unit, damped)
     if near.s == 0:
-        values, error = search.newton(search.divergence, np.array([near.force]))
-        return Onset(values[0], 0j, error)
+        (force,), (error,) = search.newton(search.divergence, np.array([near.force]))
+        return Onset(force, 0j, error)
     rate = abs(near.s) if damped else abs(near.s) ** 2
     measure = search.flutter if damped else search.meeting
-    values, error = search.newton(measure, np.array([near.force, rate]))
-    omega = values[1] if damped else np.sqrt(values[1])
-    return Onset(values[0], 1j * float(omega), error)
+    (force, rate), (error, spread) = search.newton(measure, np.array([near.force, rate]))
+    if damped:
+        return Onset(force, 1j * rate, error, spread)
+    omega = float(np.sqrt(rate))
+    return Onset(force, 1j * omega, error, spread / (2 * omega))
 
 
 def turning_onset(at: At, near: Onset) -> Onset:
@@ -117,8 +120,8 @@ class _Search:
 
     def newton(
         self, measure: Callable[[Array], Measured], start: Array
-    ) -> tuple[list[float], float]:
-        """The zero of a measure, and the error of its first unknown."""
+    ) -> tuple[list[float], list[float]]:
+        """The zero of a measure, and the errors of its unknowns."""
         x, before = start, np.inf
         scale = np.concatenate(([self.size], np.abs(start[1:])))
         for _ in range(ITERATIONS):
@@ -131,11 +134,11 @@ class _Search:
             moved = float(np.abs(change).max())
             if not abs(x[0] - start[0]) < APART * self.size:
                 break
-            noise = float((np.abs(inverse) @ rounding)[0] + ENTRY) * self.size
+            noise = np.abs(inverse) @ rounding + ENTRY
             if (np.abs(residual) <= rounding).all():
-                return x.tolist(), noise
+                return x.tolist(), (noise * scale).tolist()
             if moved < SMALL and moved >= before / 4:
-                return x.tolist(), max(noise, abs(float(change[0])) * self.size)
+                return x.tolist(), (np.maximum(noise, np.abs(change)) * scale).tolist()
             before = moved
         raise AnalysisError(_unfound(self.near.force))
 

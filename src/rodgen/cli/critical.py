@@ -52,9 +52,7 @@ def critical(
     ] = None,
     load: Annotated[
         str,
-        typer.Option(
-            help="The scaled load: follower, tip [N], gravity [m/s^2], or all by one factor."
-        ),
+        typer.Option(help="The load that is scaled: follower, tip, gravity, or all by one factor."),
     ] = "follower",
     end: Annotated[
         str, typer.Option(help="upper: where stability is lost; lower: where it is regained.")
@@ -91,9 +89,7 @@ def critical(
     if simulate is not None and not 0 < simulate < math.inf:
         raise SceneError("--simulate", simulate, "a positive number of seconds")
     if simulate is not None and load != "follower":
-        raise SceneError(
-            "--simulate", simulate, "absent: runs find a critical follower force alone"
-        )
+        raise SceneError("--simulate", simulate, "absent: runs find a follower force alone")
     scene = Scene.from_toml(scene_file)
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("searching"):
@@ -179,7 +175,7 @@ def _table(found: Critical, simulated: Simulated | None, name: str) -> Table:
         NAMES[found.load]: f"{digits(found.force, found.error)} {found.unit}",
         FACTORS[found.load]: digits(found.factor, found.error * found.factor / (found.force or 1)),
         "kind": found.kind + ", where stability is regained" * (found.end == "lower"),
-        "frequency at onset": f"{found.frequency:.10g} Hz",
+        "frequency at onset": f"{digits(found.frequency, found.frequency_error)} Hz",
         "modes": f"{first} and {second}" if first != second else str(first),
         "error, estimated": f"{found.error:.1e} {found.unit}",
         "grows from the state": found.state,
