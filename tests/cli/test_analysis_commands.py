@@ -214,12 +214,15 @@ def test_picture_shows_where_growth_begins(write: Write, damping: float) -> None
 
 
 def test_critical_force_by_simulation(call: Call, write: Write) -> None:
-    """In so short a time only what grows fast is seen: the force is too large, not too small."""
+    """Growth is measured: in a short time, too, the force is hardly too large."""
     found = _strict(call("critical", write(PUSHED, 2), "--simulate", 20, "--json"))
     simulated = found["simulated"]
     assert simulated["span"] == 20.0
     assert simulated["low"] < simulated["force"] < simulated["high"]
-    assert 1 < simulated["force"] / found["force"] < 1.05
+    assert simulated["growth"] is None
+    # Bisection ends at 1e-4 of the force; growth of 1 % in 20 s asks for a surplus of about that.
+    assert simulated["force"] == pytest.approx(found["force"], rel=1e-3)
+    assert found["doubt"] is None
 
 
 def test_force_by_eigenvalues_outlives_a_simulation_without_a_result(
