@@ -136,6 +136,55 @@ def test_modes_count_overdamped_motions(call: Call, write: Write) -> None:
     assert "overdamped motions among those computed" in done.out
 
 
+DRAG = """[loads.external_damping]
+coefficient = 0.5
+fin_factor = {nose = 1.0, body = 1.0, tail = 20.0}"""
+FLIES = "[initial]\nvelocity = [-7.0, 0.0]"
+
+
+def test_modes_in_flight(call: Call, write: Write) -> None:
+    """The first line says that a rod is taken at rest; at a speed nothing has to be said."""
+    scene = write(f"{PUSHED}\n{DRAG}", 3, "free")
+    done = call("modes", scene, "--count", 2)
+    assert done.out.splitlines()[0].startswith("rod: linearised about a rod at rest")
+    _picture("modes.png")
+    (Path.cwd() / "results" / "rod" / "modes.png").unlink()
+    (Path.cwd() / "results" / "rod").rmdir()
+    (Path.cwd() / "results").rmdir()
+    still = _strict(call("modes", scene, "--json"))
+    assert still["speed"] == 0.0
+    assert "at rest" in still["note"]
+    given = _strict(call("modes", scene, "--speed", 7, "--json"))
+    assert (given["speed"], given["note"]) == (7.0, None)
+    scene = write(f"{PUSHED}\n{DRAG}\n{FLIES}", 3, "free")
+    for after in ((), ("--after", 0)):
+        flies = _strict(call("modes", scene, *after, "--json"))
+        assert flies["frequencies"] == given["frequencies"]
+        assert "flying at 7 m/s" in flies["state"]
+    assert "after = 11.0" in call("modes", scene, "--after", 11).err
+
+
+def test_critical_force_in_flight(
+    call: Call, write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same speed for eigenvalues and for simulations; where they differ, it is said."""
+    found: dict[str, Any] = {}
+
+    def half(scene: rodgen.Scene, **given: Any) -> growth.SimulatedCritical:
+        found.update(given)
+        return growth.SimulatedCritical(50.0, 49.0, 51.0, 5.0, None, 9, 1.0, "c", given["speed"])
+
+    monkeypatch.setattr(growth, "simulated_critical_force", half)
+    scene = write(f"{PUSHED}\n{DRAG}", 3, "free")
+    done = call("critical", scene, "--speed", 20, "--simulate", 5, "--json")
+    given = json.loads(done.out)
+    assert (given["speed"], given["note"], found["speed"]) == (20.0, None, 20.0)
+    # Divergence of three links, by hand: 54 EI/L^2.
+    assert given["factor"] == pytest.approx(54.0, rel=1e-9)
+    assert "not to be trusted" in given["doubt"]
+    assert given["doubt"] in done.err
+
+
 def test_static_deflection(call: Call, write: Write) -> None:
     scene = write("[loads.tip]\ny = 0.01", 40)
     found = _strict(call("static", scene, "--json"))
