@@ -174,6 +174,7 @@ def test_critical_force_in_flight(
         found.update(given)
         return growth.SimulatedCritical(50.0, 49.0, 51.0, 5.0, None, 9, 1.0, "c", given["speed"])
 
+    monkeypatch.setenv("CC", "no-such-compiler")  # nothing runs
     monkeypatch.setattr(growth, "simulated_critical_force", half)
     scene = write(f"{PUSHED}\n{DRAG}", 3, "free")
     done = call("critical", scene, "--speed", 20, "--simulate", 5, "--json")
