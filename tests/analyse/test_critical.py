@@ -260,7 +260,7 @@ def test_what_is_not_found_is_said(rod: Rod) -> None:
         critical_force(rod(6, "clamped", THRUST), highest=40.0)
     with pytest.raises(AnalysisError, match="unstable already at the lowest force"):
         critical_force(rod(6, "clamped", THRUST), lowest=85.0, highest=120.0)
-    with pytest.raises(AnalysisError, match=r"no motion grows 100 times within 5 s up to 10 N"):
+    with pytest.raises(AnalysisError, match=r"no motion grows 1\.01 times within 5 s up to 10"):
         simulated_critical_force(rod(3, "clamped", THRUST), span=5.0, high=10.0)
 
 

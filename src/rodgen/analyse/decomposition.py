@@ -15,7 +15,7 @@ import numpy as np
 
 from rodgen.integrate.stepper import Array
 
-FAINT = 1e-4  # of the strongest direction: what is weaker is lost in errors of the run
+FAINT = 1e-6  # of the strongest direction: what is weaker is lost in errors of the run
 
 
 def growth_in(parts: Sequence[Array]) -> float:

@@ -47,11 +47,15 @@ def checked(scene: Scene, speed: float | None) -> float | None:
     if speed is None:
         return None
     speed = plain(speed, "speed")
-    if not isinstance(speed, (int, float)) or not np.isfinite(speed):
+    if not (_is_number(speed) and np.isfinite(speed)):
         raise SceneError("speed", speed, "a finite number")
     if not scene.hold.translates:
         raise SceneError("speed", speed, f"absent: a {scene.rod.boundary} rod does not fly")
     return float(speed)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def flown(
@@ -63,7 +67,7 @@ def flown(
         return scene, t
     start, end = scene.integrate.span
     after = plain(after, "after")
-    if not (isinstance(after, (int, float)) and start <= after <= end):
+    if not (_is_number(after) and start <= after <= end):
         raise SceneError("after", after, f"a time in the span, {start:g} to {end:g} s")
     for name, value in (("t", t), ("speed", speed)):
         if value is not None:
