@@ -47,10 +47,10 @@ def test_errors_follow_the_tolerance(model: ModuleType, exact: Solution, method:
     errors = [_over_tolerance(*pair) for pair in zip(sols, [exact] * 9, TOLERANCES, strict=True)]
     assert 0.005 < min(errors)
     assert max(errors) < 1
-    # What control of a method of that order asks for, from each tolerance to the next: errors of a
-    # run that are a tenth of it are divided by ten for steps that are longer by a root of ten.
+    # What control of a method of that order asks for, over the last three powers of ten: where
+    # tolerances are loose it is the estimate of order 3 that holds.
     steps = np.array([sol.stats.steps for sol in sols], dtype=float)
-    assert (steps[3:] / steps[2:-1] < 1.05 * 10 ** (1 / ORDERS[method])).all()
+    assert steps[-1] / steps[-4] < 1.05 * 10 ** (3 / ORDERS[method])
     assert sum(sol.stats.rejected or 0 for sol in sols) < 0.05 * steps.sum()
 
 
@@ -73,8 +73,6 @@ def test_gauss_of_both_targets_takes_as_many_steps(model: ModuleType, exact: Sol
     """In Python derivatives are made anew for every step: a few steps fewer."""
     scene = Scene.from_dict(SMOOTH)
     for rtol in (1e-4, 1e-8):
-        walked = rodgen.simulate(
-            scene, target="numpy", method="gauss", rtol=rtol, atol=rtol / 100
-        )
+        walked = rodgen.simulate(scene, target="numpy", method="gauss", rtol=rtol, atol=rtol / 100)
         assert walked.stats.steps == pytest.approx(_run(model, "gauss", rtol).stats.steps, rel=0.15)
         assert 0.005 < _over_tolerance(walked, exact, rtol) < 1
