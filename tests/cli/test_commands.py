@@ -368,6 +368,15 @@ def test_show_lists_the_first_of_many_break_points(rodgen: Run, short: Path) -> 
     assert "(29 in all)" in done.stdout
 
 
+def test_show_warns_of_a_method_that_keeps_no_energy(rodgen: Run, short: Path) -> None:
+    method = '[integrate]\nmethod = "semi_implicit_euler"\nstep = 1e-5'
+    text = short.read_text(encoding="utf-8").replace("[integrate]", method)
+    short.write_text(text, encoding="utf-8")
+    done = rodgen("show", short)
+    assert done.returncode == 0, done.stderr
+    assert "does not keep its energy" in done.stderr
+
+
 def test_numbers_at_the_limit_are_no_traceback(rodgen: Run, short: Path, tmp_path: Path) -> None:
     text = short.read_text(encoding="utf-8")
     for change in (

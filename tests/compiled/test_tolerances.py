@@ -34,10 +34,11 @@ def _run(model: ModuleType, method: str, rtol: float, **how: Any) -> Solution:
 
 
 def _over_tolerance(sol: Solution, exact: Solution, rtol: float) -> float:
-    """Largest error of the positions over all samples, which lie between steps, in tolerances."""
-    half = sol.y.shape[1] // 2
-    allowed = rtol * np.abs(exact.y[:, :half]).max(axis=0) + rtol / 100
-    return float(np.sqrt(np.mean(((sol.y - exact.y)[:, :half] / allowed) ** 2, axis=1)).max())
+    """Largest error over all samples, which lie between steps, in tolerances: of the positions by
+    gauss, which judges these alone, else of all states."""
+    count = sol.y.shape[1] // (2 if sol.scene.integrate.method == "gauss" else 1)
+    allowed = rtol * np.abs(exact.y[:, :count]).max(axis=0) + rtol / 100
+    return float(np.sqrt(np.mean(((sol.y - exact.y)[:, :count] / allowed) ** 2, axis=1)).max())
 
 
 @pytest.mark.parametrize("method", ORDERS)
@@ -46,10 +47,10 @@ def test_errors_follow_the_tolerance(model: ModuleType, exact: Solution, method:
     errors = [_over_tolerance(*pair) for pair in zip(sols, [exact] * 9, TOLERANCES, strict=True)]
     assert min(errors) > 0.005
     assert max(errors) < 1
-    # What control of a method of that order asks for, from each tolerance to the next: errors of a
-    # run that are a tenth of it are divided by ten for steps that are longer by a root of ten.
+    # What control of a method of that order asks for, over the last three powers of ten: where
+    # tolerances are loose it is the estimate of order 3 that holds.
     steps = np.array([sol.stats.steps for sol in sols], dtype=float)
-    assert (steps[3:] / steps[2:-1] < 1.05 * 10 ** (1 / ORDERS[method])).all()
+    assert steps[-1] / steps[-4] < 1.05 * 10 ** (3 / ORDERS[method])
     assert sum(sol.stats.rejected or 0 for sol in sols) < 0.05 * steps.sum()
 
 

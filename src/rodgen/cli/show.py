@@ -6,11 +6,12 @@ from contextlib import suppress
 
 from rich.table import Table
 
-from rodgen.cli.console import out, print_notes, working
+from rodgen.cli.console import err, out, print_notes, working
 from rodgen.cli.options import SceneFile
 from rodgen.integrate import choose
 from rodgen.integrate.methods.choose import described, fastest_motion
 from rodgen.integrate.stability import limit
+from rodgen.integrate.warned import drift_warning
 from rodgen.loading import build_fastest
 from rodgen.scene import Scene
 from rodgen.scene.contents import contents
@@ -42,6 +43,9 @@ def show(
         model = build_fastest(scene, told)
         choice = choose(scene, model)
     out.print(f"integrated by {choice.method}: {choice.reason}")
+    drifts = drift_warning(scene)
+    if drifts:
+        err.print(f"rodgen: warning: {drifts}")
     with suppress(ArithmeticError):  # rates that are not finite: the run will say so
         fastest = fastest_motion(scene, model)
         out.print(f"fastest motion at the start: {described(fastest)}")

@@ -12,6 +12,8 @@ from rodgen.scene import Scene
 from rodgen.scene.errors import short
 
 PULSE = 4  # steps that a pulse takes at least to be felt
+MANY = 10**4  # steps over which a method that does not keep energy feeds what nothing damps
+DAMPS = {"internal_damping", "external_damping"}
 SWING = 3  # steps that a period takes at least, not to be taken for a longer one
 
 
@@ -41,6 +43,23 @@ def step_warnings(scene: Scene, model: ModuleType, p: Array) -> Iterator[str]:
             f"a load swings with a period of {2 * half:.2g} s, for which the step of "
             f"{settings.step:g} s is too long; take a smaller step, or dop853"
         )
+
+
+def drift_warning(scene: Scene) -> str | None:
+    """That a method will not keep the energy of a scene in which nothing is damped, in a sentence,
+    or None."""
+    settings = scene.integrate
+    if settings.method != "semi_implicit_euler" or DAMPS & set(scene.structure.terms):
+        return None
+    assert settings.step is not None
+    steps = (settings.span[1] - settings.span[0]) / settings.step
+    if steps < MANY:
+        return None
+    return (
+        f"semi_implicit_euler over {steps:.2g} steps: nothing damps this rod, and the method does "
+        "not keep its energy (its mass matrix changes with the angles); take gauss with a step, or "
+        "dop853"
+    )
 
 
 def _passed_over(scene: Scene, step: float) -> Iterator[str]:

@@ -71,9 +71,9 @@ class Stages:
                 return z, iteration
             if iteration > 1:
                 rate = changed / last
-                if self._equal:
-                    if rate >= 1:  # no further: rounding in the rates, or no solution
-                        return (z if changed <= LEFT * rounding else None), iteration
+                if self._equal:  # to what rounding in the rates leaves
+                    if rate >= 1 and changed <= LEFT * rounding:
+                        return z, iteration
                 else:
                     ahead = rate ** (ITERATIONS - iteration) * changed
                     if rate >= 1 or ahead > wanted * (1 - rate):
