@@ -317,6 +317,20 @@ def test_names_of_modules(output: tuple[str, str], ending: str) -> None:
         assert structure.module_stem(*output) == stem + ending
 
 
+@pytest.mark.parametrize(("output", "ending"), NAMES)
+def test_modules_that_differ_in_an_expression_differ_in_name(
+    output: tuple[str, str], ending: str
+) -> None:
+    stems = set()
+    for text in ("sin(t)", "cos(t)"):
+        structure = Structure(5, expressions=(("follower_force", text),))
+        stem = structure.module_stem(*output)
+        assert stem == f"rod_free_n5{ending}_{structure.hash[:6]}"
+        assert stem.isidentifier()
+        stems.add(stem)
+    assert len(stems) == 2
+
+
 def test_what_cannot_be_written_is_refused() -> None:
     for target, form, message in (
         ("fortran", "chain", "target = 'fortran': must be one of numpy, c"),
