@@ -238,7 +238,8 @@ def test_beam_is_that_of_the_test_set() -> None:
     """Fx = -phi, Fy = phi with phi = 1.5 sin(t)^2 until pi; at rest along x."""
     path = Path(__file__).parents[2] / "scenes" / "ivp_beam.toml"
     scene = Scene.from_toml(path)
-    assert scene.structure.stem == "rod_clamped_n40_tip_load_lumped"
+    stem = f"rod_clamped_n40_tip_load_lumped_{scene.structure.hash[:6]}"
+    assert scene.structure.stem == stem
     assert scene.breaks() == pytest.approx([math.pi], abs=1e-15)
     assert scene.pole() is None
     np.testing.assert_array_equal(scene.initial_state(), np.zeros(80))
@@ -314,6 +315,20 @@ def test_names_of_modules(output: tuple[str, str], ending: str) -> None:
     for structure, stem in structures.items():
         assert structure.stem == structure.module_stem() == stem
         assert structure.module_stem(*output) == stem + ending
+
+
+@pytest.mark.parametrize(("output", "ending"), NAMES)
+def test_modules_that_differ_in_an_expression_differ_in_name(
+    output: tuple[str, str], ending: str
+) -> None:
+    stems = set()
+    for text in ("sin(t)", "cos(t)"):
+        structure = Structure(5, expressions=(("follower_force", text),))
+        stem = structure.module_stem(*output)
+        assert stem == f"rod_free_n5{ending}_{structure.hash[:6]}"
+        assert stem.isidentifier()
+        stems.add(stem)
+    assert len(stems) == 2
 
 
 def test_what_cannot_be_written_is_refused() -> None:

@@ -117,16 +117,21 @@ class Structure:
     @property
     def stem(self) -> str:
         """File name of the module in its default form and target, without its ending."""
-        names = "_".join(self.terms) or "conservative"
-        terms = "" if self.terms == THESIS_TERMS else f"_{names}"
-        inertia = "" if self.inertia == "uniform" else f"_{self.inertia}"
-        return f"rod_{self.boundary}_n{self.links}{terms}{inertia}"
+        return self.module_stem()
 
     def module_stem(self, target: str = "numpy", form: str = "chain") -> str:
-        """File name of a module of this structure, without its ending."""
+        """File name of a module of this structure, without its ending.
+
+        Expressions are part of the code: with some, it ends in six letters of the hash, so that
+        modules that differ in them have names and symbols of their own.
+        """
         check_output(target, form)
+        terms = "" if self.terms == THESIS_TERMS else "_" + ("_".join(self.terms) or "conservative")
+        inertia = "" if self.inertia == "uniform" else f"_{self.inertia}"
         how = "" if form == "chain" else f"_{form}"
-        return self.stem + how + ("" if target == "numpy" else f"_{target}")
+        where = "" if target == "numpy" else f"_{target}"
+        timed = f"_{self.hash[:6]}" if self.expressions else ""
+        return f"rod_{self.boundary}_n{self.links}{terms}{inertia}{how}{where}{timed}"
 
     @property
     def hash(self) -> str:

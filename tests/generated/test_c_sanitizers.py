@@ -1,0 +1,219 @@
+"""Nothing that a generated C file does is undefined, nor beside its memory: the judgement of
+AddressSanitizer, UBSan and valgrind on a program that calls all of its header."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from rodgen.emit.native import METHODS
+from rodgen.scene.structure import TERMS, Structure
+
+Written = Callable[..., dict[str, str]]
+COMPILER = next(filter(None, map(shutil.which, ("gcc", "clang", "cc"))), "")
+pytestmark = [pytest.mark.long, pytest.mark.compiler]
+WATCH = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer")
+SILENT = {"ASAN_OPTIONS": "detect_leaks=0", "UBSAN_OPTIONS": "print_stacktrace=1"}
+ROOT = Path(__file__).parents[2]
+STRUCTURES = [
+    Structure(1, terms=TERMS),
+    Structure(2, "pinned", terms=("follower",), expressions=(("follower_force", "2*t"),)),
+    Structure(3, "cantilever", "lumped", TERMS),
+    Structure(20, "clamped", terms=TERMS),
+    Structure(50, "free", terms=()),
+]
+PROGRAM = r"""
+#include "@.h"
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Memory of just so many doubles, so that one more is seen. */
+static double *doubles(size_t count)
+{
+    double *const x = calloc(count ? count : 1, sizeof *x);
+    if (x == NULL)
+        exit(1);
+    return x;
+}
+
+static int bad(const double *x, size_t count)
+{
+    for (size_t i = 0; i < count; ++i)
+        if (!isfinite(x[i]))
+            return 1;
+    return 0;
+}
+
+static int run(long long method, const double *y, const double *p, double *dy)
+{
+    enum { SAMPLES = 5, QUOTA = 20 };
+    @_run *const r = calloc(1, @_run_size());
+    double *const times = doubles(SAMPLES);
+    double *const samples = doubles(SAMPLES * (@@_STATES + WORKS));
+    double *const trace = doubles(QUOTA * (1 + 2 * @@_STATES));
+    size_t sampled = 0;
+    int status, failed = 0;
+    memcpy(@_run_state(r), y, @@_STATES * sizeof *y);
+    for (int i = 0; i < SAMPLES; ++i)
+        times[i] = 2e-4 * i;
+    r->method = method;
+    r->low = -INFINITY;
+    r->high = INFINITY;
+    r->rtol = r->atol = 1e-6;
+    failed |= @_run_on(r, p, 1, 0, NULL, NULL, &sampled, NULL) != @@_REFUSED;
+    r->end = -1.0;
+    failed |= @_run_start(r, p) != @@_REFUSED;
+    r->end = 1e-3;
+    if (method < @@_DOP853)
+        failed |= @_run_start(r, p) != @@_REFUSED;
+    r->step = method < @@_DOP853 ? 1e-4 : 0.0;
+    failed |= @_run_start(r, p) != @@_PAUSED;
+    failed |= @_run_on(r, p, LLONG_MIN, 0, times, samples, &sampled, trace) != @@_PAUSED;
+    do
+        status = @_run_on(r, p, QUOTA, SAMPLES, times, samples, &sampled, trace);
+    while (status == @@_PAUSED);
+    failed |= status != @@_FULL && status != @@_REACHED;
+    failed |= bad(samples, sampled * (@@_STATES + WORKS)) || bad(@_run_rates(r), @@_STATES + WORKS);
+    @_run_at(r, p, 0.5 * (r->before + r->t), samples);
+    memcpy(dy, samples, @@_STATES * sizeof *dy);
+    r->method = @@_RADAU + 1;
+    failed |= @_run_on(r, p, QUOTA, 0, times, samples, &sampled, trace) != @@_REFUSED;
+    free(trace);
+    free(samples);
+    free(times);
+    free(r);
+    return failed || bad(dy, @@_STATES);
+}
+
+int main(void)
+{
+    enum { RODS = 11 };
+    double *const p = doubles(@@_PARAMETERS), *const P = doubles(RODS * @@_PARAMETERS);
+    double *const y = doubles(RODS * @@_STATES), *const dy = doubles(RODS * @@_STATES);
+    double *const J = doubles(@@_STATES * @@_STATES);
+    void *const work = malloc(@_work());
+    int failed = 0;
+    for (int i = 0; i < @@_PARAMETERS; ++i)
+        p[i] = 0.5 + 0.1 * i;
+    for (int i = 0; i < RODS * @@_PARAMETERS; ++i)
+        P[i] = p[i % @@_PARAMETERS];
+    for (int i = 0; i < RODS * @@_STATES; ++i)
+        y[i] = 0.3 * sin(i + 1.0);
+    @_rhs(0.25, y, p, dy);
+    failed |= bad(dy, @@_STATES);
+    @_rhs_in(0.25, y, p, dy, work);
+    failed |= bad(dy, @@_STATES);
+    @_jac(0.25, y, p, J);
+    failed |= bad(J, @@_STATES * @@_STATES);
+    for (size_t rods = 0; rods <= RODS; ++rods) {
+        @_rhs_batch(rods, 0.25, y, p, 0, dy);
+        @_rhs_batch(rods, 0.25, y, P, @@_PARAMETERS, dy);
+        failed |= bad(dy, rods * @@_STATES);
+    }
+    for (long long method = @@_EULER; method <= @@_RADAU; ++method)
+        failed |= run(method, y, p, dy) << (method + 1);
+    p[@@_P_MASS] = 0.0;
+    y[0] = NAN;
+    y[@@_STATES - 1] = 1e300;
+    @_rhs(0.25, y, p, dy);
+    @_rhs_batch(RODS, 0.25, y, p, 0, dy);
+    @_jac(0.25, y, p, J);
+    free(work);
+    free(J);
+    free(dy);
+    free(y);
+    free(P);
+    free(p);
+    printf("%x\n", (unsigned)failed);
+    return failed != 0;
+}
+"""
+
+
+def _made(written: Written, structure: Structure, folder: Path, *flags: str) -> Path:
+    """The program over the module of a structure; skips where it cannot be linked."""
+    names = list(written(structure, "c"))
+    for name, text in written(structure, "c").items():
+        (folder / name).write_text(text, encoding="utf-8")
+    stem = Path(names[0]).stem
+    (folder / "main.c").write_text(PROGRAM.replace("@@", stem.upper()).replace("@", stem))
+    (folder / "empty.c").write_text("int main(void) { return 0; }\n")
+    terms = {"follower", "internal_damping", "external_damping"}
+    works = f"-DWORKS={len(terms & {*structure.terms})}"
+    command = [COMPILER, "-std=c99", "-g", "-O1", *flags]
+    empty = subprocess.run([*command, "empty.c", "-o", "empty"], cwd=folder, check=False)
+    if empty.returncode:
+        pytest.skip(f"{COMPILER} does not link {' '.join(flags)}")
+    sources = ["main.c", f"{stem}.c", "-lm", "-o", "main"]
+    done = subprocess.run([*command, works, *sources], cwd=folder, check=False)
+    assert done.returncode == 0
+    return folder / "main"
+
+
+def _silent(*command: str | Path) -> None:
+    env = {**os.environ, **SILENT}
+    done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "0\n", "")
+
+
+def test_program_calls_every_function_and_method(written: Written) -> None:
+    header = next(text for name, text in written(STRUCTURES[0], "c").items() if name.endswith(".h"))
+    functions = {line.split("(")[0].split("_c_")[-1] for line in header.splitlines() if "(" in line}
+    declared = {name for name in functions if name.isidentifier()}
+    assert declared >= {"rhs", "rhs_in", "rhs_batch", "jac", "run_start", "run_on", "run_at"}
+    assert [name for name in declared if f"@_{name}(" not in PROGRAM] == []
+    assert (METHODS[0], METHODS[-1]) == ("euler", "radau")
+
+
+@pytest.mark.parametrize("structure", STRUCTURES, ids=lambda s: s.stem)
+def test_sanitizers_are_silent(written: Written, tmp_path: Path, structure: Structure) -> None:
+    _silent(_made(written, structure, tmp_path, *WATCH))
+
+
+@pytest.mark.skipif(not shutil.which("valgrind"), reason="no valgrind on PATH")
+def test_valgrind_is_silent(written: Written, tmp_path: Path) -> None:
+    program = _made(written, STRUCTURES[3], tmp_path)
+    _silent("valgrind", "-q", "--error-exitcode=9", "--leak-check=full", program)
+
+
+def test_module_in_python_is_silent_under_sanitizers(tmp_path: Path) -> None:
+    """The tests of arrays and runs, with libraries that watch."""
+    shared = [
+        subprocess.run(
+            [COMPILER, f"-print-file-name={name}"], capture_output=True, text=True, check=False
+        ).stdout.strip()
+        for name in ("libasan.so", "libubsan.so")
+    ]
+    if not all(Path(path).is_absolute() and Path(path).is_file() for path in shared):
+        pytest.skip(f"{COMPILER} has no shared sanitizers")
+    env = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST")}
+    env |= {
+        **SILENT,
+        "CC": COMPILER,
+        "RODGEN_CFLAGS": " ".join(("-O1", "-g", *WATCH)),
+        "LD_PRELOAD": ":".join(shared),
+        "PYTHONMALLOC": "malloc",
+    }
+    tests = ROOT / "tests" / "generated" / "test_c_memory.py"
+    what = "changes or change or samples or cannot or begun or masked"
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tests)]
+    done = subprocess.run(
+        [*command, "-k", what, "--basetemp", str(tmp_path / "watched")],
+        cwd=ROOT,
+        env=env,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+    assert "Sanitizer" not in done.stdout + done.stderr
+    assert "runtime error" not in done.stdout + done.stderr
