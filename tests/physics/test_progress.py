@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import sys
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stderr
 from pathlib import Path
 
 import pytest
@@ -12,7 +14,7 @@ import pytest
 import rodgen
 from rodgen import progress
 from rodgen.integrate import simulate as simulate_function
-from rodgen.progress import COMPILING, DERIVING, EMITTING, INTEGRATING, Moment
+from rodgen.progress import COMPILING, DERIVING, EMITTING, INTEGRATING, Moment, telling
 from rodgen.scene import Scene, Structure
 
 Make = Callable[..., Scene]
@@ -23,13 +25,13 @@ class _Terminal(io.StringIO):
         return True
 
 
-@pytest.fixture
-def terminal(monkeypatch: pytest.MonkeyPatch) -> _Terminal:
+@contextmanager
+def _looked_at() -> Iterator[_Terminal]:
     """Standard error, as somebody would see it; bars do not wait before they appear."""
     seen = _Terminal()
-    monkeypatch.setattr(sys, "stderr", seen)
-    monkeypatch.setattr(progress, "PATIENCE", 0.0)
-    return seen
+    with redirect_stderr(seen), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(progress, "PATIENCE", 0.0)
+        yield seen
 
 
 @pytest.fixture
@@ -40,9 +42,11 @@ def _empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("_empty_cache")
 def test_a_module_tells_of_its_stages_once() -> None:
     structure, told = Structure(2, "pinned", terms=()), list[str]()
-    rodgen.build(structure, stage=told.append)
+    with telling(told.append):
+        rodgen.build(structure)
     assert told == [DERIVING, EMITTING]
-    rodgen.build(structure, stage=told.append)  # from the cache
+    with telling(told.append):
+        rodgen.build(structure)  # from the cache
     assert told == [DERIVING, EMITTING]
 
 
@@ -53,7 +57,8 @@ def test_a_run_tells_of_making_and_of_time(
     """The same callback: of making, the time is that of the start."""
     monkeypatch.setattr(sys.modules[simulate_function.__module__], "TICK", 0.0)
     told = list[Moment]()
-    rodgen.simulate(make_scene(3, span=[2.0, 3.0]), progress=told.append, method="dop853")
+    scene = make_scene(3, span=[2.0, 3.0])
+    rodgen.simulate(scene, progress=told.append, target="c", method="dop853")
     making = [at for at in told if at.stage != INTEGRATING]
     assert making[-1].stage == COMPILING
     assert set(making) == {2.0}
@@ -62,30 +67,67 @@ def test_a_run_tells_of_making_and_of_time(
     assert 2.0 < integrated[-1] <= 3.0
 
 
-def test_a_bar_is_shown_where_somebody_looks(make_scene: Make, terminal: _Terminal) -> None:
-    scene = make_scene(3, method="rk4", step=1e-4)  # long enough for a bar without patience
-    rodgen.simulate(scene, target="numpy")
-    assert "test" in terminal.getvalue()
+def _wait_for(terminal: _Terminal, text: str) -> None:
+    until = time.monotonic() + 30.0
+    while text not in terminal.getvalue() and time.monotonic() < until:
+        time.sleep(0.01)
+    assert text in terminal.getvalue()
 
 
-def test_no_bar_where_it_is_not_wanted(make_scene: Make, terminal: _Terminal) -> None:
-    scene = make_scene(3, span=[0.0, 0.1])
-    rodgen.simulate(scene, target="numpy", progress=False)
-    rodgen.simulate(scene, target="numpy", progress=lambda _: None)
+def test_a_bar_tells_of_stages_and_of_time() -> None:
+    with _looked_at() as terminal, progress.running("swing", 0.0, 2.0) as update:
+        progress.tell(DERIVING)
+        _wait_for(terminal, DERIVING)
+        update(1.0)
+        _wait_for(terminal, "t = 1.000 s of 2 s")
+    assert "swing" in terminal.getvalue()
+
+
+@pytest.mark.usefixtures("_empty_cache")
+def test_the_first_run_has_bars_from_the_start(
+    make_scene: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bars = dict[str, list[str]]()
+
+    class Bar(progress._Bar):
+        def __init__(self, what: str, *_: object, **__: object):
+            super().__init__(what, None)
+            self._said = bars.setdefault(what, [])
+
+        def show(self, completed: float, at: str) -> None:
+            self._said.append(at)
+
+    monkeypatch.setattr(progress, "_Bar", Bar)
+    monkeypatch.setattr(sys.modules[simulate_function.__module__], "TICK", 0.0)
+    with _looked_at():
+        rodgen.simulate(make_scene(2), target="numpy", rtol=1e-4)
+    assert list(bars) == ["generating", "test"]
+    assert bars["generating"] == [DERIVING, EMITTING]
+    assert bars["test"][-1].startswith("t = ")
+
+
+def test_no_bar_where_it_is_not_wanted(make_scene: Make) -> None:
+    scene = make_scene(2, span=[0.0, 0.1])
+    with _looked_at() as terminal:
+        rodgen.simulate(scene, target="numpy", progress=False)
+        rodgen.simulate(scene, target="numpy", progress=lambda _: None)
     assert not terminal.getvalue()
 
 
-def test_nobody_looks_on_where_errors_go_to_a_file(make_scene: Make) -> None:
-    assert not progress.watched()
+def test_nobody_looks_on_where_errors_go_to_a_file() -> None:
+    with redirect_stderr(io.StringIO()):
+        assert not progress._shows()
 
 
-def test_one_bar_at_a_time(terminal: _Terminal) -> None:
-    with progress.working("outer") as outer:
-        with progress.working("inner") as inner:
-            inner("what nobody sees")
-        outer("what is done")
+def test_a_bar_within_another_speaks_in_that() -> None:
+    with _looked_at() as terminal:
+        with progress.working("outer") as outer:
+            outer("first")
+            with progress.working("inner") as inner:
+                inner(DERIVING)
+            with progress.running("run", 0.0, 1.0) as update:
+                update(0.5)
+            _wait_for(terminal, DERIVING)
+        assert progress._shows()  # again
     assert "inner" not in terminal.getvalue()
-    with progress.working("after"):
-        pass
-    assert progress._shown.acquire(blocking=False)
-    progress._shown.release()
+    assert "run" not in terminal.getvalue()

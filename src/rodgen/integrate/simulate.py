@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -35,7 +36,7 @@ from rodgen.integrate.stepper import Happened, StepError
 from rodgen.integrate.stretches import ends, inside
 from rodgen.integrate.warned import step_warnings
 from rodgen.loading import build, build_fastest
-from rodgen.progress import Moment, Stage, running
+from rodgen.progress import Moment, running, telling
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.overrides import check_used, with_parameters, with_state
 from rodgen.scene.scene import check_scene
@@ -85,8 +86,8 @@ def simulate(
     scene = scene.with_integrate(**overrides)
     check_used(scene.integrate, overrides)
     if model is None:
-        stage = _told(progress, scene.integrate.span[0])
-        model = build(scene, target, stage=stage) if target else build_fastest(scene, stage)
+        with _making(progress, scene.integrate.span[0]):
+            model = build(scene, target) if target else build_fastest(scene)
     elif model.PROVENANCE["structure_hash"] != scene.structure.hash:
         allowed = f"built for this scene, with {scene.structure!r}"
         raise SceneError("model", model.__name__, allowed)
@@ -114,11 +115,11 @@ def resume(
         return _run(saver, progress, held)
 
 
-def _told(progress: Progress, start: float) -> Stage | None:
-    """What is told of the stages of a module that is made; None: whoever looks on."""
+def _making(progress: Progress, start: float) -> AbstractContextManager[None]:
+    """Where the module is made: who is told of it."""
     if callable(progress):
-        return lambda stage: progress(Moment(start, stage))
-    return (lambda _: None) if progress is False else None
+        return telling(lambda stage: progress(Moment(start, stage)))
+    return telling(lambda _: None) if progress is False else nullcontext()
 
 
 def _run(saver: Saver, progress: Progress, held: HeldBack) -> Solution:
