@@ -101,7 +101,8 @@ class _Bar:
     """A bar that appears after a second; it then moves on a thread of its own."""
 
     def __init__(self, what: str, total: float | None, remaining: bool = False):
-        self._task: dict[str, Any] = {"description": what, "total": total, "at": ""}
+        self._what, self._total = what, total
+        self._far: dict[str, Any] = {"completed": 0.0, "at": ""}
         self._remaining = remaining
         self._update: Callable[..., None] | None = None
         self._stop: Callable[[], None] = lambda: None
@@ -119,9 +120,9 @@ class _Bar:
 
     def show(self, completed: float, at: str) -> None:
         """How far it is, and what is said of it."""
-        self._task |= {"completed": completed, "at": at}
+        self._far = {"completed": completed, "at": at}
         if self._update is not None:
-            self._update(completed=completed, at=at)
+            self._update(**self._far)
 
     def _appear(self) -> None:
         from rich import progress as rich  # only where something takes long
@@ -136,7 +137,8 @@ class _Bar:
             rich.TimeRemainingColumn() if self._remaining else rich.TimeElapsedColumn(),
         )
         bar = rich.Progress(*columns, console=console, transient=True)
-        task = bar.add_task(**self._task)
+        task = bar.add_task(self._what, total=self._total, **self._far)
         bar.start()
         self._stop = bar.stop
-        self._update = lambda **changes: bar.update(task, **changes)
+        self._update = lambda **far: bar.update(task, **far)
+        self._update(**self._far)  # what was shown meanwhile
