@@ -12,24 +12,12 @@ from time import perf_counter
 from typing import Any, Self
 
 DERIVING, EMITTING, COMPILING = "deriving the equations", "emitting the module", "compiling"
-INTEGRATING = "integrating"
 
 PATIENCE = 1.0  # seconds without a bar
 
 Tell = Callable[[str], None]  # is told by name what is begun
 
 _told: ContextVar[Tell | None] = ContextVar("told", default=None)
-
-
-class Moment(float):
-    """A time of a run [s]; stage: what is being done there, one of those above."""
-
-    stage: str
-
-    def __new__(cls, t: float, stage: str = INTEGRATING) -> Self:
-        moment = super().__new__(cls, t)
-        moment.stage = stage
-        return moment
 
 
 def tell(stage: str) -> None:
