@@ -1,4 +1,4 @@
-"""What is told of work that takes long: its stages, and a bar where somebody looks on."""
+"""What is told of work that takes long: its stages, to a callback or in a bar."""
 
 from __future__ import annotations
 
@@ -6,42 +6,59 @@ import multiprocessing
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import Lock, Timer, current_thread, main_thread
+from contextvars import ContextVar
+from threading import Timer, current_thread, main_thread
 from time import perf_counter
-from typing import Self
+from typing import Any, Self
 
 DERIVING, EMITTING, COMPILING = "deriving the equations", "emitting the module", "compiling"
-INTEGRATING = "integrating"
 
 PATIENCE = 1.0  # seconds without a bar
 
-Stage = Callable[[str], None]  # is told by name what is begun
+Tell = Callable[[str], None]  # is told by name what is begun
 
-_shown = Lock()  # one bar at a time: within another, there is none
-
-
-class Moment(float):
-    """A time of a run [s]; stage: what is being done there, one of those above."""
-
-    stage: str
-
-    def __new__(cls, t: float, stage: str = INTEGRATING) -> Self:
-        moment = super().__new__(cls, t)
-        moment.stage = stage
-        return moment
+_told: ContextVar[Tell | None] = ContextVar("told", default=None)
 
 
-def watched() -> bool:
-    """Whether somebody sees a bar: in a terminal or a notebook, not behind a pool or a server."""
-    terminal = sys.stderr is not None and sys.stderr.isatty()
-    alone = multiprocessing.parent_process() is None and current_thread() is main_thread()
-    return (terminal or "ipykernel" in sys.modules) and alone
+def tell(stage: str) -> None:
+    """Name what is begun to whoever is told of it."""
+    told = _told.get()
+    if told is not None:
+        told(stage)
+
+
+@contextmanager
+def telling(told: Tell) -> Iterator[None]:
+    """All that is told inside is told to this callback, and no bars are shown."""
+    token = _told.set(told)
+    try:
+        yield
+    finally:
+        _told.reset(token)
+
+
+@contextmanager
+def working(what: str, steps: int | None = None) -> Iterator[Tell]:
+    """A callback that names what was done last, of so many steps if their number is known; in a
+    bar, or within the bar of other work."""
+    done = 0
+    if not _shows():
+        yield tell
+        return
+
+    def step(last: str) -> None:
+        nonlocal done
+        done += 1
+        bar.show(done, last)
+
+    with _Bar(what, steps) as bar, telling(lambda stage: bar.show(done, stage)):
+        yield step
 
 
 @contextmanager
 def running(what: str, start: float, end: float) -> Iterator[Callable[[float], None]]:
     """A callback that shows how far a run from start to end has come, how fast it goes against
-    real time, and what time is left; of a Moment before, what is being done."""
+    real time, and what time is left; nothing of it is shown within the bar of other work."""
     first: tuple[float, float] | None = None  # a run that is resumed does not begin at the start
 
     def speed(at: float) -> str:
@@ -50,65 +67,66 @@ def running(what: str, start: float, end: float) -> Iterator[Callable[[float], N
         first = first or (at, now)
         return f"{(at - first[0]) / (now - first[1]):.3g} s/s" if now > first[1] else ""
 
-    def shown(at: float) -> str:
-        stage = getattr(at, "stage", INTEGRATING)
-        return f"t = {at:.3f} s of {end:g} s, {speed(at)}" if stage == INTEGRATING else stage
+    def step(at: float) -> None:
+        bar.show(at - start, f"t = {at:.3f} s of {end:g} s, {speed(at)}")
 
-    with _bar(what, end - start, remaining=True) as show:
-        yield lambda at: show(at - start, shown(at))
-
-
-@contextmanager
-def working(what: str, steps: int | None = None) -> Iterator[Stage]:
-    """A callback that names what is done, of so many steps if their number is known."""
-    done = 0
-
-    def step(last: str) -> None:
-        nonlocal done
-        done += 1
-        show(done, last)
-
-    with _bar(what, steps) as show:
+    if not _shows():
+        yield lambda _: None
+        return
+    with _Bar(what, end - start, remaining=True) as bar, telling(lambda stage: bar.show(0, stage)):
         yield step
 
 
-@contextmanager
-def _bar(
-    what: str, total: float | None, remaining: bool = False
-) -> Iterator[Callable[[float, str], None]]:
+def _shows() -> bool:
+    """Whether somebody sees a bar: in a terminal or a notebook, not behind a pool or a server, nor
+    where somebody is told already."""
+    terminal = sys.stderr is not None and sys.stderr.isatty()
+    alone = multiprocessing.parent_process() is None and current_thread() is main_thread()
+    return (terminal or "ipykernel" in sys.modules) and alone and _told.get() is None
+
+
+class _Bar:
     """A bar that appears after a second; it then moves on a thread of its own."""
-    if not watched() or not _shown.acquire(blocking=False):
-        yield lambda completed, at: None
-        return
-    try:
+
+    def __init__(self, what: str, total: float | None, remaining: bool = False):
+        self._what, self._total = what, total
+        self._far: dict[str, Any] = {"completed": 0.0, "at": ""}
+        self._remaining = remaining
+        self._update: Callable[..., None] | None = None
+        self._stop: Callable[[], None] = lambda: None
+        self._timer = Timer(PATIENCE, self._appear)
+        self._timer.daemon = True
+
+    def __enter__(self) -> Self:
+        self._timer.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._timer.cancel()
+        self._timer.join()
+        self._stop()
+
+    def show(self, completed: float, at: str) -> None:
+        """How far it is, and what is said of it."""
+        self._far = {"completed": completed, "at": at}
+        if self._update is not None:
+            self._update(**self._far)
+
+    def _appear(self) -> None:
+        from rich import progress as rich  # only where something takes long
         from rich.console import Console
-        from rich.progress import (
-            BarColumn,
-            Progress,
-            TextColumn,
-            TimeElapsedColumn,
-            TimeRemainingColumn,
-        )
 
         # A notebook has a line that can be written over, like a terminal.
         console = Console(stderr=True, force_terminal=True, force_jupyter=False, highlight=False)
         columns = (
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.fields[at]}", markup=False),
-            TimeRemainingColumn() if remaining else TimeElapsedColumn(),
+            rich.TextColumn("{task.description}", markup=False),
+            rich.BarColumn(),
+            rich.TextColumn("{task.fields[at]}", markup=False),
+            rich.TimeRemainingColumn() if self._remaining else rich.TimeElapsedColumn(),
         )
-        bar = Progress(*columns, console=console, transient=True)
-        task = bar.add_task(what, total=total, at="")
-        timer = Timer(PATIENCE, bar.start)
-        timer.daemon = True
-        timer.start()
-        try:
-            yield lambda completed, at: bar.update(task, completed=completed, at=at)
-        finally:
-            timer.cancel()
-            timer.join()
-            if bar.live.is_started:
-                bar.stop()
-    finally:
-        _shown.release()
+        bar = rich.Progress(*columns, console=console, transient=True)
+        task = bar.add_task(self._what, total=self._total, **self._far)
+        bar.start()
+        self._stop = bar.stop
+        self._update = lambda **far: bar.update(task, **far)
+        self._update(**self._far)  # what was shown meanwhile

@@ -101,3 +101,28 @@ def test_killed_run_is_resumed_to_the_same_bits(rodgen: Run, swing: Path, tmp_pa
     other = rodgen("run", swing, "--method", "rk4", "--step", "6e-5", "--out", part, "--resume")
     assert other.returncode == 2
     assert "changed" in other.stderr
+
+
+def test_settings_of_a_run_are_given_on_the_command_line(
+    rodgen: Run, swing: Path, tmp_path: Path
+) -> None:
+    given = ("--span", -0.5, 0.5, "--atol", 1e-7, "--rtol", 1e-6, "--output-every", 0.25)
+    done = rodgen("run", swing, *given, "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    sol = package.load(tmp_path / "swing" / "solution.nc")
+    assert sol.t.tolist() == [-0.5, -0.25, 0.0, 0.25, 0.5]
+    assert (sol.scene.integrate.rtol, sol.scene.integrate.atol) == (1e-6, 1e-7)
+    for wrong, said in (
+        (("--span", 1, 0), "integrate.span = [1.0, 0.0]: must be"),
+        (("--method", "rk4", "--step", 0.01, "--atol", 1e-7), "--atol = 1e-07: must be absent"),
+        (("--output-every", 0), "integrate.output_every"),
+    ):
+        done = rodgen("run", swing, *wrong, "--out", tmp_path / "none")
+        assert done.returncode == 2
+        assert said in done.stderr
+
+
+def test_the_package_is_the_command_too() -> None:
+    command = [sys.executable, "-m", "rodgen", "--version"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == package.__version__

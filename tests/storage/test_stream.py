@@ -18,14 +18,15 @@ from rodgen.integrate.files.header import read_header
 from rodgen.integrate.files.status import Run
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Stats
-from rodgen.scene.structure import BOUNDARIES, INERTIAS
+from rodgen.scene.structure import BOUNDARIES, INERTIAS, TERMS
 
 Make = Callable[..., Any]
 STATS = Stats(10, 2, 30, 4, 5, 0.25)
 # What a Dataset has beside: it follows from what is in the file.
 FOLLOWING = {
     *("tip", "total_energy", "principal_angle", "principal_moments"),
-    *("principal", "state_units"),
+    *("principal", "state_units", "bending_moments"),
+    *(f"force_{term}" for term in TERMS),
 }
 
 

@@ -52,8 +52,8 @@ def animate(
     for note in stored.notes:
         err.print(f"rodgen: warning: {note}")
     times = plan(stored.t, settings).times
-    with working("generating") as told:
-        stored.model = build_fastest(stored.scene, told)
+    with working("generating"):
+        stored.model = build_fastest(stored.scene)
     # What a batch system sends to end a program is to leave nothing behind either.
     signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     with progress(out_file.name, float(times[0]), float(times[-1])) as update:

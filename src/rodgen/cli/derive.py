@@ -50,9 +50,10 @@ def derive(
     with promised(out_folder):
         proof = _prove(structure, explicit)
         out.print(_table(structure, proof))
-        with working("generating") as told:
-            every = [sources(structure, one, form, told) for one in targets]
-        texts = {name: text for some in every for name, text in some.items()}
+        with working("generating"):
+            texts = {
+                name: t for one in targets for name, t in sources(structure, one, form).items()
+            }
         for name, text in texts.items():
             out.print(_write(out_folder / name, text))
 

@@ -64,10 +64,8 @@ def run(
     if resumed:
         check_same(scene, file)
     else:
-        with working("generating") as told:
-            model, without_c = (
-                (build(scene, target, stage=told), "") if target else fastest(scene, told)
-            )
+        with working("generating"):
+            model, without_c = (build(scene, target), "") if target else fastest(scene)
         context.with_resource(promised(folder))
         stale = to_replace(scene, file)
     # What a batch system sends to end a program is to lose nothing either.

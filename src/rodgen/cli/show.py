@@ -39,8 +39,8 @@ def show(
     out.print(f"parameters p: {', '.join(structure.parameters)}")
     settings = scene.integrate
     breaks = _listed(scene.breaks())
-    with working("generating") as told:
-        model = build_fastest(scene, told)
+    with working("generating"):
+        model = build_fastest(scene)
         choice = choose(scene, model)
     out.print(f"integrated by {choice.method}: {choice.reason}")
     drifts = drift_warning(scene)

@@ -17,7 +17,7 @@ from rodgen.emit.functions import Functions
 from rodgen.emit.native import native, segments
 from rodgen.emit.statements import PAIR
 from rodgen.emit.tableaux import tableaux
-from rodgen.progress import EMITTING, Stage
+from rodgen.progress import EMITTING, tell
 from rodgen.scene.expression import Expression
 from rodgen.scene.structure import TERM_PARAMETERS, Structure, check_output
 
@@ -68,13 +68,9 @@ NO_ENERGY = "np.zeros_like(kinetic)"  # the contract has three energies, whateve
 
 
 def module_files(
-    structure: Structure,
-    target: str = "numpy",
-    form: str = "chain",
-    stage: Stage = lambda _: None,
+    structure: Structure, target: str = "numpy", form: str = "chain"
 ) -> dict[str, str]:
-    """The texts of a module, by file name; the first is the Python module itself. stage: told when
-    the equations are derived."""
+    """The texts of a module, by file name; the first is the Python module itself."""
     check_output(target, form)
     environment = Environment(
         loader=DictLoader(_templates()), undefined=StrictUndefined, keep_trailing_newline=True
@@ -83,7 +79,7 @@ def module_files(
     stem = structure.module_stem(target, form)
     functions = Functions(structure)
     _ = functions.system  # what takes long to derive is kept from here on
-    stage(EMITTING)
+    tell(EMITTING)
     context = _context(functions, target, form, next(iter(templates.values())))
     return {
         f"{stem}.{ending}": environment.get_template(template).render(context)

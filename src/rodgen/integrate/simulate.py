@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -35,7 +36,7 @@ from rodgen.integrate.stepper import Happened, StepError
 from rodgen.integrate.stretches import ends, inside
 from rodgen.integrate.warned import step_warnings
 from rodgen.loading import build, build_fastest
-from rodgen.progress import Moment, Stage, running
+from rodgen.progress import running, telling
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.overrides import check_used, with_parameters, with_state
 from rodgen.scene.scene import check_scene
@@ -43,7 +44,7 @@ from rodgen.scene.tables import AUTO
 
 TICK = 0.1  # seconds between two calls of the progress callback
 
-Progress = Callable[[Moment], None] | bool | None
+Progress = Callable[[float], None] | bool | None
 
 
 def simulate(
@@ -65,9 +66,10 @@ def simulate(
     instead of those of the scene, by their names in the module, such as {"follower_force": 300}.
     overrides: values for the scene's [integrate] (method, span, step, rtol, atol, output_every,
     t_eval, max_steps); all of these are checked as the scene's are. model: a module built before.
-    progress: called with the time [s] some ten times a second, and before that with the start at
-    every stage of making the module, which the time has as its attribute ``stage``; if it is not
-    given, terminals and notebooks show a bar of what takes more than a second, unless it is False.
+    progress: called with the time [s] some ten times a second; where it has a method ``stage``,
+    that is told before which stage the making of the module is at, such as "compiling". If it is
+    not given, terminals and notebooks show a bar of what takes more than a second, unless it is
+    False.
     out: a NetCDF file into which samples are written as they come, so that memory does not grow
     with the span; the Solution then has at most MOST_SAMPLES of them. checkpoint: seconds between
     two states of the run beside that file, from which `resume` goes on to the same bits.
@@ -85,8 +87,8 @@ def simulate(
     scene = scene.with_integrate(**overrides)
     check_used(scene.integrate, overrides)
     if model is None:
-        stage = _told(progress, scene.integrate.span[0])
-        model = build(scene, target, stage=stage) if target else build_fastest(scene, stage)
+        with _making(progress):
+            model = build(scene, target) if target else build_fastest(scene)
     elif model.PROVENANCE["structure_hash"] != scene.structure.hash:
         allowed = f"built for this scene, with {scene.structure!r}"
         raise SceneError("model", model.__name__, allowed)
@@ -114,11 +116,12 @@ def resume(
         return _run(saver, progress, held)
 
 
-def _told(progress: Progress, start: float) -> Stage | None:
-    """What is told of the stages of a module that is made; None: whoever looks on."""
-    if callable(progress):
-        return lambda stage: progress(Moment(start, stage))
-    return (lambda _: None) if progress is False else None
+def _making(progress: Progress) -> AbstractContextManager[None]:
+    """Where the module is made: who is told of it."""
+    if progress is False:
+        return telling(lambda _: None)
+    stage = getattr(progress, "stage", None)
+    return nullcontext() if stage is None else telling(stage)
 
 
 def _run(saver: Saver, progress: Progress, held: HeldBack) -> Solution:
@@ -132,7 +135,7 @@ def _run(saver: Saver, progress: Progress, held: HeldBack) -> Solution:
 
 
 class _Run:
-    def __init__(self, saver: Saver, progress: Callable[[Moment], None], held: HeldBack):
+    def __init__(self, saver: Saver, progress: Callable[[float], None], held: HeldBack):
         self.saver, self.progress, self.held = saver, progress, held
         self.scene, self.model = scene, model = saver.scene, saver.model
         self.settings = scene.integrate
@@ -220,7 +223,7 @@ class _Run:
             self.saver.tick(now)
             if now - tick > TICK:
                 tick = now
-                self.progress(Moment(self.machine.t))
+                self.progress(self.machine.t)
             self.held.look()
 
     @property

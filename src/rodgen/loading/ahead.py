@@ -15,6 +15,7 @@ from dataclasses import asdict
 
 from rodgen.loading.build import build_fastest
 from rodgen.loading.module import BuildError
+from rodgen.progress import telling
 from rodgen.scene import SceneError, Structure
 
 
@@ -37,7 +38,8 @@ def main() -> None:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("it was ended"))
     structure = parse(sys.stdin.read())
     try:
-        build_fastest(structure, lambda stage: print(stage, flush=True))
+        with telling(lambda stage: print(stage, flush=True)):
+            build_fastest(structure)
     except (BuildError, SceneError) as error:
         sys.exit(str(error))
 

@@ -1,0 +1,143 @@
+"""What is told of a run and of the making of its module, to a callback or in a bar."""
+
+from __future__ import annotations
+
+import io
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stderr
+from pathlib import Path
+
+import pytest
+
+import rodgen
+from rodgen import progress
+from rodgen.integrate import simulate as simulate_function
+from rodgen.progress import COMPILING, DERIVING, EMITTING, telling
+from rodgen.scene import Scene, Structure
+
+Make = Callable[..., Scene]
+
+
+class _Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@contextmanager
+def _looked_at() -> Iterator[_Terminal]:
+    """Standard error, as somebody would see it; bars do not wait before they appear."""
+    seen = _Terminal()
+    with redirect_stderr(seen), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(progress, "PATIENCE", 0.0)
+        yield seen
+
+
+@pytest.fixture
+def _empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RODGEN_CACHE", str(tmp_path / "cache"))
+
+
+@pytest.mark.usefixtures("_empty_cache")
+def test_a_module_tells_of_its_stages_once() -> None:
+    structure, told = Structure(2, "pinned", terms=()), list[str]()
+    with telling(told.append):
+        rodgen.build(structure)
+    assert told == [DERIVING, EMITTING]
+    with telling(told.append):
+        rodgen.build(structure)  # from the cache
+    assert told == [DERIVING, EMITTING]
+
+
+class _Told:
+    """Stages and times, as they were told."""
+
+    def __init__(self) -> None:
+        self.stages, self.times = list[str](), list[float]()
+
+    def stage(self, name: str) -> None:
+        assert not self.times
+        self.stages.append(name)
+
+    def __call__(self, t: float) -> None:
+        self.times.append(t)
+
+
+@pytest.mark.compiler
+def test_a_run_tells_of_making_and_of_time(
+    make_scene: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys.modules[simulate_function.__module__], "TICK", 0.0)
+    told = _Told()
+    scene = make_scene(3, span=[2.0, 3.0])
+    rodgen.simulate(scene, progress=told, target="c", method="dop853")
+    assert told.stages[-1] == COMPILING
+    assert told.times == sorted(told.times)
+    assert 2.0 < told.times[-1] <= 3.0
+
+
+def _wait_for(terminal: _Terminal, text: str) -> None:
+    until = time.monotonic() + 30.0
+    while text not in terminal.getvalue() and time.monotonic() < until:
+        time.sleep(0.01)
+    assert text in terminal.getvalue()
+
+
+def test_a_bar_tells_of_stages_and_of_time() -> None:
+    with _looked_at() as terminal, progress.running("swing", 0.0, 2.0) as update:
+        progress.tell(DERIVING)
+        _wait_for(terminal, DERIVING)
+        update(1.0)
+        _wait_for(terminal, "t = 1.000 s of 2 s")
+    assert "swing" in terminal.getvalue()
+
+
+@pytest.mark.usefixtures("_empty_cache")
+def test_the_first_run_has_bars_from_the_start(
+    make_scene: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bars = dict[str, list[str]]()
+
+    class Bar(progress._Bar):
+        def __init__(self, what: str, *_: object, **__: object):
+            super().__init__(what, None)
+            self._said = bars.setdefault(what, [])
+
+        def show(self, completed: float, at: str) -> None:
+            self._said.append(at)
+
+    monkeypatch.setattr(progress, "_Bar", Bar)
+    monkeypatch.setattr(sys.modules[simulate_function.__module__], "TICK", 0.0)
+    with _looked_at():
+        rodgen.simulate(make_scene(2), target="numpy", rtol=1e-4)
+    assert list(bars) == ["generating", "test"]
+    assert bars["generating"] == [DERIVING, EMITTING]
+    assert bars["test"][-1].startswith("t = ")
+
+
+def test_no_bar_where_it_is_not_wanted(make_scene: Make) -> None:
+    scene = make_scene(2, span=[0.0, 0.1])
+    with _looked_at() as terminal:
+        rodgen.simulate(scene, target="numpy", progress=False)
+        rodgen.simulate(scene, target="numpy", progress=lambda _: None)
+    assert not terminal.getvalue()
+
+
+def test_nobody_looks_on_where_errors_go_to_a_file() -> None:
+    with redirect_stderr(io.StringIO()):
+        assert not progress._shows()
+
+
+def test_a_bar_within_another_speaks_in_that() -> None:
+    with _looked_at() as terminal:
+        with progress.working("outer") as outer:
+            outer("first")
+            with progress.working("inner") as inner:
+                inner(DERIVING)
+            with progress.running("run", 0.0, 1.0) as update:
+                update(0.5)
+            _wait_for(terminal, DERIVING)
+        assert progress._shows()  # again
+    assert "inner" not in terminal.getvalue()
+    assert "run" not in terminal.getvalue()
