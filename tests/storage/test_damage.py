@@ -135,9 +135,10 @@ def test_much_random_damage_is_refused_or_harmless(whole: Make, ended: bool) -> 
 def test_any_byte_that_changes_is_noticed(whole: Make) -> None:
     """Header, padding, labels, scene, events, room for events, samples: every byte of a file."""
     path, _, _ = whole()
-    content = path.read_bytes()
-    refused, read = _refused_or_same(path, rodgen.load(path), _every_byte(content))
-    assert (refused, read) == (2 * len(content) - read, 0)
+    for content in _every_byte(path.read_bytes()):
+        path.write_bytes(content)
+        with pytest.raises(REFUSED):
+            rodgen.load(path)
 
 
 def test_a_byte_of_each_kind_that_changes_is_noticed(whole: Make) -> None:
@@ -150,8 +151,9 @@ def test_a_byte_of_each_kind_that_changes_is_noticed(whole: Make) -> None:
         damaged = bytearray(content)
         damaged[at] ^= 1
         path.write_bytes(damaged)
-        with pytest.raises(REFUSED):
-            rodgen.load(path)
+        for reader in (rodgen.load, Excerpt):
+            with pytest.raises(REFUSED):
+                reader(path)
 
 
 def test_damaged_samples_are_named_and_the_rest_is_had(whole: Make) -> None:
