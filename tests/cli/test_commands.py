@@ -424,6 +424,13 @@ BAD = [
     (("run", str(ROOT / "scenes" / "missile.toml"), "--method", "magic"), "integrate.method"),
     (("run", str(ROOT / "scenes" / "missile.toml"), "--step", "-1", "--method", "rk4"), "step"),
     (("run", str(ROOT / "scenes" / "missile.toml"), "--rtol", "nan"), "rtol"),
+    *(
+        (("run", str(ROOT / "scenes" / "missile.toml"), "--checkpoint", given), "--checkpoint")
+        for given in ("nan", "inf", "-1", "0")
+    ),
+    (("derive", "3", "--out", "/dev/null/folder"), "--out"),
+    (("thesis", "--out", "/dev/null/folder"), "--out"),
+    (("run", "/dev/zero"), "this is a device"),
     (("fly",), "fly"),
     (("run",), "SCENE"),
     (("derive",), "links"),

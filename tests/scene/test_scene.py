@@ -162,8 +162,8 @@ def test_files_that_are_no_scenes_are_refused(
     huge, deep = Path("huge.toml"), Path("deep.toml")
     huge.write_text("name = " + "9" * 5000, encoding="utf-8")
     deep.write_text("name = " + "[" * 5000, encoding="utf-8")
-    for path in (huge, deep):
-        with pytest.raises(SceneError, match="valid TOML"):
+    for path, reason in ((huge, "valid TOML"), (deep, "50 deep")):
+        with pytest.raises(SceneError, match=reason):
             Scene.from_toml(path)
     binary.write_bytes(b"\xff\xfe\x00")
     for path, reason in ((broken, "line 1"), (binary, "UTF-8"), (Path("no.toml"), "No such")):

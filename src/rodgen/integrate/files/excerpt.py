@@ -29,6 +29,7 @@ class Excerpt:
         self.model: ModuleType | None = None
         with Stored(path, strict) as file, as_rodgens(path):
             records, self._good = file.samples()
+            file.events()  # none of them is shown, but a damaged file is to be told of
             self.t = plain(records["time"])[self._good]
             states = records["y"].shape[1:]
             self.scene, self.notes = file.scene, tuple(file.notes)

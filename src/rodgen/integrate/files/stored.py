@@ -191,8 +191,8 @@ def _named(good: NDArray[np.bool_], t: NDArray[np.float64]) -> str:
     named = []
     for some in stretches[:NAMED]:
         before, after = int(some[0]) - 1, int(some[-1]) + 1
-        sides = [f"after t = {t[before]:.9g} s"] * (before >= 0)
-        sides += [f"before t = {t[after]:.9g} s"] * (after < len(good))
+        sides = [f"after t = {t[before]:.9g} s"] if before >= 0 else []
+        sides += [f"before t = {t[after]:.9g} s"] if after < len(good) else []
         which = f"{len(some)} sample{'s' * (len(some) > 1)}"
         named.append(f"{which} {' and '.join(sides)}".rstrip())
     more = len(stretches) - NAMED
