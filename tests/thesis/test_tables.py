@@ -98,22 +98,17 @@ def test_printed_steps_ask_for_one_damping():
     assert links == (10, 20, 30, 40)
 
 
-def many_links(n: int) -> float:
-    """4 sqrt(3) n^2 sqrt(EI / (M L^3)): the rate of the fastest mode of many links [1/s]."""
-    return float(48**0.5 * n**2 * (100 / (50 * 125)) ** 0.5)
-
-
 def test_printed_steps_ask_for_one_mass(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(step_fits, "fastest", many_links)
+    # omega = 4 sqrt(3) n^2 sqrt(EI / (M L^3)), which the fastest mode has for many links.
+    monkeypatch.setattr(step_fits, "fastest", lambda n: 48**0.5 * n**2 * (100 / (50 * 125)) ** 0.5)
     mass, links = step_fits.common(step_fits.masses("semi_implicit_euler"))
     assert mass.low < scenes.MASS < mass.high
     assert links == (10, 20, 30, 40)
 
 
-def test_two_columns_ask_for_masses_that_overlap(monkeypatch: pytest.MonkeyPatch):
+@pytest.mark.long
+def test_two_columns_ask_for_masses_that_overlap():
     """And the damping kept, 55 kg gives one more of the 15 printed steps than 50 kg."""
-    for module in (step_fits, methods):
-        monkeypatch.setattr(module, "fastest", many_links)
     semi, kutta = (
         step_fits.common(step_fits.masses(method))[0]
         for method in ("semi_implicit_euler", "thesis_runge_kutta")
