@@ -26,8 +26,8 @@ def on_growth(rows: list[dict[str, Cell]]) -> Note:
         f"flutter grows slowly: within 200 s by exp({min(grown):.1f}) to exp({max(grown):.1f}), "
         f"median exp({middle:.1f}), with a mass of {scenes.MASS:g} kg. A simulation that starts "
         "from a disturbance too small to see needs such a factor before it calls the rod unstable; "
-        f"or a damping of the masses, {min(held):.2f} to {max(held):.2f} 1/s, holds it up to there. "
-        "Neither the mass nor the disturbance nor a damping is given: this fits, but is not "
+        f"or a damping of the masses, {min(held):.2f} to {max(held):.2f} 1/s, holds it up to "
+        "there. Neither the mass nor the disturbance nor a damping is given: this fits, but is not "
         "shown.",
     )
 
