@@ -27,9 +27,9 @@ from rodgen.thesis import (
 from rodgen.thesis.hypotheses import shifted
 from rodgen.thesis.methods import rounded_down
 from rodgen.thesis.percentages import ANALYTICAL, NEITHER, SIMULATED, base_of, percentages
-from rodgen.thesis.table import Cell, Note, Table, agreed, by_size, verdict
+from rodgen.thesis.table import INCOMPARABLE, Cell, Note, Table, agreed, by_size, verdict
 from rodgen.thesis.timing import times
-from rodgen.view.thesis_page import write_thesis
+from rodgen.view.thesis_page import summary, write_thesis
 
 
 def bases(table: str) -> list[str]:
@@ -87,6 +87,20 @@ def test_deviations_are_counted_by_decades():
     assert by_size([]) == ""
 
 
+@pytest.mark.parametrize(
+    ("verdicts", "words"),
+    [
+        ([verdict("13.39", 13.29), verdict("0.0198", 0.0198258)], "1 of 2"),
+        ([verdict("13.39", 13.29)], "0 of 1"),
+        ([f"{INCOMPARABLE}: span not given"], "no values to reproduce"),
+        ([None], "no values to reproduce"),
+    ],
+)
+def test_rows_to_all_digits_are_counted(verdicts: list[Cell], words: str):
+    rows: list[dict[str, Cell]] = [{"verdict": text} for text in verdicts]
+    assert summary(Table("3.1", "", (), rows)) == words
+
+
 def test_steps_shift_frequencies_as_known():
     # Semi-implicit Euler: sin(pi f' h) = pi f h, to second order f' = f (1 + (2 pi f h)^2 / 24).
     assert shifted(1.0, 1e-2, "semi_implicit_euler") == pytest.approx(1.000164535, abs=1e-7)
@@ -130,10 +144,10 @@ def _costs(euler: tuple[float, float], semi: tuple[float, float]) -> list[dict[s
 def test_the_note_on_costs_says_what_the_table_says():
     (*_, note) = run_times._notes_4_2(_costs((90.0, 660.0), (1.0, 2.0)))
     assert "90, 330 times as much" in note.text
-    assert "at every n" in note.text
+    assert "at every n in ours" in note.text
     (*_, note) = run_times._notes_4_2(_costs((90.0, 1.0), (1.0, 2.0)))
     assert "90, 0.5 times as much" in note.text
-    assert "at n = 10," in note.text
+    assert "at n = 10 in ours" in note.text
 
 
 def test_run_times_say_how_often_they_were_multiplied():
@@ -174,7 +188,12 @@ COLUMNS = {
     "4.2": run_times.COLUMNS,
     "clamp": clamp.columns_of(clamp.LINKS),
 }
-TEXTS = {"name": "f1 < f2", "unit": "m", "method": "Euler", "verdict": "reproduced to 2 digits"}
+TEXTS = {
+    "name": "f1 < f2",
+    "unit": "m",
+    "method": "Euler",
+    "verdict": "reproduced to all 2 digits",
+}
 
 
 def made_up(number: str) -> Table:

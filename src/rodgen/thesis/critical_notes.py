@@ -65,8 +65,7 @@ def on_ours(rows: list[dict[str, Cell]]) -> Note:
         text += (
             f" With n = {_links(early)} its force is too small: nothing grows there, for the two "
             "frequencies have not met. Their shapes are nearly alike, and a bend made of both "
-            f"beats: it becomes a hundredfold and goes back again, in {min(periods):.0f} to "
-            f"{max(periods):.0f} s."
+            f"beats: it becomes a hundredfold and goes back again, in {_span(periods)} s."
         )
     if late:
         text += (
@@ -74,6 +73,11 @@ def on_ours(rows: list[dict[str, Cell]]) -> Note:
             "that it is seen late."
         )
     return Note("shown", f"{text} A simulation of {scenes.WATCHED:g} s cannot tell the two apart.")
+
+
+def _span(values: list[float]) -> str:
+    least, most = f"{min(values):.0f}", f"{max(values):.0f}"
+    return least if least == most else f"{least} to {most}"
 
 
 def _links(rows: list[dict[str, Cell]]) -> str:

@@ -134,8 +134,8 @@ def note_on_masses() -> Note:
     rows = len(data.METHODS) * len(data.TABLE_4_1)
     return Note(
         "consistent",
-        f"The masses that these two columns ask for {both}. With the damping assumed, and c_int M "
-        f"kept, {best[0]:.1f} to {best[-1]:.1f} kg reproduce {most} of the {rows} steps; "
+        f"The masses of the semi-implicit Euler and the Runge-Kutta column {both}. With the "
+        f"damping assumed, and c_int M kept, {best[0]:.1f} to {best[-1]:.1f} kg reproduce {most} of the {rows} steps; "
         f"{scenes.MASS:g} kg, the round mass that is assumed all the same, "
         f"{reproduced(scenes.MASS)}.",
     )

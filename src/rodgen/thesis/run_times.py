@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from rodgen.thesis import data, scenes
 from rodgen.thesis.methods import DAMPING, NAMES, theory
-from rodgen.thesis.table import Cell, Column, Note, Table
+from rodgen.thesis.table import INCOMPARABLE, Cell, Column, Note, Table
 from rodgen.thesis.timing import STEPS, special_seconds, times
 
 COLUMNS = (
@@ -60,7 +60,7 @@ def _row_4_2(printed: data.OfMethods, method: str, step: float) -> dict[str, Cel
         "cost": seconds * step / scenes.WATCHED * 1e6,
         **ours,
         "gain": seconds / ours["c"],
-        "verdict": "not comparable: span and machine not given",
+        "verdict": f"{INCOMPARABLE}: span and machine not given",
     }
 
 
@@ -104,20 +104,23 @@ def _note_on_order(rows: list[dict[str, Cell]], counts: list[int]) -> Note:
 
     def over(key: str, method: str) -> list[float]:
         found = {(row["links"], row["method"]): float(row[key] or 0) for row in rows}
-        least = NAMES["semi_implicit_euler"]
-        return [found[n, NAMES[method]] / found[n, least] for n in counts]
+        base = NAMES["semi_implicit_euler"]
+        return [found[n, NAMES[method]] / found[n, base] for n in counts]
 
     def words(ratios: list[float]) -> str:
         return ", ".join(f"{ratio:.2g}" if ratio < 10 else f"{ratio:.0f}" for ratio in ratios)
 
-    others = [m for m in data.METHODS if m != "semi_implicit_euler"]
-    first = [n for at, n in enumerate(counts) if all(over("c", m)[at] > 1 for m in others)]
+    def least(key: str) -> str:
+        others = [over(key, m) for m in data.METHODS if m != "semi_implicit_euler"]
+        here = [str(n) for n, *ratios in zip(counts, *others, strict=True) if min(ratios) > 1]
+        return "every n" if len(here) == len(counts) else f"n = {', '.join(here) or 'none'}"
+
     steps = [1 / ratio for ratio in over("step", "euler")]
-    same = "at every n" if first == counts else f"at n = {', '.join(map(str, first)) or 'none'}"
     return Note(
         "estimated",
-        f"At the thesis's largest steps the semi-implicit Euler method costs least, in the thesis "
-        f"and, {same}, in ours. Euler's method costs {words(over('c', 'euler'))} times as much in "
-        f"ours (C), {words(over('thesis', 'euler'))} times in the thesis (n = "
+        "At the thesis's largest steps the semi-implicit Euler method costs least at "
+        f"{least('thesis')} in the thesis and at {least('c')} in ours. Euler's method costs "
+        f"{words(over('c', 'euler'))} times as much in ours (C), "
+        f"{words(over('thesis', 'euler'))} times in the thesis (n = "
         f"{', '.join(map(str, counts))}); its steps alone are {words(steps)} times as many.",
     )

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from rodgen.thesis.data import digits, half_unit
 
 Cell = float | int | str | None
+INCOMPARABLE = "not comparable"  # how the verdict on a row begins whose conditions are not known
 SIZES = (0.01, 0.1, 1.0)  # %, between which deviations are counted: decades, fitted to no value
 
 

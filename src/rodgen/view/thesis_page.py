@@ -13,7 +13,7 @@ from typing import Any
 from rodgen.judge.surroundings import processor
 from rodgen.loading.cache import write_whole
 from rodgen.thesis import critical, frequencies, mass_spring_table, scenes, statics
-from rodgen.thesis.table import Column, Table, by_size
+from rodgen.thesis.table import INCOMPARABLE, Column, Table, by_size
 from rodgen.view.pages import PAGE, csv_lines, put_whole, render
 from rodgen.view.thesis_figures import CAPTIONS, save_figures
 
@@ -162,7 +162,7 @@ def deviations(table: Table) -> str:
 def summary(table: Table) -> str:
     """How many rows are reproduced to all printed digits, in a few words."""
     verdicts = [str(row["verdict"]) for row in table.rows if row.get("verdict")]
-    count = sum(text.startswith("reproduced") for text in verdicts)
-    if not any("reproduced" in text for text in verdicts):  # run times, or no printed values
+    comparable = [text for text in verdicts if not text.startswith(INCOMPARABLE)]
+    if not comparable:  # run times, or no printed values
         return "no values to reproduce"
-    return f"{count} of {len(verdicts)}"
+    return f"{sum(text.startswith('reproduced') for text in comparable)} of {len(comparable)}"
