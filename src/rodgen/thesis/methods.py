@@ -135,8 +135,8 @@ def note_on_masses() -> Note:
     return Note(
         "consistent",
         f"The masses of the semi-implicit Euler and the Runge-Kutta column {both}. With the "
-        f"damping assumed, and c_int M kept, {best[0]:.1f} to {best[-1]:.1f} kg reproduce {most} of the {rows} steps; "
-        f"{scenes.MASS:g} kg, the round mass that is assumed all the same, "
+        f"damping assumed, and c_int M kept, {best[0]:.1f} to {best[-1]:.1f} kg reproduce {most} "
+        f"of the {rows} steps; {scenes.MASS:g} kg, the round mass that is assumed all the same, "
         f"{reproduced(scenes.MASS)}.",
     )
 
