@@ -20,7 +20,7 @@ def thesis(
 ) -> None:
     """Rebuild the tables and figures of the thesis beside exact values: one to five minutes."""
     from rodgen.thesis.rebuild import TABLES, rebuild
-    from rodgen.view.thesis_page import summary, write_thesis
+    from rodgen.view.thesis_page import deviations, summary, write_thesis
 
     folder = writable(out_folder)
     begin = time.perf_counter()
@@ -28,9 +28,9 @@ def thesis(
         tables = rebuild(lambda number: step(f"table {number}"))
     page = write_thesis(folder, tables, time.perf_counter() - begin)
     shown = Table(title="the thesis rebuilt")
-    for column in ("table", "what it has", "reproduced"):
+    for column in ("table", "what it has", "to all printed digits", "deviations"):
         shown.add_column(column)
     for table in tables:
-        shown.add_row(table.number, table.title, summary(table))
+        shown.add_row(table.number, table.title, summary(table), deviations(table))
     out.print(shown)
     out.print(f"written: {page}")

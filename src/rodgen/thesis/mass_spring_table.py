@@ -16,7 +16,7 @@ from rodgen.thesis.mass_spring import MassSpring
 from rodgen.thesis.mass_spring_runs import grow, simulated_critical_force
 from rodgen.thesis.percentages import base_of
 from rodgen.thesis.table import Cell, Column, Note, Table, percent, verdict
-from rodgen.thesis.timing import special_seconds
+from rodgen.thesis.timing import STEPS, largest_step, special_seconds, times
 
 SIMULATED = (10, 20)  # links of which the critical force is simulated as well
 SPAN, FACTOR = 20.0, 30.0  # s, of growth
@@ -62,8 +62,11 @@ def table_3_5(
         f"EA = {scenes.AXIAL_STIFFNESS:.4g} N, from EI and the section of table 3.1.",
         f"Simulated: {span:g} s at twelve forces side by side; critical where a bend grows "
         f"{FACTOR:g} times. Semi-implicit Euler steps of 0.9 of the largest stable one.",
-        f"Run times: measured over {TIMED:g} s of motion or more and extrapolated to 200 s, one "
-        "rod at one force, on one core.",
+        f"Run times: of one rod at one force, on one core, multiplied to {scenes.WATCHED:g} s of "
+        f"motion: the mass-spring model was measured over {TIMED:g} s, multiplied "
+        f"{times([scenes.WATCHED / TIMED])}; the special model over {STEPS['numpy']} steps in "
+        f"NumPy, {times(_multiplied(rows, 'numpy'))}, and {STEPS['c']} steps in C, "
+        f"{times(_multiplied(rows, 'c'))}.",
     ]
     table.notes = [*_notes(rows), Note("found", base_of("3.5"))]
     return table
@@ -95,6 +98,12 @@ def _row(printed: data.Critical, simulated: bool, span: float) -> dict[str, Cell
             printed.force, exact, "the data of the program are not given, see below"
         ),
     }
+
+
+def _multiplied(rows: list[dict[str, Cell]], target: str) -> list[float]:
+    """How many times longer than what was measured the runs are whose times are given."""
+    spans = [largest_step(int(row["links"] or 0)) * STEPS[target] for row in rows]
+    return [scenes.WATCHED / span for span in spans]
 
 
 def fitted_stiffness(links: int, force: float) -> float | None:
@@ -153,10 +162,12 @@ def _notes(rows: list[dict[str, Cell]]) -> list[Note]:
             "that rate on every mass would just hold it.",
         ),
         Note(
-            "shown",
+            "estimated",
             "Why a special model: the axial springs are the fastest part of the general one, and "
             f"its steps are shorter for them: {_ratios(rows)} times the run time of the special "
-            f"model, both in NumPy (n = {', '.join(str(row['links']) for row in rows)}).",
+            f"model, both in NumPy (n = {', '.join(str(row['links']) for row in rows)}), each from "
+            f"a time that was multiplied, {times([scenes.WATCHED / TIMED])} and "
+            f"{times(_multiplied(rows, 'numpy'))}: a step costs the same at any time.",
         ),
         _note_on_times(rows),
     ]

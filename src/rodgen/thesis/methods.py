@@ -11,8 +11,8 @@ import numpy as np
 from rodgen.integrate import RunError, StepWarning, simulate
 from rodgen.integrate.stability import limit
 from rodgen.thesis import data, scenes
-from rodgen.thesis.step_fits import notes_on_steps
-from rodgen.thesis.table import Cell, Column, Table
+from rodgen.thesis.step_fits import UNDAMPED, common, masses, notes_on_steps
+from rodgen.thesis.table import Cell, Column, Note, Table
 from rodgen.thesis.timing import fastest
 
 # Assumed: internal damping, without which no step of Euler's method is stable. The round value
@@ -28,6 +28,7 @@ NAMES = {
 STEPS = {"euler": 500_000, "semi_implicit_euler": 4000, "thesis_runge_kutta": 4000}
 CLOSENESS = {"euler": 0.03, "semi_implicit_euler": 1e-3, "thesis_runge_kutta": 1e-3}
 GROWN = 30.0  # times the first bend
+TENTHS = range(300, 701)  # of a kg: masses that are tried
 
 COLUMNS_4_1 = (
     Column("links", "links"),
@@ -41,15 +42,15 @@ COLUMNS_4_1 = (
 )
 
 
-def theory(links: int, method: str, damping: float) -> float:
-    """Largest stable step [s] for small motions of the straight rod.
+def theory(links: int, method: str, damping: float, mass: float = scenes.MASS) -> float:
+    """Largest stable step [s] for small motions of the straight rod of a mass [kg].
 
     Internal damping is proportional to the stiffness, by beta = c_int m/k = c_int M L/(EI n^2):
     a mode of frequency omega has lambda = -beta omega^2/2 +- i omega sqrt(...). Euler's method then
     has the same limit, beta, for all modes; the others have theirs at the fastest one.
     """
-    omega = fastest(links)
-    beta = damping * scenes.MASS * scenes.LENGTH / (scenes.STIFFNESS * links**2)
+    omega = fastest(links) * math.sqrt(scenes.MASS / mass)
+    beta = damping * mass * scenes.LENGTH / (scenes.STIFFNESS * links**2)
     if method == "euler":  # in closed form: a weak damping is no rounding here
         return beta
     real = -beta * omega**2 / 2
@@ -107,8 +108,37 @@ def table_4_1(links: Sequence[int] | None = None, methods: Sequence[str] = data.
         f"{STEPS['semi_implicit_euler']} steps of the other methods; interval halved to "
         f"{100 * CLOSENESS['euler']:g} and {100 * CLOSENESS['semi_implicit_euler']:g} %.",
     ]
-    table.notes = notes_on_steps(DAMPING)
+    table.notes = [*notes_on_steps(DAMPING), note_on_masses()]
     return table
+
+
+def reproduced(mass: float) -> int:
+    """How many printed steps are the theory's limits, rounded down, with a mass [kg] and the
+    product of mass and internal damping kept."""
+    damping = DAMPING * scenes.MASS / mass
+    return sum(
+        is_rounded_down(getattr(row, method), theory(row.links, method, damping, mass))
+        for method in data.METHODS
+        for row in data.TABLE_4_1
+    )
+
+
+def note_on_masses() -> Note:
+    """The masses that two columns ask for, beside each other."""
+    semi, kutta = (common(masses(method))[0] for method in UNDAMPED)
+    low, high = max(semi.low, kutta.low), min(semi.high, kutta.high)
+    both = f"overlap from {low:.1f} to {high:.1f} kg" if low < high else "do not overlap"
+    counts = {mass / 10: reproduced(mass / 10) for mass in TENTHS}
+    most = max(counts.values())
+    best = [mass for mass, count in counts.items() if count == most]
+    rows = len(data.METHODS) * len(data.TABLE_4_1)
+    return Note(
+        "consistent",
+        f"The masses of the semi-implicit Euler and the Runge-Kutta column {both}. With the "
+        f"damping assumed, and c_int M kept, {best[0]:.1f} to {best[-1]:.1f} kg reproduce {most} "
+        f"of the {rows} steps; {scenes.MASS:g} kg, the round mass that is assumed all the same, "
+        f"{reproduced(scenes.MASS)}.",
+    )
 
 
 def _row_4_1(printed: data.OfMethods, method: str) -> dict[str, Cell]:
@@ -126,9 +156,14 @@ def _row_4_1(printed: data.OfMethods, method: str) -> dict[str, Cell]:
     }
 
 
+def is_rounded_down(printed: str, value: float) -> bool:
+    """Whether a value without its further digits is the printed one."""
+    unit = 10.0 ** -len(printed.partition(".")[2])
+    return math.floor(value / unit * (1 + 1e-9)) == round(float(printed) / unit)
+
+
 def rounded_down(printed: str, value: float) -> str:
     """Verdict on a printed limit, which is taken as rounded down to its digits."""
-    unit = 10.0 ** -len(printed.partition(".")[2])
-    if math.floor(value / unit * (1 + 1e-9)) == round(float(printed) / unit):
+    if is_rounded_down(printed, value):
         return f"reproduced: {value:.3g} s, rounded down"
     return f"not reproduced: {float(printed) / value:.2f} of the limit"

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import NamedTuple
 
 from rodgen.thesis.data import digits, half_unit
 
 Cell = float | int | str | None
-LEAST = 3  # significant digits from which on a value counts as reproduced,
-CLOSE = 0.3  # or a deviation [%] up to which it does; tables may have their own
+INCOMPARABLE = "not comparable"  # how the verdict on a row begins whose conditions are not known
+SIZES = (0.01, 0.1, 1.0)  # %, between which deviations are counted: decades, fitted to no value
 
 
 class Column(NamedTuple):
@@ -29,7 +31,8 @@ class Column(NamedTuple):
 
 
 class Note(NamedTuple):
-    """status: shown, refuted, consistent (fits, other reasons fit as well), open, or found."""
+    """status: shown, estimated (from run times measured over less and multiplied), refuted,
+    consistent (fits, other reasons fit as well), open, or found."""
 
     status: str
     text: str
@@ -76,18 +79,24 @@ def agreed(printed: str, value: float) -> int:
     return count
 
 
-def verdict(printed: str, value: float, reason: str = "", close: float = CLOSE) -> str:
-    """Reproduced or not, to how many digits; by how much it is off, and for what reason.
-
-    close: deviation [%] up to which fewer digits than LEAST count as well."""
+def verdict(printed: str, value: float, reason: str = "") -> str:
+    """Reproduced where the value rounds to the printed number, or to how many digits it does; by
+    how much it is off, and for what reason."""
     if not math.isfinite(value):
         return "nothing to compare with"
     count, off = agreed(printed, value), percent(float(printed), value)
     if count == digits(printed):
         return f"reproduced to all {count} digits"
-    agree = f"{count or 'no'} digit{'s' * (count != 1)}"
-    if count >= LEAST:
-        return f"reproduced to {agree} ({off:+.2g} %)"
-    if abs(off) <= close:
-        return f"reproduced within {close:g} %: {agree} ({off:+.2g} %)"
-    return f"not reproduced: {agree} ({off:+.3g} %){', ' + reason if reason else ''}"
+    agree = f"{count or 'none'} of {digits(printed)} digits"
+    return f"off by {off:+.2g} %: {agree}{', ' + reason if reason else ''}"
+
+
+def by_size(deviations: Sequence[float]) -> str:
+    """How many deviations [%] are how large, in decades; nothing for none."""
+    bounds = (0.0, *SIZES, math.inf)
+    words = []
+    for low, high in pairwise(bounds):
+        count = sum(low < abs(x) <= high or (not low and not x) for x in deviations)
+        if count:
+            words.append(f"{count} " + (f"up to {high:g} %" if high < math.inf else "above that"))
+    return ", ".join(words).replace(" above that", f" above {SIZES[-1]:g} %")

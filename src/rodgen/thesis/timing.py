@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from functools import lru_cache
 
 from rodgen.integrate import StepWarning, simulate
@@ -13,6 +14,7 @@ from rodgen.thesis import scenes
 
 STEPS = {"c": 20000, "numpy": 400}  # timed
 SAFETY = 0.9  # of the largest stable step, where no step is given
+ROUND = 2  # significant digits of a number of times
 
 
 @lru_cache(maxsize=32)
@@ -24,6 +26,17 @@ def fastest(links: int) -> float:
     return spectrum(model, 0.0, scene.initial_state(), model.parameters(**scene.parameters)).rate
 
 
+def largest_step(links: int) -> float:
+    """The step [s] that is timed where none is given."""
+    return SAFETY * 2 / fastest(links)
+
+
+def times(factors: Sequence[float]) -> str:
+    """By how much run times were multiplied, from the least to the most of the factors."""
+    least, most = (f"{float(f'{f:.{ROUND}g}'):g}" for f in (min(factors), max(factors)))
+    return f"{least} times" if least == most else f"{least} to {most} times"
+
+
 @lru_cache(maxsize=64)
 def special_seconds(
     links: int, method: str, target: str, step: float | None = None, damping: float = 0.0
@@ -32,7 +45,7 @@ def special_seconds(
 
     step [s]: by default 0.9 of the largest stable one; damping: internal, [m^2/s].
     """
-    h = step or SAFETY * 2 / fastest(links)
+    h = step or largest_step(links)
     steps = STEPS[target]
     loads = {"internal_damping": {"coefficient": damping}} if damping else {}
     scene = scenes.long_rod(
