@@ -278,12 +278,12 @@ def test_window_of_a_heavy_column(call: Call, write: Write) -> None:
     assert high == found["force"]
     assert _strict(call("critical", scene, "--end", "lower", "--json"))["force"] == low
     assert "stable from" in call("critical", scene).err
-    done = call("critical", scene, "--windows")
-    assert f"{low:.10g} to {high:.10g} N" in done.out
-    assert "grows already" in done.out
     weight = _strict(call("critical", scene, "--load", "gravity", "--json"))
     assert (weight["unit"], weight["kind"]) == ("m/s^2", "divergence")
     assert weight["force"] > 1.8  # 10 N hold up more than the column has
+    done = call("critical", scene, "--windows")
+    assert f"{low:.10g} to {high:.10g} N" in done.out
+    assert "grows already" in done.out
     assert "M g L^2/EI" in call("critical", scene, "--load", "gravity").out
     _picture("critical.png")
 
@@ -370,7 +370,7 @@ BAD = [
     (("static", "PUSHED", "--imperfection", "nan"), 2, "imperfection = nan"),
     (("critical", "SCENE"), 2, "loads.follower"),
     (("critical", "PUSHED", "--highest", "50"), 3, "between 0 and 50 N"),
-    (("critical", "PUSHED", "--lowest", "200", "--highest", "230"), 3, "unstable already at"),
+    (("critical", "PUSHED", "--lowest", "200", "--highest", "210"), 3, "unstable already at"),
     (("critical", "PUSHED", "--lowest", "9", "--highest", "3"), 2, "highest = 3.0"),
     (("critical", "PUSHED", "--lowest", "nan"), 2, "--lowest = nan"),
     (("critical", "PUSHED", "--highest", "inf"), 2, "--highest = inf"),
