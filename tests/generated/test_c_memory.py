@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from decimal import Decimal
+from fractions import Fraction
+from functools import partial
 from types import ModuleType
 
 import numpy as np
@@ -37,7 +40,7 @@ def y(rod: ModuleType) -> Array:
     return np.linspace(0.1, 0.4, len(rod.STATE))
 
 
-# What is changed in place ---------------------------------------------------------------------------
+# What is changed in place -------------------------------------------------------------------------
 
 
 def _reshaped(array: Array) -> None:
@@ -62,7 +65,7 @@ OF_OUT: dict[str, Callable[[Array], None]] = {
     "floats": lambda a: _retyped(a, "f4"),
     "big-endian": lambda a: _retyped(a, ">f8"),
 }
-OF_P = {name: change for name, change in OF_OUT.items() if name != "read-only"}
+OF_P = {name: change for name, change in OF_OUT.items() if name not in ("read-only", "big-endian")}
 OF_P["integers"] = lambda a: _retyped(a, "c16")
 
 
@@ -73,29 +76,37 @@ def test_out_that_changes_after_a_call_is_refused(
     """By NumPy where the call before forbids it to move the memory, else by the next call."""
     out = np.empty(14)
     rod.rhs(0.0, y, p, out)
-    with pytest.raises(ValueError, match="cannot resize|out"):
+
+    def again() -> None:
         OF_OUT[change](out)
         rod.rhs(0.0, y, p, out)
+
+    with pytest.raises(ValueError, match=r"cannot resize|out"):
+        again()
 
 
 @pytest.mark.parametrize("change", OF_P)
 def test_p_that_changes_after_a_call_is_refused(
     rod: ModuleType, y: Array, p: Array, change: str
 ) -> None:
-    # Where the bytes of a double have another order, the values are others, and they are used.
     rod.rhs(0.0, y, p)
-    expected: Array | None = None
-    if change == "big-endian":
-        expected = rod.rhs(0.0, y, p.view(">f8").astype(float))
-    rod.rhs(0.0, y, p)
-    try:
+
+    def again() -> None:
         OF_P[change](p)
-        got = rod.rhs(0.0, y, p)
-    except (TypeError, ValueError) as error:
-        assert "cannot resize" in str(error) or "p has" in str(error)
-    else:
-        assert expected is not None
-        np.testing.assert_array_equal(got, expected)
+        rod.rhs(0.0, y, p)
+
+    with pytest.raises((TypeError, ValueError), match=r"cannot resize|p has"):
+        again()
+
+
+def test_doubles_of_another_order_after_a_call_are_read_as_such(
+    rod: ModuleType, y: Array, p: Array
+) -> None:
+    expected = rod.rhs(0.0, y, p)
+    rod.rhs(0.0, y, p)
+    p.byteswap(inplace=True)
+    _retyped(p, ">f8")
+    np.testing.assert_array_equal(rod.rhs(0.0, y, p), expected)
 
 
 def test_values_of_p_may_change_in_place(rod: ModuleType, y: Array, p: Array) -> None:
@@ -120,7 +131,7 @@ def test_masked_arrays_are_refused(rod: ModuleType, y: Array, p: Array, which: s
         rod.rhs(0.0, **given)
 
 
-# Runs -----------------------------------------------------------------------------------------------
+# Runs ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -196,11 +207,9 @@ def test_runs_that_cannot_be_are_refused(rod: ModuleType, y: Array, p: Array, wh
         for name, value in IMPOSSIBLE[what].items():
             setattr(run.numbers, name, value)
         before = run.memory.copy()
-        with pytest.raises(ValueError, match="no run of .* from t = "):
-            if begun:
-                run.on(10, *nothing)
-            else:
-                run.begin(run.numbers.end)
+        go = partial(run.on, 10, *nothing) if begun else partial(run.begin, run.numbers.end)
+        with pytest.raises(ValueError, match=r"no run of .* from t = "):
+            go()
         np.testing.assert_array_equal(run.memory, before)
 
 
@@ -227,7 +236,7 @@ def test_methods_and_endings_are_those_of_the_header(rod: ModuleType, written: B
     assert "#define ROD_FREE_N5_C_N 5\n" in header
 
 
-# Parameters -----------------------------------------------------------------------------------------
+# Parameters ---------------------------------------------------------------------------------------
 
 NO_NUMBERS: dict[str, object] = {
     "truth": True,
@@ -256,7 +265,7 @@ def test_parameters_that_are_no_real_numbers_are_refused(
 ) -> None:
     rod = built(Structure(5), *target)
     value = NO_NUMBERS[what]
-    with pytest.raises(ValueError, match="(?s)length = .*must be a finite number"):
+    with pytest.raises(ValueError, match=r"(?s)length = .*must be a finite number"):
         rod.parameters(**{**VALUES, **DAMPING, "length": value})
     if value is not None:
         fins = [1.0, 1.0, value, 1.0, 1.0, 1.0]
@@ -265,9 +274,6 @@ def test_parameters_that_are_no_real_numbers_are_refused(
 
 
 def test_numbers_of_other_make_are_parameters(rod: ModuleType, p: Array) -> None:
-    from decimal import Decimal
-    from fractions import Fraction
-
     for three in (3, np.int8(3), np.float32(3), np.array(3), Decimal(3), Fraction(3), np.uint64(3)):
         np.testing.assert_array_equal(rod.parameters(**{**VALUES, **DAMPING, "mass": three}), p)
     for wrong in (bytes(6), bytearray(6), memoryview(bytes(6)), np.ma.masked_equal([1] * 6, 1)):
