@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import NamedTuple
 
 from rodgen.thesis.data import digits, half_unit
@@ -93,10 +93,6 @@ def verdict(printed: str, value: float, reason: str = "") -> str:
 
 def by_size(deviations: Sequence[float]) -> str:
     """How many deviations [%] are how large, in decades; nothing for none."""
-    bounds = (0.0, *SIZES, math.inf)
-    words = []
-    for low, high in pairwise(bounds):
-        count = sum(low < abs(x) <= high or (not low and not x) for x in deviations)
-        if count:
-            words.append(f"{count} " + (f"up to {high:g} %" if high < math.inf else "above that"))
-    return ", ".join(words).replace(" above that", f" above {SIZES[-1]:g} %")
+    names = [*(f"up to {size:g} %" for size in SIZES), f"above {SIZES[-1]:g} %"]
+    places = [bisect_left(SIZES, abs(x)) for x in deviations]
+    return ", ".join(f"{places.count(k)} {name}" for k, name in enumerate(names) if k in places)
