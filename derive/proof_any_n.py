@@ -73,9 +73,9 @@ def prove_any_n(boundary: str, inertia: str, terms: Sequence[str] = TERMS) -> It
 
 
 def _sizes() -> Pairs:
-    rod = (PARAMETERS[name] for name in ("mass", "length", "bending_stiffness"))
+    M, L, EI = (PARAMETERS[name] for name in ("mass", "length", "bending_stiffness"))
     derived = discretisation()
-    return list(zip((derived[m], derived[l], derived[k]), link_sizes(*rod, n), strict=True))
+    return list(zip((derived[m], derived[l], derived[k]), link_sizes(M, L, EI, n), strict=True))
 
 
 def _matrices(derived: Equations, closed: ClosedForm) -> dict[str, Pairs]:

@@ -39,7 +39,7 @@ class Exact:
     lumped: bool = False
 
     def closed(self, phi: list[Any]) -> ClosedForm:
-        m, l, k = link_sizes(*map(mp.mpf, (self.mass, self.length, self.stiffness)), self.n)
+        m, l, k = link_sizes(*map(mp.mpf, (self.mass, self.length, self.stiffness, self.n)))
         return ClosedForm(
             n=self.n,
             m=m,

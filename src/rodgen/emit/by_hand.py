@@ -31,8 +31,8 @@ class ByHand:
         number = {k: mpf(float(v)) for k, v in values.items() if k != "fin_factor"}
         self.number = number
         self.fins = [mpf(float(f)) for f in values.get("fin_factor", [])]
-        rod = (number[name] for name in ("mass", "length", "bending_stiffness"))
-        self.m, self.l, self.k = sizes = link_sizes(*rod, self.n)
+        M, L, EI = (number[name] for name in ("mass", "length", "bending_stiffness"))
+        self.m, self.l, self.k = sizes = link_sizes(M, L, EI, self.n)
         half, base = len(y) // 2, 2 * hold.translates
         q, u = [mpf(float(v)) for v in y[:half]], [mpf(float(v)) for v in y[half:]]
         held = hold.first

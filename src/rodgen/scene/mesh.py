@@ -51,8 +51,8 @@ def per_link(scene: Scene) -> Iterator[PerLink]:
     """
     internal, external = scene.loads.internal_damping, scene.loads.external_damping
     if internal and internal.coefficient:
-        key = ("loads", "internal_damping", "coefficient")
-        yield PerLink("internal damping", key, internal.coefficient, 0.0, 2)
+        inside = ("loads", "internal_damping", "coefficient")
+        yield PerLink("internal damping", inside, internal.coefficient, 0.0, 2)
     if external and external.coefficient and isinstance(fins := external.fin_factor, FinFactor):
         for end in ("nose", "tail") if scene.hold.translates else ("tail",):
             if (value := getattr(fins, end)) > fins.body:
