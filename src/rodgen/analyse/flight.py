@@ -75,8 +75,10 @@ def flown(
     if after == start:
         return scene, float(after)
     table = scene.model_dump(exclude_none=True)
+    given = {k: value for k, value in table["integrate"].items() if k != "t_eval"}
+    given |= {"span": [start, float(after)], "output_every": float(after) - start}
     try:
-        run = simulate(scene, span=[start, float(after)], output_every=float(after) - start)
+        run = simulate(Scene.from_dict(table | {"integrate": given}))
     except RunError as error:
         raise AnalysisError(f"the run up to {after:g} s cannot be finished: {error}") from error
     if run.t[-1] < after:
