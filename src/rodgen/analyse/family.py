@@ -64,6 +64,11 @@ class Family:
         pencil = state.pencil()
         return Held.of(pencil, state.turning) if state.turns_freely else pencil
 
+    def modal(self, force: float) -> Dense:
+        """The linearised equations in all modes of the unloaded rod, turning the whole not among
+        them where every force leaves it as it is."""
+        return self._on(force, self.whole)
+
     @property
     def damped(self) -> bool:
         """Whether rates have an effect."""
