@@ -98,7 +98,7 @@ class Modal:
             limit = SAFE * ROUNDING * size[doubtful] * condition
             growth[doubtful] = np.where(z[doubtful].real > limit, z[doubtful].real, 0.0)
         if self.singular:
-            return Motions(z, growth)
+            return Motions(np.asarray(z, dtype=complex), growth)
         s = 1 / z
         return Motions(s, np.where(growth > 0, s.real, 0.0))
 
