@@ -95,7 +95,7 @@ def _unit(z: Matrix) -> Matrix:
     z = z / largest
     if np.abs(z.imag).max() < REAL:
         z = z.real
-    return z / np.linalg.norm(z)
+    return np.asarray(z / np.linalg.norm(z))
 
 
 class _Factors:

@@ -12,7 +12,7 @@ from rodgen.analyse.family import BASIS, MOST_DENSE, Family
 from rodgen.analyse.flight import flown
 from rodgen.analyse.guarded import guarded
 from rodgen.analyse.instability import DIVERGENCE, FLUTTER
-from rodgen.analyse.onset import At, Onset, onset, turning_onset
+from rodgen.analyse.onset import At, Onset, digits, onset, turning_onset
 from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.scaled_load import FOLLOWER, UNITS, ScaledLoad
 from rodgen.analyse.search import Event, Search, grid
@@ -29,6 +29,7 @@ NEAR = 1e-3  # of a force, within which a search in a few modes has found it
 SLOW = 0.01  # of the lowest frequency
 AT_ONCE = 1e-2  # EI/L^2: an onset so close to the lowest force lies at it
 WHOLE = 0.9  # of the angles that links have in common, squared: the whole rod turns
+KNOWN = 5e-9  # share of an onset that rounding may change at most
 CHECKED = (0.4, 0.7, 0.9, 0.99)  # of the force, where all modes are looked at
 TURNING = "turning"
 UPPER, LOWER = "upper", "lower"
@@ -272,13 +273,23 @@ def _onset(search: Search, near: Onset) -> Onset:
         if near.force - lowest < AT_ONCE * family.unit:
             return Onset(lowest, near.s, near.force - lowest)
         return near
-    return onset(_equations(family, near), near, family.unit)
+    found = onset(_equations(family, near), near, family.unit)
+    if found.error > KNOWN * abs(found.force) and family.whole <= BASIS:
+        raise AnalysisError(
+            f"an onset near {digits(found.force, found.error)} {UNITS[family.load.name]} is known "
+            f"to {found.error / abs(found.force):.1e} of it only: so much damping leaves motions "
+            "that rounding cannot tell apart"
+        )
+    return found
 
 
 def _equations(family: Family, near: Onset) -> At:
     """Where almost nothing oscillates, turning the whole rod would be next to singular too."""
     slow = abs(near.s) < SLOW * family.lowest and isinstance(family.at(near.force), Pencil)
-    return family.held if near.s == 0 or slow else family.at
+    if near.s != 0 and not slow:
+        return family.at
+    few = family.whole <= BASIS and isinstance(family.at(near.force), Pencil)
+    return family.modal if few else family.held
 
 
 def _kind(search: Search, found: Onset) -> str:

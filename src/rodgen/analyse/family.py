@@ -17,6 +17,7 @@ from rodgen.analyse.system import System, without
 from rodgen.integrate.stepper import Array
 
 Complex = NDArray[np.complex128]
+Flags = NDArray[np.bool_]
 
 BASIS = 16  # modes of the unloaded rod in which a range of forces is searched
 MOST_DENSE = 200  # links up to which all modes are looked at
@@ -63,6 +64,11 @@ class Family:
         state = self.state(force)
         pencil = state.pencil()
         return Held.of(pencil, state.turning) if state.turns_freely else pencil
+
+    def modal(self, force: float) -> Dense:
+        """The linearised equations in all modes of the unloaded rod, turning the whole not among
+        them where every force leaves it as it is."""
+        return self._on(force, self.whole)
 
     @property
     def damped(self) -> bool:
@@ -117,14 +123,14 @@ class Family:
             away |= self._turns(found.s, np.asarray(forces), modes, ~away)
         return Motions(np.where(away, np.nan, found.s), np.where(away, 0.0, found.growth))
 
-    def _turns(self, s: Complex, forces: Array, modes: int, kept: Array) -> Array:
+    def _turns(self, s: Complex, forces: Array, modes: int, kept: Flags) -> Flags:
         """Which motions turn the whole rod, among those that are kept."""
         assert self.bare is not None
-        diverges = (self.bare.motions(forces, modes).growth > 0).any(axis=-1)
+        diverges = np.any(self.bare.motions(forces, modes).growth > 0, axis=-1, keepdims=True)
         real = np.where((np.abs(s.imag) <= self.rigid) & kept, s.real, -np.inf)
         largest = real.max(axis=-1, keepdims=True)
         first = np.arange(s.shape[-1]) == np.argmax(real, axis=-1)[:, None]
-        return np.asarray(first & np.isfinite(largest) & ~diverges[:, None])
+        return np.asarray(first & np.isfinite(largest) & ~diverges)
 
     def elastic(self, forces: Array, modes: int = BASIS) -> Complex:
         """Eigenvalues s [1/s] (forces, k) with nan for motions of the rod as a whole."""

@@ -88,7 +88,7 @@ class Modal:
     def _strong(self) -> Motions:
         A = self._by_rates() if self.singular else self._by_inverse()
         size = np.linalg.norm(A, axis=(-2, -1))[..., None]
-        z = np.linalg.eigvals(A).astype(complex)
+        z: Complex = np.linalg.eigvals(A).astype(np.complex128)
         growth = np.where(z.real > CRUDE * ROUNDING * size, z.real, 0.0)
         doubtful = np.flatnonzero(growth.any(axis=-1))
         if len(doubtful):

@@ -111,9 +111,12 @@ class _Search:
     def __init__(self, at: At, near: Onset, unit: float, damped: bool):
         self.at, self.near = at, near
         self.size = max(abs(near.force), unit)
+        linear = at(near.force)
+        # Full matrices are sums of as many rounded terms as they have rows.
+        self.entry = ENTRY * (linear.size if isinstance(linear, Dense) else 1)
         self.s = 1j * abs(near.s) if damped else 0.0
         self.square = -(abs(near.s) ** 2)
-        here = Parts.of(at(near.force))
+        here = Parts.of(linear)
         self.scales = here.scales(abs(near.s))
         here = here.scaled(self.scales)
         self.b, self.c = here.borders(here.at(self.s) if damped else here.at_square(self.square))
@@ -134,7 +137,7 @@ class _Search:
             moved = float(np.abs(change).max())
             if not abs(x[0] - start[0]) < APART * self.size:
                 break
-            noise = np.abs(inverse) @ rounding + ENTRY
+            noise = np.abs(inverse) @ rounding + self.entry
             if (np.abs(residual) <= rounding).all():
                 return x.tolist(), (noise * scale).tolist()
             if moved < SMALL and moved >= before / 4:
@@ -157,7 +160,7 @@ class _Search:
         made = Bordered(here.at_square(0.0), self.b, self.c)
         rounding = made.size_of(here.sizes(0.0) + abs(values[0]) * by_force.sizes(0.0))
         slope = made.by(by_force.at_square(0.0))
-        return np.array([made.g]), np.array([[slope]]), ENTRY * np.array([rounding])
+        return np.array([made.g]), np.array([[slope]]), self.entry * np.array([rounding])
 
     def flutter(self, values: Array) -> Measured:
         """Real and imaginary part of g(P, omega)."""
@@ -169,7 +172,7 @@ class _Search:
         return (
             np.array([made.g.real, made.g.imag]),
             np.array([[one.real for one in slopes], [one.imag for one in slopes]]),
-            ENTRY * np.array(rounding),
+            self.entry * np.array(rounding),
         )
 
     def meeting(self, values: Array) -> Measured:
@@ -185,5 +188,5 @@ class _Search:
         return (
             np.array([made.g, slope]),
             np.array([[made.by(P_slope), -slope], [mixed, -curve]]),
-            ENTRY * np.array(rounding),
+            self.entry * np.array(rounding),
         )

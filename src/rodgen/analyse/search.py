@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rodgen.analyse.family import Family
 from rodgen.analyse.onset import Onset
@@ -38,7 +39,7 @@ class Search:
     modes: int
     elastic: bool
 
-    def counts(self, forces: Array) -> Array:
+    def counts(self, forces: Array) -> NDArray[np.int_]:
         """How many motions grow under every load."""
         return self.family.motions(forces, self.modes, self.elastic).count
 
