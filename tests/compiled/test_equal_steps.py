@@ -98,7 +98,7 @@ def test_what_auto_finds_has_error_control(bent: Scene) -> None:
 def test_energy_is_bounded_over_many_steps(bent: Scene) -> None:
     """A tenth of the run is as good as all of it, where error control drifts with time."""
     steps = 200_000
-    span = {"span": [0.0, 2e-3 * steps], "output_every": 2e-3 * steps / 4000}
+    span: dict[str, Any] = {"span": [0.0, 2e-3 * steps], "output_every": 2e-3 * steps / 4000}
     sol = rodgen.simulate(bent, target="c", step=2e-3, **span)
     assert sol.stats.steps == steps
     off = np.abs(sol.energy.total - sol.energy.total[0])

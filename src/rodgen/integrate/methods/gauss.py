@@ -139,11 +139,11 @@ class GaussStep(_Gauss):
             one = self._measured(error + taken.damped(taken.h * more) / MU, taken)
         reach = _within(one) ** -0.25
         if self._taken is None:
-            return reach
+            return float(reach)
         two = WEIGHT * self._measured(taken.error_of_two(self._taken), taken)
         by_two = _within(two) ** (-1 / ORDER)
         self._smooth = by_two > reach
-        return max(reach, by_two)
+        return float(max(reach, by_two))
 
     def _measured(self, error: Array, taken: Taken) -> float:
         """An error of the positions over what is tolerated."""
