@@ -128,3 +128,23 @@ def test_only_the_samples_that_are_shown_are_read(result: Path) -> None:
     assert np.array_equal(some.y, whole.y[kept])
     assert np.array_equal(some.t, whole.t[kept])
     assert (some.status, some.scene, some.stats) == (whole.status, whole.scene, whole.stats)
+
+
+def test_damaged_result_is_drawn_only_if_asked_for(
+    rodgen: Run, result: Path, folder: Path, tmp_path: Path
+) -> None:
+    damaged = bytearray(result.read_bytes())
+    damaged[-20] ^= 1  # in the last sample
+    path = tmp_path / "damaged.nc"
+    path.write_bytes(damaged)
+    film = folder / "film.gif"
+    command = ("animate", path, "--out", film, "--fps", 2, *SIZE)
+    done = rodgen(*command)
+    assert done.returncode == 2
+    assert "1 sample after t = " in done.stderr
+    assert not film.exists()
+    done = rodgen(*command, "--damaged")
+    assert done.returncode == 0, done.stderr
+    assert "warning" in done.stderr
+    assert "1 sample after t = " in done.stderr
+    assert film.exists()

@@ -167,13 +167,14 @@ class Stream:
         self._tell(run._replace(events=run.events + 1))
 
     def _clear_event(self, at: int) -> None:
-        self._put_event(at, -1, np.nan, np.full(len(self.model.STATE), np.nan), 0)
+        self._put_event(at, -1, np.nan, np.full(len(self.model.STATE), np.nan), np.int32(0))
 
-    def _put_event(self, at: int, number: int, t: float, y: Array, checksum: int) -> None:
+    def _put_event(self, at: int, number: int, t: float, y: Array, checksum: np.int32) -> None:
         """The number is there only while all that belongs to it is."""
         self._file.put("event_number", at, -1)
-        for name, value in zip(checks.EVENT[1:], (t, y, checksum), strict=True):
-            self._file.put(name, at, value)
+        self._file.put("event_time", at, t)
+        self._file.put("event_y", at, y)
+        self._file.put("event_checksum", at, checksum)
         self._file.put("event_number", at, number)
 
     def truncate(self, count: int, events: int | None = None) -> None:
