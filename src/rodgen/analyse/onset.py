@@ -112,8 +112,8 @@ class _Search:
         self.at, self.near = at, near
         self.size = max(abs(near.force), unit)
         linear = at(near.force)
-        # Full matrices are sums of as many rounded terms as they have rows.
-        self.entry = ENTRY * (linear.size if isinstance(linear, Dense) else 1)
+        # Full matrices are sums over rows and columns of as many rounded terms.
+        self.entry = ENTRY * (linear.size**2 if isinstance(linear, Dense) else 1)
         self.s = 1j * abs(near.s) if damped else 0.0
         self.square = -(abs(near.s) ** 2)
         here = Parts.of(linear)
