@@ -4,7 +4,6 @@ rod without external damping, and runs."""
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +31,11 @@ PUSHED: dict[str, Any] = {
     "internal_damping": {"coefficient": 0.2},
     **DRAG,
 }
+
+
+def of_speed(found: Modes | Critical) -> list[str]:
+    """Notes of a result that tell of the speed, not of the number of links."""
+    return [note for note in found.notes if "number of links" not in note]
 
 
 @pytest.fixture
@@ -81,7 +85,7 @@ def test_modes_in_flight_by_differences(flying: Callable[..., Scene]) -> None:
     scene = flying(SPEED)
     found = natural_modes(scene)
     assert found.speed == pytest.approx(SPEED, rel=1e-9)
-    assert found.notes == ()
+    assert of_speed(found) == []
     assert len(found.frequencies) == 3
     _same_as_differences(found, scene, rel=1e-5)
 
@@ -90,7 +94,7 @@ def test_modes_at_rest_by_differences(flying: Callable[..., Scene]) -> None:
     """Motions across the rod alone: drag is linear there, and joint 0 moves as it brakes."""
     scene = flying(0.0, angle=0.0)
     found = natural_modes(scene)
-    assert "at rest" in found.notes[0]
+    assert "at rest" in of_speed(found)[0]
     _same_as_differences(found, scene, rel=1e-5)
 
 
@@ -101,7 +105,7 @@ def test_in_flight_external_damping_brakes_nothing(rod: Rod, speed: float) -> No
     found, other = (critical_force(rod(4, "free", loads), speed=speed) for loads in (PUSHED, bare))
     # 1e-9: what Newton's method leaves; the matrices are the same but for roundings.
     assert found.force == pytest.approx(other.force, rel=1e-9)
-    assert (found.speed, found.notes, found.turning) == (speed, (), 0.0)
+    assert (found.speed, of_speed(found), found.turning) == (speed, [], 0.0)
 
 
 def test_two_routes_to_the_linearised_equations(flying: Callable[..., Scene]) -> None:
@@ -121,18 +125,18 @@ def test_speed_of_the_initial_state(flying: Callable[..., Scene]) -> None:
     assert natural_modes(flying(-7.0)).speed == pytest.approx(-7.0, rel=1e-12)
     across = natural_modes(flying(0.0, 20.0))
     assert across.speed == 0.0
-    assert "90 degrees" in across.notes[0]
+    assert "90 degrees" in of_speed(across)[0]
     # An angle of attack of 3 degrees is still flight along the axis, one of 30 is said.
-    assert natural_modes(flying(20.0, 1.0)).notes == ()
-    assert "30 degrees" in natural_modes(flying(20.0, 20.0 * np.tan(np.pi / 6))).notes[0]
-    assert natural_modes(flying(20.0, 20.0), speed=5.0).notes == ()
+    assert of_speed(natural_modes(flying(20.0, 1.0))) == []
+    assert "30 degrees" in of_speed(natural_modes(flying(20.0, 20.0 * np.tan(np.pi / 6))))[0]
+    assert of_speed(natural_modes(flying(20.0, 20.0), speed=5.0)) == []
 
 
 def test_what_does_not_depend_on_speed_says_nothing(rod: Rod) -> None:
     bare = {name: load for name, load in PUSHED.items() if name not in DRAG}
-    assert natural_modes(rod(4, "free", bare)).notes == ()
+    assert of_speed(natural_modes(rod(4, "free", bare))) == []
     held = natural_modes(rod(5, "clamped", {"follower": {"force": 5.0}, **DRAG}))
-    assert (held.speed, held.notes) == (0.0, ())
+    assert (held.speed, of_speed(held)) == (0.0, [])
 
 
 def test_speed_of_a_spinning_rod_is_that_of_its_centre(flying: Callable[..., Scene]) -> None:
@@ -220,8 +224,7 @@ def test_doubt(rod: Rod) -> None:
     unknown = doubt(flies, _simulated(0.5 * flies.force), family)
     assert unknown is not None
     assert unknown.endswith("not to be trusted")
-    still = replace(flies, notes=("at rest",))
-    rests = doubt(still, _simulated(1.5 * flies.force), family)
+    rests = doubt(flies, _simulated(1.5 * flies.force), family_of(scene, speed=0.0))
     assert rests is not None
     assert "at rest" in rests
 

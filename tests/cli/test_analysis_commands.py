@@ -151,7 +151,7 @@ def test_modes_in_flight(call: Call, write: Write) -> None:
     """The first line says that a rod is taken at rest; at a speed nothing has to be said."""
     scene = write(f"{PUSHED}\n{DRAG}", 3, "free")
     done = call("modes", scene, "--count", 2)
-    assert done.out.splitlines()[0].startswith("rod: linearised about a rod at rest")
+    assert done.out.splitlines()[0].startswith("note: linearised about a rod at rest")
     _picture("modes.png")
     (Path.cwd() / "results" / "rod" / "modes.png").unlink()
     (Path.cwd() / "results" / "rod").rmdir()
@@ -160,7 +160,8 @@ def test_modes_in_flight(call: Call, write: Write) -> None:
     assert still["speed"] == 0.0
     assert "at rest" in still["notes"][0]
     given = _strict(call("modes", scene, "--speed", 7, "--json"))
-    assert (given["speed"], given["notes"]) == (7.0, [])
+    assert given["speed"] == 7.0
+    assert not any("at rest" in note for note in given["notes"])
     scene = write(f"{PUSHED}\n{DRAG}\n{FLIES}", 3, "free")
     for after in ((), ("--after", 0)):
         flies = _strict(call("modes", scene, *after, "--json"))
@@ -184,7 +185,8 @@ def test_critical_force_in_flight(
     scene = write(f"{PUSHED}\n{DRAG}", 3, "free")
     done = call("critical", scene, "--speed", 20, "--simulate", 5, "--json")
     given = json.loads(done.out)
-    assert (given["speed"], given["notes"], found["speed"]) == (20.0, [], 20.0)
+    assert (given["speed"], found["speed"]) == (20.0, 20.0)
+    assert not any("at rest" in note for note in given["notes"])
     # Divergence of three links, by hand: 54 EI/L^2.
     assert given["factor"] == pytest.approx(54.0, rel=1e-9)
     assert "not to be trusted" in given["doubt"]

@@ -277,19 +277,18 @@ def _onset(search: Search, near: Onset) -> Onset:
     if found.error > KNOWN * abs(found.force) and family.whole <= BASIS:
         raise AnalysisError(
             f"an onset near {digits(found.force, found.error)} {UNITS[family.load.name]} is known "
-            f"to {found.error / abs(found.force):.1e} of it only: so much damping leaves motions "
-            "that rounding cannot tell apart"
+            f"to {found.error / abs(found.force):.1e} of it only, by rounding"
         )
     return found
 
 
 def _equations(family: Family, near: Onset) -> At:
     """Where almost nothing oscillates, turning the whole rod would be next to singular too."""
-    slow = abs(near.s) < SLOW * family.lowest and isinstance(family.at(near.force), Pencil)
-    if near.s != 0 and not slow:
+    if near.s == 0:  # of stiffness alone
+        return family.held
+    if abs(near.s) >= SLOW * family.lowest or not isinstance(family.at(near.force), Pencil):
         return family.at
-    few = family.whole <= BASIS and isinstance(family.at(near.force), Pencil)
-    return family.modal if few else family.held
+    return family.modal if family.whole <= BASIS else family.held
 
 
 def _kind(search: Search, found: Onset) -> str:

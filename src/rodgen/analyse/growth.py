@@ -134,8 +134,9 @@ def doubt(found: Critical, simulated: SimulatedCritical, family: Family) -> str 
         "the forces by eigenvalues and by simulations differ by more than 5 %: one of them is not "
         "to be trusted"
     )
-    if found.notes:
-        return f"{'; '.join((words, *found.notes))}; the runs have the speed that they gain"
+    of_speed = family.state(found.force).notes
+    if of_speed:
+        return f"{'; '.join((words, *of_speed))}; the runs have the speed that they gain"
     rate = np.nanmax(family.elastic(np.array([simulated.low]), family.whole).real)
     if 0 < rate * simulated.span < np.log(simulated.seen):
         return (
