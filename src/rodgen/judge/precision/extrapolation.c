@@ -88,7 +88,7 @@ static real extrapolated(struct extrapolation *x, int implicit, int columns, rea
     return error;
 }
 
-static int all_finite(const real *values)
+static int finite_state(const real *values)
 {
     for (ptrdiff_t i = 0; i < STATES; ++i)
         if (!(values[i] - values[i] == 0))
@@ -107,7 +107,7 @@ static int to(struct extrapolation *x, int implicit, int columns, double toleran
     while (*t < end) {
         if (!fresh) {
             rates_at(x, *t, x->y, x->f0);
-            if (!all_finite(x->f0))
+            if (!finite_state(x->f0))
                 return -5;
             if (implicit) {
                 const real inside = *t < x->low ? x->low : *t > x->high ? x->high : *t;
