@@ -120,7 +120,7 @@ def test_no_bar_where_it_is_not_wanted(make_scene: Make) -> None:
     scene = make_scene(2, span=[0.0, 0.1])
     with _looked_at() as terminal:
         rodgen.simulate(scene, target="numpy", progress=False)
-        rodgen.simulate(scene, target="numpy", progress=lambda _: None)
+        rodgen.simulate(scene, target="numpy", progress=_Told())
     assert not terminal.getvalue()
 
 
