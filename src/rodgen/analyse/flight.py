@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from rodgen.integrate.outcome import RunError
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.overrides import with_state
 from rodgen.scene.plain import plain
 
 ROUNDING = 1e-9  # of the speed, below which a part of it is none
@@ -83,12 +83,4 @@ def flown(
         raise AnalysisError(f"the run up to {after:g} s cannot be finished: {error}") from error
     if run.t[-1] < after:
         raise SceneError("after", after, f"before the run ends, at {run.t[-1]:g} s")
-    return Scene.from_dict(table | {"initial": initial(scene, run.y[-1])}), float(after)
-
-
-def initial(scene: Scene, y: Array) -> dict[str, Any]:
-    """The table [initial] of a state."""
-    q, v = np.split(y, 2)
-    base = 2 * scene.hold.translates
-    table = {"phi": q[base:].tolist(), "omega": v[base:].tolist()}
-    return table | ({"position": q[:2].tolist(), "velocity": v[:2].tolist()} if base else {})
+    return with_state(scene, run.y[-1]), float(after)

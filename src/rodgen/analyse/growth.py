@@ -14,7 +14,6 @@ from rodgen.analyse.critical import HIGHEST, Critical, family_of
 from rodgen.analyse.decomposition import growth_in
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import Family
-from rodgen.analyse.flight import initial
 from rodgen.analyse.guarded import guarded
 from rodgen.integrate.outcome import RunError
 from rodgen.integrate.simulate import simulate
@@ -23,8 +22,7 @@ from rodgen.integrate.stepper import Array
 from rodgen.loading import build, build_fastest
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.expression import Expression
-from rodgen.scene.overrides import check_used
-from rodgen.scene.tables import FIXED_STEP
+from rodgen.scene.overrides import check_used, initial_table
 
 FIRST = 4.0  # EI/L^2, doubled until a motion grows
 PIECES = 20  # of a run
@@ -184,8 +182,8 @@ class _Run:
         self.table = scene.model_dump(exclude_none=True)
         self.table["integrate"].pop("t_eval", None)
         self.ends = np.linspace(0.0, span, PIECES + 1)
-        step = settings.get("step", scene.integrate.step)
-        if settings.get("method", scene.integrate.method) in FIXED_STEP and step:
+        given = scene.with_integrate(**settings).integrate
+        if given.fixed and (step := given.step):
             # A piece of whole steps: every shortened one would disturb the fastest motions.
             piece = max(1, round(span / PIECES / step)) * step
             self.ends = np.append(np.arange(0.0, span - piece / 2, piece), span)
@@ -203,7 +201,7 @@ class _Run:
         system, phi = self.family.system, self.family.state(force).phi
         y = system.flying(phi)
         y[system.base : system.base + system.cells] += self.start
-        table = self.table | {"initial": initial(system.scene, y)}
+        table = self.table | {"initial": initial_table(system.scene, y)}
         table["loads"]["follower"]["force"] = force
         most, bent = np.inf, []
         for start, end in pairwise(self.ends.tolist()):
@@ -218,7 +216,7 @@ class _Run:
                 most = (self.growth or FAR) * np.abs(angles[0]).max()
             if np.abs(angles).max() > most:
                 return True
-            table["initial"] = initial(scene, solution.y[-1])
+            table["initial"] = initial_table(scene, solution.y[-1])
             # The last sample of a piece is the first of the next.
             bent.append((angles[:-1], rates[:-1]))
         if self.growth:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rodgen.scene.errors import SceneError
 from rodgen.scene.plain import plain
@@ -60,10 +61,13 @@ def with_state(scene: Scene, y: Any, name: str = "y0") -> Scene:
     state = np.asarray(plain(y, name))
     if state.dtype.kind not in "iuf" or state.shape != (states,) or not np.isfinite(state).all():
         raise SceneError(name, y, f"{states} finite numbers, as the module's STATE has them")
-    q, v = np.split(state.astype(float), 2)
-    base = 2 * scene.hold.translates
-    initial = {"phi": q[base:].tolist(), "omega": v[base:].tolist()}
-    if base:
-        initial |= {"position": q[:2].tolist(), "velocity": v[:2].tolist()}
     table = scene.model_dump(exclude_none=True)
-    return Scene.from_dict(table | {"initial": initial})
+    return Scene.from_dict(table | {"initial": initial_table(scene, state.astype(float))})
+
+
+def initial_table(scene: Scene, y: NDArray[np.float64]) -> dict[str, Any]:
+    """The table [initial] of a state y (states,)."""
+    q, v = np.split(y, 2)
+    base = 2 * scene.hold.translates
+    table = {"phi": q[base:].tolist(), "omega": v[base:].tolist()}
+    return table | ({"position": q[:2].tolist(), "velocity": v[:2].tolist()} if base else {})
