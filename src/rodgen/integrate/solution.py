@@ -99,8 +99,8 @@ class ErrorGrowth(NamedTuple):
     """How fast errors grow in a run. factor: how many times its size a small error in the angles
     has at most, whenever it was made, infinite beyond all doubles; tenfold: time in which it grew
     tenfold, on the average of the run [s], infinite where nothing grew; visible: when an error of
-    the size of rtol may have grown to 1e-3 rad and a hundredfold [s], infinite where none has and for fixed steps.
-    Not a number where they could not be found."""
+    the size of rtol may have grown to 1e-3 rad and a hundredfold [s], infinite where none has and
+    for fixed steps. Not a number where they could not be found."""
 
     factor: float
     tenfold: float

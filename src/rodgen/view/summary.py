@@ -110,8 +110,8 @@ def _errors(solution: Solution, errors: ErrorGrowth) -> str:
     if errors.visible < np.inf:
         return (
             f"{words}, tenfold in {errors.tenfold:.2g} s on average: {rtol} may be visible "
-            f"({visible(tolerance):g} rad) from t = {errors.visible:.3g} s on. Angles after that are not to "
-            "be trusted; energies and means may be."
+            f"({visible(tolerance):g} rad) from t = {errors.visible:.3g} s on. Angles after that "
+            "are not to be trusted; energies and means may be."
         )
     return f"{words}." if solution.scene.integrate.fixed else f"{words}: {rtol} stays small."
 
