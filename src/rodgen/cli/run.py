@@ -18,6 +18,7 @@ from rodgen.cli.folders import promised, unwritable
 from rodgen.cli.options import OutFolder, SceneFile
 from rodgen.cli.results import check_same, to_replace
 from rodgen.integrate import Interrupted, RunError, Solution, StepWarning, resume, simulate
+from rodgen.integrate.error_growth import error_growth as growth_of
 from rodgen.integrate.files.checkpoint import beside
 from rodgen.integrate.files.saver import check_every
 from rodgen.loading import build, fastest, sources
@@ -47,6 +48,9 @@ def run(
     checkpoint: Annotated[
         float, typer.Option(help="Seconds between two states from which --resume can go on.")
     ] = 30.0,
+    error_growth: Annotated[
+        bool, typer.Option("--error-growth", help="Also say how fast small errors grow.")
+    ] = False,
     resumed: Annotated[
         bool, typer.Option("--resume", help="Go on with the run of SCENE that was stopped.")
     ] = False,
@@ -85,6 +89,8 @@ def run(
             _hold_back_ctrl_c()
             solution, status = error.solution, INTERRUPTED
             err.print(f"rodgen: {solution.message}; writing what was computed")
+    if error_growth and not status:
+        _find_error_growth(solution)
     with np.errstate(all="ignore"):  # a run that blew up has energies that overflow
         _write(solution, folder, without_c, stale, pictured=status != INTERRUPTED)
     if status:
@@ -92,6 +98,16 @@ def run(
         again = f"; --resume {does}" if status == INTERRUPTED else ""
         kept = f"samples up to t = {solution.t[-1]:.9g} s are in {folder}"
         fail(f"{solution.message}; {kept}{again}", status)
+
+
+def _find_error_growth(solution: Solution) -> None:
+    """How fast errors grow in the run, unless that is stopped by Ctrl-C."""
+    try:
+        with working("following a neighbouring motion"):
+            solution.errors = growth_of(solution)
+    except KeyboardInterrupt:
+        _hold_back_ctrl_c()
+        err.print("rodgen: interrupted: how fast errors grow is not known")
 
 
 @contextmanager

@@ -26,10 +26,11 @@ class Between:
     """The run of a solution from any of its samples to the next, by its method and tolerance.
 
     So the error is that of the run, whatever the spacing of the samples, and there is nothing to
-    keep of its steps. first, last: from when to when [s] it can be asked.
+    keep of its steps. share: of the tolerance of the run, that of its repetition. first, last: from
+    when to when [s] it can be asked; settings: how it steps.
     """
 
-    def __init__(self, solution: Solution):
+    def __init__(self, solution: Solution, share: float = SHARE):
         self._solution, self._model = solution, solution.model
         if solution.changes is not None:
             allowed = "of a run whose values were not changed while it went on"
@@ -39,8 +40,8 @@ class Between:
         scene = window(solution.scene, self.first, self.last)
         if scene.integrate.method == AUTO:  # of a run without an end
             scene = scene.with_integrate(method=choose(scene, self._model).method)
-        self._settings, self._swing = _tightened(scene.integrate), scene.swing()
-        pulses = () if self._settings.fixed else scene.pulses()
+        self.settings, self._swing = _tightened(scene.integrate, share), scene.swing()
+        pulses = () if self.settings.fixed else scene.pulses()
         self._ends = np.array(ends(scene, scene.breaks(), pulses, scene.pole()))
         self._p: Array = self._model.parameters(**scene.parameters)
         with np.errstate(all="ignore"):
@@ -71,31 +72,34 @@ class Between:
         known = int(times[0] == t)
         states[:known] = y
         if known < len(times):
-            states[known:] = self._run(t, y, times[known:])
+            states[known:] = self.after(t, y, times[known:])
         return states
 
-    def _run(self, t: float, y: Array, times: Array) -> Array:
+    def after(self, t: float, y: Array, times: Array) -> Array:
+        """States (K, states) at times (K,) [s], ascending, of the motion that is in a state y at a
+        time t [s] before them. Events are not looked for. Raises RunError."""
         last = float(times[-1])
         met = self._ends[(self._ends > t) & (self._ends < last)]
         try:
             with np.errstate(all="ignore"):
-                run = machine(self._model, self._p, self._settings, t, y.copy())
+                run = machine(self._model, self._p, self.settings, t, y.copy())
                 recorder = Recorder(times, len(y), self._works)
                 watch = Watch([], self._model, self._p)
                 for end in [*map(float, met), last]:
                     run.begin(end, *inside(run.t, end), self._swing)
                     while not run.advance(recorder, watch, STRIDE):
-                        pass
+                        if run.counts.steps > self.settings.budget:
+                            raise StepError("the budget of steps is used up")
         except (StepError, OverflowError) as error:
             message = f"no states between samples after t = {t:.9g} s: {error}"
             raise RunError(message, self._solution) from None
         return recorder.kept()[1]
 
 
-def _tightened(settings: Integrate) -> Integrate:
+def _tightened(settings: Integrate, share: float) -> Integrate:
     """A method that begins anew adds its error to that of the sample: it is to be the smaller."""
-    rtol = min(settings.rtol, max(SHARE * settings.rtol, LEAST_NEWTON))
-    return settings.model_copy(update={"rtol": rtol, "atol": SHARE * settings.atol})
+    rtol = min(settings.rtol, max(share * settings.rtol, LEAST_NEWTON))
+    return settings.model_copy(update={"rtol": rtol, "atol": share * settings.atol})
 
 
 def _known(solution: Solution) -> tuple[Array, Array]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from rodgen.integrate import Solution
+from rodgen.integrate.error_growth import visible
+from rodgen.integrate.solution import ErrorGrowth
 
 SHOWN = 10  # events
 ROUNDING = 1e-9  # of the largest energy: what changes by less has not changed
@@ -22,6 +24,8 @@ def summary(solution: Solution, without_c: str = "") -> str:
         lines.append(_events(solution))
     if len(solution.t) > 1:
         lines += [*_motion(solution), *_energy(solution)]
+    if solution.errors is not None:
+        lines.append(_errors(solution, solution.errors))
     return "\n".join(lines) + "\n"
 
 
@@ -93,6 +97,23 @@ def _energy(solution: Solution) -> list[str]:
     share = f", {error / scale:.1e} of the largest {what}" if scale > 0 else ""
     lines.append(f"Energy and work balance to {error:.2e} J{share}.")
     return lines
+
+
+def _errors(solution: Solution, errors: ErrorGrowth) -> str:
+    """How much small errors grow, and from when on those at the tolerance may be seen."""
+    if np.isnan(errors.factor):
+        return "How fast errors grow is not known: a motion beside that of the run failed."
+    times = f"{errors.factor:.1e}" if errors.factor < np.inf else "more than 1e308"
+    words = f"A small error in the angles grows to at most {times} times its size"
+    tolerance = solution.scene.integrate.rtol
+    rtol = f"one at the tolerance (rtol {tolerance:g})"
+    if errors.visible < np.inf:
+        return (
+            f"{words}, tenfold in {errors.tenfold:.2g} s on average: {rtol} may be visible "
+            f"({visible(tolerance):g} rad) from t = {errors.visible:.3g} s on. Angles after that "
+            "are not to be trusted; energies and means may be."
+        )
+    return f"{words}." if solution.scene.integrate.fixed else f"{words}: {rtol} stays small."
 
 
 def _course(total: np.ndarray, rounding: float) -> str:
