@@ -30,6 +30,7 @@ if TYPE_CHECKING:
         simulate,
     )
     from rodgen.integrate.files.storage import load
+    from rodgen.integrate.files.stored import FileWarning
     from rodgen.loading import BuildError, build
     from rodgen.scene import Scene, SceneError, Structure
 
@@ -48,6 +49,7 @@ _HOMES = {
     "Interrupted": "rodgen.integrate.outcome",
     "StepWarning": "rodgen.integrate.outcome",
     "load": "rodgen.integrate.files.storage",
+    "FileWarning": "rodgen.integrate.files.stored",
     "natural_modes": "rodgen.analyse.modes",
     "Modes": "rodgen.analyse.modes",
     "static_equilibrium": "rodgen.analyse.statics",
@@ -71,6 +73,7 @@ __all__ = [
     "Equilibrium",
     "Event",
     "Extrapolation",
+    "FileWarning",
     "Interrupted",
     "MeshWarning",
     "Modes",
