@@ -12,6 +12,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from rodgen.emit.native import METHODS
 from rodgen.scene.structure import Structure
 
 pytestmark = pytest.mark.compiler
@@ -180,12 +181,13 @@ def test_samples_that_cannot_be_written_are_refused(
 
 
 IMPOSSIBLE: dict[str, dict[str, float]] = {
-    "method above": {"method": 7},
+    "method above": {"method": len(METHODS)},
     "method below": {"method": -1},
     "end before t": {"end": -1.0},
     "end no number": {"end": np.nan},
     "t no number": {"t": np.nan},
     "no step": {"method": 2, "step": 0.0},
+    "no equal steps": {"method": METHODS.index("gauss_equal_steps"), "step": 0.0},
     "step backwards": {"method": 0, "step": -1e-3},
     "step no number": {"method": 3, "step": np.nan},
     "step without end": {"method": 1, "step": np.inf},
