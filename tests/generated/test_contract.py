@@ -182,8 +182,8 @@ def _rod(built: Built, target: tuple[str, str]) -> tuple[ModuleType, np.ndarray]
     [
         (np.zeros(13), ValueError),
         (np.zeros(15), ValueError),
-        (np.zeros((2, 14)), ValueError),
-        (np.zeros((1, 14)), ValueError),
+        (np.zeros((2, 13)), ValueError),
+        (np.zeros((13, 2)), ValueError),
         (np.float64(1.0), ValueError),
         (np.zeros(14, dtype=complex), TypeError),
         (np.zeros(14, dtype=bool), TypeError),
@@ -197,6 +197,16 @@ def test_states_that_are_none_are_refused(
     rod, p = _rod(built, target)
     with pytest.raises(error, match="y has"):
         getattr(rod, function)(0.0, y, p)
+
+
+@EVERY_TARGET
+@pytest.mark.parametrize("shape", [(2, 14), (1, 14), (14, 2)])
+def test_one_state_alone_has_a_jacobian(
+    built: Built, target: tuple[str, str], shape: tuple[int, ...]
+) -> None:
+    rod, p = _rod(built, target)
+    with pytest.raises(ValueError, match="y has shape"):
+        rod.jac(0.0, np.zeros(shape), p)
 
 
 @EVERY_TARGET
