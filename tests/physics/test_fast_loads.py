@@ -93,7 +93,7 @@ def test_motion_that_is_guessed_exactly_goes_on(method: str, target: str) -> Non
     model = rodgen.build(scene, target)
     p = model.parameters(**scene.parameters)
     course = machine(model, p, scene.integrate, 0.0, scene.initial_state())
-    recorder = Recorder(np.empty(0), 6, (), None, 0)
+    recorder = Recorder(np.empty(0), 6, ("follower",), None, 0)
     watch = Watch([], model, p)
     for end in scene.breaks():
         course.begin(end, *inside(course.t, end), 0.8 * (end - course.t))  # two steps each
