@@ -13,6 +13,7 @@ import rodgen
 from rodgen.scene import Scene
 from rodgen.scene.overrides import with_parameters, with_state
 from rodgen.scene.structure import TERMS
+from rodgen.view.summary import summary
 
 Make = Callable[..., Scene]
 TERMS_HERE = ("follower", "gravity", "external_damping")
@@ -154,3 +155,15 @@ def test_moments_and_forces_of_a_run(scene: Scene, tmp_path: Path) -> None:
 @pytest.mark.parametrize("target", ["numpy", pytest.param("c", marks=pytest.mark.compiler)])
 def test_a_run_says_which_target_ran(scene: Scene, target: str) -> None:
     assert rodgen.simulate(scene, target=target, span=(0, 0.01)).stats.target == target
+
+
+def test_a_run_that_stops_before_its_first_sample_is_summed_up(scene: Scene) -> None:
+    """With steps far beyond what is stable."""
+    with pytest.warns(rodgen.StepWarning), pytest.raises(rodgen.RunError) as stopped:
+        rodgen.simulate(
+            scene, target="numpy", span=[0.0, 1e3], t_eval=[999.0], method="rk4", step=0.5
+        )
+    solution = stopped.value.solution
+    assert solution is not None
+    assert len(solution.t) == 0
+    assert "0 s of motion by rk4" in summary(solution)

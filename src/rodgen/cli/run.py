@@ -92,11 +92,13 @@ def run(
     if error_growth and not status:
         _find_error_growth(solution)
     with np.errstate(all="ignore"):  # a run that blew up has energies that overflow
-        _write(solution, folder, without_c, stale, pictured=status != INTERRUPTED)
+        pictured = status != INTERRUPTED and len(solution.t) > 0
+        _write(solution, folder, without_c, stale, pictured)
     if status:
         does = "goes on with it" if beside(file).exists() else "starts it again"
         again = f"; --resume {does}" if status == INTERRUPTED else ""
-        kept = f"samples up to t = {solution.t[-1]:.9g} s are in {folder}"
+        until = f"up to t = {solution.t[-1]:.9g} s" if len(solution.t) else "(none)"
+        kept = f"samples {until} are in {folder}"
         fail(f"{solution.message}; {kept}{again}", status)
 
 

@@ -47,8 +47,9 @@ def _run(solution: Solution) -> str:
     tolerances = f"rtol {settings.rtol:g}, atol {settings.atol:g}"
     accuracy = f"step {settings.step:g} s" if settings.fixed else tolerances
     target = f", target {stats.target}," if stats.target else ""
+    seconds = np.diff(solution.t).sum()  # there may be no samples, where t_eval begins late
     return (
-        f"{how}: {solution.t[-1] - solution.t[0]:g} s of motion by {settings.method} ({accuracy})"
+        f"{how}: {seconds:g} s of motion by {settings.method} ({accuracy})"
         f"{target} in {stats.wall_seconds:.2f} s, {stats.steps} steps{rejected}, "
         f"{stats.rhs} evaluations."
     )
