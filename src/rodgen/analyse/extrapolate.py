@@ -81,6 +81,7 @@ def _links(n: Sequence[float] | Sequence[Scene] | Array) -> Sequence[float] | Ar
     """Numbers of links, those of scenes too."""
     scenes = [one for one in n if isinstance(one, Scene)]
     if not scenes:
+        # None is a scene, which no annotation can tell.
         return n  # type: ignore[return-value]
     if len(scenes) < len(n):
         raise SceneError("n", [type(one).__name__ for one in n], "numbers, or scenes, not both")

@@ -32,7 +32,7 @@ def _portable(value: object) -> object:
     """The value, or what is shown of it where it cannot be pickled."""
     try:
         pickle.dumps(value)
-    except Exception:
+    except Exception:  # a value of any class, whose pickling may raise anything
         return _Shown(short(value))
     return value
 
