@@ -1,17 +1,19 @@
 # make demo     the main job, end to end         make test     all tests but the long
 # make view [SCENE=scenes/missile.toml]          the live view, in a browser
 # make derive N=20 [BOUNDARY=free] [INERTIA=uniform] [TERMS=all] [TARGET=numpy] [FORM=chain]
-#             [EXPLICIT=1]                       make reference    regenerate the reference modules
+#             [PARTS=rhs,jac] [STEPS=1] [EXPLICIT=1]        make reference    regenerate the reference modules and the keys in docs/scenes.md
 # make figures    draw those of docs/derivation.md anew       make screenshot   the live view's picture
-# make thesis     rebuild the tables of the thesis into results/thesis/
+# make thesis     rebuild the tables of the thesis into results/thesis/       make audit   its equations and listing
 # make guide      take the numbers of README and docs/which-method.md from the last report
 # make report [QUICK=1] [RESUME=1]    error against run time, stability, extremes, beside peers
 # make test-all   the long tests as well         make lint, make types
-# make bench, bench-rhs, bench-analyse, bench-live
+# make bench, bench-rhs, bench-many, bench-analyse, bench-live
 
 PYTHON ?= python3
 BIN := .venv/bin
 LAYOUT := build/layout
+# Each worker begins with a stretch of neighbours, which share what is compiled for them.
+SPREAD := -n auto --dist worksteal
 
 N ?= 20
 BOUNDARY ?= free
@@ -19,9 +21,10 @@ INERTIA ?= uniform
 TERMS ?= all
 TARGET ?= numpy
 FORM ?= chain
+PARTS ?= all
 SCENE ?= scenes/missile.toml
 
-.PHONY: demo view derive test test-all lint types bench bench-rhs bench-analyse bench-live reference figures screenshot thesis \
+.PHONY: demo view derive test test-all lint types bench bench-rhs bench-many bench-analyse bench-live reference figures screenshot thesis audit \
 	report guide clean
 
 demo: .venv/installed
@@ -33,18 +36,20 @@ view: .venv/viewing
 
 derive: .venv/installed
 	@$(BIN)/rodgen derive "$(N)" --boundary "$(BOUNDARY)" --inertia "$(INERTIA)" \
-		--terms "$(TERMS)" --target "$(TARGET)" --form "$(FORM)" $(if $(EXPLICIT),--explicit) --out generated
+		--terms "$(TERMS)" --target "$(TARGET)" --form "$(FORM)" --parts "$(PARTS)" \
+		$(if $(STEPS),--with-steps) $(if $(EXPLICIT),--explicit) --out generated
 
 test: .venv/developing
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest $(SPREAD)
 
-test-all: test
-	$(BIN)/python -m pytest -n auto -m long
+test-all: test .venv/evidence
+	$(BIN)/python -m pytest $(SPREAD) -m long
+	$(BIN)/python -m pytest $(SPREAD) -m "long or not long" evidence/tests
 
 # The packages as they lie in a wheel: derive/ and templates/ inside rodgen/.
-$(LAYOUT): .venv/developing
+$(LAYOUT): .venv/developing .venv/evidence
 	@rm -rf $@ && mkdir -p $@
-	@cp -R src/rodgen $@/rodgen && cp -R derive templates $@/rodgen/
+	@cp -R src/rodgen $@/rodgen && cp -R derive templates $@/rodgen/ && cp -R evidence/src/rodgen_evidence $@/
 
 lint: $(LAYOUT)
 	$(BIN)/ruff check .
@@ -52,43 +57,49 @@ lint: $(LAYOUT)
 	cd $(LAYOUT) && ../../$(BIN)/lint-imports --config ../../pyproject.toml --no-logo
 
 types: $(LAYOUT)
-	cd $(LAYOUT) && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p rodgen
+	cd $(LAYOUT) && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p rodgen -p rodgen_evidence
 
 .PHONY: $(LAYOUT)
 
-bench: .venv/installed
-	@$(BIN)/python benchmarks/main_job.py
+bench: .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.main_job
 
-bench-rhs: .venv/installed
-	@$(BIN)/python benchmarks/rhs.py
+bench-rhs: .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.rhs
 
-bench-analyse: .venv/installed
-	@$(BIN)/python benchmarks/analyse.py
+bench-many: .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.many
 
-bench-live: .venv/developing
-	@$(BIN)/python benchmarks/live.py $(or $(SECONDS),20) $(LINKS)
+bench-analyse: .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.analyse
+
+bench-live: .venv/developing .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.live $(or $(SECONDS),20) $(LINKS)
 
 reference: .venv/developing
-	$(BIN)/python -m pytest tests/generated/test_reference_modules.py --update
+	$(BIN)/python -m pytest tests/generated/test_reference_modules.py tests/scene/test_documentation.py --update
 
-thesis: .venv/installed
+thesis: .venv/evidence
 	@$(BIN)/rodgen thesis
 
+audit: .venv/evidence
+	@$(BIN)/rodgen audit
+
 # Peers that cannot be had here are named on the page.
-report: .venv/benchmarking
+report: .venv/peers
 	@$(BIN)/rodgen report $(if $(QUICK),--quick) $(if $(RESUME),--resume)
 
 # What README and docs/which-method.md show, from the report that was made last.
-guide: .venv/installed
+guide: .venv/evidence
 	@mkdir -p docs/report && cp results/report/report.json docs/report/
-	@$(BIN)/python -m rodgen.view.report_readme docs/report/report.json README.md
-	@$(BIN)/python -m rodgen.view.report_guide docs/report/report.json docs/pictures
+	@$(BIN)/python -m rodgen_evidence.pages.report_guide docs/report/report.json README.md docs/which-method.md
 
-figures: .venv/installed
-	@$(BIN)/python -m rodgen.view.model_figures docs/pictures
+figures: .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.figures.model_figures docs/pictures
+	@$(BIN)/python -m rodgen_evidence.figures.rocket_figures scenes/sounding_rocket.toml docs/pictures
 
 screenshot: .venv/developing
-	$(BIN)/python -m pytest tests/live/test_screenshots.py --update
+	$(BIN)/python -m pytest -m long tests/live/test_appearance.py -k shows_a_rod --update
 
 .venv/bin/python:
 	@$(PYTHON) -c "import sys; sys.exit(None if sys.version_info >= (3, 11) else \
@@ -111,8 +122,13 @@ screenshot: .venv/developing
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]"
 	@touch .venv/installed $@
 
-.venv/benchmarking: pyproject.toml | .venv/installed
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[bench]" \
+# What shows how far rodgen can be trusted: the commands report, thesis and audit.
+.venv/evidence: evidence/pyproject.toml | .venv/installed
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable evidence
+	@touch $@
+
+.venv/peers: evidence/pyproject.toml | .venv/evidence
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable "evidence[peers]" \
 		|| echo "not all peers can be installed here: the page names those that are missing"
 	@touch $@
 

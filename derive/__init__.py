@@ -1,15 +1,22 @@
 """The mechanics of a planar chain of rigid links, in SymPy and nothing else.
 
-    symbols      the letters of the model
+    symbols      the letters of the model, and the quantities along the chain
     chain        kinematics, written once
     inertia      how the mass of a link is spread along it
-    loads        springs, forces and moments, as local laws
+    loads/       a file a load: its law, its closed form; kinds: what follows from it
     explicit     derivation 1: LagrangesMethod with n links
     general      derivation 2: for every n at once; what is emitted comes from here
+    joint_forces derivation 3: joints as constraints, in O(n); tensions: where links are massless
     quantities   energies, power and geometry, for every n
     closed_form  the hand-assembled matrices, only ever compared with
-    proof_*      the comparisons, entry by entry; points: at rational points
+    proofs/      the comparisons, entry by entry and at rational points
 
 Source of the model: J. Masek, Modelling of free beam loaded by follower load, Brno 2014,
 chapter 2; every formula is derived here, none is transcribed.
 """
+
+import os
+
+# SymPy keeps a thousand results, and a rod with every load asks for more: that would take up to
+# three times as long. It reads this when it is first imported.
+REMEMBERED = os.environ.setdefault("SYMPY_CACHE_SIZE", "100000")

@@ -1,4 +1,4 @@
-"""Kinematics of the chain: the one place where geometry is written.
+"""Kinematics of the chain, the one place where geometry is written, and its springs.
 
         phi_0        phi_1              phi_{n-1}
     o---------->o---------->o--- ... --->o
@@ -12,64 +12,55 @@ All else follows by differentiation: velocities, and what a link does to a point
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from functools import cache
 
-from sympy import Expr, S, cos, sin
+from sympy import Expr, S, cos, integrate, pi, sin
 
-from .symbols import l
+from .symbols import bend, k, l
 
 Vector = tuple[Expr, Expr]
 
-
-@dataclass(frozen=True)
-class Boundary:
-    """How the start of the rod is held.
-
-    translates: joint 0 moves freely, with coordinates x0, y0.
-    first: the first link that moves; links before it are held at clamp_angle.
-    root: stiffness of a spring in joint 0 that holds link 0 at clamp_angle, in springs between
-    links (half a link bends there: twice as stiff), and internal damping there, in the same way.
-    """
-
-    translates: bool
-    first: int
-    root: int = 0
-
-    @property
-    def first_joint(self) -> int:
-        """The first joint that moves."""
-        return 0 if self.translates else self.first + 1
-
-    @property
-    def first_force(self) -> int:
-        """The first joint that passes a force on to a moving link."""
-        return 1 if self.translates else self.first
-
-    @property
-    def first_spring(self) -> int:
-        """The first joint with a spring."""
-        return 0 if self.root else 1
-
-    @property
-    def clamped(self) -> bool:
-        """Whether a spring holds the rod at clamp_angle."""
-        return bool(self.first or self.root)
-
-
-BOUNDARIES: dict[str, Boundary] = {
-    "free": Boundary(translates=True, first=0),
-    "cantilever": Boundary(translates=False, first=1),
-    "clamped": Boundary(translates=False, first=0, root=2),
-    "pinned": Boundary(translates=False, first=0),
-}
 
 # Where a link stands in the chain relative to the link that carries the point.
 BEFORE, OWN, AFTER = "before", "own", "after"
 
 
+# Moment of a spring of stiffness k that is bent by d: Hooke's law.
+LINEAR = k * bend
+
+
+@cache
+def spring_energy(law: Expr) -> Expr:
+    """Energy of a spring that is bent by d, by the law of its moment [J]; an Integral is left in it
+    where SymPy has no rule."""
+    found = integrate(law, bend, manual=True)
+    return found - found.subs(bend, 0)
+
+
+def spring_moment(before: Expr, after: Expr, stiffness: Expr, law: Expr = LINEAR) -> Expr:
+    """Moment of the rotary spring between two links at these angles on the link before [N m]; the
+    link after gets the opposite."""
+    return law.xreplace({bend: after - before, k: stiffness}) if stiffness != 0 else S.Zero
+
+
+def spring_potential(before: Expr, after: Expr, stiffness: Expr = k, law: Expr = LINEAR) -> Expr:
+    """Energy of that spring [J] (thesis 2.19)."""
+    return spring_moment(before, after, stiffness, spring_energy(law))
+
+
 def lever(place: str, xi: Expr) -> Expr:
     """Length that a link contributes to the way from joint 0 to the point [m]."""
     return {BEFORE: l, OWN: xi * l, AFTER: S.Zero}[place]
+
+
+def side(place: str, eta: Expr) -> Expr:
+    """Length across a link that it contributes to the way from joint 0 to the point [m]."""
+    return eta * l if place == OWN else S.Zero
+
+
+def across(angle: Expr) -> Expr:
+    """The angle of what stands across a link of this angle."""
+    return angle + pi / 2
 
 
 def place(link: int, carrier: int) -> str:
@@ -92,7 +83,11 @@ def combine(origin: Vector, levers: Sequence[Expr], angles: Sequence[Expr]) -> V
     return sum((x for x, _ in ends), origin[0]), sum((y for _, y in ends), origin[1])
 
 
-def position(origin: Vector, angles: Sequence[Expr], carrier: int, xi: Expr) -> Vector:
-    """r(carrier, xi) for given coordinates; joint s is (s, 0), the tail is (n-1, 1)."""
+def position(
+    origin: Vector, angles: Sequence[Expr], carrier: int, xi: Expr, eta: Expr = S.Zero
+) -> Vector:
+    """r(carrier, xi) for given coordinates, and eta of the link beside it; joint s is (s, 0), the
+    tail is (n-1, 1)."""
     levers = [lever(place(q, carrier), xi) for q in range(carrier + 1)]
-    return combine(origin, levers, angles[: carrier + 1])
+    ways = [*levers, side(OWN, eta)]
+    return combine(origin, ways, [*angles[: carrier + 1], across(angles[carrier])])

@@ -1,7 +1,8 @@
 """The matrices of the model, assembled by hand: a second route to compare with, never emitted.
 
-    M v' = Q omega^2 - K phi + F + A - D_i omega - D_e
+    M v' = Q omega^2 - K phi + loads
 
+The loads' own closed forms stand with them in loads/.
 Written for any arithmetic that knows cos, sin and sums: polynomials, exact rationals, symbols
 with a symbolic number of links, or 50-digit numbers. Every entry has the factor m/2 of the
 thesis taken inside. Sources: thesis 2.24 to 2.64, with its misprints and signs put right.
@@ -9,11 +10,11 @@ thesis taken inside. Sources: thesis 2.24 to 2.64, with its misprints and signs 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from .chain import Boundary
+from rodgen.model.rod import Boundary
 
 # Half a link bends at a clamped root: its spring is twice an inner joint's, and its damping too.
 ROOT = 2
@@ -44,11 +45,45 @@ def link_sizes(mass: Num, length: Num, bending_stiffness: Num, n: Num) -> tuple[
 
 
 @dataclass(frozen=True)
+class Links:
+    """Of a link by its number: its mass, its centre of gravity along and across it, and the mean
+    square distance of its mass from its start, over its length."""
+
+    mass: Callable[[Num], Num]
+    along: Callable[[Num], Num]
+    across: Callable[[Num], Num]
+    second: Callable[[Num], Num]
+
+
+def differing_links(
+    uneven: Collection[str], of: Callable[[str], Any], lumped: bool, half: Num
+) -> Links | None:
+    """Links that differ in mass, by their parameters; None where they do not. half: the number."""
+    if not {"mass", "bodies", "points"} & {*uneven}:
+        return None
+    mass, nothing = of("link_mass").__getitem__, 0 * half
+    if "mass" in uneven:
+        second = half if lumped else 2 * half / 3
+        return Links(mass, lambda _: half, lambda _: nothing, lambda _: second)
+    a = of("link_centre_along")
+    if "points" in uneven:  # at both ends of the link
+        return Links(mass, a.__getitem__, lambda _: nothing, a.__getitem__)
+    b, s_aa, s_bb = map(of, ("link_centre_across", "link_spread_along", "link_spread_across"))
+    return Links(
+        mass,
+        a.__getitem__,
+        b.__getitem__,
+        lambda q: a[q] ** 2 + b[q] ** 2 + s_aa[q] + s_bb[q],
+    )
+
+
+@dataclass(frozen=True)
 class ClosedForm:
     """Entries and matrices of a rod of n links of mass m, length l, springs k.
 
     phi: all angles, held ones included; hold: how the start is held; lumped: half the mass of a
-    link at each of its ends, not spread along it.
+    link at each of its ends, not spread along it; stiffness: of every joint with a spring by its
+    number, where they differ; links_differ: the mass of every link, where they differ.
     """
 
     n: Num
@@ -59,6 +94,8 @@ class ClosedForm:
     hold: Boundary
     arithmetic: Arithmetic
     lumped: bool = False
+    stiffness: Any = None
+    links_differ: Links | None = None
 
     # Entries -------------------------------------------------------------------------------
 
@@ -66,24 +103,51 @@ class ClosedForm:
         """w_i = 1 + 2 (n - i - 1): the links after link i count twice, itself once."""
         return 1 + 2 * (self.n - i - 1)
 
-    def _cos(self, angle: Num) -> Num:
+    def cos(self, angle: Num) -> Num:
+        """Cosine in the arithmetic of the rod."""
         return self.arithmetic.cos(angle)
 
-    def _sin(self, angle: Num) -> Num:
+    def sin(self, angle: Num) -> Num:
+        """Sine in the arithmetic of the rod."""
         return self.arithmetic.sin(angle)
+
+    @property
+    def total_mass(self) -> Num:
+        """n m, or the sum of all links."""
+        if self.links_differ is None:
+            return self.n * self.m
+        return self.arithmetic.total(self.links_differ.mass, 0, self.n - 1)
+
+    def behind(self, i: Num) -> Num:
+        """Mass of the links after link i, where they differ."""
+        assert self.links_differ is not None
+        return self.arithmetic.total(self.links_differ.mass, i + 1, self.n - 1)
+
+    def first(self, i: Num) -> Pair:
+        """Sums over all mass of what link i is of its lever, over l: along it (m/2) w_i, since a
+        link has its centre in its middle, and across it."""
+        links = self.links_differ
+        if links is None:
+            return self.arithmetic.half * self.m * self.w(i), 0 * self.m
+        m = links.mass(i)
+        return m * links.along(i) + self.behind(i), m * links.across(i)
 
     def M_base(self) -> Num:
         """M_00 = M_11 = (m/2) 2n (thesis 2.24, 2.25)."""
-        return self.arithmetic.half * self.m * (2 * self.n)
+        return self.total_mass
 
     def M_base_link(self, i: Num) -> Pair:
         """M_0i, M_1i = (m/2) l w_i (-sin phi_i, cos phi_i) (thesis 2.24, 2.25)."""
-        factor = self.arithmetic.half * self.m * self.l * self.w(i)
-        return -factor * self._sin(self.phi[i]), factor * self._cos(self.phi[i])
+        along, across = self.first(i)
+        c, s = self.cos(self.phi[i]), self.sin(self.phi[i])
+        return -self.l * (along * s + across * c), self.l * (along * c - across * s)
 
     def M_link(self, i: Num) -> Num:
         """M_ii = (m/2) 2 l^2 (1/3 + n - i - 1), the third taken out (thesis 2.26); with half the
         mass of link i at its end, a half in place of the third."""
+        if self.links_differ is not None:
+            own = self.links_differ.mass(i) * self.links_differ.second(i)
+            return self.l**2 * (own + self.behind(i))
         if self.lumped:
             return self.arithmetic.half * self.m * self.l**2 * self.w(i)
         two_thirds = self.arithmetic.half * 4 / 3
@@ -91,77 +155,74 @@ class ClosedForm:
 
     def M_link_link(self, i: Num, j: Num, later: Num) -> Num:
         """M_ij = (m/2) l^2 w_max(i,j) cos(phi_i - phi_j) (thesis 2.26 with all its links)."""
-        factor = self.arithmetic.half * self.m * self.l**2 * self.w(later)
-        return factor * self._cos(self.phi[i] - self.phi[j])
+        along, across = self.first(later)
+        turned = along * self.cos(self.phi[i] - self.phi[j])
+        if self.links_differ is not None:
+            earlier = i if later == j else j
+            turned -= across * self.sin(self.phi[later] - self.phi[earlier])
+        return self.l**2 * turned
 
     def Q_base_link(self, j: Num) -> Pair:
         """Q_0j, Q_1j = (m/2) l w_j (cos phi_j, sin phi_j) (thesis 2.27, 2.28)."""
-        factor = self.arithmetic.half * self.m * self.l * self.w(j)
-        return factor * self._cos(self.phi[j]), factor * self._sin(self.phi[j])
+        along, across = self.first(j)
+        c, s = self.cos(self.phi[j]), self.sin(self.phi[j])
+        return self.l * (along * c - across * s), self.l * (along * s + across * c)
 
     def Q_link_link(self, i: Num, j: Num, later: Num) -> Num:
         """Q_ij = (m/2) l^2 w_max(i,j) sin(phi_j - phi_i) (thesis 2.44, its weights put right)."""
-        factor = self.arithmetic.half * self.m * self.l**2 * self.w(later)
-        return factor * self._sin(self.phi[j] - self.phi[i])
+        along, across = self.first(later)
+        turned = along * self.sin(self.phi[j] - self.phi[i])
+        if self.links_differ is not None:
+            sign = 1 if later == j else -1
+            turned += sign * across * self.cos(self.phi[i] - self.phi[j])
+        return self.l**2 * turned
 
     @property
     def root(self) -> int:
         """How many inner joints the root is as stiff and as damped as."""
         return ROOT if self.hold.root else 0
 
-    def bending_row(self, factor: Num, start: int, end: int) -> tuple[Num, Num, Num]:
-        """Row of K or D_i of a link that starts and ends in as much as so many inner joints:
-        coefficients of the link before (at the root the clamp), of itself, and of the link after
-        (thesis 2.42, 2.52)."""
-        return -start * factor, (start + end) * factor, -end * factor
+    @property
+    def tail(self) -> int:
+        """How many inner joints the spring in the tail is as stiff and as damped as."""
+        return self.hold.tail
 
-    def F_base(self, P: Num, nu: Num) -> Pair:
-        """-P (cos, sin)(phi_{n-1} + nu) (thesis 2.46, for thrust)."""
-        tail = self.phi[self.n - 1]
-        return -P * self._cos(tail + nu), -P * self._sin(tail + nu)
+    def spring(self, at: Num, size: int) -> Num:
+        """Stiffness of the spring in a joint; where they do not differ, that of so many inner
+        joints."""
+        if self.stiffness is None or not size:
+            return size * self.k
+        return self.stiffness[at]
 
-    def F_link(self, i: Num, P: Num, nu: Num) -> Num:
-        """P l sin(phi_i - phi_{n-1} - nu) (thesis 2.47, for thrust)."""
-        return P * self.l * self._sin(self.phi[i] - (self.phi[self.n - 1] + nu))
+    def bending_row(self, start: Num, end: Num) -> tuple[Num, Num, Num]:
+        """Row of K or D_i of a link by what the joints at its start and end have: coefficients of
+        the link before (at the root the clamp), of itself, and of the link after (thesis 2.42,
+        2.52)."""
+        return -start, start + end, -end
 
-    def T_base(self, force: Pair) -> Pair:
-        """The tip load."""
-        return force
+    def turning(self, i: Num, force: Pair) -> Num:
+        """What a force at the end of link i, or behind it, does to its angle:
+        l (cos phi_i F_y - sin phi_i F_x)."""
+        return self.l * (self.cos(self.phi[i]) * force[1] - self.sin(self.phi[i]) * force[0])
 
-    def T_link(self, i: Num, force: Pair) -> Num:
-        """l (cos phi_i F_y - sin phi_i F_x)."""
-        return self.l * (self._cos(self.phi[i]) * force[1] - self._sin(self.phi[i]) * force[0])
+    def arm(self, i: Num, link: Num, share: Num) -> Num:
+        """How much of link i leads to a point: all of the links before that of the point, of its
+        own a share."""
+        return 1 if i < link else share if i == link else 0
 
-    def A_base(self, g: Num) -> Pair:
-        """(0, -n m g) (thesis 2.64, with gravity downwards)."""
-        return 0 * g, -self.n * self.m * g
-
-    def A_link(self, i: Num, g: Num) -> Num:
-        """-g m l (n - i - 1/2) cos phi_i (thesis 2.64)."""
-        factor = g * self.m * self.l * self.arithmetic.half * self.w(i)
-        return -factor * self._cos(self.phi[i])
-
-    def D_e_base(self, D: Pair) -> Pair:
-        """Sum of the resisting forces D_x, D_y at all joints that move (thesis 2.60)."""
-        x, y = D
-        low, high = self.hold.first_joint, self.n
-        total = self.arithmetic.total
-        return total(x.__getitem__, low, high), total(y.__getitem__, low, high)
-
-    def D_e_link(self, i: Num, D: Pair) -> Num:
-        """l (cos phi_i sum D_y - sin phi_i sum D_x) over the joints after link i (thesis 2.60)."""
-        x, y = (self.arithmetic.total(d.__getitem__, i + 1, self.n) for d in D)
-        return self.l * (self._cos(self.phi[i]) * y - self._sin(self.phi[i]) * x)
+    def total(self, of: Any, low: Num, high: Num) -> Num:
+        """Sum of what is found in ``of`` from low to high."""
+        return self.arithmetic.total(of.__getitem__, low, high)
 
     def joint_step(self, i: Num) -> Pair:
         """From joint i to joint i + 1: l (cos phi_i, sin phi_i)."""
-        return self.l * self._cos(self.phi[i]), self.l * self._sin(self.phi[i])
+        return self.l * self.cos(self.phi[i]), self.l * self.sin(self.phi[i])
 
     def velocity_step(self, i: Num, omega: Num) -> Pair:
         """Velocity of joint i + 1 less that of joint i: l omega_i (-sin, cos)(phi_i)
         (thesis 2.14)."""
         speed = self.l * omega
-        return -speed * self._sin(self.phi[i]), speed * self._cos(self.phi[i])
+        return -speed * self.sin(self.phi[i]), speed * self.cos(self.phi[i])
 
     # Matrices: rows x0, y0 where joint 0 is free, then the moving links ----------------------
 
@@ -194,46 +255,22 @@ class ClosedForm:
         return [*map(list, zip(*map(self.Q_base_link, self.links), strict=True)), *rows]
 
     def K(self) -> list[list[Num]]:
-        """Columns are all links, a held one too; before them clamp_angle, where a root spring
-        holds link 0 at it."""
-        return self._bending(self.k, range(-1 if self.root else 0, self.n))
+        """Columns are all links, a held one too; before and behind them clamp_angle, where a spring
+        in the root or in the tail holds a link at it."""
+        return self._bending(self.spring, range(-1 if self.root else 0, self.n + bool(self.tail)))
 
-    def D_i(self, c_int: Num) -> list[list[Num]]:
-        """Columns are the moving links: a held link and a clamp have no rate."""
-        return self._bending(c_int * self.m, self.links)
+    def damping(self, factor: Callable[[Num, int], Num]) -> list[list[Num]]:
+        """D_i of joints that are damped by so much, by number and size; columns are the moving
+        links, since a held link and a clamp have no rate."""
+        return self._bending(factor, self.links)
 
-    def _bending(self, factor: Num, columns: range) -> list[list[Num]]:
-        zero = 0 * factor
+    def _bending(self, of: Callable[[Num, int], Num], columns: range) -> list[list[Num]]:
+        """Rows of links that are bent or damped by so much at a joint of a size."""
+        zero = 0 * self.k
         rows = [[zero for _ in columns] for _ in range(2 * self.hold.translates)]
         for i in self.links:
-            row = self.bending_row(factor, 1 if i else self.root, int(i < self.n - 1))
+            end = 1 if i < self.n - 1 else self.tail
+            row = self.bending_row(of(i, 1 if i else self.root), of(i + 1, end))
             entries = dict(zip((i - 1, i, i + 1), row, strict=True))
             rows.append([entries.get(j, zero) for j in columns])
         return rows
-
-    def F(self, P: Num, nu: Num) -> list[Num]:
-        """Follower force."""
-        return self._column(self.F_base(P, nu), lambda i: self.F_link(i, P, nu))
-
-    def T(self, force: Pair) -> list[Num]:
-        """Tip load."""
-        return self._column(self.T_base(force), lambda i: self.T_link(i, force))
-
-    def A(self, g: Num) -> list[Num]:
-        """Gravity."""
-        return self._column(self.A_base(g), lambda i: self.A_link(i, g))
-
-    def D_e(self, D: Pair) -> list[Num]:
-        """External damping, from the resisting forces at the joints."""
-        return self._column(self.D_e_base(D), lambda i: self.D_e_link(i, D))
-
-    def _column(self, base: Pair, link: Callable[[int], Num]) -> list[Num]:
-        return [*(base if self.hold.translates else ()), *map(link, self.links)]
-
-
-def joint_drag(c_ext: Num, fin_factor: Num, mass: Num, v: Pair, angle: Num, functions: Any) -> Pair:
-    """D_x, D_y of one joint as the thesis has them (2.56 to 2.59), by the angle of the velocity:
-    D = c_ext s |sin(atan2(v_y, v_x) - angle)| m v; mass is m, at both ends of the rod m/2."""
-    a = abs(functions.sin(functions.atan2(v[1], v[0]) - angle))
-    factor = c_ext * fin_factor * a * mass
-    return factor * v[0], factor * v[1]

@@ -8,22 +8,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from math import prod
 
-from sympy import Add, Expr, Mul, S, Symbol
+from sympy import Add, Expr, Mul, S
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 from sympy.polys.rings import PolyElement
 
+from rodgen.model.rod import BOUNDARIES
+
 from .calculus import TIME, Calculus, PolynomialMatrix
-from .chain import BOUNDARIES, position
-from .inertia import INERTIAS
-from .loads import (
-    damper_moment,
-    follower_force,
-    spring_potential,
-    tip_force,
-    weight,
-)
-from .symbols import ALPHA, C_INT, F_TIP, NU, G, P, k, l, m, xi
+from .chain import position, spring_potential
+from .loads import LOADS, loads_of
+from .rod import Joint, Rod, centre, spread
+from .symbols import ALPHA, eta, k, l, m, xi
 
 PolyMatrix = list[list[PolyElement]]
 
@@ -33,38 +30,50 @@ class ExplicitDerivation:
     """The equations M v' = Q omega^2 - K phi + loads of a chain with n links.
 
     Rows are the coordinates that move: x0, y0 where joint 0 is free, then the angles of the
-    moving links. Columns of M are the same, those of Q and D_i the moving links, those of K
+    moving links. Columns of M are the same, those of Q the moving links, those of K
     all links (a clamped angle has a column too).
     """
 
     n: int
     boundary: str = "free"
     inertia: str = "uniform"
+    uneven: tuple[str, ...] = ()
+    terms: tuple[str, ...] = ()  # beside one of each
 
     def __post_init__(self) -> None:
         hold = BOUNDARIES[self.boundary]
         moving = list(dynamicsymbols(f"phi{hold.first}:{self.n}", real=True))
         self.angles: list[Expr] = [ALPHA] * hold.first + moving
-        # Every angle that a spring knows; springs and dampers between them, in inner joints.
-        self.bent = [ALPHA, *self.angles] if hold.root else self.angles
-        self.joints = [*([hold.root] if hold.root else []), *([1] * (self.n - 1))]
+        # Every angle that a spring knows, and the springs between them.
+        root, tail = ([size] if size else [] for size in (hold.root, hold.tail))
+        self.bent = [ALPHA] * len(root) + self.angles + [ALPHA] * len(tail)
+        self.rod = Rod(self.inertia, self.uneven)
+        sizes = zip(hold.springs(self.n), [*root, *([1] * (self.n - 1)), *tail], strict=True)
+        self.joints = [self.rod.joint(at, size) for at, size in sizes]
         self.base: list[Expr] = list(dynamicsymbols("x0 y0", real=True)) if hold.translates else []
         self.coordinates: list[Expr] = self.base + moving
         self.moving = moving
-        self.drag = [
-            (Symbol(f"D_x{s}", real=True), Symbol(f"D_y{s}", real=True))
-            for s in range(hold.first_joint, self.n + 1)
-        ]
         self.first_joint = hold.first_joint
-        forces = [component for force in self.drag for component in force]
         held = [ALPHA] if hold.clamped else []
-        constants = [m, l, k, xi, P, G, C_INT, *F_TIP, *forces]
-        self.calculus = Calculus(self.coordinates, [*moving, *held, NU], constants)
+        constants, angles = [m, l, k, xi], [*moving, *held]
+        constants += [eta] if self.rod.sided else []
+        differing = [joint.stiffness for joint in self.joints]
+        differing += map(self.rod.mass, range(self.n))
+        if "bodies" in self.uneven or "points" in self.uneven:
+            differing += [base[q] for q in range(self.n) for base in (*centre, *spread)]
+        constants += [e for e in differing if e.is_Indexed]
+        self.loads = LOADS | loads_of(self.terms)
+        for load in self.loads.values():
+            constants += load.constants(self.first_joint, self.n)
+            angles += load.angles
+        self.calculus = Calculus(self.coordinates, angles, constants)
 
-    def point(self, link: int, fraction: Expr) -> tuple[PolyElement, PolyElement]:
-        """Position of a point of the chain, as polynomials."""
+    def point(
+        self, link: int, fraction: Expr, beside: Expr = S.Zero
+    ) -> tuple[PolyElement, PolyElement]:
+        """Position of a point of the chain, or of one beside it, as polynomials."""
         origin = tuple(self.base) if self.base else (S.Zero, S.Zero)
-        x, y = position(origin, self.angles, link, fraction)
+        x, y = position(origin, self.angles, link, fraction, beside)
         return self.calculus.poly(x), self.calculus.poly(y)
 
     def joint(self, s: int) -> tuple[PolyElement, PolyElement]:
@@ -75,33 +84,48 @@ class ExplicitDerivation:
         """Time derivative."""
         return self.calculus.diff(poly, TIME)
 
-    def mean(self, poly: PolyElement) -> PolyElement:
-        """Mean over the mass of a link: powers of xi become moments of the inertia model."""
-        moments = INERTIAS[self.inertia]
-        parts = self.calculus.coefficients(poly, [xi])
+    def over_link(self, poly: PolyElement, link: int) -> PolyElement:
+        """Integral over the mass of a link."""
+        return self.calculus.poly(self.rod.mass(link)) * self.mean(poly, link)
+
+    def mean(self, poly: PolyElement, link: int = 0) -> PolyElement:
+        """Mean over the mass of a link: powers of xi, and of eta beside it, become moments."""
+        places = [xi, eta] if self.rod.sided else [xi]
+        parts = self.calculus.coefficients(poly, places)
         return sum(
-            (self.calculus.poly(moments(xi**p)) * c for (p,), c in parts.items()),
+            (self._moment(powers, link) * c for powers, c in parts.items()),
             start=self.calculus.zero,
         )
 
+    def _moment(self, powers: tuple[int, ...], link: int) -> PolyElement:
+        product = prod((x**p for x, p in zip((xi, eta), powers, strict=False)), start=S.One)
+        return self.calculus.poly(self.rod.mean(product, link))
+
     @cached_property
     def link_points(self) -> list[tuple[PolyElement, PolyElement]]:
-        """The point at xi of every link."""
-        return [self.point(link, xi) for link in range(self.n)]
+        """The point at xi of every link, and at eta beside it where there is mass."""
+        beside = eta if self.rod.sided else S.Zero
+        return [self.point(link, xi, beside) for link in range(self.n)]
 
     @cached_property
     def kinetic_energy(self) -> PolyElement:
-        """Half the mean square velocity times the mass, link by link, collected."""
+        """Half the squared velocity over all mass, link by link, collected."""
         total = self.calculus.zero
-        for x, y in self.link_points:
-            total += self.mean(self.rate(x) ** 2 + self.rate(y) ** 2)
-        return self.calculus.normal(total) * self.calculus.poly(m / 2)
+        for link, (x, y) in enumerate(self.link_points):
+            total += self.over_link(self.rate(x) ** 2 + self.rate(y) ** 2, link)
+        return self.calculus.normal(total) * self.calculus.poly(S.Half)
 
     @cached_property
     def spring_energy(self) -> PolyElement:
         """Energy of the springs in all joints."""
-        joints = zip(self.joints, pairwise(self.bent), strict=True)
-        return self.calculus.poly(Add(*(size * spring_potential(*ends) for size, ends in joints)))
+        energies = (spring_potential(a, b, joint.stiffness) for joint, a, b in self.springs)
+        return self.calculus.poly(Add(*energies))
+
+    @property
+    def springs(self) -> list[tuple[Joint, Expr, Expr]]:
+        """Joints with a spring, and the angles before and after them."""
+        ends = pairwise(self.bent)
+        return [(joint, *angles) for joint, angles in zip(self.joints, ends, strict=True)]
 
     @cached_property
     def lagranges_method(self) -> LagrangesMethod:
@@ -126,19 +150,22 @@ class ExplicitDerivation:
         rates = [q.diff(TIME) for q in self.coordinates]
         parts = []
         for (row,) in self.lagranges_method.forcing.rows:
-            split = self.calculus.coefficients(self.calculus.normal(row), rates + self._all_angles)
+            split = self.calculus.coefficients(
+                self.calculus.normal(row), rates + self.bending_angles
+            )
             parts.append(self._sort(split, rates))
         return parts
 
     @cached_property
-    def _all_angles(self) -> list[Expr]:
+    def bending_angles(self) -> list[Expr]:
+        """Angles that springs know, each once: the columns of K."""
         return list(dict.fromkeys(self.bent))
 
     def _sort(
         self, split: Mapping[tuple[int, ...], PolyElement], rates: list[Expr]
     ) -> dict[str, dict[Expr, PolyElement]]:
         out: dict[str, dict[Expr, PolyElement]] = {"squares": {}, "angles": {}, "other": {}}
-        names = rates + self._all_angles
+        names = rates + self.bending_angles
         for powers, coefficient in split.items():
             factors = [(name, power) for name, power in zip(names, powers, strict=True) if power]
             match factors:
@@ -158,9 +185,10 @@ class ExplicitDerivation:
 
     @cached_property
     def stiffness_matrix(self) -> PolyMatrix:
-        """K: minus the coefficient of phi_j in every row, a clamped angle included."""
+        """K: minus the coefficient of phi_j in every row, a clamped angle included (once, where
+        both ends are held at it)."""
         rows = [row["angles"] for row in self._forcing]
-        return [[-row.get(a, self.calculus.zero) for a in self.bent] for row in rows]
+        return [[-row.get(a, self.calculus.zero) for a in self.bending_angles] for row in rows]
 
     @cached_property
     def remainder(self) -> list[dict[Expr, PolyElement]]:
@@ -175,49 +203,16 @@ class ExplicitDerivation:
         (x, y), (fx, fy) = point, force
         return [diff(x, q) * fx + diff(y, q) * fy for q in self.coordinates]
 
-    def _sum(self, rows: list[list[PolyElement]]) -> list[PolyElement]:
+    def load(self, term: str) -> list[PolyElement]:
+        """Generalised forces of a load, one for every coordinate; of a kind of damping too."""
         totals = [self.calculus.zero for _ in self.coordinates]
-        for row in rows:
+        for row in self.loads[term].rows(self):
             totals = [a + b for a, b in zip(totals, row, strict=True)]
         return [self.calculus.normal(e) for e in totals]
 
-    @cached_property
-    def follower(self) -> list[PolyElement]:
-        """F: virtual work of the follower force at the tail."""
-        fx, fy = (self.calculus.poly(f) for f in follower_force(self.angles[-1]))
-        return self._sum([self.virtual_work(self.joint(self.n), (fx, fy))])
-
-    @cached_property
-    def tip_load(self) -> list[PolyElement]:
-        """T: virtual work of the dead force at the tail."""
-        fx, fy = (self.calculus.poly(f) for f in tip_force())
-        return self._sum([self.virtual_work(self.joint(self.n), (fx, fy))])
-
-    @cached_property
-    def gravity(self) -> list[PolyElement]:
-        """A: virtual work of gravity on the mass of every link."""
-        fx, fy = (self.calculus.poly(f) for f in weight(m))
-        rows = [self.virtual_work(point, (fx, fy)) for point in self.link_points]
-        return self._sum([[self.mean(e) for e in row] for row in rows])
-
-    @cached_property
-    def internal_damping(self) -> PolyMatrix:
-        """D_i: minus the virtual work of the damping moments across the joints, by rate."""
-        poly, rows = self.calculus.poly, []
-        for size, (before, after) in zip(self.joints, pairwise(self.bent), strict=True):
-            moment = poly(size * damper_moment(before.diff(TIME), after.diff(TIME)))
-            opening = poly(after - before)
-            rows.append([moment * self.calculus.diff(opening, q) for q in self.coordinates])
+    def by_rates(self, column: list[PolyElement]) -> PolyMatrix:
+        """Factors of the moving links' rates in generalised forces that are linear in them."""
         rates = [a.diff(TIME) for a in self.moving]
         unit = [tuple(int(a == b) for b in rates) for a in rates]
-        split = [self.calculus.coefficients(-e, rates) for e in self._sum(rows)]
+        split = [self.calculus.coefficients(e, rates) for e in column]
         return [[row.get(powers, self.calculus.zero) for powers in unit] for row in split]
-
-    @cached_property
-    def external_damping(self) -> list[PolyElement]:
-        """D_e: minus the virtual work of the forces D_x, D_y that resist at the joints."""
-        rows = []
-        for at, (dx, dy) in enumerate(self.drag):
-            force = (-self.calculus.generator[dx], -self.calculus.generator[dy])
-            rows.append(self.virtual_work(self.joint(self.first_joint + at), force))
-        return [-e for e in self._sum(rows)]

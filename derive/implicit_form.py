@@ -8,29 +8,20 @@ block-tridiagonal: an index-1 differential-algebraic equation whose Newton steps
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from sympy import And, Eq, Expr, Indexed, Matrix, Piecewise, S
+from sympy import And, Eq, Expr, Indexed, Matrix, Piecewise, S, Symbol
 from sympy.physics.mechanics import dynamicsymbols
 
 from .calculus import TIME
 from .chain import OWN, combine, lever
-from .general import (
-    Equations,
-    divisor,
-    drag_x,
-    drag_y,
-    joint,
-    joint_vx,
-    joint_vy,
-    rod_angle,
-)
+from .general import Equations
 from .joint_forces import JointForces
-from .joint_system import alpha, drag_at, lambda_x, lambda_y, link_moment, short, tail_load
-from .loads import joint_angle
-from .symbols import i, n, omega, phi, s
+from .joint_system import alpha, lambda_x, lambda_y, link_moment, load_on, short, tail_load
+from .loads.joint_drag import divisor
+from .symbols import i, joint_vx, joint_vy, joint_x, joint_y, n, omega, phi, s
 
 UNKNOWNS = (alpha, lambda_x, lambda_y)
 # Cells before, own and after; joints at the start and at the end of a link.
@@ -49,14 +40,14 @@ class _Place:
 class ImplicitForm:
     """Residual of the cell of link i (rows: turning, and the joint before it in x and y), and its
     derivatives by offset of the cell or joint: columns of angles and rates (3x1), of unknowns
-    (3x3), and of joint velocities (3x2, by which only external damping changes)."""
+    (3x3), and of joint velocities and positions (3x2, by which only forces on joints change)."""
 
     equations: Equations
 
     @cached_property
     def residual(self) -> Matrix:
         """Zero for the accelerations and joint forces of the chain."""
-        return self._cases([self._residual(place) for place in self._places])
+        return self._cases(list(self._residuals.values()))
 
     @cached_property
     def by_angle(self) -> dict[int, Matrix]:
@@ -76,6 +67,11 @@ class ImplicitForm:
         return {d: self._derivative([joint_vx[i + d], joint_vy[i + d]], 0) for d in JOINTS}
 
     @cached_property
+    def by_position(self) -> dict[int, Matrix]:
+        """By their positions."""
+        return {d: self._derivative([joint_x[i + d], joint_y[i + d]], 0) for d in JOINTS}
+
+    @cached_property
     def lever_by(self) -> tuple[Matrix, Matrix]:
         """Velocity of the end of link i less that of its start, by its angle and by its rate."""
         angle = dynamicsymbols("phi", real=True)
@@ -83,22 +79,31 @@ class ImplicitForm:
         named = gained.subs(angle.diff(TIME), omega[i]).subs(angle, phi[i])
         return named.diff(phi[i]), named.diff(omega[i])
 
+    def by_number(self, number: Symbol) -> Matrix:
+        """By a number in the loads."""
+        return self._derivative([number], 0)
+
+    def base_by_number(self, number: Symbol, links: int) -> Matrix:
+        """Of the acceleration of joint 0, by a number in the loads."""
+        return self.base(links).applyfunc(lambda e: self._partial(e, number))
+
     def base(self, links: int) -> Matrix:
         """Acceleration of joint 0 of a chain that translates."""
         place = _Place(first=True, last=links == 1)
         chain = JointForces(self.equations)
         rows = self._with_tail(-chain.starts(i), chain, place)
-        return self._with_drag(rows, place)
+        return self._with_laws(rows, place)
 
     def base_by(self, links: int) -> dict[str, dict[int, Matrix]]:
         """Its derivatives by angles, rates and unknowns of the cells 0 and 1 and by the velocities
-        of joints 0 and 1, each by offset."""
+        and positions of joints 0 and 1, each by offset."""
         rows = self.base(links)
         kinds = {
             "angle": (phi,),
             "rate": (omega,),
             "unknown": UNKNOWNS,
             "velocity": (joint_vx, joint_vy),
+            "position": (joint_x, joint_y),
         }
         return {
             kind: {
@@ -125,9 +130,8 @@ class ImplicitForm:
     def _derivative(self, variables: Sequence[Expr], offset: int) -> Matrix:
         """Derivative of the residual by variables at an offset; none beyond the ends."""
         values = []
-        for place in self._places:
+        for place, residual in self._residuals.items():
             beyond = (place.first and offset < 0) or (place.last and offset > 0)
-            residual = self._residual(place)
             columns = [
                 [S.Zero if beyond else self._partial(e, x) for x in variables] for e in residual
             ]
@@ -135,22 +139,35 @@ class ImplicitForm:
         return self._cases(values)
 
     def _partial(self, expression: Expr, variable: Expr) -> Expr:
-        """Partial derivative; the speed that external damping divides by follows the velocity (at
-        rest, where it is one, what it is a factor of vanishes)."""
-        total = expression.diff(variable)
+        """Partial derivative; the speed that drag divides by follows the velocity (at
+        rest, where it is one, what it is a factor of vanishes), and arrays follow numbers."""
+        total = expression.diff(variable) if expression.has(variable) else S.Zero
+        if variable.is_Symbol:
+            arrays = self.equations.arrays
+            for element in expression.atoms(Indexed):
+                array = arrays.get(element.base)
+                if array is not None and array.value.has(variable):
+                    value = array.value.subs(array.index, element.indices[0])
+                    total += expression.diff(element) * self._partial(value, variable)
         if isinstance(variable, Indexed) and variable.base in (joint_vx, joint_vy):
             speed = divisor[variable.indices[0]]
-            total += expression.diff(speed) * variable / speed
-        return short(total)
+            total += expression.diff(speed) * variable / speed if expression.has(speed) else 0
+        return total  # what its parts share is found later
 
     # The residual -----------------------------------------------------------------------------
+
+    @cached_property
+    def _residuals(self) -> dict[_Place, Matrix]:
+        return {place: self._residual(place) for place in self._places}
 
     def _residual(self, place: _Place) -> Matrix:
         chain = JointForces(self.equations)
         turning = alpha[i] - chain.accelerations(i)[2]
+        if chain.resistance != 1:
+            turning = short(chain.resistance * turning)
         joint_rows = self._joint(chain, place)
         rows = Matrix([turning, *joint_rows]).xreplace({link_moment[i]: self._moment(place)})
-        return self._with_drag(self._with_tail(rows, chain, place), place)
+        return self._with_laws(self._with_tail(rows, chain, place), place)
 
     def _with_tail(self, rows: Matrix, chain: JointForces, place: _Place) -> Matrix:
         """The load at the tail in place of a force in the joint there."""
@@ -165,7 +182,7 @@ class ImplicitForm:
         force in it is given."""
         hold = self.equations.hold
         if place.first and hold.translates:
-            given = drag_at(self.equations, i, chain.unit)
+            given = load_on(self.equations, i, chain.unit)
             return lambda_x[i] + given[0], lambda_y[i] + given[1]
         total = chain.starts(i)
         if not place.first:
@@ -178,24 +195,18 @@ class ImplicitForm:
         start, end = (equations.inner_moment.subs(s, at) for at in (i, i + 1))
         if place.first and not equations.hold.first:
             start = equations.root_moment.xreplace({phi[0]: phi[i], omega[0]: omega[i]})
-        return start - (S.Zero if place.last else end)
+        if place.last:
+            end = equations.tail_moment.subs(n, i + 1)
+        return start - end
 
-    def _with_drag(self, rows: Matrix, place: _Place) -> Matrix:
-        """The law of external damping in place of its forces."""
-        if "external_damping" not in self.equations.terms:
-            return rows
-        for at, value in self._drag(place):
-            rows = rows.xreplace({at: value})
-        return rows
-
-    def _drag(self, place: _Place) -> Iterator[tuple[Expr, Expr]]:
-        arrays = self.equations.arrays
+    def _with_laws(self, rows: Matrix, place: _Place) -> Matrix:
+        """The laws of the loads in place of their forces on the joints of a link."""
         starts = place.first and self.equations.hold.translates
-        angles = {
-            i: joint_angle([phi[i]]) if starts else joint_angle([phi[i - 1], phi[i]]),
-            i + 1: joint_angle([phi[i]]) if place.last else joint_angle([phi[i], phi[i + 1]]),
-        }
-        for index, angle in angles.items():
-            for base in (drag_x, drag_y):
-                law = arrays[base].value.subs(joint, index)
-                yield base[index], law.xreplace({rod_angle[index]: angle})
+        ends = {i: (None if starts else phi[i - 1], phi[i])}
+        ends[i + 1] = (phi[i], None if place.last else phi[i + 1])
+        for load in self.equations.loads.values():
+            rows = rows.xreplace(load.near_link())
+            for at, angles in ends.items():
+                for force, law in load.near(at, *angles, self.equations).items():
+                    rows = rows.xreplace({force: law})
+        return rows

@@ -6,43 +6,56 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
-from sympy import Expr, Integer, Matrix, S, Symbol, expand, simplify, symbols, trigsimp
+from sympy import (
+    Expr,
+    IndexedBase,
+    Integer,
+    Matrix,
+    S,
+    Symbol,
+    expand,
+    simplify,
+    symbols,
+    trigsimp,
+)
 from sympy.physics.mechanics import dynamicsymbols
 
 from .calculus import TIME
-from .chain import OWN, Vector, combine, lever
-from .general import Array, Equations
-from .inertia import INERTIAS, mean
+from .chain import OWN, Vector, across, combine, lever, side
+from .general import Equations
+from .inertia import INERTIAS
 from .joint_system import (
     System,
     alpha,
     arrays_of,
     at_first,
-    block_xx,
-    block_xy,
-    block_yy,
-    drag_at,
+    blocks,
+    end_blocks,
     free_alpha,
     lagrange,
     lambda_x,
     lambda_y,
-    link_moment,
+    load_on,
+    moment_on,
     pull_x,
     pull_y,
+    push_x,
+    push_y,
     short,
     tail_load,
     weight_on,
 )
-from .symbols import i, m, n, omega, phi, s, xi
+from .rod import Rod
+from .symbols import Array, eta, i, m, n, omega, other, phi, s, xi
 from .tensions import Tensions
 
 
 def joint_system(equations: Equations) -> System:
     """The system of a chain: 2x2 blocks of joint forces or, where all mass of a link sits at its
     ends, a scalar one of tensions."""
-    first, second = (mean(equations.inertia, xi**power) for power in (1, 2))
+    first, second = (equations.rod.mean(xi**power, other) for power in (1, 2))
     at_ends = second == first  # of xi in [0, 1] only 0 and 1 are their own squares
-    return Tensions(equations).system if at_ends else JointForces(equations).system
+    return Tensions(equations).system if at_ends else JointForces(equations, True).system
 
 
 @dataclass(frozen=True)
@@ -64,20 +77,25 @@ class _Link:
 
 
 @cache
-def _two_links(inertia: str, law: Callable[[Expr], Expr]) -> _Link:
-    """LagrangesMethod on two links, the end of the first held to the start of the second; law:
-    that of the inertia, so that another one is derived anew."""
+def _two_links(rod: Rod, law: Callable[[Expr], Expr]) -> _Link:
+    """LagrangesMethod on two links, the end of the first held to the start of the second, both
+    with the mass of the link ``other``; law: that of the inertia, so that another one is derived
+    anew."""
     coordinates = dynamicsymbols("x_p y_p phi_p x_q y_q phi_q", real=True)
     p, q = coordinates[:3], coordinates[3:]
-    middle = lever(OWN, mean(inertia, xi))
+    middle, aside = lever(OWN, rod.mean(xi, other)), S.Zero
+    if rod.sided:
+        aside = side(OWN, rod.mean(eta, other))
 
-    def point(link: list[Expr], fraction: Expr) -> Vector:
-        return combine((link[0], link[1]), [lever(OWN, fraction) - middle], [link[2]])
+    def point(link: list[Expr], fraction: Expr, beside: Expr = S.Zero) -> Vector:
+        ways = [lever(OWN, fraction) - middle, side(OWN, beside) - aside]
+        return combine((link[0], link[1]), ways, [link[2], across(link[2])])
 
     energy = S.Zero
     for link in (p, q):
-        v = [c.diff(TIME) for c in point(link, xi)]
-        energy += m / 2 * mean(inertia, expand(v[0] ** 2 + v[1] ** 2))
+        v = [c.diff(TIME) for c in point(link, xi, eta if rod.sided else S.Zero)]
+        mean_square = rod.mean(expand(v[0] ** 2 + v[1] ** 2), other)
+        energy += rod.mass(other) / 2 * (expand(mean_square) if rod.sided else mean_square)
     gap = [a - b for a, b in zip(point(p, S.One), point(q, S.Zero), strict=True)]
     rows, right = lagrange(energy, coordinates, gap)
     mass = rows[:6, :].applyfunc(trigsimp)
@@ -99,38 +117,80 @@ def _two_links(inertia: str, law: Callable[[Expr], Expr]) -> _Link:
     )
 
 
+# Of a link with mass beside it: the inverses of its mass and of its moment of inertia, over that of
+# m, and how the joints at its start and its end move from its centre as it turns.
+light, nimble = (IndexedBase(name, real=True) for name in ("light", "nimble"))
+start_turn, end_turn = (
+    [IndexedBase(f"{where}_turn_{axis}", real=True) for axis in "xy"] for where in ("start", "end")
+)
+
+
 @dataclass(frozen=True)
 class JointForces:
     """The system of a chain of links with mass along them; forces at a joint act on the link
-    that it ends."""
+    that it ends. named: whether what many entries of a link with mass beside it are made of are
+    arrays."""
 
     equations: Equations
+    named: bool = False
+
+    @property
+    def _derived(self) -> _Link:
+        return _two_links(self.equations.rod, INERTIAS[self.equations.inertia])
 
     @property
     def _cell(self) -> _Link:
-        inertia = self.equations.inertia
-        return _two_links(inertia, INERTIAS[inertia])
+        cell = self._derived
+        if not (self.named and self.equations.rod.sided):
+            return cell
+        start, end, inverse = cell.start.copy(), cell.end.copy(), cell.inverse.copy()
+        for jacobian, turn in ((start, start_turn), (end, end_turn)):
+            for row, base in enumerate(turn):
+                jacobian[row, 2] = base[other]
+        for at, base in enumerate((light, light, nimble)):
+            inverse[at, at] = base[other] / m
+        return replace(cell, start=start, end=end, inverse=inverse)
+
+    @property
+    def _parts(self) -> dict[IndexedBase, Expr]:
+        """What the names stand for, of link i."""
+        if self._cell is self._derived:
+            return {}
+        cell = self._derived
+        columns = [*cell.start[:, 2], *cell.end[:, 2]]
+        masses = [(m * cell.inverse[at, at]).subs(other, i) for at in (0, 2)]
+        values = [*masses, *self._at(Matrix(columns), i)]
+        return dict(zip((light, nimble, *start_turn, *end_turn), values, strict=True))
 
     def _at(self, expression: Matrix, link: Expr) -> Matrix:
         cell = self._cell
-        return expression.subs({cell.phi: phi[link], cell.omega: omega[link]})
+        return expression.subs({cell.phi: phi[link], cell.omega: omega[link], other: link})
 
     def _of(self, forces: Matrix, jacobian: Matrix, link: Expr) -> Matrix:
         """Accelerations of a link by forces in a joint, in units of the multipliers."""
-        return m * self._cell.inverse * self._at(jacobian.T, link) * forces
+        return self._at(m * self._cell.inverse * jacobian.T, link) * forces
 
     def _free(self, link: Expr) -> Matrix:
         """Accelerations of a link without joint forces."""
         cell = self._cell
-        own = Matrix([*weight_on(self.equations, m), link_moment[link]])
-        drag = Matrix(drag_at(self.equations, link + 1, m))
-        return cell.inverse * own + self._of(drag, cell.end, link)
+        weight = weight_on(self.equations, self.equations.rod.mass(link))
+        own = Matrix([*weight, moment_on(self.equations, link)])
+        load = Matrix(load_on(self.equations, link + 1, m))
+        return self._at(cell.inverse, link) * own + self._of(load, cell.end, link)
 
     def accelerations(self, link: Expr) -> Matrix:
         """Accelerations of a link, of its centre of gravity and of its angle, by all forces."""
         cell = self._cell
         start, end = (Matrix([lambda_x[at], lambda_y[at]]) for at in (link, link + 1))
         return self._free(link) + self._of(start, cell.start, link) + self._of(end, cell.end, link)
+
+    @property
+    def resistance(self) -> Expr:
+        """Moment of inertia of link i over that of a link of an even rod: with it in front, the
+        equations of turning links have symmetric matrices."""
+        inertia = self.equations.inertia
+        even = _two_links(Rod(inertia), INERTIAS[inertia])
+        return (even.inverse[2, 2] / self._cell.inverse[2, 2]).subs(other, i)
 
     @property
     def unit(self) -> Expr:
@@ -165,37 +225,34 @@ class JointForces:
     def system(self) -> System:
         """2x2 blocks, one for every joint between moving links and for a joint that is held."""
         cell, hold = self._cell, self.equations.hold
-        before = self._block(cell.end, cell.end, s - 1)
-        after = self._block(cell.start, cell.start, s)
-        (pull, end_moves), (other, start_moves) = (
-            self._right(cell.end, cell.end_rate, s - 1),
-            self._right(cell.start, cell.start_rate, s),
-        )
-        if pull.subs(s, s + 1) != other:
-            raise ArithmeticError(f"a link does not pull at both ends alike: {pull}, {other}")
-        pulls = Matrix([pull_x[s - 1] + pull_x[s], pull_y[s - 1] + pull_y[s]])
-        if before.subs(s, s + 1) != after:
-            raise ArithmeticError(f"a link is not alike at both ends: {before}, {after}")
-        own = Matrix(2, 2, [block_xx[s], block_xy[s], block_xy[s], block_yy[s]])
-        diagonal = own.subs(s, s - 1) + own
-        right = pulls + (end_moves + start_moves).applyfunc(short)
+        ends = self._block(cell.end, cell.end, i)
+        starts = self._block(cell.start, cell.start, i)
+        pull_end, end_moves = self._right(cell.end, cell.end_rate, i)
+        pull_start, start_moves = self._right(cell.start, cell.start_rate, i)
+        # A link that is alike at both ends has one block and one pull for both.
+        alike = ends == starts and pull_end == pull_start
+        if self.equations.rod.sided == alike:
+            raise ArithmeticError(f"a link is not alike at both ends, or is: {ends}, {starts}")
+        own, pull = _block_of(blocks), Matrix([pull_x, pull_y])
+        before, push = (own, pull) if alike else (_block_of(end_blocks), Matrix([push_x, push_y]))
+        diagonal = _of_link(before, s - 1) + _of_link(own, s)
+        moves = (end_moves.subs(i, s - 1) + start_moves.subs(i, s)).applyfunc(short)
+        right = _of_link(push, s - 1) + _of_link(pull, s) + moves
         if not hold.translates:
             first = Integer(hold.first)
-            alone = Matrix([pull_x[first], pull_y[first]]) + start_moves.subs(s, first)
-            diagonal = at_first(first, own.subs(s, first), diagonal)
+            alone = _of_link(pull, first) + start_moves.subs(i, first)
+            diagonal = at_first(first, _of_link(own, first), diagonal)
             right = at_first(first, alone.applyfunc(short), right)
         link = Array(alpha, i, Integer(hold.first), n - 1, S.Zero)
-        entries = [after.subs(s, i)[at] for at in (0, 1, 3)]
-        arrays = {
-            base: replace(link, base=base, value=value)
-            for base, value in zip((block_xx, block_xy, block_yy), entries, strict=True)
-        }
-        arrays |= {
-            free_alpha: replace(link, base=free_alpha, value=short(self._free(i)[2])),
-            pull_x: replace(link, base=pull_x, value=short(other[0].subs(s, i))),
-            pull_y: replace(link, base=pull_y, value=short(other[1].subs(s, i))),
-        }
-        start = tuple(-e for e in drag_at(self.equations, Integer(0), m))
+        values = self._parts | dict(zip(blocks, _upper(starts), strict=True))
+        if not alike:
+            values |= dict(zip(end_blocks, _upper(ends), strict=True))
+        values[free_alpha] = short(self._free(i)[2])
+        values |= dict(zip(pull, pull_start.applyfunc(short), strict=True))
+        if not alike:
+            values |= dict(zip(push, pull_end.applyfunc(short), strict=True))
+        arrays = {base: replace(link, base=base, value=value) for base, value in values.items()}
+        start = tuple(-e for e in load_on(self.equations, Integer(0), m))
         held = self._of(Matrix([lambda_x[i], lambda_y[i]]), cell.start, i)
         holding = self._of(Matrix([lambda_x[i + 1], lambda_y[i + 1]]), cell.end, i)
         return System(
@@ -204,7 +261,7 @@ class JointForces:
             low=Integer(hold.first_force),
             high=n - 1,
             diagonal=diagonal,
-            coupling=_by_block(self._block(cell.start, cell.end, s), after, own),
+            coupling=self._coupling(starts, _of_link(own, s)),
             right=right,
             start=start if hold.translates else (),
             end=tail_load(self.equations, m),
@@ -212,6 +269,16 @@ class JointForces:
             angular=free_alpha[i] + short((held + holding)[2]),
             base=self._base(held + holding, start) if hold.translates else (),
         )
+
+    def _coupling(self, starts: Matrix, own: Matrix) -> Matrix:
+        """How the joints at both ends of link s are coupled; by its block, where it differs from
+        that by what does not turn with the link."""
+        cell = self._cell
+        coupling = self._block(cell.start, cell.end, s)
+        if self.equations.rod.sided:
+            return coupling
+        difference = (coupling - starts.subs(i, s)).applyfunc(simplify)
+        return coupling if difference.has(phi) else own + difference
 
     def _base(self, forced: Matrix, start: tuple[Expr, ...]) -> tuple[Expr, ...]:
         """Acceleration of joint 0, where link 0 starts."""
@@ -224,10 +291,17 @@ class JointForces:
         return tuple(short(e.subs(i, 0).xreplace(given)) for e in there)
 
 
-def _by_block(coupling: Matrix, after: Matrix, own: Matrix) -> Matrix:
-    """The coupling of two joints by what their link adds to the diagonal, from which it differs by
-    numbers alone."""
-    difference = (coupling - after).applyfunc(simplify)
-    if difference.free_symbols:
-        return coupling
-    return own + difference
+def _upper(block: Matrix) -> list[Expr]:
+    """The entries of a symmetric block."""
+    return [block[0, 0], block[0, 1], block[1, 1]]
+
+
+def _block_of(bases: tuple[IndexedBase, ...]) -> Matrix:
+    """A symmetric block of arrays."""
+    xx, xy, yy = bases
+    return Matrix([[xx, xy], [xy, yy]])
+
+
+def _of_link(bases: Matrix, link: Expr) -> Matrix:
+    """The elements of arrays for a link."""
+    return Matrix(*bases.shape, [base[link] for base in bases])

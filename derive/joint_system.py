@@ -9,12 +9,14 @@ accelerations cost O(n).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 from sympy import (
     Add,
     Eq,
     Expr,
+    Indexed,
     IndexedBase,
     Integer,
     Matrix,
@@ -27,9 +29,8 @@ from sympy import (
 from sympy.physics.mechanics import LagrangesMethod
 
 from .chain import Vector
-from .general import Array, Equations, drag_x, drag_y
-from .loads import follower_force, tip_force, weight
-from .symbols import i, n, phi, s
+from .general import Equations
+from .symbols import Array, i, n, s
 
 # Multipliers: the force in joint s over the mass of a link [m/s^2], with which it pulls the link
 # before it; the tension in link i over the mass of a link.
@@ -39,14 +40,18 @@ tension = IndexedBase("tension", real=True)
 link_moment = IndexedBase("link_moment", real=True)
 alpha = IndexedBase("alpha", real=True)
 # Without joint forces: angular acceleration of link i, and the acceleration of its ends towards
-# its middle.
+# its centre of gravity; of the end after it alone, where they differ.
 free_alpha = IndexedBase("free_alpha", real=True)
 pull_x, pull_y = IndexedBase("pull_x", real=True), IndexedBase("pull_y", real=True)
-# What link i adds to the diagonal block of the joints at its ends.
-block_xx, block_xy = IndexedBase("block_xx", real=True), IndexedBase("block_xy", real=True)
-block_yy = IndexedBase("block_yy", real=True)
+push_x, push_y = IndexedBase("push_x", real=True), IndexedBase("push_y", real=True)
+# What link i adds to the diagonal block of the joints at its ends; to that of the joint after it
+# alone, where they differ.
+blocks = tuple(IndexedBase(f"block_{axes}", real=True) for axes in ("xx", "xy", "yy"))
+end_blocks = tuple(IndexedBase(f"end_block_{axes}", real=True) for axes in ("xx", "xy", "yy"))
 # Acceleration of a joint, without tensions and with them.
 free_ax, free_ay = IndexedBase("free_ax", real=True), IndexedBase("free_ay", real=True)
+# Mass of a link of an even rod over that which is gathered in a joint.
+lightness = IndexedBase("lightness", positive=True)
 joint_ax, joint_ay = IndexedBase("joint_ax", real=True), IndexedBase("joint_ay", real=True)
 
 
@@ -73,6 +78,24 @@ class System:
     angular: Expr
     base: tuple[Expr, ...]
 
+    def without(self, arrays: set[IndexedBase]) -> System:
+        """The system without arrays that are zero, and without what that makes zero in turn."""
+        if not arrays:
+            return self
+
+        def rest(e: Expr) -> Expr:
+            return e.xreplace({x: S.Zero for x in e.atoms(Indexed) if x.base in arrays})
+
+        kept = {base: a for base, a in self.arrays.items() if base not in arrays}
+        system = replace(
+            self,
+            arrays={base: replace(a, value=rest(a.value)) for base, a in kept.items()},
+            right=self.right.applyfunc(rest),
+            angular=rest(self.angular),
+            base=tuple(map(rest, self.base)),
+        )
+        return system.without({base for base, a in system.arrays.items() if a.value == 0})
+
 
 def lagrange(energy: Expr, coordinates: list[Expr], gap: list[Expr]) -> tuple[Matrix, Matrix]:
     """LagrangesMethod with constraints: M and the Jacobian of the constraints below it, and
@@ -87,27 +110,31 @@ def lagrange(energy: Expr, coordinates: list[Expr], gap: list[Expr]) -> tuple[Ma
     return accelerations, right[2 * size :, :]
 
 
+def _total(forces: Iterable[Vector], unit: Expr) -> Vector:
+    x, y = (Add(*parts) / unit for parts in zip((S.Zero, S.Zero), *forces, strict=True))
+    return x, y
+
+
 def weight_on(equations: Equations, mass: Expr) -> Vector:
-    """Gravity on a mass, where the scene has it."""
-    return weight(mass) if "gravity" in equations.terms else (S.Zero, S.Zero)
+    """Forces of the loads on a mass."""
+    return _total((load.weight(mass) for load in equations.loads.values()), S.One)
 
 
-def drag_at(equations: Equations, at: Expr, unit: Expr) -> Vector:
-    """External damping at a joint, where the scene has it, over a unit."""
-    if "external_damping" not in equations.terms:
-        return S.Zero, S.Zero
-    return drag_x[at] / unit, drag_y[at] / unit
+def moment_on(equations: Equations, link: Expr) -> Expr:
+    """Moments on a link, of its joints and of the loads."""
+    loads = equations.loads.values()
+    return link_moment[link] + sum((load.on_link(link) for load in loads), S.Zero)
+
+
+def load_on(equations: Equations, at: Expr, unit: Expr) -> Vector:
+    """Forces of the loads on a joint, over a unit, without those that act on the tail alone."""
+    hold = equations.hold
+    return _total((load.on_joint(at, hold) for load in equations.loads.values()), unit)
 
 
 def tail_load(equations: Equations, unit: Expr) -> Vector:
-    """Loads at the tail over a unit."""
-    forces = [(S.Zero, S.Zero)]
-    if "follower" in equations.terms:
-        forces.append(follower_force(phi[n - 1]))
-    if "tip_load" in equations.terms:
-        forces.append(tip_force())
-    x, y = (Add(*parts) / unit for parts in zip(*forces, strict=True))
-    return x, y
+    """Forces of the loads that act on the tail alone, over a unit."""
+    return _total((load.on_tail() for load in equations.loads.values()), unit)
 
 
 def arrays_of(equations: Equations) -> dict[IndexedBase, Array]:

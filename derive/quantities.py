@@ -8,47 +8,45 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
-from sympy import Eq, Expr, Integer, Piecewise, S, Sum, collect, cos, expand, sin
+from sympy import Eq, Expr, Piecewise, S, Sum, collect, cos, expand, sin
 from sympy.physics.mechanics import dynamicsymbols
 
 from .calculus import TIME
-from .chain import OWN, Vector, combine, lever
-from .general import (
-    Equations,
+from .chain import (
+    LINEAR,
+    OWN,
+    Vector,
+    across,
+    combine,
+    lever,
+    side,
+    spring_moment,
+    spring_potential,
+)
+from .general import Equations
+from .loads.kinds import Acting, MassForce
+from .symbols import (
+    ALPHA,
     arm_x,
     arm_y,
-    drag_x,
-    drag_y,
+    eta,
+    i,
     joint,
     joint_vx,
     joint_vy,
     joint_x,
     joint_y,
+    k,
+    n,
+    omega,
+    phi,
     reach_x,
     reach_y,
+    s,
+    xi,
 )
-from .inertia import mean
-from .loads import (
-    NON_CONSERVATIVE,
-    damper_moment,
-    follower_force,
-    spring_potential,
-    tip_force,
-    weight,
-)
-from .symbols import ALPHA, i, k, m, n, omega, phi, s, xi
-
-
-@dataclass(frozen=True)
-class Acting:
-    """A load as forces [N] on the joints from ``low`` to ``high``; on one joint where these are the
-    same."""
-
-    low: Expr
-    high: Expr
-    force: Vector
 
 
 @dataclass(frozen=True)
@@ -60,9 +58,13 @@ class Quantities:
     def _link_mean(
         self, origin: Vector, angle: Expr, function: Callable[[Expr, Expr], Expr]
     ) -> Expr:
-        """Mean over the mass of one link of a function of the point at xi."""
-        point = combine(origin, [lever(OWN, xi)], [angle])
-        return mean(self.equations.inertia, expand(function(*point)))
+        """Mean over the mass of link i of a function of the point at xi."""
+        rod = self.equations.rod
+        beside = [side(OWN, eta)] if rod.sided else []
+        point = combine(
+            origin, [lever(OWN, xi), *beside], [angle, across(angle)][: 1 + len(beside)]
+        )
+        return rod.mean(expand(function(*point)), i)
 
     @cached_property
     def kinetic_energy(self) -> Expr:
@@ -73,62 +75,62 @@ class Quantities:
         values = {x.diff(TIME): joint_vx[i], y.diff(TIME): joint_vy[i]}
         values[angle.diff(TIME)] = omega[i]
         per_mass = collected.subs(values).subs(angle, phi[i])
-        return Sum(m / 2 * per_mass, (i, self.equations.hold.first, n - 1))
+        return Sum(self.equations.rod.mass(i) / 2 * per_mass, (i, self.equations.hold.first, n - 1))
 
     @cached_property
     def spring_energy(self) -> Expr:
         """Energy of all springs [J]."""
-        root = self.equations.hold.root * spring_potential(ALPHA, phi[0])
-        return root + Sum(spring_potential(phi[s - 1], phi[s]), (s, 1, n - 1))
+        root, tail, inner = self._springs(s, spring_potential)
+        return root + tail + Sum(inner, (s, 1, n - 1))
+
+    def _springs(self, at: Expr, of: Callable[..., Expr]) -> list[Expr]:
+        """What the springs in the root, in the tail and in a joint between two links have."""
+        hold, rod = self.equations.hold, self.equations.rod
+        springs = (
+            (ALPHA, phi[0], rod.stiffness(0, hold.root)),
+            (phi[n - 1], ALPHA, rod.stiffness(n, hold.tail)),
+            (phi[at - 1], phi[at], rod.stiffness(at)),
+        )
+        return [of(*spring, self.equations.law) for spring in springs]
 
     @cached_property
     def bending_moment(self) -> Expr:
-        """Moment of the spring in a joint [N m]: the derivative of its energy by the angle of the
-        link after it, which is what it does to the link before; zero without a spring."""
+        """Moment of the spring in a joint on the link before it [N m]; zero without a spring."""
+        moments = self._springs(joint, spring_moment)
+        if self.equations.law == LINEAR:
+            moments = [collect(expand(moment), k) for moment in moments]
+        root, tail, inner = moments
+        return Piecewise((root, Eq(joint, 0)), (tail, Eq(joint, n)), (inner, True))
 
-        def moment(energy: Expr, angle: Expr) -> Expr:
-            return collect(expand(energy.diff(angle)), k)
-
-        inner = moment(spring_potential(phi[joint - 1], phi[joint]), phi[joint])
-        root = moment(self.equations.hold.root * spring_potential(ALPHA, phi[0]), phi[0])
-        return Piecewise((root, Eq(joint, 0)), (S.Zero, Eq(joint, n)), (inner, True))
+    @cached_property
+    def held_energy(self) -> Expr:
+        """Energy of the springs of the loads [J]."""
+        return sum((x.energy(self.equations) for x in self.equations.loads.values()), S.Zero)
 
     @cached_property
     def forces(self) -> dict[str, Acting]:
         """Loads that act as forces on joints, by term."""
-        moving = Integer(self.equations.hold.first_joint)
-        acting = {
-            "follower": Acting(n, n, follower_force(phi[n - 1])),
-            "tip_load": Acting(n, n, tip_force()),
-            "external_damping": Acting(moving, n, (drag_x[joint], drag_y[joint])),
-        }
-        return {term: acting[term] for term in self.equations.terms if term in acting}
+        loads = self.equations.loads.items()
+        acting = {term: load.acting(self.equations.hold) for term, load in loads}
+        return {term: load for term, load in acting.items() if load is not None}
 
     @cached_property
-    def gravity_energy(self) -> Expr:
-        """Minus the work of gravity from the origin to every link."""
-        force = weight(m)
-        origin = (joint_x[i], joint_y[i])
-        fall = self._link_mean(origin, phi[i], lambda x, y: -force[0] * x - force[1] * y)
-        return Sum(fall, (i, 0, n - 1))
+    def load_energy(self) -> Expr:
+        """Potential of the loads that act on mass [J]: minus their work from the origin to every
+        link; zero where there are none."""
+        origin, total = (joint_x[i], joint_y[i]), S.Zero
+        for load in self.equations.loads.values():
+            if isinstance(load, MassForce):
+                potential = partial(load.potential, self.equations.rod.mass(i))
+                fall = self._link_mean(origin, phi[i], potential)
+                total += Sum(fall, (i, 0, n - 1))
+        return total
 
     @cached_property
     def power(self) -> dict[str, Expr]:
-        """Power of each load that is not a potential [W]: force times velocity of its point."""
-        force, dead = follower_force(phi[n - 1]), tip_force()
-        opening = omega[s] - omega[s - 1]
-        moment = damper_moment(omega[s - 1], omega[s])
-        low = self.equations.hold.first_joint
-        powers = {
-            "follower": force[0] * joint_vx[n] + force[1] * joint_vy[n],
-            "tip_load": dead[0] * joint_vx[n] + dead[1] * joint_vy[n],
-            "internal_damping": self.equations.root_damper * omega[0]
-            + Sum(moment * opening, (s, 1, n - 1)),
-            "external_damping": Sum(
-                drag_x[joint] * joint_vx[joint] + drag_y[joint] * joint_vy[joint], (joint, low, n)
-            ),
-        }
-        return {term: powers[term] for term in self.equations.terms if term in NON_CONSERVATIVE}
+        """Power of each load that has no potential [W], by term."""
+        loads = {t: load for t, load in self.equations.loads.items() if not load.conservative}
+        return {term: load.power(self.equations) for term, load in loads.items()}
 
     @cached_property
     def centre(self) -> Vector:
@@ -143,7 +145,12 @@ class Quantities:
     def _centre(self, origin: Vector) -> Vector:
         x = self._link_mean(origin, phi[i], lambda x, y: x)
         y = self._link_mean(origin, phi[i], lambda x, y: y)
-        return Sum(x, (i, 0, n - 1)) / n, Sum(y, (i, 0, n - 1)) / n
+        rod = self.equations.rod
+        if not rod.heavy:
+            return Sum(x, (i, 0, n - 1)) / n, Sum(y, (i, 0, n - 1)) / n
+        mass = rod.mass(i)
+        sums = [Sum(value, (i, 0, n - 1)) for value in (mass * x, mass * y, mass)]
+        return sums[0] / sums[2], sums[1] / sums[2]
 
     @cached_property
     def second_moments(self) -> tuple[Expr, Expr, Expr]:
@@ -152,5 +159,6 @@ class Quantities:
         origin = (arm_x[i], arm_y[i])
         products = (lambda x, y: y**2, lambda x, y: x**2, lambda x, y: x * y)
         means = (self._link_mean(origin, phi[i], f) for f in products)
-        first, second, third = (Sum(m * value, (i, 0, n - 1)) for value in means)
+        mass = self.equations.rod.mass(i)
+        first, second, third = (Sum(mass * value, (i, 0, n - 1)) for value in means)
         return first, second, third

@@ -31,25 +31,25 @@ from sympy.physics.mechanics import dynamicsymbols
 
 from .calculus import TIME
 from .chain import BEFORE, combine, direction, lever
-from .general import Array, Equations, joint
-from .inertia import mean
+from .general import Equations
 from .joint_system import (
     System,
     arrays_of,
-    drag_at,
     free_ax,
     free_ay,
     in_every_case,
     joint_ax,
     joint_ay,
     lagrange,
-    link_moment,
+    lightness,
+    load_on,
+    moment_on,
     short,
     tail_load,
     tension,
     weight_on,
 )
-from .symbols import i, m, n, omega, phi, xi
+from .symbols import Array, i, joint, m, n, omega, phi, xi
 
 
 @dataclass(frozen=True)
@@ -119,25 +119,36 @@ class Tensions:
         bar = _two_masses()
         return expression.subs({bar.phi: phi[link], bar.omega: omega[link]})
 
-    @property
-    def _masses(self) -> tuple[Expr, Expr]:
+    def _masses(self, link: Expr) -> tuple[Expr, Expr]:
         """What a link adds to the mass of the joint before it and of that after it."""
-        after = m * mean(self.equations.inertia, xi)
-        return m - after, after
+        rod = self.equations.rod
+        mass, after = rod.mass(link), rod.mean(xi, link)
+        return mass * (1 - after), mass * after
+
+    def _gathered(self, at: Expr) -> Expr:
+        """m over the mass of a joint between two links, or of the first or last that moves."""
+        if self.equations.rod.heavy:
+            return lightness[at]
+        return m / self._mass_at(at)
+
+    def _mass_at(self, at: Expr) -> Expr:
+        starts = self._masses(at)[0] if at != n else S.Zero
+        ends = self._masses(at - 1)[1] if at != 0 else S.Zero
+        return ends + starts
 
     def _at_joint(
         self, link: Callable[[Expr], Matrix], other: Callable[[Expr], Matrix], held: Matrix
     ) -> Matrix:
         """Acceleration of a joint by forces in the links at it and by other forces, both over m,
         with its cases; ``held``: that of a joint that is held."""
-        hold, (starting, ending) = self.equations.hold, self._masses
+        hold = self.equations.hold
 
-        def share(mass: Expr, force: Matrix) -> Matrix:
-            return (force * (m / mass)).applyfunc(short)
+        def share(at: Expr, force: Matrix) -> Matrix:
+            return (force * self._gathered(at)).applyfunc(short)
 
-        inner = share(starting + ending, link(joint) - link(joint - 1) + other(joint))
-        tail = share(ending, other(n) - link(n - 1))
-        start = share(starting, link(Integer(0)) + other(Integer(0)))
+        inner = share(joint, link(joint) - link(joint - 1) + other(joint))
+        tail = share(n, other(n) - link(n - 1))
+        start = share(S.Zero, link(Integer(0)) + other(Integer(0)))
         first, last = Eq(joint, hold.first), Eq(joint, n)
         rows = zip(start if hold.translates else held, tail, inner, strict=True)
         return Matrix([Piecewise((a, first), (b, last), (c, True)) for a, b, c in rows])
@@ -145,7 +156,7 @@ class Tensions:
     def _load(self, at: Expr) -> Matrix:
         """Forces on a joint over m, without its weight."""
         tail = Matrix(tail_load(self.equations, m)) if at == n else zeros(2, 1)
-        return Matrix(drag_at(self.equations, at, m)) + tail
+        return Matrix(load_on(self.equations, at, m)) + tail
 
     def _falling(self) -> Matrix:
         """Acceleration of free fall; that of joints below is less this, so that gravity is only
@@ -157,27 +168,27 @@ class Tensions:
         bar = _two_masses()
 
         def across(link: Expr) -> Matrix:
-            return self._at(bar.across.subs(bar.moment, link_moment[link]), link) / m
+            return self._at(bar.across.subs(bar.moment, moment_on(self.equations, link)), link) / m
 
         return self._at_joint(across, self._load, -self._falling())
 
     @cached_property
     def system(self) -> System:
         """One equation for every moving link."""
-        bar, hold, (starting, ending) = _two_masses(), self.equations.hold, self._masses
+        bar, hold = _two_masses(), self.equations.hold
         first = Integer(hold.first)
         along = self._at(bar.along, i)
         free = Matrix([free_ax[i] - free_ax[i + 1], free_ay[i] - free_ay[i + 1]])
         right = self._at(bar.stretch, i) - (along.T * free)[0]
-        near, inner, far = m / starting, m / (starting + ending), m / ending
-        near = near if hold.translates else S.Zero
+        near = self._gathered(S.Zero) if hold.translates else S.Zero
+        before, after, far = map(self._gathered, (i, i + 1, n))
         diagonal = Piecewise(
             (near + far, And(Eq(i, first), Eq(i, n - 1))),
-            (near + inner, Eq(i, first)),
-            (inner + far, Eq(i, n - 1)),
-            (inner + inner, True),
+            (near + after, Eq(i, first)),
+            (before + far, Eq(i, n - 1)),
+            (before + after, True),
         )
-        coupling = -inner * (along.T * self._at(bar.along, i + 1))[0]
+        coupling = -after * (along.T * self._at(bar.along, i + 1))[0]
 
         def pull(link: Expr) -> Matrix:
             return self._at(bar.along, link) * tension[link]
@@ -193,6 +204,12 @@ class Tensions:
                 (free_ax, free_ay, joint_ax, joint_ay), (*self._free(), *moves), strict=True
             )
         }
+        if self.equations.rod.heavy:
+            low, high = (m / self._mass_at(at) for at in (S.Zero, n))
+            inside = m / self._mass_at(joint)
+            value = self.equations.at_ends(low, high, inside)
+            moving = Integer(hold.first_joint)
+            arrays[lightness] = Array(lightness, joint, moving, n, value)
         base = Matrix([joint_ax[0], joint_ay[0]]) + self._falling()
         opening = Matrix([joint_ax[i + 1] - joint_ax[i], joint_ay[i + 1] - joint_ay[i]])
         return System(

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from rodgen.analyse.critical import Critical, critical_force
     from rodgen.analyse.errors import AnalysisError, MeshWarning
     from rodgen.analyse.extrapolate import Extrapolation, richardson
-    from rodgen.analyse.fourier import spectrum
+    from rodgen.analyse.fourier import Spectrum, spectrum
     from rodgen.analyse.growth import SimulatedCritical, simulated_critical_force
     from rodgen.analyse.modes import Modes, natural_modes
+    from rodgen.analyse.precision.work_precision import WorkPrecision, work_precision
     from rodgen.analyse.statics import Equilibrium, static_equilibrium
-    from rodgen.analyse.tones import Spectrum
     from rodgen.integrate import (
         Event,
         Interrupted,
@@ -29,8 +29,10 @@ if TYPE_CHECKING:
         resume,
         simulate,
     )
+    from rodgen.integrate.ensemble import Ensemble
+    from rodgen.integrate.files.result_file import FileWarning
     from rodgen.integrate.files.storage import load
-    from rodgen.integrate.files.stored import FileWarning
+    from rodgen.integrate.many import simulate_many
     from rodgen.loading import BuildError, build
     from rodgen.scene import Scene, SceneError, Structure
 
@@ -39,17 +41,19 @@ _HOMES = {
     "SceneError": "rodgen.scene",
     "Structure": "rodgen.scene",
     "build": "rodgen.loading.build",
-    "BuildError": "rodgen.loading.module",
+    "BuildError": "rodgen.native.library",
     "simulate": "rodgen.integrate.simulate",
+    "simulate_many": "rodgen.integrate.many",
     "resume": "rodgen.integrate.simulate",
     "choose": "rodgen.integrate.methods.choose",
+    "Ensemble": "rodgen.integrate.ensemble",
     "Solution": "rodgen.integrate.solution",
     "Event": "rodgen.integrate.solution",
-    "RunError": "rodgen.integrate.outcome",
-    "Interrupted": "rodgen.integrate.outcome",
-    "StepWarning": "rodgen.integrate.outcome",
+    "RunError": "rodgen.integrate.endings",
+    "Interrupted": "rodgen.integrate.endings",
+    "StepWarning": "rodgen.integrate.endings",
     "load": "rodgen.integrate.files.storage",
-    "FileWarning": "rodgen.integrate.files.stored",
+    "FileWarning": "rodgen.integrate.files.result_file",
     "natural_modes": "rodgen.analyse.modes",
     "Modes": "rodgen.analyse.modes",
     "static_equilibrium": "rodgen.analyse.statics",
@@ -59,9 +63,11 @@ _HOMES = {
     "simulated_critical_force": "rodgen.analyse.growth",
     "SimulatedCritical": "rodgen.analyse.growth",
     "spectrum": "rodgen.analyse.fourier",
-    "Spectrum": "rodgen.analyse.tones",
+    "Spectrum": "rodgen.analyse.fourier",
     "richardson": "rodgen.analyse.extrapolate",
     "Extrapolation": "rodgen.analyse.extrapolate",
+    "work_precision": "rodgen.analyse.precision.work_precision",
+    "WorkPrecision": "rodgen.analyse.precision.work_precision",
     "AnalysisError": "rodgen.analyse.errors",
     "MeshWarning": "rodgen.analyse.errors",
 }
@@ -70,6 +76,7 @@ __all__ = [
     "AnalysisError",
     "BuildError",
     "Critical",
+    "Ensemble",
     "Equilibrium",
     "Event",
     "Extrapolation",
@@ -85,6 +92,7 @@ __all__ = [
     "Spectrum",
     "StepWarning",
     "Structure",
+    "WorkPrecision",
     "build",
     "choose",
     "critical_force",
@@ -93,9 +101,11 @@ __all__ = [
     "resume",
     "richardson",
     "simulate",
+    "simulate_many",
     "simulated_critical_force",
     "spectrum",
     "static_equilibrium",
+    "work_precision",
 ]
 
 

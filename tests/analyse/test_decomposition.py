@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rodgen.analyse.decomposition import growth_in
+from rodgen.analyse.growth import growth_in
 
 T = np.linspace(0.0, 4.0, 801)
 RATES = np.array([0.02 + 3j, -0.5 + 11j, -3.0 + 40j])

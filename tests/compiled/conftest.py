@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from types import ModuleType
 from typing import Any
 
 import pytest
 
+import rodgen
 from rodgen import Scene
 
 SMOOTH: dict[str, Any] = {
@@ -39,6 +41,22 @@ MISSILE: dict[str, Any] = {
 }
 
 
+def changed(scene: Scene, **tables: Any) -> Scene:
+    """A scene with other values in its tables."""
+    table = scene.model_dump(exclude_none=True)
+    for name, values in tables.items():
+        table[name] = {**table.get(name, {}), **values} if isinstance(values, dict) else values
+    return Scene.from_dict(table)
+
+
+@pytest.fixture(scope="session")
+def model() -> ModuleType:
+    """Of the smooth scene, compiled as it is for users."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.delenv("RODGEN_CFLAGS", raising=False)
+        return rodgen.build(Scene.from_dict(SMOOTH), "c", parts=("jac", "flow", "newton"))
+
+
 @pytest.fixture
 def smooth() -> Scene:
     """Three links on a pin, under all that is smooth."""
@@ -49,3 +67,10 @@ def smooth() -> Scene:
 def missile() -> Scene:
     """A free rod with a force that has a break point at 0.3 s."""
     return Scene.from_dict(MISSILE)
+
+
+@pytest.fixture
+def short(missile: Scene) -> Scene:
+    """Three free links under a force that does not change, for loads of other kinds: what
+    each of them needs is compiled for itself."""
+    return changed(missile, rod={"links": 3}, loads={"follower": {"force": 30.0}})

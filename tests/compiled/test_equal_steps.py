@@ -10,7 +10,7 @@ import pytest
 
 import rodgen
 from rodgen import Scene, SceneError
-from rodgen.integrate.warned import drift_warning
+from rodgen.integrate.diagnosis import drift_warning
 from tests.compiled.conftest import SMOOTH
 
 BENT: dict[str, Any] = {

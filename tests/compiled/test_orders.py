@@ -8,20 +8,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-import rodgen
 from rodgen import Scene
+from rodgen.model.methods import METHODS
+from tests.compiled.conftest import changed
 
 REFERENCE = 4000  # steps of DOP853: its error is rounding
 # Steps at which errors are above rounding and Newton's tolerance, and small enough to be of the
-# leading order; nominal order; order of the dense output inside a step.
-METHODS = {
-    "euler": ((2000, 3000, 4000, 6000), 1, None),
-    "semi_implicit_euler": ((2000, 3000, 4000, 6000), 1, None),
-    "thesis_runge_kutta": ((2000, 3000, 4000, 6000), 1, None),
-    "rk4": ((400, 560, 800, 1120), 4, 4),
-    "dop853": ((100, 115, 130, 145), 8, 8),
-    "radau": ((64, 80, 100, 128, 160, 200), 5, 5),
-    "gauss": ((50, 64, 80, 100, 128), 6, 6),
+# leading power of their order.
+COUNTS = {
+    1: (2000, 3000, 4000, 6000),
+    2: (800, 1200, 1600),
+    4: (400, 560, 800, 1120),
+    5: (64, 80, 100, 128, 160, 200),
+    6: (50, 64, 80, 100, 128),
+    8: (100, 115, 130, 145),
 }
 
 
@@ -41,17 +41,10 @@ def _run(model: ModuleType, scene: Scene, method: str, steps: int, atol: float) 
     return run
 
 
-@pytest.fixture(scope="module")
-def model() -> ModuleType:
-    from tests.compiled.conftest import SMOOTH
-
-    return rodgen.build(Scene.from_dict(SMOOTH), "c")
-
-
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", [name for name, method in METHODS.items() if method.in_c])
 def test_order(smooth: Scene, model: ModuleType, method: str) -> None:
-    counts, order, _ = METHODS[method]
-    states = len(model.STATE)
+    order = METHODS[method].order
+    counts, states = COUNTS[order], len(model.STATE)
     exact = _run(model, smooth, "dop853", REFERENCE, 1e-3).state[:states]
     errors = []
     for steps in counts:
@@ -67,36 +60,51 @@ def test_order(smooth: Scene, model: ModuleType, method: str) -> None:
 
 
 SHARES = np.array([0.2, 0.37, 0.61, 0.85])  # of a step
-# One step of several lengths, short enough for the leading power.
+# One step of several lengths, short enough for the leading power; the order inside it.
 DENSE = {
-    "rk4": ((0.0005, 0.001, 0.002), 1e-2),
-    "dop853": ((0.015, 0.02, 0.03), 1e-2),
-    "radau": ((0.001, 0.002, 0.003, 0.004), 1e-7),
-    "gauss": ((0.002, 0.003, 0.004, 0.005), 1e-7),
+    "rk4": ((0.0005, 0.001, 0.002), 1e-2, 4),
+    "dop853": ((0.015, 0.02, 0.03), 1e-2, 8),
+    "radau": ((0.001, 0.002, 0.003, 0.004), 1e-7, 5),
+    "gauss": ((0.002, 0.003, 0.004, 0.005), 1e-7, 6),
 }
 
 
-@pytest.mark.parametrize("method", DENSE)
-def test_order_of_dense_output(smooth: Scene, model: ModuleType, method: str) -> None:
-    """Its error inside one step from exact values is of the power one above its order."""
-    lengths, atol = DENSE[method]
-    p, states = model.parameters(**smooth.parameters), len(model.STATE)
-    exact = model.Run("dop853", 0.0, smooth.initial_state(), p, rtol=1e-13, atol=1e-14)
-    exact.begin(0.1)
-    errors = []
+def _inside(
+    model: ModuleType, scene: Scene, method: str, lengths: tuple[float, ...], atol: float
+) -> Any:
+    """Slopes of the errors inside one step from exact values, of states and of works."""
+    p, states, errors = model.parameters(**scene.parameters), len(model.STATE), []
     for h in lengths:
-        run = model.Run(method, 0.0, smooth.initial_state(), p, step=1.0, rtol=1e-13, atol=atol)
+        start = 0.0, scene.initial_state(), p
+        run = model.Run(method, *start, step=1.0, rtol=1e-13, atol=atol)
         run.begin(h)
         while run.on(10, np.zeros(0), np.zeros((0, len(run.state))))[0] == model.PAUSED:
             pass
         assert run.numbers.steps == 1
         due = np.empty((len(SHARES), len(run.state)))
-        exact = model.Run("dop853", 0.0, smooth.initial_state(), p, rtol=1e-13, atol=1e-14)
+        exact = model.Run("dop853", *start, rtol=1e-13, atol=1e-14)
         exact.begin(h)
         while exact.on(100, SHARES * h, due)[0] == model.PAUSED:
             pass
-        errors.append(np.abs(run.at(SHARES * h) - due)[:, :states].max())
-    slope = np.polyfit(np.log(lengths), np.log(errors), 1)[0]
+        off = np.abs(run.at(SHARES * h) - due)
+        errors.append((off[:, :states].max(), off[:, states:].max()))
+    return np.polyfit(np.log(lengths), np.log(errors), 1)[0]
+
+
+@pytest.mark.parametrize("method", DENSE)
+def test_order_of_dense_output(smooth: Scene, model: ModuleType, method: str) -> None:
+    """Its error inside one step is of the power one above its order."""
+    lengths, atol, order = DENSE[method]
+    slope, _ = _inside(model, smooth, method, lengths, atol)
     # Hermite's cubic: h^4; collocation at three points with what it lacks there: that of the error
     # of a run; DOP853's of order 7: h^8.
-    assert slope == pytest.approx(METHODS[method][2], abs=0.3)
+    assert slope == pytest.approx(order, abs=0.3)
+
+
+def test_works_inside_a_step_are_of_the_order_of_the_states(
+    smooth: Scene, model: ModuleType
+) -> None:
+    """By the power in the middle of a step, where damping takes much."""
+    loads = {"internal_damping": {"coefficient": 0.3}}
+    fast = changed(smooth, loads=loads, initial={"omega": "5*(1-s)"})
+    assert _inside(model, fast, "gauss", (0.0007, 0.001, 0.0014), 1e-9) == pytest.approx(6, abs=0.2)

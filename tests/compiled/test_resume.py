@@ -18,7 +18,7 @@ import rodgen
 from rodgen import Scene, SceneError
 from rodgen.integrate.files.saver import Saver
 
-SPAN = 40.0
+SPAN = 20.0
 RUN = """
 import sys, rodgen
 scene = rodgen.Scene.from_toml(sys.argv[1])
@@ -40,7 +40,7 @@ coefficient = 0.001
 [initial]
 phi = "-1.2 + 0.5*s"
 [integrate]
-span = [0.0, 40.0]
+span = [0.0, 20.0]
 step = 1e-4
 output_every = 0.05
 [[events]]
@@ -50,26 +50,45 @@ direction = "rising"
 """
 
 
-@pytest.mark.parametrize("method", ["dop853", "gauss", "radau", "rk4"])
-def test_a_killed_run_goes_on_to_the_same_bits(tmp_path: Path, method: str) -> None:
+@pytest.fixture
+def toml(tmp_path: Path) -> Path:
+    """A scene of which a run takes some seconds."""
+    file = tmp_path / "swing.toml"
+    file.write_text(TOML)
+    return file
+
+
+@pytest.fixture
+def swing(toml: Path) -> Scene:
+    return Scene.from_toml(toml)
+
+
+def _stop(t: float) -> None:
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize(
+    "method",
+    ["dop853", "radau", *(pytest.param(m, marks=pytest.mark.long) for m in ("gauss", "rk4"))],
+)
+def test_a_killed_run_goes_on_to_the_same_bits(
+    tmp_path: Path, toml: Path, swing: Scene, method: str
+) -> None:
     """SIGKILL at random moments, again and again, until it comes to its end."""
-    toml = tmp_path / "swing.toml"
-    toml.write_text(TOML)
-    scene = Scene.from_toml(toml)
-    model = rodgen.build(scene, "c")
-    whole = rodgen.simulate(scene, model=model, method=method, out=tmp_path / "whole.nc")
+    model = rodgen.build(swing, "c")
+    whole = rodgen.simulate(swing, model=model, method=method, out=tmp_path / "whole.nc")
     file = tmp_path / "killed.nc"
     moments = random.Random(method)
     process = subprocess.Popen([sys.executable, "-c", RUN, str(toml), method, str(file)])
-    deadline = time.monotonic() + 30
-    while not file.exists() and time.monotonic() < deadline:
+    while not file.exists():
+        assert process.poll() is None
         time.sleep(0.01)
     time.sleep(moments.uniform(0.0, 0.15))
     process.send_signal(signal.SIGKILL)
     process.wait()
     part = rodgen.load(file)
     if part.status == "interrupted":  # killed before its end
-        assert "killed after" in part.message
+        assert "killed after" in part.message or len(part.t) == 0
         assert len(part.t) <= len(whole.t)
         same = whole.y[: len(part.t)].tobytes() == part.y.tobytes()
         assert same
@@ -85,37 +104,26 @@ def test_a_killed_run_goes_on_to_the_same_bits(tmp_path: Path, method: str) -> N
     assert sol.stats.rhs == whole.stats.rhs
 
 
-def test_an_interrupted_run_goes_on(tmp_path: Path) -> None:
+def test_an_interrupted_run_goes_on(tmp_path: Path, swing: Scene) -> None:
     """Ctrl-C as a callback sends it, at a time in the middle of a stretch."""
-    toml = tmp_path / "swing.toml"
-    toml.write_text(TOML)
-    scene = Scene.from_toml(toml)
     file = tmp_path / "run.nc"
 
-    def stop(t: float) -> None:
-        raise KeyboardInterrupt
-
-    how = {"target": "c", "method": "rk4", "step": 1e-4}
+    how = {"target": "c", "method": "rk4", "step": 2e-4}
     with pytest.raises(rodgen.Interrupted) as caught:
-        rodgen.simulate(scene, out=file, checkpoint=60.0, progress=stop, **how)
+        rodgen.simulate(swing, out=file, checkpoint=60.0, progress=_stop, **how)
     assert caught.value.solution.t[-1] < SPAN
     sol = rodgen.resume(file)
-    assert sol.y.tobytes() == rodgen.simulate(scene, **how).y.tobytes()
+    assert sol.y.tobytes() == rodgen.simulate(swing, **how).y.tobytes()
     with pytest.raises(SceneError, match="is finished"):
         rodgen.resume(file)
 
 
-def test_methods_in_python_start_again(tmp_path: Path) -> None:
-    toml = tmp_path / "swing.toml"
-    toml.write_text(TOML)
-    scene = Scene.from_toml(toml).with_integrate(span=[0.0, 4.0], method="rk45", rtol=1e-6)
-
-    def stop(t: float) -> None:
-        raise KeyboardInterrupt
+def test_methods_in_python_start_again(tmp_path: Path, swing: Scene) -> None:
+    scene = swing.with_integrate(span=[0.0, 1.5], method="rk45", rtol=1e-6)
 
     file = tmp_path / "run.nc"
     with pytest.raises(rodgen.Interrupted):
-        rodgen.simulate(scene, target="numpy", out=file, checkpoint=60.0, progress=stop)
+        rodgen.simulate(scene, target="numpy", out=file, checkpoint=60.0, progress=_stop)
     sol = rodgen.resume(file)
     whole = rodgen.simulate(scene, target="numpy")
     np.testing.assert_array_equal(sol.y, whole.y)
@@ -144,12 +152,9 @@ def test_senseless_checkpoints_are_refused(missile: Scene, tmp_path: Path) -> No
 def test_damaged_checkpoint_is_refused(missile: Scene, tmp_path: Path) -> None:
     file, beside = tmp_path / "a.nc", tmp_path / "a.nc.checkpoint"
 
-    def stop(t: float) -> None:
-        raise KeyboardInterrupt
-
     slow = missile.with_integrate(method="rk4", step=1e-6)
     with pytest.raises(rodgen.Interrupted):
-        rodgen.simulate(slow, target="c", out=file, checkpoint=9.0, progress=stop)
+        rodgen.simulate(slow, target="c", out=file, checkpoint=9.0, progress=_stop)
     beside.write_bytes(beside.read_bytes()[:-10] + b"0123456789")
     with pytest.raises(SceneError, match="checkpoint"):
         rodgen.resume(file)
@@ -166,17 +171,15 @@ def _interrupt(delay: float) -> None:
 
 
 @pytest.mark.parametrize("method", ["rk4", "dop853", "gauss"])
-def test_ctrl_c_at_any_moment_loses_nothing(tmp_path: Path, method: str) -> None:
+def test_ctrl_c_at_any_moment_loses_nothing(tmp_path: Path, swing: Scene, method: str) -> None:
     """Real signals at random moments, of which most fall into compiled steps."""
-    toml = tmp_path / "swing.toml"
-    toml.write_text(TOML)
-    accuracy = {"step": 1e-4} if method == "rk4" else {"rtol": 1e-12, "atol": 1e-13}
-    scene = Scene.from_toml(toml).with_integrate(method=method, **accuracy)
+    accuracy = {"step": 2e-4} if method == "rk4" else {"rtol": 1e-12, "atol": 1e-13}
+    scene = swing.with_integrate(method=method, **accuracy)
     model = rodgen.build(scene, "c")
     whole = rodgen.simulate(scene, model=model)
     moments = random.Random(method)
     stopped = 0
-    for trial in range(4):
+    for trial in range(3):
         file = tmp_path / f"run{trial}.nc"
         timer = threading.Thread(target=_interrupt, args=(moments.uniform(0.0, 0.2),))
         timer.start()

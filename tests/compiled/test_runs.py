@@ -10,7 +10,9 @@ import pytest
 import rodgen
 from rodgen import Scene
 from rodgen.integrate import Solution
-from rodgen.scene.tables import FIXED_STEP
+from rodgen.model.methods import FIXED_STEP
+from rodgen.model.rod import BOUNDARIES, INERTIAS
+from tests.palette import cases
 
 
 def _both(scene: Scene, **how: Any) -> list[Solution]:
@@ -19,8 +21,8 @@ def _both(scene: Scene, **how: Any) -> list[Solution]:
 
 @pytest.mark.parametrize("method", FIXED_STEP)
 def test_fixed_steps_agree_with_python(missile: Scene, method: str) -> None:
-    compiled, walked = _both(missile, method=method, step=2e-4)
-    # The same sums in another order: rounding, carried along for 5000 steps.
+    compiled, walked = _both(missile, method=method, step=2e-4, span=[0.25, 0.4])
+    # The same sums of rates of either target: rounding, carried along for 750 steps.
     np.testing.assert_allclose(compiled.y, walked.y, rtol=0, atol=1e-9)
     assert compiled.stats.steps == walked.stats.steps
     assert compiled.stats.rhs == walked.stats.rhs
@@ -29,23 +31,27 @@ def test_fixed_steps_agree_with_python(missile: Scene, method: str) -> None:
 @pytest.mark.parametrize("method", ["dop853", "radau", "gauss"])
 def test_adaptive_methods_agree_with_python(missile: Scene, method: str) -> None:
     """Radau is SciPy's, Gauss's coefficients are worked out another way."""
-    compiled, walked = _both(missile, method=method, rtol=1e-9, atol=1e-11)
+    compiled, walked = _both(missile, method=method, rtol=1e-8, atol=1e-10)
     # Errors of some hundred steps at these tolerances, in rates of up to 100 rad/s.
-    np.testing.assert_allclose(compiled.phi, walked.phi, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(compiled.phi, walked.phi, rtol=0, atol=1e-6)
     for term, work in compiled.work.items():
         scale = max(1.0, np.abs(work).max())
-        np.testing.assert_allclose(work, walked.work[term], rtol=0, atol=1e-7 * scale)
+        np.testing.assert_allclose(work, walked.work[term], rtol=0, atol=1e-6 * scale)
 
 
-@pytest.mark.parametrize("method", ["dop853", "radau", "gauss", "rk4"])
-@pytest.mark.parametrize("boundary", ["free", "clamped", "cantilever", "pinned"])
-@pytest.mark.parametrize("inertia", ["uniform", "lumped"])
+@cases(
+    "method, boundary, inertia",
+    ["dop853", "radau", "gauss", "rk4"],
+    BOUNDARIES,
+    INERTIAS,
+    strength=1,
+)
 def test_energy_balances_under_every_load(
     missile: Scene, method: str, boundary: str, inertia: str
 ) -> None:
     """Work is integrated with the state, energy follows from it: two routes."""
     table = missile.model_dump(exclude_none=True)
-    table["rod"] |= {"links": 5, "boundary": boundary, "inertia": inertia}
+    table["rod"] |= {"links": 3, "boundary": boundary, "inertia": inertia}
     table["loads"]["tip"] = {"x": "sin(4*t)", "y": 2.0}
     if boundary != "free":
         table["initial"] = {"phi": 0.3}
@@ -70,10 +76,10 @@ def test_samples_come_from_dense_output_and_change_no_step(missile: Scene) -> No
 
 
 @pytest.mark.parametrize("method", ["dop853", "radau", "gauss", "rk4"])
-def test_break_points_are_stepped_onto(missile: Scene, method: str) -> None:
+def test_break_points_are_stepped_onto(short: Scene, method: str) -> None:
     """A force that is switched at 0.3 s: nothing of the run before it may know of it, and the
     error is that of a smooth run."""
-    table = missile.model_dump(exclude_none=True)
+    table = short.model_dump(exclude_none=True)
     table["loads"]["follower"]["force"] = "300 if t < 0.3 else -100"
     accuracy = {"step": 1e-4} if method == "rk4" else {"rtol": 1e-10, "atol": 1e-12}
     table["integrate"] |= {"method": method, **accuracy}
@@ -128,7 +134,7 @@ def test_gauss_keeps_energy_over_many_steps() -> None:
     scene = Scene.from_dict(
         {
             "name": "rod",
-            "rod": {"links": 10, "length": 5.0, "bending_stiffness": 100.0, "mass": 50.0},
+            "rod": {"links": 5, "length": 5.0, "bending_stiffness": 100.0, "mass": 50.0},
             "initial": {"phi": "0.3*cos(pi*s)"},
             "integrate": {"span": [0.0, 500.0], "output_every": 0.5},
         }
@@ -144,7 +150,7 @@ def test_a_run_of_nothing_that_moves() -> None:
     scene = Scene.from_dict(
         {
             "name": "still",
-            "rod": {"links": 4, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0},
+            "rod": {"links": 5, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0},
             "integrate": {"span": [0.0, 100.0], "output_every": 10.0},
         }
     )

@@ -11,15 +11,11 @@ import pytest
 import rodgen
 from rodgen import Scene
 from rodgen.integrate import Solution
-from tests.compiled.conftest import SMOOTH
+from rodgen.integrate.stability import limit
+from tests.compiled.conftest import SMOOTH, changed
 
 TOLERANCES = 10.0 ** -np.arange(3, 12)
 ORDERS = {"gauss": 6, "radau": 5}
-
-
-@pytest.fixture(scope="module")
-def model() -> ModuleType:
-    return rodgen.build(Scene.from_dict(SMOOTH), "c")
 
 
 @pytest.fixture(scope="module")
@@ -76,3 +72,25 @@ def test_gauss_of_both_targets_takes_as_many_steps(model: ModuleType, exact: Sol
         walked = rodgen.simulate(scene, target="numpy", method="gauss", rtol=rtol, atol=rtol / 100)
         assert walked.stats.steps == pytest.approx(_run(model, "gauss", rtol).stats.steps, rel=0.15)
         assert 0.005 < _over_tolerance(walked, exact, rtol) < 1
+
+
+@pytest.mark.parametrize("damping", [0.02, 0.1, 5.0])
+def test_dop853_knows_the_fastest_motion_that_bounds_its_steps(
+    model: ModuleType, damping: float
+) -> None:
+    """Its iteration beside the eigenvalues of the Jacobian, which is exact, and the bound beside
+    the root of the stability polynomial: for motions that oscillate, some and hardly, and for one
+    that creeps."""
+    scene = changed(Scene.from_dict(SMOOTH), loads={"internal_damping": {"coefficient": damping}})
+    p = model.parameters(**scene.parameters)
+    run = model.Run("dop853", 0.0, scene.initial_state(), p, rtol=1e-8, atol=1e-10)
+    run.begin(0.1, longest=1e-4)
+    while run.on(1000, (), np.empty((0, len(run.state))))[0] == model.PAUSED:
+        pass
+    state = run.state[: len(model.STATE)]
+    values = np.linalg.eigvals(model.jac(run.numbers.t, state, p))
+    fastest = complex(values[np.argmax(np.abs(values))])
+    # The last look was up to 32 steps of 1e-4 s before.
+    assert run.numbers.modulus == pytest.approx(abs(fastest), rel=0.01)
+    # Between the directions of a table it is a straight line.
+    assert run.numbers.most == pytest.approx(limit("dop853", fastest), rel=0.05)

@@ -11,33 +11,32 @@ import mpmath
 import numpy as np
 import pytest
 
-from rodgen.emit import module_files
-from rodgen.emit.by_hand import ByHand
-from rodgen.emit.check import DIGITS, _parameters
-from rodgen.loading import load_files
-from rodgen.scene.expression import Expression
+from rodgen.check.module import DIGITS, _parameters, assembled
+from rodgen.loading import build, companions, sources
 from rodgen.scene.structure import Structure
 
 
 @pytest.fixture(scope="session")
 def written() -> Callable[..., dict[str, str]]:
     """Texts of a structure in a target and form, by file name."""
-
-    @cache
-    def write(structure: Structure, target: str = "numpy", form: str = "chain") -> dict[str, str]:
-        return module_files(structure, target, form)
-
-    return write
+    return cache(sources)
 
 
 @pytest.fixture(scope="session")
-def built(written: Callable[..., dict[str, str]]) -> Callable[..., ModuleType]:
-    """The module of a structure in a target and form: a second spent on C is spent once."""
+def whole() -> Callable[[Structure], dict[str, str]]:
+    """Texts of a C module in all parts that are C, and of the step loops beside it."""
 
     @cache
-    def build(structure: Structure, target: str = "numpy", form: str = "chain") -> ModuleType:
-        return load_files(written(structure, target, form))
+    def texts(structure: Structure) -> dict[str, str]:
+        parts = ("rhs", "batch", "jac")
+        return sources(structure, "c", parts=parts, steps=True) | companions("c", steps=True)
 
+    return texts
+
+
+@pytest.fixture(scope="session")
+def built() -> Callable[..., ModuleType]:
+    """The module of a structure in a target and form; its parts are made as they are asked for."""
     return build
 
 
@@ -47,16 +46,14 @@ class Point:
     def __init__(self, module: ModuleType, seed: int = 1):
         draw = np.random.default_rng(seed)
         self.module, self.t = module, 0.375
-        self.values = _parameters(module, draw)
+        self.values = _parameters(module, self.t, draw)
         self.p = module.parameters(**self.values)
         self.y = np.round(2.0 * draw.standard_normal(len(module.STATE)) * 2**20) / 2**20
-        texts = getattr(module, "EXPRESSIONS", {})
-        self._timed = {name: float(Expression(text, "t")(self.t)) for name, text in texts.items()}
 
     def exact_rhs(self, y: np.ndarray) -> list[Any]:
         """Rates by the closed form in 50 digits."""
         with mpmath.workdps(DIGITS):
-            return ByHand(self.module, self.values | self._timed, y).rhs()
+            return assembled(self.module, self.values, self.t, y).rhs()
 
     def exact_jacobian(self) -> np.ndarray:
         """Central differences in 50 digits; with h = 2^-26 states stay exact doubles, and the

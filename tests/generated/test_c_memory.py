@@ -4,23 +4,18 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from decimal import Decimal
-from fractions import Fraction
 from functools import partial
 from types import ModuleType
 
 import numpy as np
 import pytest
 
-from rodgen.emit.native import METHODS
+from rodgen.model.methods import COMPILED
 from rodgen.scene.structure import Structure
 
 pytestmark = pytest.mark.compiler
 Built = Callable[..., ModuleType]
 Array = np.ndarray
-TARGETS = pytest.mark.parametrize(
-    "target", [("numpy", "chain"), ("numpy", "dense"), ("c", "chain")], ids="-".join
-)
 VALUES = {"mass": 3.0, "length": 2.0, "bending_stiffness": 30.0, "follower_force": 20.0}
 DAMPING = {"internal_damping": 0.1, "external_damping": 0.5}
 
@@ -39,6 +34,44 @@ def p(rod: ModuleType) -> Array:
 @pytest.fixture
 def y(rod: ModuleType) -> Array:
     return np.linspace(0.1, 0.4, len(rod.STATE))
+
+
+# What is written into ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shift", [None, 0, 1, 7, -3])
+def test_result_goes_into_out(rod: ModuleType, y: Array, p: Array, shift: int | None) -> None:
+    """Also where it overlaps the state, by so many numbers."""
+    expected, memory = rod.rhs(0.0, y, p), np.full(34, np.nan)
+    memory[10:24] = y
+    out = np.full(14, np.nan) if shift is None else memory[10 + shift : 24 + shift]
+    assert rod.rhs(0.0, memory[10:24], p, out) is out
+    np.testing.assert_array_equal(out, expected)
+
+
+BAD_OUT: dict[str, object] = {
+    "short": np.zeros(13),
+    "long": np.zeros(15),
+    "two axes": np.zeros((1, 14)),
+    "integers": np.zeros(14, dtype=int),
+    "floats": np.zeros(14, dtype=np.float32),
+    "big-endian": np.zeros(14, dtype=">f8"),
+    "every second": np.zeros(28)[::2],
+    "backwards": np.zeros(14)[::-1],
+    "read-only": np.frombuffer(bytes(8 * 14)),
+    "list": [0.0] * 14,
+    "masked": np.ma.masked_array(np.zeros(14), np.arange(14) == 3),
+}
+
+
+@pytest.mark.parametrize("bad", BAD_OUT)
+def test_out_that_cannot_be_written_is_refused(
+    rod: ModuleType, y: Array, p: Array, bad: str
+) -> None:
+    out = BAD_OUT[bad]
+    with pytest.raises((TypeError, ValueError), match="out"):
+        rod.rhs(0.0, y, p, out)
+    assert not np.any(np.asarray(out))
 
 
 # What is changed in place -------------------------------------------------------------------------
@@ -124,9 +157,9 @@ def test_arrays_of_before_are_free_again_after_others(rod: ModuleType, y: Array,
     p.resize(2, refcheck=False)
 
 
-@pytest.mark.parametrize("which", ["y", "p", "out"])
+@pytest.mark.parametrize("which", ["y", "p"])
 def test_masked_arrays_are_refused(rod: ModuleType, y: Array, p: Array, which: str) -> None:
-    given = {"y": y, "p": p, "out": np.empty(14)}
+    given = {"y": y, "p": p}
     given[which] = np.ma.masked_array(given[which], np.arange(14) == 3)
     with pytest.raises((TypeError, ValueError), match=f"{which} is .*[Mm]asked"):
         rod.rhs(0.0, **given)
@@ -181,13 +214,13 @@ def test_samples_that_cannot_be_written_are_refused(
 
 
 IMPOSSIBLE: dict[str, dict[str, float]] = {
-    "method above": {"method": len(METHODS)},
+    "method above": {"method": len(COMPILED)},
     "method below": {"method": -1},
     "end before t": {"end": -1.0},
     "end no number": {"end": np.nan},
     "t no number": {"t": np.nan},
     "no step": {"method": 2, "step": 0.0},
-    "no equal steps": {"method": METHODS.index("gauss_equal_steps"), "step": 0.0},
+    "no equal steps": {"method": COMPILED.index("gauss_equal_steps"), "step": 0.0},
     "step backwards": {"method": 0, "step": -1e-3},
     "step no number": {"method": 3, "step": np.nan},
     "step without end": {"method": 1, "step": np.inf},
@@ -223,80 +256,20 @@ def test_run_that_was_not_begun_is_refused(rod: ModuleType, y: Array, p: Array) 
         rod.Run("rk5", 0.0, y, p)
 
 
-def test_methods_and_endings_are_those_of_the_header(rod: ModuleType, written: Built) -> None:
-    header = written(Structure(5), "c")["rod_free_n5_c.h"]
+def test_methods_and_endings_are_those_of_the_header(
+    rod: ModuleType, whole: Callable[[Structure], dict[str, str]]
+) -> None:
+    header = whole(Structure(5))["rod_free_n5_c.h"]
     names = {
-        **{name.upper(): at for at, name in enumerate(rod.COMPILED)},
-        **{name: getattr(rod, name) for name in ("PAUSED", "FULL", "TOO_SMALL", "REFUSED")},
         **{f"P_{rod.PARAMETERS[at].upper()}": at for at in range(9)},
         **{f"Y_{name.upper()}": at for at, name in enumerate(rod.STATE) if "_" not in name},
         "Y_PHI_0": rod.STATE.index("phi_0"),
         "Y_OMEGA_0": rod.STATE.index("omega_0"),
     }
+    for name in (*map(str.upper, rod.COMPILED), "PAUSED", "FULL", "TOO_SMALL", "REFUSED"):
+        assert f" ROD_FREE_N5_C_{name} = RODGEN_{name}" in header
+    assert rod.COMPILED == COMPILED
+    assert (rod.PAUSED, rod.FULL, rod.TOO_SMALL, rod.REFUSED) == (0, 2, -2, -4)
     for name, number in names.items():
         assert f" ROD_FREE_N5_C_{name} = {number}" in header
     assert "#define ROD_FREE_N5_C_N 5\n" in header
-
-
-# Parameters ---------------------------------------------------------------------------------------
-
-NO_NUMBERS: dict[str, object] = {
-    "truth": True,
-    "NumPy's truth": np.True_,
-    "array of truth": np.array(True),
-    "bytes": b"3",
-    "bytearray": bytearray(b"3"),
-    "NumPy's bytes": np.bytes_(b"3"),
-    "text": "3",
-    "NumPy's text": np.str_("3"),
-    "complex": 3 + 0j,
-    "NumPy's complex": np.complex128(3),
-    "time": np.timedelta64(3),
-    "masked": np.ma.masked,
-    "masked array": np.ma.array(3.0),
-    "array of one": np.array([3.0]),
-    "list": [3.0],
-    "nothing": None,
-}
-
-
-@TARGETS
-@pytest.mark.parametrize("what", NO_NUMBERS)
-def test_parameters_that_are_no_real_numbers_are_refused(
-    built: Built, target: tuple[str, str], what: str
-) -> None:
-    rod = built(Structure(5), *target)
-    value = NO_NUMBERS[what]
-    with pytest.raises(ValueError, match=r"(?s)length = .*must be a finite number"):
-        rod.parameters(**{**VALUES, **DAMPING, "length": value})
-    if value is not None:
-        fins = [1.0, 1.0, value, 1.0, 1.0, 1.0]
-        with pytest.raises(ValueError, match=r"fin_factor\[2\] = "):
-            rod.parameters(**VALUES, **DAMPING, fin_factor=fins)
-
-
-def test_numbers_of_other_make_are_parameters(rod: ModuleType, p: Array) -> None:
-    for three in (3, np.int8(3), np.float32(3), np.array(3), Decimal(3), Fraction(3), np.uint64(3)):
-        np.testing.assert_array_equal(rod.parameters(**{**VALUES, **DAMPING, "mass": three}), p)
-    for wrong in (bytes(6), bytearray(6), memoryview(bytes(6)), np.ma.masked_equal([1] * 6, 1)):
-        with pytest.raises(ValueError, match="fin_factor"):
-            rod.parameters(**VALUES, **DAMPING, fin_factor=wrong)
-
-
-@TARGETS
-@pytest.mark.parametrize("value", [0.0, -0.0, 5e-324, 1e-200, 1e200, np.nan])
-@pytest.mark.parametrize("name", ["mass", "length"])
-def test_what_cannot_be_divided_by_gives_no_numbers(
-    built: Built, y: Array, p: Array, target: tuple[str, str], name: str, value: float
-) -> None:
-    """Not an exception, nor numbers of another size from target to target."""
-    rod = built(Structure(5), *target)
-    p[rod.PARAMETERS.index(name)] = value
-    rates = rod.rhs(0.0, y, p)
-    np.testing.assert_array_equal(rates[:7], y[7:])
-    assert np.isnan(rates[7:]).all()
-    assert np.isnan(rod.jac(0.0, y, p)[9:, 2:7]).all()
-    if target[0] == "c":
-        many = rod.rhs_batch(0.0, np.tile(y, (9, 1)), p)
-        assert np.isnan(many[:, 7:]).all()
-        assert rod.Run("radau", 0.0, y, p).begin(1.0) == rod.NOT_FINITE

@@ -1,9 +1,10 @@
-"""Generated C compiles as any compiler has it by default, and beside another of its kind."""
+"""The text of the C target: what is in it, which compilers take it, and as plain C."""
 
 from __future__ import annotations
 
 import ctypes
 import importlib
+import os
 import re
 import shutil
 import subprocess
@@ -14,20 +15,17 @@ from pathlib import Path
 
 import pytest
 
-from rodgen.scene.structure import TERMS, Structure
+from rodgen.native.run import FILES
+from rodgen.scene.structure import Structure
+from tests.palette import SMALL, TEXTS, short
 
 Written = Callable[..., dict[str, str]]
+Whole = Callable[[Structure], dict[str, str]]
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler on PATH")
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
+LOOPS = [f"rodgen_native/{name}" for name in FILES if name.endswith(".c")]
 DIALECTS = ("", "-std=c99", "-std=gnu99", "-std=c11", "-std=gnu17", "-D_GNU_SOURCE")
-# Pairs and numbers, cut into segments and not, on the stack and not, with all loads and none.
-STRUCTURES = [
-    Structure(1, terms=TERMS),
-    Structure(3, "cantilever", "lumped", TERMS),
-    Structure(20, "clamped", terms=TERMS),
-    Structure(50, "free", terms=()),
-]
 TWO = [
     Structure(2, "pinned", terms=("follower",), expressions=(("follower_force", text),))
     for text in ("2*t", "3*t")
@@ -42,6 +40,7 @@ ELSEWHERE = {
 def _write(files: dict[str, str], folder: Path) -> str:
     """The stem of the files, written into a folder."""
     for name, text in files.items():
+        (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")
     return Path(next(iter(files))).stem
 
@@ -50,50 +49,103 @@ def _run(*command: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
-@pytest.mark.parametrize("dialect", DIALECTS)
-def test_every_dialect_takes_it_without_a_warning(
-    written: Written, tmp_path: Path, compiler: str, dialect: str
-) -> None:
-    stems = [_write(written(structure, "c"), tmp_path) for structure in (*STRUCTURES, *TWO)]
-    flags = [flag for flag in (*WARNINGS, dialect, "-fsyntax-only") if flag]
-    done = _run(compiler, *flags, *(f"{stem}.c" for stem in stems), cwd=tmp_path)
+def _compiles(compiler: str, *arguments: str, cwd: Path) -> None:
+    done = _run(compiler, *WARNINGS, *arguments, cwd=cwd)
     assert (done.returncode, done.stderr) == (0, "")
 
 
-@pytest.mark.parametrize("structure", STRUCTURES, ids=lambda s: s.stem)
-def test_no_c_library_has_the_names_of_its_functions(
-    written: Written, structure: Structure
+def _code(files: dict[str, str]) -> str:
+    """The C text of a module."""
+    return next(text for name, text in files.items() if name.endswith(".c"))
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_every_dialect_takes_it_without_a_warning(
+    whole: Whole, tmp_path: Path, compiler: str
 ) -> None:
-    code = next(text for name, text in written(structure, "c").items() if name.endswith(".c"))
-    names = set(re.findall(r"^static [\w ]*?[ *](\w+)\(", code, re.M))
-    assert {"square", "step", "dense", "real_solve"} <= names
+    files = [f"{_write(whole(each), tmp_path)}.c" for each in TEXTS]
+    more = ("-Wvla", "-Wstrict-prototypes", "-Wmissing-prototypes", "-fsyntax-only")
+    for dialect in DIALECTS:
+        _compiles(compiler, *more, *([dialect] if dialect else []), *files, *LOOPS, cwd=tmp_path)
+
+
+@pytest.mark.parametrize("structure", TEXTS, ids=short)
+def test_no_c_library_has_the_names_of_its_functions(whole: Whole, structure: Structure) -> None:
+    names = set(re.findall(r"^static [\w ]*?[ *](\w+)\(", _code(whole(structure)), re.M))
+    assert {"square", "quarter", "linearise", "real_solve"} <= names
     libraries = [ctypes.CDLL(path) for path in map(find_library, ("c", "m")) if path]
     taken = {name for name in names if any(hasattr(library, name) for library in libraries)}
     assert taken | (names & ELSEWHERE) == set()
 
 
-def test_fast_math_is_refused(written: Written, tmp_path: Path) -> None:
-    stem = _write(written(STRUCTURES[0], "c"), tmp_path)
+def _identifiers(text: str) -> set[str]:
+    """Names in C code, without those in comments."""
+    return set(re.findall(r"[A-Za-z_]\w*", re.sub(r"/\*.*?\*/", "", text, flags=re.S)))
+
+
+@pytest.mark.parametrize("structure", TEXTS, ids=short)
+def test_text_holds_only_what_the_scene_has(whole: Whole, structure: Structure) -> None:
+    _, code, header, *_ = whole(structure).values()
+    names = _identifiers(code)
+    assert "static double" not in re.sub(r"static (inline )?double \w+\(", "", code)  # re-entrant
+    # These enter the rates wherever the scene has them.
+    loads = {
+        "follower_force": "follower",
+        "follower_angle": "follower",
+        "external_damping": "external_damping",
+        "fin_factor": "external_damping",
+        "tip_force_x": "tip_load",
+        "tip_force_y": "tip_load",
+    }
+    for parameter, term in loads.items():
+        assert (parameter in names) == (term in structure.terms), parameter
+    # Gravity alone accelerates a free rod evenly, a single joint has no damper.
+    assert ("gravity" in names) <= ("gravity" in structure.terms)
+    assert ("internal_damping" in names) <= ("internal_damping" in structure.terms)
+    assert ("base_ax" in names) == (structure.boundary == "free")
+    assert ("clamp_angle" in names) <= (structure.boundary in ("cantilever", "clamped"))
+    rates, _ = code.split("/* Newton matrices")
+    assert ("lambda_x" in _identifiers(rates)) <= (structure.inertia == "uniform")
+    assert ("tension" in names) == (structure.inertia == "lumped")
+    assert ("malloc" in names) <= (structure.links > 20)
+    assert f"{structure.module_stem('c')}_jac" in _identifiers(header)
+
+
+def test_text_grows_only_by_digits(written: Written) -> None:
+    parts = ("rhs", "batch", "jac")
+    made = (written(Structure(n), "c", "chain", parts).values() for n in (100, 1000))
+    small, large = map("".join, made)
+    assert len(large) - len(small) < 2000
+    assert len(large.encode()) < 250_000
+
+
+def test_fast_math_is_refused(whole: Whole, tmp_path: Path) -> None:
+    stem = _write(whole(TEXTS[0]), tmp_path)
     for flag in ("-ffast-math", "-ffinite-math-only", "-Ofast"):
         done = _run(COMPILERS[0], flag, "-fsyntax-only", f"{stem}.c", cwd=tmp_path)
         assert done.returncode != 0
         assert "not with -ffast-math" in done.stderr
 
 
-@pytest.mark.skipif(not shutil.which("g++"), reason="no C++ compiler on PATH")
-def test_header_is_one_of_c_plus_plus_too(written: Written, tmp_path: Path) -> None:
-    stem = _write(written(STRUCTURES[1], "c"), tmp_path)
+@pytest.mark.skipif(not all(map(shutil.which, ("g++", "nm"))), reason="no g++ or nm on PATH")
+def test_header_is_one_of_c_plus_plus_too(whole: Whole, tmp_path: Path) -> None:
+    """Of which a program with the step loops is made; and all its symbols begin with the stem."""
+    stem = _write(whole(SMALL[3]), tmp_path)
+    sources = [f"{stem}.c", *LOOPS]
     program = f'#include "{stem}.h"\n#include "{stem}.h"\n'
     program += f"int main() {{ return (int)({stem}_work() == 0) + {stem.upper()}_EULER; }}\n"
     (tmp_path / "main.cpp").write_text(program)
-    assert _run(COMPILERS[0], "-c", f"{stem}.c", cwd=tmp_path).returncode == 0
-    done = _run("g++", *WARNINGS, "main.cpp", f"{stem}.o", "-lm", "-o", "main", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert _run(COMPILERS[0], "-c", *sources, cwd=tmp_path).returncode == 0
+    objects = [Path(name).with_suffix(".o").name for name in sources]
+    _compiles("g++", "main.cpp", *objects, "-lm", "-o", "main", cwd=tmp_path)
     assert _run("./main", cwd=tmp_path).returncode == 0
+    listed = _run("nm", "--defined-only", "--extern-only", f"{stem}.o", cwd=tmp_path).stdout
+    symbols = [line.split()[-1] for line in listed.splitlines()]
+    assert f"{stem}_linearise" in symbols
+    assert [symbol for symbol in symbols if not symbol.startswith(f"{stem}_")] == []
 
 
-PROGRAM = """
+PAIR = """
 #include "@0.h"
 #include "@1.h"
 #include <stdio.h>
@@ -114,12 +166,11 @@ int main(void)
 def test_two_that_differ_in_an_expression_link_and_import_together(
     written: Written, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stems = [_write(written(structure, "c"), tmp_path) for structure in TWO]
-    program = PROGRAM.replace("@0", stems[0]).replace("@1", stems[1])
+    stems = [_write(written(each, "c", "chain", ("rhs",)), tmp_path) for each in TWO]
+    program = PAIR.replace("@0", stems[0]).replace("@1", stems[1])
     (tmp_path / "main.c").write_text(program)
     sources = ["main.c", *(f"{stem}.c" for stem in stems)]
-    done = _run(COMPILERS[0], *WARNINGS, *sources, "-lm", "-o", "main", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
+    _compiles(COMPILERS[0], *sources, "-lm", "-o", "main", cwd=tmp_path)
     printed = [float(line) for line in _run("./main", cwd=tmp_path).stdout.split()]
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
@@ -129,3 +180,22 @@ def test_two_that_differ_in_an_expression_link_and_import_together(
     # Rounding of some ten operations.
     assert printed == pytest.approx(rates, rel=1e-13)
     assert rates[0] != rates[1]
+
+
+def test_text_is_as_long_as_what_is_asked_for(written: Written) -> None:
+    """Lines of the C text of 50 links: `rhs` alone, and what `rodgen derive` writes."""
+    structure = Structure(50, terms=("follower",))
+    for parts, most in ((("rhs",), 500), (None, 1100)):
+        assert len(_code(written(structure, "c", "chain", parts)).splitlines()) <= most
+
+
+def test_compiler_that_fails_is_one_error(written: Written, tmp_path: Path) -> None:
+    stem = _write(written(SMALL[0], "c"), tmp_path)
+    env = {**os.environ, "CC": "false", "PYTHONDONTWRITEBYTECODE": "1"}
+    command = [sys.executable, "-c", f"import {stem}"]
+    done = subprocess.run(
+        command, cwd=tmp_path, env=env, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    assert "BuildError" in done.stderr.splitlines()[-1] or "BuildError" in done.stderr
+    assert "target numpy" in done.stderr

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from decimal import Decimal
+from fractions import Fraction
 from pathlib import Path
 from types import ModuleType
 
@@ -14,7 +17,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rodgen.loading import load_module
-from rodgen.scene.structure import BOUNDARIES, INERTIAS, TERMS, Structure
+from rodgen.loading.build import companions
+from rodgen.loading.cache import write_whole
+from rodgen.model.parameter import JOINTS, LINKS
+from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen.model.terms import TERMS
+from rodgen.scene.structure import Structure
+from tests.palette import SMALL, cases, short
 
 Built = Callable[..., ModuleType]
 GENERATED = Path(__file__).parents[2] / "generated"
@@ -65,9 +74,14 @@ def _values(module: ModuleType) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("stem", STEMS)
-def test_module_runs_without_rodgen_and_sympy(stem: str) -> None:
-    values = _values(load_module(GENERATED / f"{stem}.py"))
-    program = ALONE.format(folder=str(GENERATED), stem=stem, values=values)
+def test_module_runs_without_rodgen_and_sympy(stem: str, tmp_path: Path) -> None:
+    module = load_module(GENERATED / f"{stem}.py")
+    values = _values(module)
+    for file in GENERATED.glob(f"{stem}.*"):
+        shutil.copy(file, tmp_path)
+    for name, text in companions(module.PROVENANCE["target"]).items():
+        write_whole(tmp_path / name, text)
+    program = ALONE.format(folder=str(tmp_path), stem=stem, values=values)
     done = subprocess.run(
         [sys.executable, "-B", "-c", program], capture_output=True, text=True, check=False
     )
@@ -115,9 +129,10 @@ def test_many_states_at_once(stem: str) -> None:
             np.testing.assert_allclose(together[term][2, 1], one[term], rtol=1e-12)
 
 
-def test_rod_at_rest_has_no_drag() -> None:
+@EVERY_TARGET
+def test_rod_at_rest_has_no_drag(built: Built, target: tuple[str, str]) -> None:
     """0/0 in the direction of a velocity of zero is no force, and no warning."""
-    rod = load_module(GENERATED / "rod_free_n5.py")
+    rod = built(Structure(5), *target)
     p = rod.parameters(**VALUES, follower_force=0.0, internal_damping=0.0, external_damping=9.0)
     y = np.zeros(14)
     rates = rod.rhs(0.0, y, p)
@@ -137,15 +152,11 @@ def test_rod_at_rest_has_no_drag() -> None:
         ({"length": math.nan}, ValueError, "length"),
         ({"length": math.inf}, ValueError, "length"),
         ({"bending_stiffness": -2.0}, ValueError, "bending_stiffness"),
-        ({"mass": "heavy"}, ValueError, "mass"),
         ({"external_damping": -0.1}, ValueError, "external_damping"),
         ({"gravity": math.nan}, ValueError, "gravity"),
         ({"mass": 10**400}, ValueError, "mass = inf"),
-        ({"mass": True}, ValueError, "mass = True"),
         ({"fin_factor": [1.0, 2.0]}, ValueError, "fin_factor has 2 values"),
         ({"fin_factor": 3.0}, ValueError, "fin_factor = 3.0"),
-        ({"fin_factor": ["a"] * 6}, ValueError, r"fin_factor\[0\] = 'a'"),
-        ({"fin_factor": [1.0, [2.0, 3.0], 1.0, 1.0, 1.0, 1.0]}, ValueError, r"fin_factor\[1\]"),
         ({"fin_factor": [1.0, 2.0, -3.0, 1.0, 1.0, 1.0]}, ValueError, r"fin_factor\[2\]"),
     ],
 )
@@ -257,18 +268,83 @@ def test_states_and_parameters_of_other_make_give_the_same(
     assert y.tolist() == list(range(14))  # nothing writes into what it is given
 
 
+NO_NUMBERS: dict[str, object] = {
+    "truth": True,
+    "NumPy's truth": np.True_,
+    "array of truth": np.array(True),
+    "bytes": b"3",
+    "bytearray": bytearray(b"3"),
+    "NumPy's bytes": np.bytes_(b"3"),
+    "text": "3",
+    "NumPy's text": np.str_("3"),
+    "complex": 3 + 0j,
+    "NumPy's complex": np.complex128(3),
+    "time": np.timedelta64(3),
+    "masked": np.ma.masked,
+    "masked array": np.ma.array(3.0),
+    "array of one": np.array([3.0]),
+    "list": [3.0],
+    "nothing": None,
+}
+
+
+@EVERY_TARGET
+@pytest.mark.parametrize("what", NO_NUMBERS)
+def test_parameters_that_are_no_real_numbers_are_refused(
+    built: Built, target: tuple[str, str], what: str
+) -> None:
+    rod = built(Structure(5), *target)
+    value = NO_NUMBERS[what]
+    with pytest.raises(ValueError, match=r"(?s)length = .*must be a finite number"):
+        rod.parameters(**{**VALUES, **LOADS, "length": value})
+    if value is not None:
+        fins = [1.0, 1.0, value, 1.0, 1.0, 1.0]
+        with pytest.raises(ValueError, match=r"fin_factor\[2\] = "):
+            rod.parameters(**VALUES, **LOADS, fin_factor=fins)
+
+
+def test_numbers_of_other_make_are_parameters(built: Built) -> None:
+    rod, p = _rod(built, ("c", "chain"))
+    for three in (3, np.int8(3), np.float32(3), np.array(3), Decimal(3), Fraction(3), np.uint64(3)):
+        np.testing.assert_array_equal(rod.parameters(**{**VALUES, **LOADS, "mass": three}), p)
+    for wrong in (bytes(6), bytearray(6), memoryview(bytes(6)), np.ma.masked_equal([1] * 6, 1)):
+        with pytest.raises(ValueError, match="fin_factor"):
+            rod.parameters(**VALUES, **LOADS, fin_factor=wrong)
+
+
+@EVERY_TARGET
+@pytest.mark.parametrize("value", [0.0, -0.0, 5e-324, 1e-200, 1e200, np.nan])
+@pytest.mark.parametrize("name", ["mass", "length"])
+def test_what_cannot_be_divided_by_gives_no_numbers(
+    built: Built, target: tuple[str, str], name: str, value: float
+) -> None:
+    """Not an exception, nor numbers of another size from target to target."""
+    rod, p = _rod(built, target)
+    y = np.linspace(0.1, 0.4, len(rod.STATE))
+    p[rod.PARAMETERS.index(name)] = value
+    rates = rod.rhs(0.0, y, p)
+    np.testing.assert_array_equal(rates[:7], y[7:])
+    assert np.isnan(rates[7:]).all()
+    assert np.isnan(rod.jac(0.0, y, p)[9:, 2:7]).all()
+    if target[0] == "c":
+        many = rod.rhs_batch(0.0, np.tile(y, (9, 1)), p)
+        assert np.isnan(many[:, 7:]).all()
+        assert rod.Run("radau", 0.0, y, p).begin(1.0) == rod.NOT_FINITE
+
+
 @pytest.mark.parametrize("target", ["numpy", "c"])
-@pytest.mark.parametrize(
-    ("boundary", "inertia"), [("free", "uniform"), ("cantilever", "lumped"), ("clamped", "uniform")]
-)
+@pytest.mark.parametrize("structure", [*SMALL[5:]], ids=short)
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_what_is_not_finite_is_seen_in_the_rates(
-    built: Built, point: type, target: str, boundary: str, inertia: str, value: float
+    built: Built, point: type, target: str, structure: Structure, value: float
 ) -> None:
-    at = point(built(Structure(3, boundary, inertia, TERMS), target))
+    at = point(built(structure, target))
     rod, half = at.module, len(at.y) // 2
-    # Joints that never move have no use for their fin factor.
-    held = [f"fin_factor_{s}" for s in range({"free": 0, "cantilever": 2}.get(boundary, 1))]
+    # Joints and links that never move have no use for what acts on them.
+    still = range({"free": 0, "cantilever": 2}.get(rod.BOUNDARY, 1))
+    rows = [one for one in structure.rows if one.several]
+    held = [f"{one.name}_{s}" for one in rows if one.each == JOINTS for s in still]
+    held += [f"{one.name}_0" for one in rows if one.each == LINKS and rod.BOUNDARY == "cantilever"]
     with np.errstate(all="ignore"):
         for place, name in enumerate(rod.STATE):
             y = at.y.copy()
@@ -287,27 +363,28 @@ def test_what_is_not_finite_is_seen_in_the_rates(
 
 
 @pytest.mark.parametrize("target", ["numpy", "c"])
-@pytest.mark.parametrize("inertia", INERTIAS)
+@pytest.mark.parametrize("structure", [SMALL[6], SMALL[7]], ids=short)
 @pytest.mark.parametrize("angle", [1e4, 1e6, 1e9, -1e12])
 def test_many_turns_cost_only_the_digits_of_the_angles(
-    built: Built, point: type, target: str, inertia: str, angle: float
+    built: Built, point: type, target: str, structure: Structure, angle: float
 ) -> None:
-    at = point(built(Structure(3, "free", inertia, TERMS), target))
-    at.y[2:5] += angle
+    at = point(built(structure, target))
+    angles = [place for place, name in enumerate(at.module.STATE) if name.startswith("phi")]
+    at.y[angles] += angle
     exact = np.array(at.exact_rhs(at.y), float)
     off = np.abs(at.module.rhs(at.t, at.y, at.p) - exact)
     # A unit in the last place of every angle, and of the sums of two that loads are taken at.
-    J = np.abs(at.module.jac(at.t, at.y, at.p)[:, 2:5]).sum(axis=1)
+    J = np.abs(at.module.jac(at.t, at.y, at.p)[:, angles]).sum(axis=1)
     assert np.all(off <= 2 * np.spacing(abs(angle)) * J + 1e-13 * np.abs(exact).max())
 
 
-@pytest.mark.parametrize("boundary", BOUNDARIES)
-@pytest.mark.parametrize("inertia", INERTIAS)
+@cases("boundary, inertia", BOUNDARIES, INERTIAS, strength=1)
 def test_a_full_turn_changes_nothing(
     built: Built, point: type, boundary: str, inertia: str
 ) -> None:
-    """Of angles that springs see only by their differences."""
-    at = point(built(Structure(3, boundary, inertia, TERMS)))
+    """Of angles that springs see only by their differences; supports hold an angle itself."""
+    turning = tuple(term for term in TERMS if term != "supports")
+    at = point(built(Structure(3, boundary, inertia, turning)))
     y, p = at.y.copy(), at.p.copy()
     angles = [place for place, name in enumerate(at.module.STATE) if name.startswith("phi")]
     y[angles] += 2 * np.pi

@@ -8,37 +8,34 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
+
+from rodgen.check.module import LIMIT, _parameters, check_module
 from rodgen.derive import inertia
 from rodgen.derive.symbols import xi
-
 from rodgen.emit import module_files, module_text
-from rodgen.emit.check import LIMIT, check_module
+from rodgen.emit.targets import FORMS
 from rodgen.loading import load_text
+from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen.model.terms import TERMS
 from rodgen.scene.expression import Expression
-from rodgen.scene.structure import (
-    BOUNDARIES,
-    BOUNDARY_PARAMETERS,
-    INERTIAS,
-    TERM_PARAMETERS,
-    TERMS,
-    Structure,
-)
+from rodgen.scene.structure import Structure
+from tests.palette import ALL, ENDS, SHORT_RODS, TIMED, can_move, cases
 
 Built = Callable[..., ModuleType]
 Written = Callable[..., dict[str, str]]
-EVERY = pytest.mark.parametrize("inertia", INERTIAS)
-
-
-def _chains(*links: int) -> list[tuple[str, int]]:
-    """Every boundary with every number of links of which one moves."""
-    return [(b, n) for b in BOUNDARIES for n in links if n >= BOUNDARIES[b].least_links]
-
-
-SUBSETS = [(), *((term,) for term in TERMS), ("follower", "external_damping"), TERMS]
+EPSILON = np.finfo(float).eps
+REFERENCE = Path(__file__).parents[2] / "generated" / "rod_free_n5.py"
+SUBSETS = [(), *((term,) for term in TERMS), ("follower", "external_damping"), ALL]
+# Of three links, of which one is inside.
+EVERY_LOAD = cases(
+    "boundary, inertia, form, terms", BOUNDARIES, INERTIAS, FORMS, SUBSETS, strength=1
+)
+PARTS = ("rhs", "jac", "mass", "power", "quantities")
 
 
 def _check(module: ModuleType) -> None:
@@ -46,76 +43,74 @@ def _check(module: ModuleType) -> None:
     expected = {"rhs", "mass matrix", "energy", "joints", "centre of gravity", "inertia"}
     expected |= {"bending moments", "generalised force"}
     assert {d.quantity for d in deviations} - {"power", "forces"} == expected
-    # Rounding of some hundred operations, amplified by the condition of M (about 20 at n=5).
-    assert max(d.error for d in deviations) < 1e-13
+    # Rounding of some hundred operations, amplified by the condition of M (about 20 at n=5). A
+    # power is what remains of force times velocity where one is nearly normal to the other: that
+    # of a distributed follower on a nearly straight rod, 1e-4 of it.
+    limits = {"power": LIMIT}
+    assert [d for d in deviations if d.error >= limits.get(d.quantity, 1e-12)] == []
 
 
-# Loads alone with three links, of which one is inside; all of them with few and with more.
-SMALL = [
-    *((b, n, terms) for b, n in _chains(3) for terms in SUBSETS),
-    *((b, n, terms) for b, n in _chains(1, 2, 5) for terms in ((), TERMS)),
-]
-SMALL_CHAINS = pytest.mark.parametrize(
-    ("boundary", "links", "terms"),
-    SMALL,
-    ids=lambda x: ("+".join(x) or "none") if isinstance(x, tuple) else str(x),
-)
+def _text(written: Written, structure: Structure, form: str) -> str:
+    (text,) = written(structure, "numpy", form, PARTS).values()
+    return text
 
 
-@EVERY
-@SMALL_CHAINS
+@SHORT_RODS
 def test_module_equals_fifty_digit_arithmetic(
-    built: Built, boundary: str, links: int, inertia: str, terms: tuple[str, ...]
+    built: Built,
+    written: Written,
+    boundary: str,
+    links: int,
+    inertia: str,
+    terms: tuple[str, ...],
 ) -> None:
-    _check(built(Structure(links, boundary, inertia, terms)))
+    """And nothing in its text is unused."""
+    structure = Structure(links, boundary, inertia, terms)
+    _check(built(structure))
+    _all_used(ast.parse(_text(written, structure, "chain")))
 
 
-@EVERY
-@pytest.mark.parametrize(("boundary", "links"), _chains(1, 2, 3, 5))
+@EVERY_LOAD
+def test_every_load_equals_fifty_digit_arithmetic(
+    built: Built, boundary: str, inertia: str, form: str, terms: tuple[str, ...]
+) -> None:
+    _check(built(Structure(3, boundary, inertia, terms), "numpy", form))
+
+
+@cases("boundary, links, inertia", BOUNDARIES, (1, 2, 5), INERTIAS, where=can_move, strength=1)
 def test_dense_form_equals_fifty_digit_arithmetic(
     built: Built, boundary: str, links: int, inertia: str
 ) -> None:
-    _check(built(Structure(links, boundary, inertia, TERMS), "numpy", "dense"))
+    _check(built(Structure(links, boundary, inertia, ALL), "numpy", "dense"))
 
 
-@pytest.mark.parametrize("boundary", ["free", "clamped"])
-@pytest.mark.parametrize("terms", SUBSETS[:-1], ids=lambda terms: "+".join(terms) or "none")
-def test_dense_form_of_every_load(built: Built, boundary: str, terms: tuple[str, ...]) -> None:
-    _check(built(Structure(3, boundary, terms=terms), "numpy", "dense"))
-
-
-@EVERY
-@pytest.mark.parametrize("form", ["chain", "dense"])
-@pytest.mark.parametrize("boundary", BOUNDARIES)
+@pytest.mark.parametrize(
+    ("boundary", "inertia", "form"), [("clamped", "uniform", "chain"), ("free", "lumped", "dense")]
+)
 def test_longer_modules_pass_the_check(
     built: Built, boundary: str, inertia: str, form: str
 ) -> None:
-    module = built(Structure(50, boundary, inertia, TERMS), "numpy", form)
+    module = built(Structure(30, boundary, inertia, TERMS), "numpy", form)
     assert max(d.error for d in check_module(module, states=1)) < LIMIT
 
 
-@EVERY
-@pytest.mark.parametrize("links", [1000])
-@pytest.mark.parametrize("boundary", BOUNDARIES)
-def test_forms_agree_however_long_the_chain(
-    built: Built, boundary: str, inertia: str, links: int
-) -> None:
+@pytest.mark.parametrize(("boundary", "inertia"), [("free", "uniform"), ("cantilever", "lumped")])
+def test_forms_agree_however_long_the_chain(built: Built, boundary: str, inertia: str) -> None:
+    links = 1000
     structure = Structure(links, boundary, inertia, TERMS)
     chain, dense = built(structure), built(structure, "numpy", "dense")
     draw = np.random.default_rng(links)
-    names = [name for name in chain.PARAMETERS if not name.startswith("fin_factor")]
-    p = chain.parameters(**{name: draw.uniform(0.5, 5.0) for name in names})
+    p = chain.parameters(**_parameters(chain, 0.0, draw))
     y = draw.standard_normal(len(chain.STATE))
     one, two = chain.rhs(0.0, y, p), dense.rhs(0.0, y, p)
     # The condition of M grows as n^3, to 5e8 at n = 1000; the dense form loses that many digits.
-    limit = 5e8 * (links / 1000) ** 3 * np.finfo(float).eps
-    np.testing.assert_allclose(one, two, rtol=0, atol=limit * np.abs(two).max())
+    np.testing.assert_allclose(one, two, rtol=0, atol=5e8 * EPSILON * np.abs(two).max())
 
 
 def test_long_chain_keeps_its_digits(built: Built, point: type) -> None:
-    """A hundred links: the exact solution of two hundred takes 50-digit arithmetic ten seconds."""
-    at = point(built(Structure(100)))
-    dense = built(Structure(100), "numpy", "dense")
+    """Sixty links: the exact solution of two hundred takes 50-digit arithmetic ten seconds."""
+    at = point(built(Structure(60)))
+    dense = built(Structure(60), "numpy", "dense")
     exact = np.array(at.exact_rhs(at.y), float)
     errors = [np.abs(m.rhs(at.t, at.y, at.p) - exact).max() for m in (at.module, dense)]
     assert errors[0] <= 1e-11 * np.abs(exact).max()
@@ -134,12 +129,12 @@ def test_long_chain_keeps_its_digits(built: Built, point: type) -> None:
         ('"follower": power_follower', '"follower": 1.001*power_follower'),
         ("return kinetic,", "return 1.001*kinetic,"),
         ("return bending\n", "return -bending\n"),
-        ('acting["follower"][..., 4, 0] = ', 'acting["follower"][..., 3, 0] = '),
+        ('acting["follower"][..., 5, 0] = ', 'acting["follower"][..., 4, 0] = '),
         ("Q[2:] = on_links", "Q[2:] = 1.001*on_links"),
     ],
 )
-def test_check_sees_a_wrong_module(written: Written, right: str, wrong: str) -> None:
-    (text,) = written(Structure(4)).values()
+def test_check_sees_a_wrong_module(right: str, wrong: str) -> None:
+    text = REFERENCE.read_text(encoding="utf-8")
     at = text.index("def rhs") if " = " in right else 0
     assert right in text[at:]
     module = load_text(text[:at] + text[at:].replace(right, wrong, 1), "wrong")
@@ -161,21 +156,17 @@ def test_change_of_inertia_reaches_the_module(monkeypatch: pytest.MonkeyPatch) -
     assert after.energy(y, p)[0] > before.energy(y, p)[0]
 
 
-@pytest.mark.parametrize(
-    ("form", "inertia"), [("chain", "uniform"), ("chain", "lumped"), ("dense", "uniform")]
-)
-@pytest.mark.parametrize("boundary", BOUNDARIES)
-@pytest.mark.parametrize("terms", SUBSETS, ids=lambda terms: "+".join(terms) or "none")
+@EVERY_LOAD
 def test_module_holds_only_what_the_scene_has(
     written: Written, boundary: str, inertia: str, form: str, terms: tuple[str, ...]
 ) -> None:
-    (text,) = written(Structure(3, boundary, inertia, terms), "numpy", form).values()
+    text = _text(written, Structure(3, boundary, inertia, terms), form)
     tree = ast.parse(text)
     names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    for term in TERMS:
-        for parameter in TERM_PARAMETERS[term]:
-            assert (parameter in names) == (term in terms), parameter
-    assert ("clamp_angle" in names) == ("clamp_angle" in BOUNDARY_PARAMETERS[boundary])
+    for term in TERMS.values():
+        for parameter in term.parameters:
+            assert (parameter.name in names) == (term.name in terms), parameter
+    assert ("clamp_angle" in names) == BOUNDARIES[boundary].clamped
     assert ("vx0" in names) == (boundary == "free")
     assert ("drag_x" in names) == ("external_damping" in terms)
     (rhs,) = (f for f in tree.body if isinstance(f, ast.FunctionDef) and f.name == "rhs")
@@ -186,28 +177,10 @@ def test_module_holds_only_what_the_scene_has(
     assert "errstate" not in text
     assert "EXPRESSIONS" not in text
     assert ("def power" in text) == bool(set(terms) - {"gravity"})
+    _all_used(tree)
 
 
-@EVERY
-@SMALL_CHAINS
-def test_nothing_in_a_module_is_unused(
-    written: Written, boundary: str, links: int, inertia: str, terms: tuple[str, ...]
-) -> None:
-    (text,) = written(Structure(links, boundary, inertia, terms)).values()
-    _all_used(text)
-
-
-@pytest.mark.parametrize("boundary", ["free", "clamped"])
-@pytest.mark.parametrize("terms", SUBSETS, ids=lambda terms: "+".join(terms) or "none")
-def test_nothing_in_a_dense_module_is_unused(
-    written: Written, boundary: str, terms: tuple[str, ...]
-) -> None:
-    (text,) = written(Structure(3, boundary, terms=terms), "numpy", "dense").values()
-    _all_used(text)
-
-
-def _all_used(text: str) -> None:
-    tree = ast.parse(text)
+def _all_used(tree: ast.Module) -> None:
     assert not _unused_locals(tree)
     public = {"rhs", "jac", "implicit", "energy", "power", "mass_matrix", "joints", "parameters"}
     public |= {"centre_of_gravity", "inertia", "bending_moments", "forces", "generalised_force"}
@@ -229,43 +202,36 @@ def _unused_locals(tree: ast.Module) -> set[str]:
 
 
 def test_single_link_has_no_springs(written: Written) -> None:
-    (text,) = written(Structure(1)).values()
+    (text,) = written(Structure(1), "numpy", "chain", PARTS).values()
     names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
     assert not {"k", "joint_moment", "link_moment", "spring"} & names
     assert "later" not in text
     assert "lapack" not in text
 
 
-@pytest.mark.parametrize("form", ["chain", "dense"])
+@pytest.mark.parametrize("form", FORMS)
 def test_loops_stay_loops(written: Written, form: str) -> None:
-    sizes = [
-        len("".join(written(Structure(n), "numpy", form).values()).encode())
-        for n in (20, 200, 2000)
-    ]
-    assert sizes[-1] < 60_000
-    # Only numbers get longer: by one digit at each of the same places.
-    assert sizes[2] - sizes[1] == sizes[1] - sizes[0] < 1000
+    parts = ("rhs", "jac", "quantities")
+    made = (written(Structure(n), "numpy", form, parts).values() for n in (20, 2000))
+    short, long = (len(text) for (text,) in made)
+    # Only numbers get longer: by two digits at some places.
+    assert short <= long < min(60_000, short + 2000)
+    assert (long - short) % 2 == 0
 
 
-EXPRESSIONS = {
-    "follower_force": "300 * min(t / 0.5, 1, 2 - t) + tan(t) ** 2",
-    "tip_force_x": "-1.5 * sin(t) ** 2 if t <= 0.7 else max(t, 0.5) ** -1.5",
-    "tip_force_y": "exp(-t) * log(2 + t) / sqrt(1 + t) + tanh(t) * abs(cos(5 * t)) - pi",
-}
 TARGETS = [("numpy", "chain"), ("numpy", "dense"), ("c", "chain")]
 
 
 @pytest.mark.parametrize("target", TARGETS, ids="-".join)
 def test_expressions_in_time_are_part_of_the_code(built: Built, target: tuple[str, str]) -> None:
-    structure = Structure(4, "clamped", terms=TERMS, expressions=tuple(EXPRESSIONS.items()))
-    module = built(structure, *target)
-    assert not {*EXPRESSIONS} & {*module.PARAMETERS}
-    read = {name: Expression(text, "t") for name, text in EXPRESSIONS.items()}
+    module = built(TIMED, *target)
+    read = {name: Expression(text, "t") for name, text in TIMED.expressions}
+    assert not read.keys() & {*module.PARAMETERS}
     assert {name: e.canonical for name, e in read.items()} == module.EXPRESSIONS
     assert max(d.error for d in check_module(module, states=2)) < 1e-13
-    plain = built(Structure(4, "clamped", terms=TERMS), *target)
+    plain = built(Structure(4, "clamped", terms=ENDS), *target)
     given = {"mass": 2.0, "length": 1.0, "bending_stiffness": 5.0, "internal_damping": 0.1}
-    given["external_damping"] = 0.3
+    given |= {"external_damping": 0.3}
     y = np.random.default_rng(1).normal(size=8)
     p = module.parameters(**given)
     times = [-0.3, 0.0, 0.25, 0.7, np.nextafter(0.7, 1), 1.9, 3.0]
@@ -295,35 +261,26 @@ def test_force_that_is_no_number_is_seen_in_the_rates(
         assert np.isnan(module.rhs(0.6, np.zeros(6), p)).any()
 
 
-SEED_PROGRAM = """
-import hashlib
-from rodgen.emit import module_files
-from rodgen.scene.structure import Structure
-timed = (("tip_force_x", "sin(t)*min(t, 1, 2)"),)
-one = Structure(7, "clamped", "lumped", ("internal_damping", "tip_load"), timed)
-two = Structure(12, "free", "uniform", ("follower", "external_damping"))
-made = ((one, "numpy", "chain"), (one, "numpy", "dense"), (two, "c", "chain"))
-for structure, target, form in made:
-    for name, text in module_files(structure, target, form).items():
-        print(name, hashlib.sha256(text.encode()).hexdigest())
-"""
+def digests() -> list[str]:
+    """Of all texts of a NumPy module and of a C module."""
+    timed = (("tip_force_x", "sin(t)*min(t, 1, 2)"),)
+    one = Structure(7, "clamped", "lumped", ("internal_damping", "tip_load"), timed)
+    two = Structure(12, "free", "uniform", ("follower", "external_damping"))
+    made = module_files(one) | module_files(two, "c", parts=("rhs", "jac", "newton"))
+    return [hashlib.sha256(text.encode()).hexdigest() for text in made.values()]
 
 
+@pytest.mark.long  # as reference modules are compared in processes of any seed
 def test_same_bytes_under_any_hash_seed() -> None:
-    command = [sys.executable, "-c", SEED_PROGRAM]
-    running = [
-        subprocess.Popen(
-            command,
-            env={**os.environ, "PYTHONHASHSEED": seed},
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        for seed in ("0", "1", "random")
-    ]
-    outputs = {process.communicate()[0] for process in running}
-    assert [process.returncode for process in running] == [0, 0, 0]
-    (printed,) = outputs
-    assert len(printed.splitlines()) == 1 + 1 + 3
-    structure = Structure(12, terms=("follower", "external_damping"))
-    for text in module_files(structure, "c").values():
-        assert hashlib.sha256(text.encode()).hexdigest() in printed
+    here = os.environ.get("PYTHONHASHSEED", "random")
+    program = f"from {__name__} import digests; print(*digests())"
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=Path(__file__).parents[2],
+        env={**os.environ, "PYTHONHASHSEED": "1" if here == "0" else "0"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == digests()

@@ -2,27 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
 import numpy as np
-import pytest
 
-from rodgen.emit import module_text
-from rodgen.loading import load_text
-from rodgen.scene.structure import BOUNDARIES, INERTIAS, TERMS, Structure
+from rodgen.scene.structure import Structure
+from tests.palette import SHORT_RODS
+
+Built = Callable[..., ModuleType]
 
 VALUES = {"mass": 2.0, "length": 1.5, "bending_stiffness": 3.0}
 LOADS = {
     "follower_force": 2.0,
     "follower_angle": 0.3,
     "internal_damping": 0.2,
+    "material_damping_time": 0.02,
     "external_damping": 0.4,
     "clamp_angle": 0.5,
     "tip_force_x": 1.0,
     "tip_force_y": -2.0,
+    "drag_normal": 0.6,
+    "drag_tangential": 0.1,
+    "wind_x": 0.7,
+    "wind_y": -0.4,
 }
-CHAINS = [(b, n) for b in BOUNDARIES for n in (1, 2, 3, 6) if n >= BOUNDARIES[b].least_links]
 
 
 def _band(blocks: Any, width: int) -> Any:
@@ -55,19 +60,19 @@ def _joint_velocities(rod: ModuleType, y: Any, length: float) -> Any:
     return by
 
 
-@pytest.mark.parametrize(("boundary", "links"), CHAINS)
-@pytest.mark.parametrize("inertia", INERTIAS)
-@pytest.mark.parametrize("terms", [(), TERMS], ids=["none", "all"])
+@SHORT_RODS
 def test_cells_give_the_accelerations_and_their_jacobian(
-    boundary: str, links: int, inertia: str, terms: tuple[str, ...]
+    built: Built, boundary: str, links: int, inertia: str, terms: tuple[str, ...]
 ) -> None:
-    rod = load_text(module_text(Structure(links, boundary, inertia, terms)), "rod")
+    structure = Structure(links, boundary, inertia, terms)
+    rod = built(structure)
     given = VALUES | {name: v for name, v in LOADS.items() if name in rod.PARAMETERS}
+    given |= {name: np.linspace(0.2, 0.9, len(span)) for name, span in structure.spans.items()}
     p = rod.parameters(**given)
     y = np.random.default_rng(links).normal(size=len(rod.STATE))
     half, base = len(y) // 2, 2 * (boundary == "free")
     cells = half - base
-    residual, _, _, by_unknown, _ = rod.implicit(0.0, y, p, np.zeros(cells), np.zeros((cells, 2)))
+    residual, _, _, by_unknown, *_ = rod.implicit(0.0, y, p, np.zeros(cells), np.zeros((cells, 2)))
     matrix = _band(by_unknown, 3)
     # The residual is linear in its unknowns: one Newton step from zero solves it.
     unknowns = np.linalg.solve(matrix, -residual.ravel()).reshape(cells, 3)
@@ -81,9 +86,12 @@ def test_cells_give_the_accelerations_and_their_jacobian(
     by_state[:, base:half] = _band(solved[1], 1)
     by_state[:, half + base :] = _band(solved[2], 1)
     velocities = _joint_velocities(rod, y, VALUES["length"])
+    positions = np.zeros_like(velocities)
+    positions[..., :half] = velocities[..., half:]  # what rates are to velocities
     for at in (0, 1):
         for cell in range(cells):
-            by_state[3 * cell : 3 * cell + 3] += solved[4][at, cell] @ velocities[cell + at]
+            for by_joint, joints in zip(solved[4:], (velocities, positions), strict=False):
+                by_state[3 * cell : 3 * cell + 3] += by_joint[at, cell] @ joints[cell + at]
     jacobian = -np.linalg.solve(matrix, by_state)[::3]
     expected = rod.jac(0.0, y, p)[half + base :]
     np.testing.assert_allclose(

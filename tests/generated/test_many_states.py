@@ -11,7 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import rodgen
-from rodgen.scene.structure import FORMS, Structure
+from rodgen.emit.targets import FORMS
+from rodgen.scene.structure import Structure
 
 STRUCTURE = Structure(3, "clamped", terms=("follower", "gravity"))
 VALUES = {"mass": 3.0, "length": 2.0, "bending_stiffness": 30.0, "follower_force": 5.0}

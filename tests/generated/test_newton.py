@@ -14,61 +14,53 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rodgen.derive.implicit_form import ImplicitForm
 
+from rodgen.derive.implicit_form import ImplicitForm
 from rodgen.emit import module_files
-from rodgen.scene.structure import BOUNDARIES, INERTIAS, TERMS, Structure
+from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen.scene.structure import Structure
+from tests.palette import ALONG, PLACED, SMALL, short
 
 pytestmark = pytest.mark.compiler
 Built = Callable[..., ModuleType]
 Written = Callable[..., dict[str, str]]
 
 # Every boundary, inertia and load, with and without drag; written for other tests as well.
-FEW = [
-    Structure(3, "free", "uniform", TERMS),
-    Structure(2, "free", "lumped", ()),
-    Structure(2, "cantilever", "uniform", TERMS),
-    Structure(1, "clamped", "lumped", TERMS),
-    Structure(3, "pinned", "lumped", ("internal_damping",)),
+FEW = [Structure(3, terms=ALONG), PLACED, SMALL[3], SMALL[2], SMALL[1], SMALL[4]]
+# With every kind of sensor, on the first link, the last and between, beside held links too; with
+# states that follow the motion, one another, or nothing of the rod; with and without drag.
+FOLLOWED = (
+    ("follower_force", "20 + 5 * x(0.4) * vy(1) - tanh(filtered)"),
+    ("follower_angle", "gimbal + 0.1 * vx(0) * y(0.9)"),
+)
+ADDED = (
+    ("gimbal", "(-2 * phi(0.3) - omega(0.7) - gimbal) / 0.05 + vx(0.5)"),
+    ("filtered", "gimbal * filtered + sin(t) + omega(1) * phi(0) - y(0.2) * x(1)"),
+)
+# A wind, which the speed that drag divides by follows.
+BLOWN = ("wind_x", "3 + phi(0.3) * vx(0.6)")
+BORDERED = [
+    Structure(3, "free", "uniform", ("follower", "drag"), (*FOLLOWED, BLOWN), states=ADDED),
+    Structure(3, "cantilever", "lumped", ("follower",), FOLLOWED, states=ADDED),
+    Structure(2, "free", "lumped", ("follower", "internal_damping"), FOLLOWED, states=ADDED),
+    Structure(2, "pinned", "uniform", ("tip_load",), (("tip_force_y", "omega(1) * y(1)"),)),
+    Structure(2, "clamped", "uniform", (), (), states=(("alone", "phi(1) - alone"),)),
 ]
 # Every load with every boundary and inertia.
 APART = [("follower", "internal_damping"), ("gravity", "tip_load"), ("external_damping",)]
 # Of the size of the rates, so that neither sigma nor J alone decides.
 REAL, PAIR = 7.5, 3.0 + 20.0j
 
-PROGRAM = """
-#include "{stem}.c"
 
-/* Both systems at a state: real numbers, then pairs; right is overwritten. */
-void solve_both(double t, const double *y, const double *p, double real, const double *pair,
-    double *right)
-{{
-    static struct newton x;
-    static struct real_cells one;
-    static struct pair_cells two;
-    linearise(t, y, p, &x, &one);
-    real_factor(&x, real, &one);
-    real_solve(&x, &one, right, right);
-    pair_factor(&x, pair[0] + pair[1] * I, &two);
-    pair_solve(&x, &two, (double _Complex *)(right + STATES), (double _Complex *)(right + STATES));
-}}
-"""
-
-
-def _id(structure: Structure) -> str:
-    return structure.stem.replace("_".join(TERMS), "all")
-
-
-def _compiled(files: dict[str, str], folder: Path) -> ctypes.CDLL:
-    """The text of a module with a way in, not optimised: a compilation of half a second."""
+def _compiled(files: dict[str, str], folder: Path) -> tuple[ctypes.CDLL, str]:
+    """The library of a module and its stem, not optimised: a compilation of half a second."""
     for name, text in files.items():
         (folder / name).write_text(text)
     (stem,) = (Path(name).stem for name in files if name.endswith(".c"))
-    (folder / "solve.c").write_text(PROGRAM.format(stem=stem))
     compiler = next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))))
-    options = ["-std=c99", "-O0", "-shared", "-fPIC", "-w", "-o", "solve.so", "solve.c", "-lm"]
+    options = ["-std=c99", "-O0", "-shared", "-fPIC", "-w", "-o", "solve.so", f"{stem}.c", "-lm"]
     subprocess.run([compiler, *options], cwd=folder, check=True)
-    return ctypes.CDLL(str(folder / "solve.so"))
+    return ctypes.CDLL(str(folder / "solve.so")), stem
 
 
 def _holds(at: Any, files: dict[str, str], folder: Path) -> None:
@@ -79,19 +71,23 @@ def _holds(at: Any, files: dict[str, str], folder: Path) -> None:
         np.linalg.solve(REAL * np.eye(size) - J, right[:size]),
         np.linalg.solve(PAIR * np.eye(size) - J, right[size:].view(complex)),
     )
-    shift = np.array([PAIR])
-    y, p, pair, out = (x.ctypes.data_as(ctypes.c_void_p) for x in (at.y, at.p, shift, right))
-    solve = _compiled(files, folder).solve_both
-    solve(ctypes.c_double(at.t), y, p, ctypes.c_double(REAL), pair, out)
+    library, stem = _compiled(files, folder)
+    memory = np.zeros(getattr(library, f"{stem}_newton_work")() // 8)
+    arrays = (at.y, at.p, np.array([PAIR]), right[:size], right[size:], memory)
+    y, p, pair, numbers, pairs, newton = (x.ctypes.data_as(ctypes.c_void_p) for x in arrays)
+    getattr(library, f"{stem}_linearise")(ctypes.c_double(at.t), y, p, newton)
+    getattr(library, f"{stem}_factor")(ctypes.c_double(REAL), pair, newton)
+    getattr(library, f"{stem}_solve_real")(numbers, newton)
+    getattr(library, f"{stem}_solve_complex")(pairs, newton)
     for got, exact in zip((right[:size], right[size:].view(complex)), expected, strict=True):
         np.testing.assert_allclose(got, exact, rtol=0, atol=1e-11 * np.abs(exact).max())
 
 
-@pytest.mark.parametrize("structure", FEW, ids=_id)
+@pytest.mark.parametrize("structure", [*FEW, *BORDERED], ids=short)
 def test_solve_is_that_of_the_exact_jacobian(
     built: Built, written: Written, point: type, structure: Structure, tmp_path: Path
 ) -> None:
-    _holds(point(built(structure)), written(structure, "c", "chain"), tmp_path)
+    _holds(point(built(structure)), written(structure, "c", "chain", ("newton",)), tmp_path)
 
 
 @pytest.mark.long
@@ -108,7 +104,7 @@ def test_solve_with_every_load_for_itself(
     tmp_path: Path,
 ) -> None:
     structure = Structure(3, boundary, inertia, terms)
-    _holds(point(built(structure)), written(structure, "c", "chain"), tmp_path)
+    _holds(point(built(structure)), written(structure, "c", "chain", ("newton",)), tmp_path)
 
 
 def test_a_wrong_sign_in_the_base_is_seen(
@@ -118,6 +114,6 @@ def test_a_wrong_sign_in_the_base_is_seen(
     structure = Structure(2, "free", "lumped", ())
     right = ImplicitForm.base
     monkeypatch.setattr(ImplicitForm, "base", lambda self, links: -right(self, links))
-    files = module_files(structure, "c")
+    files = module_files(structure, "c", parts=("newton",))
     with pytest.raises(AssertionError, match="tolerance"):
         _holds(point(built(structure)), files, tmp_path)

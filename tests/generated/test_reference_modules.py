@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 import sympy
 
-from rodgen.emit import module_files
-from rodgen.loading import load_module
+from rodgen.emit.tableaux import headers
+from rodgen.loading import load_module, sources
+from rodgen.native import run
 from rodgen.scene.structure import Structure
 
 GENERATED = Path(__file__).parents[2] / "generated"
@@ -31,7 +32,7 @@ FILES = [f"{stem}.py" for stem in REFERENCES] + ["rod_free_n5_c.c", "rod_free_n5
 
 @pytest.mark.parametrize("stem", REFERENCES)
 def test_reference_module_is_fresh(stem: str, pytestconfig: pytest.Config) -> None:
-    texts = module_files(*REFERENCES[stem])
+    texts = sources(*REFERENCES[stem])
     assert set(texts) == {name for name in FILES if Path(name).stem == stem}
     for name, text in texts.items():
         path = GENERATED / name
@@ -39,6 +40,14 @@ def test_reference_module_is_fresh(stem: str, pytestconfig: pytest.Config) -> No
             path.write_text(text, encoding="utf-8", newline="\n")
         kept = path.read_bytes().decode()
         assert _for_this_sympy(kept) == text, "run `make reference` and look at the difference"
+
+
+@pytest.mark.parametrize("name", ["methods.h", "tableaux.h"])
+def test_headers_of_the_step_loops_are_fresh(name: str, pytestconfig: pytest.Config) -> None:
+    path = Path(run.__file__).with_name(name)
+    if pytestconfig.getoption("update"):
+        path.write_text(headers()[name], encoding="utf-8", newline="\n")
+    assert path.read_text(encoding="utf-8") == headers()[name], "run `make reference`"
 
 
 def _for_this_sympy(text: str) -> str:

@@ -2,23 +2,49 @@
 
 from __future__ import annotations
 
+import asyncio
+import csv
+import io
 import re
 import shutil
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Coroutine, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
+from urllib.parse import urlsplit
 
+import numpy as np
 import pytest
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Locator, Page
 
 SCENES = Path(__file__).parents[2] / "scenes"
+# The rod of most tests, of a structure that others compile too (tests/palette.py).
+ROD: dict[str, Any] = {
+    "name": "dart",
+    "rod": {"links": 5, "length": 2.0, "bending_stiffness": 5.0, "mass": 3.0},
+    "loads": {
+        "follower": {"force": 2.0},
+        "gravity": {"g": 9.81},
+        "internal_damping": {"coefficient": 0.0},
+        "external_damping": {"coefficient": 0.0},
+    },
+    "initial": {"phi": "0.2*cos(pi*s)"},
+    "integrate": {"span": [0.0, 5.0], "output_every": 0.01, "method": "dop853"},
+}
+
+
+def varied(**rod: Any) -> dict[str, Any]:
+    """The rod with other keys of [rod]."""
+    return {**ROD, "rod": {**ROD["rod"], **rod}}
+
+
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 # Nothing that Chromium does on its own account, such as asking for updates.
 ARGUMENTS = (
@@ -26,7 +52,45 @@ ARGUMENTS = (
     *("--disable-background-networking", "--disable-component-update"),
 )
 WIDE = {"width": 1280, "height": 800}
-PATIENT = 60_000  # ms that a busy machine may take
+T = TypeVar("T")
+PATIENT = 180_000  # ms that a busy machine may take, for a compilation too
+
+
+def finished(work: Coroutine[Any, Any, T]) -> T:
+    """What comes of it, in a thread of its own: a browser may have the loop of this one."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, work).result()
+
+
+class Clock:
+    """Seconds, moved by hand."""
+
+    now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+@pytest.fixture
+def scene_file(tmp_path: Path) -> Callable[..., Path]:
+    """Writes a scene, a rod of 1 m and 2 kg without loads; tables: text of others."""
+
+    def write(
+        name: str = "rod", tables: str = "", *, called: str | None = None, **rod: object
+    ) -> Path:
+        values = {"links": 4, "length": 1.0, "bending_stiffness": 10.0, "mass": 2.0} | rod
+        lines = (f"{key} = {value!r}" for key, value in values.items())
+        path = tmp_path / f"{name}.toml"
+        text = "\n".join([f'name = "{called or name}"', "[rod]", *lines, tables])
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
 
 
 @dataclass
@@ -62,9 +126,23 @@ def start(*arguments: str) -> Server:
 
 
 @pytest.fixture(scope="session")
-def server() -> Iterator[Server]:
-    """The missile, on a port that was free."""
-    served = start(str(SCENES / "missile.toml"), "--port", "0")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The rod, two of another mass that have one name, and a scene that is none."""
+    tomli_w = pytest.importorskip("tomli_w", reason="the extra view is not installed")
+    path = tmp_path_factory.mktemp("scenes")
+    scenes = {"dart": ROD} | {
+        name: {**varied(mass=mass), "name": "rod"} for name, mass in (("one", 2.0), ("two", 4.0))
+    }
+    for name, scene in scenes.items():
+        (path / f"{name}.toml").write_text(tomli_w.dumps(scene))
+    (path / "bad.toml").write_text("name = 3")
+    return path
+
+
+@pytest.fixture(scope="session")
+def server(folder: Path) -> Iterator[Server]:
+    """The rod, on a port that was free."""
+    served = start(str(folder / "dart.toml"), "--port", "0")
     yield served
     code, text = served.end()
     assert code == 0, text
@@ -160,7 +238,55 @@ class View:
         self.button("Run (").wait_for()
         return self
 
-    def until(self, true: Callable[[], bool], otherwise: str, seconds: float = 60.0) -> None:
+    def pause_after(self, t: float) -> View:
+        """Run for so many seconds more of the scene, and hold."""
+        wanted = self.live("t") + t
+        self.run()
+        self.until(lambda: self.live("t") > wanted, "time does not pass")
+        return self.pause()
+
+    def select(self, name: str, option: str) -> None:
+        """Choose from a list."""
+        self.page.get_by_role("combobox", name=name).click()
+        self.page.get_by_role("option", name=option, exact=True).click()
+
+    def plot_dialog(self, kind: str, **chosen: str) -> Locator:
+        """The dialog for a kind of plot, with quantities chosen by their names."""
+        self.button("Add plot").click()
+        dialog = self.page.get_by_role("dialog")
+        dialog.get_by_role("combobox", name="kind of plot").click()
+        options = self.page.get_by_role("option")
+        options.filter(has_text=kind).click()
+        for label, names in chosen.items():
+            field = dialog.get_by_role("combobox", name=label.replace("_", " "), exact=True)
+            for name in names.split():
+                field.fill(name)
+                options.filter(has_text=f"({name})").first.click()
+            if label == "quantities":
+                self.page.keyboard.press("Escape")
+            self.until(lambda: options.count() == 0, "the names stay")
+        return dialog
+
+    def add_plot(self, kind: str, **chosen: str) -> None:
+        dialog = self.plot_dialog(kind, **chosen)
+        dialog.get_by_role("button", name="Add").click()
+        dialog.wait_for(state="hidden")
+
+    def download(self, button: Locator) -> Path:
+        """The file that a button gives."""
+        with self.page.expect_download() as waiting:
+            button.click()
+        return Path(waiting.value.path())
+
+    def csv(self, plot: int) -> tuple[list[str], np.ndarray]:
+        """Head and rows of the CSV of a plot, by its place."""
+        path = self.download(self.page.get_by_role("button", name="CSV").nth(plot))
+        head, *rows = csv.reader(io.StringIO(path.read_text(encoding="utf-8")))
+        return head, np.array(rows, dtype=float)
+
+    def until(
+        self, true: Callable[[], bool], otherwise: str, seconds: float = PATIENT / 1000
+    ) -> None:
         """Wait for something; fail with `otherwise`."""
         end = time.monotonic() + seconds
         while not true():
@@ -182,6 +308,8 @@ def another(browser: Browser) -> Iterator[Callable[[], View]]:
     for view in made:
         view.page.context.close()
     assert [error for view in made for error in view.errors] == []
+    asked = [url for view in made for url in view.asked if not url.startswith(("blob:", "data:"))]
+    assert {urlsplit(url).hostname for url in asked} <= {"localhost", "127.0.0.1"}  # no other's
 
 
 @pytest.fixture

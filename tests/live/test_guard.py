@@ -2,30 +2,20 @@
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import Coroutine
-from concurrent.futures import ThreadPoolExecutor
-from typing import Any, TypeVar
+from typing import Any
 
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra view is not installed")
 
-from rodgen.view.live.web.guard import Guard
+from rodgen.live.page.guard import Guard
+from tests.live.conftest import finished
 
 TOKEN, PORT = "s3cret-token", 8642
 
-T = TypeVar("T")
-
-
-def finished(work: Coroutine[Any, Any, T]) -> T:
-    """What comes of it, in a thread of its own: a browser may have the loop of this one."""
-    with ThreadPoolExecutor(1) as thread:
-        return thread.submit(asyncio.run, work).result()
-
 
 def ask(
-    token: str | None, query: str = "", kind: str = "http", **headers: str
+    token: str | None, query: str = "", kind: str = "http", port: int = PORT, **headers: str
 ) -> tuple[int, dict[str, str]]:
     """Status and headers of an answer; 101: the WebSocket is let through."""
     sent: list[Any] = []
@@ -48,7 +38,7 @@ def ask(
         "headers": [(name.encode(), value.encode()) for name, value in headers.items()],
         "query_string": query.encode(),
     }
-    finished(Guard(app, token, PORT)(scope, receive, send))
+    finished(Guard(app, token, port)(scope, receive, send))
     if kind == "websocket":
         return (101 if sent[0]["type"] == "websocket.accept" else sent[0]["code"]), {}
     found = {name.decode(): value.decode() for name, value in sent[0]["headers"]}
@@ -94,25 +84,11 @@ def test_token_is_asked_for_and_kept() -> None:
 def test_token_of_a_server_on_another_port_is_left_alone() -> None:
     """Cookies are those of a host: with one name for all ports, the servers of a host would take
     each other's away."""
-    cookies = []
-    for port in (PORT, PORT + 1):
-        sent: list[Any] = []
-
-        async def app(scope: Any, _: Any, send: Any) -> None:
-            await send({"type": "http.response.start", "status": 200, "headers": []})
-
-        async def send(message: Any, sent: list[Any] = sent) -> None:
-            sent.append(message)
-
-        scope = {
-            "type": "http",
-            "headers": [(b"host", f"lan:{port}".encode())],
-            "query_string": f"token={TOKEN}".encode(),
-        }
-        # Nothing is received: any function does.
-        finished(Guard(app, TOKEN, port)(scope, send, send))  # type: ignore[arg-type]
-        cookies.append(dict(sent[0]["headers"])[b"set-cookie"].partition(b"=")[0])
-    assert cookies[0] != cookies[1]
+    first, second = (
+        ask(TOKEN, f"token={TOKEN}", port=port, host=f"lan:{port}")[1]["set-cookie"]
+        for port in (PORT, PORT + 1)
+    )
+    assert first.partition("=")[0] != second.partition("=")[0]
 
 
 @pytest.mark.parametrize("kind", ["iframe", "frame", "embed", "object", "image", "script", "empty"])

@@ -3,31 +3,23 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 
-from rodgen.view.live.pace import Pace
-
-
-class Clock:
-    now = 100.0
-
-    def __call__(self) -> float:
-        return self.now
+from rodgen.live.run.worker import Pace
 
 
 @pytest.mark.parametrize("speed", [0.01, 1.0, 5.0])
-def test_time_due_follows_the_clock(speed: float) -> None:
-    clock = Clock()
+def test_time_due_follows_the_clock(clock: Any, speed: float) -> None:
     pace = Pace(speed, clock)
     pace.start(3.0)
     clock.now += 2.0
     assert pace.due() == pytest.approx(3.0 + 2.0 * speed)
 
 
-def test_run_that_cannot_keep_up_is_not_chased() -> None:
+def test_run_that_cannot_keep_up_is_not_chased(clock: Any) -> None:
     """It comes to half of what is due each time: the arrears do not grow."""
-    clock = Clock()
     pace, t = Pace(1.0, clock), 0.0
     pace.start(t)
     for _ in range(600):
@@ -43,8 +35,8 @@ def test_run_that_cannot_keep_up_is_not_chased() -> None:
     assert pace.ratio == pytest.approx(0.5, rel=0.02)
 
 
-def test_as_fast_as_it_goes() -> None:
-    pace = Pace(math.inf, Clock())
+def test_as_fast_as_it_goes(clock: Any) -> None:
+    pace = Pace(math.inf, clock)
     pace.start(1.0)
     assert pace.due() == math.inf
     assert pace.ratio is None

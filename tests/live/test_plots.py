@@ -12,12 +12,12 @@ import pytest
 
 import rodgen
 from rodgen.integrate.stepper import Array
+from rodgen.live.catalogue import Catalogue
+from rodgen.live.run import plot as plots
+from rodgen.live.run.curves import MOST_ROWS, thin
+from rodgen.live.run.plot import MOST_SERIES, Plot, PlotSpec
+from rodgen.live.samples import Chunk
 from rodgen.scene import Scene, SceneError
-from rodgen.view.live.chunk import Chunk
-from rodgen.view.live.plots import plot as plots
-from rodgen.view.live.plots.plot import MOST_SERIES, Plot, PlotSpec
-from rodgen.view.live.plots.thinning import MOST_ROWS, thinned
-from rodgen.view.live.quantities.catalogue import Catalogue
 
 Make = Callable[..., Scene]
 GOOD = {"id": "p1", "kind": "time", "y": ["phi_0"]}
@@ -47,7 +47,7 @@ def turning(chunk: Callable[..., Chunk], t: Array, rate: float) -> Chunk:
 
 
 def cut(whole: Chunk, *at: int) -> Iterator[Chunk]:
-    """The same samples in several chunks."""
+    """A chunk cut into several."""
     for first, last in zip((0, *at), (*at, len(whole)), strict=True):
         some = slice(first, last)
         yield replace(whole, t=whole.t[some], y=whole.y[some], work=whole.work[some])
@@ -314,7 +314,7 @@ def test_thinned_rows_are_few_and_keep_their_order(columns: int) -> None:
     rows = np.random.default_rng(1).normal(size=(7001, columns))
     rows[:, 0] = np.arange(7001.0)
     rows[17, 1] = np.nan
-    few = thinned(rows)
+    few = thin(rows)
     assert len(few) <= MOST_ROWS
     assert (np.diff(few[:, 0]) > 0).all()
     assert few[0, 0] == 0
@@ -322,8 +322,8 @@ def test_thinned_rows_are_few_and_keep_their_order(columns: int) -> None:
     if columns < 10:  # the extremes of every column
         np.testing.assert_array_equal(np.nanmax(few, axis=0), np.nanmax(rows, axis=0))
         np.testing.assert_array_equal(np.nanmin(few, axis=0), np.nanmin(rows, axis=0))
-    assert thinned(rows[:100]) is not None
-    np.testing.assert_array_equal(thinned(rows[:100]), rows[:100])
+    assert thin(rows[:100]) is not None
+    np.testing.assert_array_equal(thin(rows[:100]), rows[:100])
 
 
 def test_the_page_is_told_what_to_draw(bar: Any) -> None:

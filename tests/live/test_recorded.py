@@ -12,26 +12,23 @@ import pytest
 
 import rodgen
 from rodgen.integrate import Solution
-from rodgen.integrate.files.excerpt import Excerpt
+from rodgen.integrate.files.storage import Excerpt
+from rodgen.live.run.live_run import LiveRun
+from rodgen.live.run.scenes import Place, edit
 from rodgen.scene import Scene
-from rodgen.view.animation.film import animate
-from rodgen.view.animation.motion import motion
-from rodgen.view.animation.times import Settings, plan
-from rodgen.view.live.edits import Path as Place
-from rodgen.view.live.edits import edited
-from rodgen.view.live.run import LiveRun
+from rodgen.show.animation.film import animate
+from rodgen.show.animation.motion import motion
+from rodgen.show.animation.times import Settings, plan
+from tests.live.conftest import ROD
 
 SCENE = {
-    "name": "free",
-    "rod": {"links": 4, "length": 2.0, "bending_stiffness": 5.0, "mass": 3.0},
+    **ROD,
     "loads": {
-        "gravity": {"g": 9.81},
-        "follower": {"force": 2.0},
+        **ROD["loads"],
         "internal_damping": {"coefficient": 0.05},
         "external_damping": {"coefficient": 0.2},
     },
-    "initial": {"phi": "0.2*cos(pi*s)"},
-    "integrate": {"span": [0.0, 5.0], "output_every": 0.001, "method": "dop853"},
+    "integrate": {**ROD["integrate"], "output_every": 0.001},
 }
 CHANGES: list[tuple[Place, float]] = [
     (("loads", "gravity", "g"), 1.0),
@@ -49,14 +46,14 @@ class Taken(NamedTuple):
     kick: float
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def taken() -> Iterator[Taken]:
     scene = Scene.from_dict(SCENE)
     run = LiveRun(scene)
     try:
         run.do(lambda: run.set_speed(np.inf)).result()
         change = _on(run, 0.4)
-        run.do(lambda: run.change(edited(scene, CHANGES), "change")).result()
+        run.do(lambda: run.change(edit(scene, CHANGES), "change")).result()
         kick = _on(run, change + 0.3)
         run.do(lambda: run.kick(1, 0.25, (0.5, 2.0))).result()
         _on(run, kick + 0.3)
@@ -82,7 +79,7 @@ def _until(true: Callable[[], bool]) -> None:
 
 def _gravity_energy(taken: Taken, t: np.ndarray, y: np.ndarray) -> np.ndarray:
     """M g times the height of the middle of masses, from the angles [J]."""
-    half = 2.0 / 4 * np.sin(y[:, 2:6]) / 2
+    half = 2.0 / 5 * np.sin(y[:, 2:7]) / 2
     height = y[:, 1] + np.mean(np.cumsum(2 * half, axis=1) - half, axis=1)
     return np.where(t <= taken.change, 3.0 * 9.81, 4.0 * 1.0) * height
 
@@ -92,6 +89,8 @@ def test_saved_run_holds_what_held(taken: Taken, tmp_path: Path) -> None:
     sol.save(tmp_path / "run.nc")
     back = rodgen.load(tmp_path / "run.nc")
     assert back.changes is not None
+    assert "change at t = " in back.message
+    assert back.scene.integrate.method == "dop853"
     began = np.searchsorted(back.t, [taken.change, taken.kick], side="right")
     given = np.split(back.changes.given, began)
     assert [np.ptp(part) for part in given] == [0.0, 0.0, 0.0]
@@ -115,14 +114,14 @@ def test_film_shows_every_sample_with_what_held(taken: Taken, tmp_path: Path) ->
     assert len(kept) < len(sol.t) / 10  # else this is no test of what is left out
     drawn, t, y = motion(sol.taken(kept)), sol.t[kept], sol.y[kept]
     before = t <= taken.change
-    links = 0.5 * np.stack((np.cos(y[:, 2:6]), np.sin(y[:, 2:6])), -1)
+    links = 0.4 * np.stack((np.cos(y[:, 2:7]), np.sin(y[:, 2:7])), -1)
     assert np.allclose(np.diff(drawn.joints, axis=1), links, atol=1e-9)
     assert np.allclose(drawn.joints[:, 0], y[:, :2], atol=1e-12)
-    weight = drawn.loads["weight"].force[:, 1]
+    weight = drawn.loads["gravity"].force[:, 1]
     assert np.allclose(weight, np.where(before, -3 * 9.81, -4.0), atol=1e-12)
-    thrust = np.linalg.norm(drawn.loads["follower force"].force, axis=1)
+    thrust = np.linalg.norm(drawn.loads["follower"].force, axis=1)
     assert np.allclose(thrust, np.where(before, 2.0, 6.0), atol=1e-12)
-    moments = np.where(before, 5.0, 8.0)[:, None] / 0.5 * np.diff(y[:, 2:6], axis=1)
+    moments = np.where(before, 5.0, 8.0)[:, None] / 0.4 * np.diff(y[:, 2:7], axis=1)
     assert np.allclose(np.abs(drawn.bending[:, 1:-1]), np.abs(moments), atol=1e-9)
     film = animate(sol, tmp_path / "film.gif", fps=10, speed=1, width=640, height=480)
     assert film.frames == int(10 * float(np.ptp(sol.t)) * (1 + 1e-12)) + 1

@@ -9,23 +9,11 @@ from typing import Any
 
 import pytest
 
+pytestmark = pytest.mark.long  # what pixels show
 View = Any  # see conftest.py
 Open = Callable[..., View]
 NARROW = {"width": 390, "height": 844}
-SCENE = """
-name = "{name}"
-[rod]
-links = {links}
-length = 2.0
-bending_stiffness = 10.0
-mass = 2.0
-boundary = "{boundary}"
-{more}
-[initial]
-phi = "pi/2"
-[integrate]
-span = [0.0, 1.0]
-"""
+UPRIGHT = '[initial]\nphi = "pi/2"'
 FOLLOWER = "[loads.follower]\nforce = 3.0"
 ORANGE = [194, 65, 12]  # red, green, blue of the follower force in the light
 # Of pictures in the page: texts, circles [x, y, radius], and where images were put [x, y, w, h].
@@ -67,18 +55,19 @@ COLOURED = """colour => {
 
 
 @pytest.fixture
-def opened(serve: Callable[..., Any], blank: View, tmp_path: Path) -> Open:
-    """Makes scenes, `given` by name, and opens the page of the first."""
+def opened(serve: Callable[..., Any], blank: View, scene_file: Callable[..., Path]) -> Open:
+    """Writes scenes of a rod that stands, by name their loads and keys of [rod], and opens the page
+    of the first."""
 
     def open_(viewport: dict[str, int] | None = None, **given: dict[str, Any]) -> View:
-        for name, values in given.items():
-            text = SCENE.format(**{"links": 4, "boundary": "free", "more": ""} | values, name=name)
-            (tmp_path / f"{name}.toml").write_text(text)
+        paths = [
+            scene_file(name, f"{keys.pop('loads', '')}\n{UPRIGHT}", **{"length": 2.0} | keys)
+            for name, keys in given.items()
+        ]
         blank.page.add_init_script(DRAWN)
         if viewport:
             blank.page.set_viewport_size(viewport)
-        path = tmp_path / f"{next(iter(given))}.toml"
-        return blank.open(serve(str(path), "--port", "0").address)
+        return blank.open(serve(str(paths[0]), "--port", "0").address)
 
     return open_
 
@@ -97,24 +86,24 @@ def drawn(view: View) -> dict[str, Any]:
 
 def test_load_that_is_gone_is_drawn_no_longer(opened: Open) -> None:
     """The number of links is the same, whether a term goes or another scene comes."""
-    view = opened(thrust={"more": FOLLOWER}, coasting={})
+    view = opened(thrust={"loads": FOLLOWER}, coasting={})
     assert coloured(view)["count"] > 100
     for name, seen in (("coasting", False), ("thrust", True)):
-        view.page.get_by_role("combobox", name="Scene").click()
-        view.page.get_by_role("option", name=name, exact=True).click()
+        view.select("Scene", name)
         view.until(lambda seen=seen: (coloured(view)["count"] > 100) is seen, f"not as in {name}")
-    view.tab("Scene").page.get_by_role("checkbox", name="follower").click()
+    view.tab("Scene").page.get_by_role("checkbox", name="follower", exact=True).click()
     view.button("Apply and restart").click()
     view.until(lambda: coloured(view)["count"] == 0, "the force is still drawn")
 
 
-@pytest.mark.parametrize("viewport", [None, NARROW])
-@pytest.mark.parametrize("boundary", ["clamped", "free"])
+@pytest.mark.parametrize(
+    ("boundary", "viewport"), [("clamped", None), ("clamped", NARROW), ("free", NARROW)]
+)
 def test_arrow_at_the_tail_is_in_the_picture(
     opened: Open, boundary: str, viewport: dict[str, int] | None
 ) -> None:
     """All of it, and nothing is behind the legend: neither joints nor centre of gravity."""
-    view = opened(viewport, column={"boundary": boundary, "more": FOLLOWER})
+    view = opened(viewport, column={"boundary": boundary, "loads": FOLLOWER})
     found = coloured(view)
     left, top, right, bottom = found["box"]
     width, height = found["size"]
@@ -124,6 +113,14 @@ def test_arrow_at_the_tail_is_in_the_picture(
     x, y, w, h = marks["images"][-1]
     assert marks["circles"]
     assert [p for p in marks["circles"] if x < p[0] < x + w and y < p[1] < y + h] == []
+
+
+def test_bodies_are_drawn_to_scale(opened: Open) -> None:
+    """A third of the whole mass of 4.5 kg has a third of the area that all of it had."""
+    body = '[[bodies]]\nname = "tank"\nat = 0.5\nmass = 1.5\n'
+    marks = drawn(opened(carrying={"loads": body, "mass": 3.0}))
+    assert "tank" in marks["texts"]
+    assert any(r == pytest.approx(18 / 3**0.5) for *_, r in marks["circles"])
 
 
 def test_joints_are_drawn_where_they_do_not_touch(opened: Open) -> None:
@@ -176,9 +173,7 @@ def test_trail_is_there_again_after_a_reload(opened: Open) -> None:
     view.fill("impulse along x", "10")
     view.page.get_by_role("dialog").wait_for(state="detached")
     still = drawn(view)["lines"]
-    view.run()
-    view.until(lambda: view.live("t") > 0.5, "time does not pass")
-    view.pause()
+    view.pause_after(0.5)
     moved = drawn(view)["lines"]
     view.page.reload()
     view.ready()

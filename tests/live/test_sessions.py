@@ -4,43 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import ExitStack
+from typing import Any
 
 import pytest
 
+from rodgen.live.page.runs import Sessions
 from rodgen.scene import Scene, SceneError
-from rodgen.view.live.web.sessions import Sessions
+from tests.live.conftest import ROD
 
-SCENE = Scene.from_dict(
-    {
-        "name": "small",
-        "rod": {"links": 2, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0},
-        "integrate": {"span": [0.0, 1.0]},
-    }
-)
-
-
-class Clock:
-    """Seconds, as they are told."""
-
-    now = 100.0
-
-    def __call__(self) -> float:
-        return self.now
+SCENE = Scene.from_dict(ROD)
 
 
 @pytest.fixture
-def clock() -> Clock:
-    return Clock()
-
-
-@pytest.fixture
-def sessions(clock: Clock) -> Iterator[Sessions]:
+def sessions(clock: Any) -> Iterator[Sessions]:
     made = Sessions(clock)
     yield made
     made.close_all()
 
 
-def test_run_waits_half_a_minute_for_its_first_page(sessions: Sessions, clock: Clock) -> None:
+def test_run_waits_half_a_minute_for_its_first_page(sessions: Sessions, clock: Any) -> None:
     name = sessions.open(SCENE)
     run = sessions.get(name)
     assert run is not None
@@ -53,7 +35,7 @@ def test_run_waits_half_a_minute_for_its_first_page(sessions: Sessions, clock: C
     assert run.do(lambda: None).cancelled()  # it does nothing any more
 
 
-def test_run_outlives_a_reload_and_not_its_page(sessions: Sessions, clock: Clock) -> None:
+def test_run_outlives_a_reload_and_not_its_page(sessions: Sessions, clock: Any) -> None:
     def send(message: bytes) -> None:
         pass
 
@@ -77,7 +59,7 @@ def test_run_outlives_a_reload_and_not_its_page(sessions: Sessions, clock: Clock
     assert sessions.get(name) is None
 
 
-def test_page_that_comes_and_goes_between_two_looks(sessions: Sessions, clock: Clock) -> None:
+def test_page_that_comes_and_goes_between_two_looks(sessions: Sessions, clock: Any) -> None:
     """It was there: its run is not kept for the half minute that a first page may take."""
 
     def send(message: bytes) -> None:
@@ -96,7 +78,7 @@ def test_page_that_comes_and_goes_between_two_looks(sessions: Sessions, clock: C
     assert sessions.get(name) is None
 
 
-def test_one_run_ends_without_the_other(sessions: Sessions, clock: Clock) -> None:
+def test_one_run_ends_without_the_other(sessions: Sessions, clock: Any) -> None:
     first = sessions.open(SCENE)
     clock.now += 20.0
     second = sessions.open(SCENE)

@@ -9,11 +9,11 @@ import pytest
 
 import rodgen
 from rodgen.integrate.stepper import Array
+from rodgen.live.catalogue import Catalogue
+from rodgen.live.run.curves import ROWS, Window, spectrum
+from rodgen.live.run.plot import Plot, PlotSpec
+from rodgen.live.samples import Chunk
 from rodgen.scene import Scene
-from rodgen.view.live.chunk import Chunk
-from rodgen.view.live.plots.plot import Plot, PlotSpec
-from rodgen.view.live.plots.spectra import ROWS, Window, spectrum
-from rodgen.view.live.quantities.catalogue import Catalogue
 
 # Between two lines, a sixteenth of a bin away, Hann's window loses 1 - sinc(1/16) / (1 - 1/16^2).
 LOST = 1 - np.sinc(1 / 16) / (1 - 1 / 16**2)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rodgen.integrate.live import Samples
-from rodgen.view.live.store import MOST, Store
+from rodgen.live.samples import MOST, Store
 
 
 def _samples(first: int, last: int, states: int = 4) -> Samples:

@@ -10,11 +10,12 @@ import pytest
 
 import rodgen
 from rodgen.integrate.stepper import Array, Counts
+from rodgen.live.samples import Chunk
+from rodgen.live.texts import WIDTH, Present, digits, fixed, groups, texts, whole
+from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
-from rodgen.scene.structure import BOUNDARIES, INERTIAS, TERMS
-from rodgen.view.live.chunk import Chunk
-from rodgen.view.live.quantities.numbers import WIDTH, five, fixed, three, whole
-from rodgen.view.live.quantities.texts import Present, groups, texts
+from tests.live.conftest import ROD
 
 Make = Callable[..., Scene]
 
@@ -51,6 +52,21 @@ def test_a_link_and_a_spring_have_their_share(
         assert float(found["root_stiffness"]) == 120.0
     if clamp:
         assert float(found["clamp_angle"]) == 0.4
+
+
+def test_what_differs_along_a_rod_is_shown_as_such(make_scene: Make) -> None:
+    table = make_scene(4).model_dump(exclude_none=True)
+    table["rod"] |= {"bending_stiffness": "30*(2 - s)", "mass_per_length": "1.5"}
+    del table["rod"]["mass"]
+    table["bodies"] = [{"name": "tank", "at": 0.0, "mass": 2.0}]
+    found = shown(Scene.from_dict(table))
+    assert "30*(2 - s) N m²" in found["bending_stiffness_law"]
+    assert "mass_per_length_law" not in found
+    assert float(found["body_mass_0"]) == 2.0
+    assert found["link_mass"] == "0.75000 to 2.7500"
+    # 1/k = integral of ds/EI over a quarter of 2 m about the joint.
+    first, last = (15 / np.log((2.125 - s) / (1.875 - s)) for s in (0.25, 0.75))
+    assert found["spring_stiffness"] == f"{last:.3f} to {first:.2f}"
 
 
 def test_a_straight_rod_has_the_inertia_of_a_bar(make_scene: Make) -> None:
@@ -108,7 +124,8 @@ def test_rows_are_those_of_the_scene(make_scene: Make, links: int, terms: tuple[
     for term in TERMS:
         assert (f"work_{term}" in rows) == (term in terms and term != "gravity")
     for name in scene.structure.parameters:
-        assert name in rows or name == "fin_factor"
+        other = name in ("fin_factor", *scene.structure.numbers)
+        assert name in rows or other or name.startswith(("foundation_", "support_"))
 
 
 def test_loads_that_change_with_time_are_those_of_the_present(make_scene: Make) -> None:
@@ -118,8 +135,8 @@ def test_loads_that_change_with_time_are_those_of_the_present(make_scene: Make) 
     assert float(found["tip_force_x"]) == 6.0
     assert [float(found[f"fin_factor_{at}"]) for at in ("nose", "body", "tail")] == [1, 1, 5]
     rows = {row.key: row for row in groups(scene)["Loads and damping"]}
-    assert rows["tip_force_y"].label == "tip force, y, at present"
-    assert rows["tip_force_x"].label == "tip force, x"
+    assert rows["tip_force_y"].label == "tip force y, at present"
+    assert rows["tip_force_x"].label == "tip force x"
     assert rows["internal_damping"].unit == "m²/s"
 
 
@@ -212,17 +229,25 @@ def test_how_the_run_goes(make_scene: Make) -> None:
     ],
 )
 def test_five_digits(value: float, text: str) -> None:
-    assert five(value).strip() == text
-    assert len(five(value)) == WIDTH
+    assert digits(value).strip() == text
+    assert len(digits(value)) == WIDTH
 
 
 def test_numbers_do_not_jitter() -> None:
     rng = np.random.default_rng(2)
     values = rng.normal(size=3000) * 10.0 ** rng.integers(-99, 100, 3000)
     for value in values.tolist():
-        for text in (five(value), fixed(value, 3), three(value)):
+        for text in (digits(value), fixed(value, 3), digits(value, 3)):
             assert len(text) == WIDTH
-        assert float(five(value)) == pytest.approx(value, rel=5.01e-5)
+        assert float(digits(value)) == pytest.approx(value, rel=5.01e-5)
     assert fixed(-0.0001, 2).strip() == "0.00"
     assert len(whole(10**8)) == WIDTH
-    assert len({len(five(v)) for v in (1e-300, -1e300)}) == 1
+    assert len({len(digits(v)) for v in (1e-300, -1e300)}) == 1
+
+
+def test_tank_that_is_empty_has_no_mass() -> None:
+    """A live run comes to it behind the span, stops there, and its page shows the values."""
+    table = {**ROD, "bodies": [{"name": "tank", "at": 0.5, "mass": "6 - t", "inertia": 0.1}]}
+    scene = Scene.from_dict(table)
+    links = scene.distribution_at(6.0).of_links()["link_mass"]
+    assert sum(links) == pytest.approx(ROD["rod"]["mass"], rel=1e-15)

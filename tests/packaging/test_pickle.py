@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.tones import peaks_of
+from rodgen.analyse.fourier import peaks_of
 from rodgen.integrate.live_progress import LiveError
 from rodgen.scene import Scene
 
@@ -52,6 +52,14 @@ def _solution() -> rodgen.Solution:
     return rodgen.simulate(SCENE, target="numpy")
 
 
+def _ensemble() -> rodgen.Ensemble:
+    model = rodgen.build(SCENE)
+    p, y = model.parameters(**SCENE.parameters), SCENE.initial_state()
+    return rodgen.simulate_many(
+        model, p, np.stack((y, 2 * y)), span=(0.0, 0.5), keep=["max(phi_2)"]
+    )
+
+
 def _critical() -> rodgen.SimulatedCritical:
     values = {field.name: 1.0 for field in fields(rodgen.SimulatedCritical)}
     return rodgen.SimulatedCritical(**values)  # type: ignore[arg-type]
@@ -62,6 +70,7 @@ EXAMPLES: dict[str, Callable[[], Any]] = {
     "AnalysisError": lambda: rodgen.AnalysisError("none found"),
     "BuildError": lambda: rodgen.BuildError("no compiler"),
     "Critical": lambda: rodgen.critical_force(SCENE),
+    "Ensemble": _ensemble,
     "Equilibrium": lambda: rodgen.static_equilibrium(SCENE),
     "Event": lambda: _solution().events[0],
     "Extrapolation": lambda: rodgen.richardson([5, 10, 20], [1.04, 1.01, 1.0025]),
@@ -77,6 +86,13 @@ EXAMPLES: dict[str, Callable[[], Any]] = {
     "Spectrum": lambda: peaks_of(np.arange(64.0), np.sin(np.arange(64.0))),
     "StepWarning": lambda: rodgen.StepWarning("the step is too long"),
     "Structure": lambda: SCENE.structure,
+    "WorkPrecision": lambda: rodgen.WorkPrecision(
+        SCENE,
+        [{"method": "rk4", "error_phi": 1e-3}],
+        {"order": 8},
+        {"error_phi": 1e-9},
+        {"rk4": 0.1},
+    ),
 }
 WAYS: dict[str, Callable[[Any], Any]] = {
     **{
@@ -98,7 +114,7 @@ def _same(one: Any, other: Any) -> bool:
     if type(one) is not type(other):
         return False
     if isinstance(one, np.ndarray):
-        return bool(np.array_equal(one, other, equal_nan=True))
+        return bool(np.array_equal(one, other, equal_nan=one.dtype.kind == "f"))
     if isinstance(one, dict):
         return one.keys() == other.keys() and all(_same(one[k], other[k]) for k in one)
     if isinstance(one, list | tuple):
@@ -156,7 +172,7 @@ def test_errors_with_values_that_cannot_be_pickled_keep_their_words() -> None:
 
 
 def test_errors_inside_survive_too() -> None:
-    from rodgen.derive.comparison import DisagreementError
+    from rodgen.derive.proofs import DisagreementError
 
     for error in (LiveError("stopped", 1.0, None), DisagreementError("any n", "M[0]", 1, 2)):  # type: ignore[arg-type]
         for through in WAYS.values():

@@ -13,4 +13,4 @@ from rodgen.loading import build
 @pytest.fixture(autouse=True)
 def _numpy_unless_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     module = sys.modules[simulate.__module__]
-    monkeypatch.setattr(module, "build_fastest", lambda scene: build(scene, "numpy"))
+    monkeypatch.setattr(module, "build_fastest", lambda scene, *_: build(scene, "numpy"))

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.integrate.between import Between
-from rodgen.integrate.changes import Changes
+from rodgen.integrate.dense_output import DenseOutput
+from rodgen.integrate.samples import Changes
+from rodgen.model.methods import ADAPTIVE, FIXED_STEP
 from rodgen.scene import Scene
-from rodgen.scene.tables import ADAPTIVE, FIXED_STEP
 
 Make = Callable[..., Scene]
 TIMES = np.linspace(0.0, 1.0, 101)
-RTOL, ATOL = 1e-7, 1e-9
+RTOL, ATOL = 1e-6, 1e-8
 STEPS = {"rk4": 2e-3, "thesis_runge_kutta": 2e-3, "euler": 5e-4, "semi_implicit_euler": 1e-3}
 # A load that switches off between two samples, a swinging one, and an event that is recorded.
 TABLE = {
@@ -70,6 +70,13 @@ def test_error_is_that_of_the_tolerance(target: str, method: str) -> None:
     assert _error(states, every) <= 3 * max(_error(dense.y.T, every), RTOL)
 
 
+def test_its_tolerance_is_a_tenth_of_that_of_the_run() -> None:
+    """Both parts of it: what is begun anew at a sample adds its error to that of the sample."""
+    run = DenseOutput(rodgen.simulate(SCENE, target="numpy", method="dop853"))
+    assert run.settings.rtol == pytest.approx(0.1 * RTOL)
+    assert run.settings.atol == pytest.approx(0.1 * ATOL)
+
+
 @pytest.mark.parametrize("method", FIXED_STEP)
 def test_error_of_fixed_steps_is_that_of_the_run(method: str) -> None:
     sol = rodgen.simulate(SCENE, target="numpy", method=method, step=STEPS[method])
@@ -96,7 +103,7 @@ def test_other_times_are_refused(t: object) -> None:
         sol(t)  # type: ignore[arg-type]
 
 
-def test_a_run_ended_by_an_event_ends_there(make_scene: Make) -> None:
+def test_a_run_ended_by_an_event_ends_there() -> None:
     table = {**TABLE, "events": [{"quantity": "phi_4", "value": -0.5, "action": "stop"}]}
     sol = rodgen.simulate(Scene.from_dict(table), target="numpy", t_eval=[0.01, 0.9])
     (event,) = sol.events
@@ -139,5 +146,5 @@ def test_a_window_far_from_the_start_has_its_own_switches() -> None:
     """Of a piece of a run, as a live one gives: its own times count, not the span."""
     sol = rodgen.simulate(SCENE, target="numpy", output_every=0.01)
     piece = sol.taken(slice(52, 55))
-    assert (Between(piece).first, Between(piece).last) == (sol.t[52], sol.t[54])
+    assert (DenseOutput(piece).first, DenseOutput(piece).last) == (sol.t[52], sol.t[54])
     np.testing.assert_allclose(piece(0.537), sol(0.537), rtol=0, atol=0)

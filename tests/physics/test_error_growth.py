@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.integrate.changes import Changes
 from rodgen.integrate.error_growth import error_growth
+from rodgen.integrate.samples import Changes
 from rodgen.scene import Scene, SceneError
-from rodgen.view.summary import summary
+from rodgen.show.summary import summary
 
 G = 11.94  # m/s^2
 

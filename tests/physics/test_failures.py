@@ -9,8 +9,9 @@ import pytest
 
 import rodgen
 from rodgen.integrate import Interrupted, RunError, StepWarning
-from rodgen.integrate.methods.scipy_methods import ScipyStep
+from rodgen.integrate.methods.libraries import ScipyStep
 from rodgen.scene import Scene
+from tests.palette import cases
 
 Make = Callable[..., Scene]
 
@@ -36,43 +37,33 @@ def test_explicit_method_beyond_its_stability_limit_is_stopped(make_scene: Make)
     assert len(sol.t) == len(sol.y) == len(sol.work["follower"])
 
 
-@pytest.mark.parametrize("method", ["dop853", "rk45", "radau", "bdf", "lsoda", "rk4"])
-def test_force_that_is_not_finite_is_stopped_at_its_time(make_scene: Make, method: str) -> None:
-    scene = make_scene(3, "free", ("follower",))
-    scene = _with_force(scene, "sqrt(0.5 - t)", step=1e-3, method=method)
-    with pytest.raises(RunError, match=r"stopped at t = 0\.[45].*finite") as caught:
-        rodgen.simulate(scene)
-    assert 0.45 < caught.value.solution.t[-1] <= 0.5
-    assert np.isfinite(caught.value.solution.y).all()
-
-
-def test_steps_that_go_nowhere_are_stopped(make_scene: Make) -> None:
+def test_steps_that_go_nowhere_are_stopped(
+    make_scene: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """LSODA creeps up to a pole with steps of 1e-18 s and would do so for ever."""
+    monkeypatch.setattr("rodgen.integrate.stretches.STRIDE", 1000)
     scene = _with_force(make_scene(3, "free", ("follower",)), "1/(t - 0.5)**2", method="lsoda")
     with pytest.raises(RunError, match=r"stopped at t = 0\.[45].*(no further|finite|gave up)"):
         rodgen.simulate(scene)
 
 
-METHODS = ["euler", "rk4", "rk45", "dop853", "radau", "bdf", "lsoda"]
+POLES = {
+    "1/t": 0.0,
+    "1/sin(t)": 0.0,
+    "1/(t - t)": 0.0,
+    "1/(t - 0.5)": 0.5,  # the end of a step
+    "1/(t - 0.2505)": 0.2505,  # the middle of a step
+    "1/(t - 0.30013)": 0.30013,  # nowhere that a step of fixed length would see
+    "40 if t < 0.2 else 1/abs(t - 0.4)": 0.4,
+    "1/(t - 0.3) if t > 0.3 else 0": 0.3,  # a break point, finite before
+}
 
 
-@pytest.mark.parametrize("method", ["rk4", "rk45", "lsoda"])
-@pytest.mark.parametrize(
-    ("force", "at"),
-    [
-        ("1/t", 0.0),
-        ("1/sin(t)", 0.0),
-        ("1/(t - t)", 0.0),
-        ("1/(t - 0.5)", 0.5),  # the end of a step
-        ("1/(t - 0.2505)", 0.2505),  # the middle of a step
-        ("1/(t - 0.30013)", 0.30013),  # nowhere that a step of fixed length would see
-        ("40 if t < 0.2 else 1/abs(t - 0.4)", 0.4),
-        ("1/(t - 0.3) if t > 0.3 else 0", 0.3),  # a break point, finite before
-    ],
-)
+@cases("method, force", ["rk4", "rk45", "lsoda"], POLES, strength=1)
 def test_division_by_zero_in_a_load_is_reported_with_its_time(
-    make_scene: Make, method: str, force: str, at: float
+    make_scene: Make, method: str, force: str
 ) -> None:
+    at = POLES[force]
     scene = make_scene(3, "free", ("follower",))
     scene = _with_force(scene, force, method=method, step=1e-3)
     with pytest.raises(RunError) as caught:
@@ -84,16 +75,17 @@ def test_division_by_zero_in_a_load_is_reported_with_its_time(
     assert np.isfinite(caught.value.solution.y).all()
 
 
-@pytest.mark.filterwarnings("ignore::rodgen.integrate.outcome.StepWarning")  # Euler's method
-@pytest.mark.parametrize("method", METHODS)
-def test_load_that_is_no_number_is_named(make_scene: Make, method: str) -> None:
-    scene = make_scene(3, "free", ("follower",))
-    scene = _with_force(scene, "sqrt(0.5 - t)", method=method, step=1e-3)
-    with pytest.raises(
-        RunError, match=r"force = 'sqrt\(0.5 - t\)' is not finite at t = 0\.50?"
-    ) as e:
+@pytest.mark.filterwarnings("ignore::rodgen.integrate.endings.StepWarning")  # Euler's method
+@pytest.mark.parametrize("method", ["euler", "rk4", "rk45", "dop853", "radau", "bdf", "lsoda"])
+def test_load_that_is_no_number_is_named_with_its_time(make_scene: Make, method: str) -> None:
+    scene = _with_force(
+        make_scene(3, "free", ("follower",)), "sqrt(0.5 - t)", method=method, step=1e-3
+    )
+    words = r"force = 'sqrt\(0.5 - t\)' is not finite at t = 0\.50?"
+    with pytest.raises(RunError, match=words) as caught:
         rodgen.simulate(scene)
-    assert 0.45 < e.value.solution.t[-1] <= 0.5
+    assert 0.45 < caught.value.solution.t[-1] <= 0.5
+    assert np.isfinite(caught.value.solution.y).all()
 
 
 def test_pole_far_ahead_is_not_blamed(make_scene: Make) -> None:
@@ -163,3 +155,11 @@ def test_interrupt_at_any_place_leaves_whole_samples(
 def test_too_many_links_for_the_dense_form_are_refused(make_scene: Make) -> None:
     with pytest.raises(rodgen.SceneError, match="links"):
         rodgen.build(make_scene(100_000), form="dense")
+
+
+@cases("method, target", ("gauss", "radau", "dop853"), ("numpy", "c"), strength=1)
+def test_rates_beyond_all_numbers_stop_a_run(make_scene: Make, method: str, target: str) -> None:
+    scene = make_scene(3, "free", rod={"length": 1e-59}, span=[0.0, 0.1])
+    with pytest.raises(RunError) as caught:
+        rodgen.simulate(scene, method=method, target=target)
+    assert caught.value.solution.status == "failed"

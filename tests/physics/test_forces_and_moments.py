@@ -4,18 +4,18 @@ laws written out link by link, differences of energies and positions, balances o
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache
 from types import ModuleType
 
 import numpy as np
 import pytest
 from scipy.optimize import root
 
-from rodgen.emit import module_files
-from rodgen.loading import load_files
-from rodgen.scene.structure import BOUNDARIES, INERTIAS, TERMS, Structure
+from rodgen.loading import build
+from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen.model.terms import THESIS_TERMS
+from rodgen.scene.structure import Structure
+from tests.palette import can_move, cases
 
 VALUES = {
     "mass": 3.0,
@@ -24,23 +24,16 @@ VALUES = {
     "follower_force": 20.0,
     "follower_angle": 0.2,
     "internal_damping": 0.1,
+    "material_damping_time": 0.02,
     "external_damping": 0.5,
     "clamp_angle": 0.3,
     "tip_force_x": 6.0,
     "tip_force_y": -4.0,
 }
-CHAINS = pytest.mark.parametrize(
-    ("boundary", "links"),
-    [(b, n) for b, hold in BOUNDARIES.items() for n in (1, 2, 5) if n >= hold.least_links],
-)
-EVERY = pytest.mark.parametrize("inertia", INERTIAS)
+CHAINS = cases("boundary, links, inertia", BOUNDARIES, (1, 2, 5), INERTIAS, where=can_move)
+FORCES = (*THESIS_TERMS, "tip_load")
 # Rounding of some hundred operations.
 ROUNDING = 1e-12
-
-
-@cache
-def _module(structure: Structure, target: str = "numpy", form: str = "chain") -> ModuleType:
-    return load_files(module_files(structure, target, form))
 
 
 @dataclass
@@ -74,29 +67,6 @@ class _Rod:
             out.append(out[-1] + self.l * rate * np.array([-np.sin(angle), np.cos(angle)]))
         return np.array(out)
 
-    def points(self) -> Iterator[tuple[int, float]]:
-        """Links and shares at which a force is tried."""
-        yield from ((link, share) for link in range(self.n) for share in (0.0, 0.3, 1.0))
-
-    def between(self, at_joints: np.ndarray, link: int, share: float) -> np.ndarray:
-        """Position or velocity of a point of a link, from those of the joints."""
-        return (1 - share) * at_joints[link] + share * at_joints[link + 1]
-
-    def masses(self) -> Iterator[tuple[int, float, float]]:
-        """Points of the links with their masses: three of Gauss, which are exact, or the ends."""
-        x, weight = np.polynomial.legendre.leggauss(3)
-        if self.module.INERTIA == "lumped":
-            x, weight = np.array([-1.0, 1.0]), np.ones(2)
-        for link in range(self.n):
-            for at, share in zip((x + 1) / 2, weight / 2, strict=True):
-                yield link, at, share * self.m
-
-    def kicked(self, link: int, share: float, impulse: np.ndarray) -> np.ndarray:
-        """The state right after an impulse."""
-        gained = self.module.generalised_force(self.y, self.p, link, share, impulse)
-        jump = np.linalg.solve(self.module.mass_matrix(self.y, self.p), gained)
-        return self.y + np.concatenate((np.zeros(self.half), jump))
-
 
 def _cross(a: np.ndarray, b: np.ndarray) -> float:
     return float(a[0] * b[1] - a[1] * b[0])
@@ -105,33 +75,11 @@ def _cross(a: np.ndarray, b: np.ndarray) -> float:
 # Bending moments ----------------------------------------------------------------------------------
 
 
-@EVERY
-@CHAINS
-def test_moments_are_derivatives_of_the_spring_energy(
-    boundary: str, links: int, inertia: str
-) -> None:
-    """A link is turned back by the joint before it and on by the one after. From the tail on,
-    where there is no spring, this gives every moment."""
-    rod = _Rod(_module(Structure(links, boundary, inertia, TERMS)))
-    moments = rod.module.bending_moments(rod.y, rod.p)
-    assert moments.shape == (links + 1,)
-    for link in range(rod.first, links):
-        step = np.zeros_like(rod.y)
-        step[rod.base + link - rod.first] = 0.25  # the energy is quadratic: any step is exact
-        more, less = (rod.module.energy(rod.y + s, rod.p)[1] for s in (step, -step))
-        derivative = float(more - less) / 0.5
-        size = VALUES["bending_stiffness"] * links * max(1.0, *np.abs(rod.y))
-        assert moments[link] - moments[link + 1] == pytest.approx(derivative, abs=1e-12 * size)
-    assert moments[links] == 0
-    assert (moments[0] == 0) == (boundary != "clamped")
-    assert np.all(moments[1:links] != 0)
-
-
 @pytest.mark.parametrize("boundary", ["cantilever", "clamped"])
 def test_moments_carry_the_tip_load_at_rest(boundary: str) -> None:
     """What is behind a joint is in balance: its spring holds the moment of the force at the tail,
     positive where that turns to the left."""
-    rod = _Rod(_module(Structure(5, boundary, "uniform", ("tip_load",))))
+    rod = _Rod(build(Structure(5, boundary, "uniform", ("tip_load",))))
     rest = np.zeros(rod.half)
 
     def acceleration(angles: np.ndarray) -> np.ndarray:
@@ -164,12 +112,11 @@ def _drag(rod: _Rod, velocities: np.ndarray) -> np.ndarray:
     return out
 
 
-@EVERY
 @CHAINS
 def test_forces_are_those_of_the_laws_and_give_the_power(
     boundary: str, links: int, inertia: str
 ) -> None:
-    rod = _Rod(_module(Structure(links, boundary, inertia, TERMS)))
+    rod = _Rod(build(Structure(links, boundary, inertia, FORCES)))
     velocities = rod.velocities(rod.y)
     thrust = rod.angles(rod.y)[-1] + VALUES["follower_angle"]
     at_tail = np.zeros((2, links + 1, 2))
@@ -189,13 +136,13 @@ def test_forces_are_those_of_the_laws_and_give_the_power(
 
 @pytest.mark.parametrize("terms", [(), ("gravity", "internal_damping")])
 def test_loads_that_are_no_forces_on_joints_are_none(terms: tuple[str, ...]) -> None:
-    rod = _Rod(_module(Structure(5, "free", "uniform", terms)))
+    rod = _Rod(build(Structure(5, "free", "uniform", terms)))
     assert rod.module.forces(0.0, rod.y, rod.p) == {}
 
 
 def test_many_states_and_times_at_once() -> None:
     timed = (("tip_force_x", "sin(3*t)"), ("follower_force", "20*t"))
-    module = _module(Structure(5, "cantilever", "uniform", TERMS, timed))
+    module = build(Structure(5, "cantilever", "uniform", FORCES, timed))
     p = _Rod(module).p
     y = np.random.default_rng(3).normal(size=(4, 3, len(module.STATE)))
     t = np.linspace(0.1, 2.0, 12).reshape(4, 3)
@@ -215,68 +162,6 @@ def test_many_states_and_times_at_once() -> None:
 # Generalised forces -------------------------------------------------------------------------------
 
 KICK = np.array([0.7, -1.9])
-
-
-@CHAINS
-def test_generalised_force_is_the_virtual_work(boundary: str, links: int) -> None:
-    """By differences of the positions of the joints, a coordinate at a time."""
-    rod = _Rod(_module(Structure(links, boundary, "uniform", TERMS)))
-    h = 2.0**-17
-    for link, share in rod.points():
-        got = rod.module.generalised_force(rod.y, rod.p, link, share, KICK)
-        assert got.shape == (rod.half,)
-        for at in range(rod.half):
-            step = np.zeros_like(rod.y)
-            step[at] = h
-            ends = [rod.module.joints(rod.y + s, rod.p) for s in (step, -step)]
-            one, two = (rod.between(joints, link, share) for joints in ends)
-            # Both h^2/6 and the rounding of doubles over h are some 1e-11.
-            assert got[at] == pytest.approx(KICK @ (one - two) / (2 * h), abs=1e-9)
-
-
-def test_held_link_takes_no_force() -> None:
-    rod = _Rod(_module(Structure(5, "cantilever", "uniform", TERMS)))
-    assert not rod.module.generalised_force(rod.y, rod.p, 0, 1.0, KICK).any()
-    assert rod.module.generalised_force(rod.y, rod.p, 1, 1.0, KICK).any()
-
-
-@EVERY
-@CHAINS
-def test_kick_gives_the_energy_of_its_work(boundary: str, links: int, inertia: str) -> None:
-    """An impulse does the work J times the mean of the velocities of its point before and after."""
-    rod = _Rod(_module(Structure(links, boundary, inertia, TERMS)))
-    before = rod.module.energy(rod.y, rod.p)[0]
-    for link, share in rod.points():
-        y = rod.kicked(link, share, KICK)
-        mean = (rod.velocities(rod.y) + rod.velocities(y)) / 2
-        gained = rod.module.energy(y, rod.p)[0] - before
-        size = before + abs(gained)
-        assert gained == pytest.approx(KICK @ rod.between(mean, link, share), abs=1e-11 * size)
-        moves = link > rod.first or share > 0 or boundary == "free"
-        assert (abs(gained) > 1e-6) == (moves and link >= rod.first)
-
-
-@EVERY
-@pytest.mark.parametrize("boundary", ["free", "clamped", "pinned"])
-@pytest.mark.parametrize("links", [1, 2, 5])
-def test_kick_gives_its_momentum(boundary: str, links: int, inertia: str) -> None:
-    """Summed over the mass: a free rod gains J and, about its centre of gravity, r x J; one that
-    turns about joint 0 gains r x J there, whatever the support gives."""
-    rod = _Rod(_module(Structure(links, boundary, inertia, TERMS)))
-    joints = rod.module.joints(rod.y, rod.p)
-    places = [(rod.between(joints, link, at), mass) for link, at, mass in rod.masses()]
-    total = sum(mass for _, mass in places)
-    centre = sum(mass * r for r, mass in places) / total
-    about = centre if boundary == "free" else joints[0]
-    for link, share in rod.points():
-        gained = rod.velocities(rod.kicked(link, share, KICK)) - rod.velocities(rod.y)
-        momenta = [mass * rod.between(gained, on, at) for on, at, mass in rod.masses()]
-        arm = rod.between(joints, link, share) - about
-        turned = sum(_cross(r - about, q) for (r, _), q in zip(places, momenta, strict=True))
-        # Rounding, amplified by the condition of M: some 1e3 for five links.
-        assert turned == pytest.approx(_cross(arm, KICK), abs=1e-11)
-        if boundary == "free":
-            np.testing.assert_allclose(sum(momenta), KICK, atol=1e-11)
 
 
 @pytest.mark.parametrize(
@@ -300,32 +185,6 @@ def test_kick_gives_its_momentum(boundary: str, links: int, inertia: str) -> Non
 def test_points_and_forces_that_are_none_are_refused(
     link: object, share: object, force: object, words: str
 ) -> None:
-    rod = _Rod(_module(Structure(5, "free", "uniform", TERMS)))
+    rod = _Rod(build(Structure(5, "free", "uniform", FORCES)))
     with pytest.raises(ValueError, match=re.escape(words)):
         rod.module.generalised_force(rod.y, rod.p, link, share, force)
-
-
-# Targets ------------------------------------------------------------------------------------------
-
-CALLS: dict[str, Callable[[_Rod], object]] = {
-    "bending_moments": lambda rod: rod.module.bending_moments(rod.y, rod.p),
-    "forces": lambda rod: rod.module.forces(0.5, rod.y, rod.p),
-    "generalised_force": lambda rod: rod.module.generalised_force(rod.y, rod.p, 3, 0.4, KICK),
-}
-
-
-@pytest.mark.parametrize(
-    ("target", "form"),
-    [("numpy", "dense"), pytest.param("c", "chain", marks=pytest.mark.compiler)],
-)
-@pytest.mark.parametrize(("boundary", "inertia"), [("free", "uniform"), ("cantilever", "lumped")])
-def test_every_target_has_the_same(target: str, form: str, boundary: str, inertia: str) -> None:
-    structure = Structure(5, boundary, inertia, TERMS)
-    one, two = _Rod(_module(structure)), _Rod(_module(structure, target, form))
-    for name, call in CALLS.items():
-        a, b = call(one), call(two)
-        pairs = [(a[term], b[term]) for term in a] if isinstance(a, dict) else [(a, b)]
-        assert pairs
-        for x, z in pairs:
-            # The same text, or that of the same expressions in another order.
-            np.testing.assert_allclose(x, z, rtol=ROUNDING, atol=ROUNDING, err_msg=name)

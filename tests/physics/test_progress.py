@@ -112,7 +112,7 @@ def test_the_first_run_has_bars_from_the_start(
     with _looked_at():
         rodgen.simulate(make_scene(2), target="numpy", rtol=1e-4)
     assert list(bars) == ["generating", "test"]
-    assert bars["generating"] == [DERIVING, EMITTING]
+    assert list(dict.fromkeys(bars["generating"])) == [DERIVING, EMITTING]  # part by part
     assert bars["test"][-1].startswith("t = ")
 
 

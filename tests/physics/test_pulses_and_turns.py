@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,22 +10,12 @@ import pytest
 import rodgen
 from rodgen.integrate import StepWarning
 from rodgen.scene import Scene
+from tests.physics.live_runs import PULSE, bar, other
 
 TURN = 2 * np.pi
 
 
-def _struck(width: float, **integrate: Any) -> Scene:
-    """A bar of 3 kg and 2 m at rest, struck across its tail by 0.05 N s at t = 7.3 s."""
-    force = float(0.05 / (width * np.sqrt(np.pi)))
-    return Scene.from_dict(
-        {
-            "name": "struck",
-            "rod": {"links": 1, "length": 2.0, "bending_stiffness": 1.0, "mass": 3.0},
-            "loads": {"tip": {"y": f"{force!r}*exp(-((t - 7.3)/{width!r})**2)"}},
-            "initial": {},
-            "integrate": {"span": [0.0, 10.0], "output_every": 1.0, **integrate},
-        }
-    )
+STRUCK = bar(loads={"tip": PULSE}, integrate={"span": [0.0, 10.0], "output_every": 1.0})
 
 
 @pytest.mark.parametrize(
@@ -40,7 +29,7 @@ def test_pulse_upon_a_rod_at_rest_is_felt(method: str, target: str) -> None:
     """An impulse J at one end of a bar turns it by 6 J/(M L); it is short, so the bar stays where
     it is meanwhile: to the turn during the pulse, 0.05 rad/s for 0.01 s, squared. Gauss's method
     promises no rates: what it has of them is in their integral."""
-    sol = rodgen.simulate(_struck(0.01), method=method, target=target)
+    sol = rodgen.simulate(STRUCK, method=method, target=target)
     near = 2e-4 if method == "gauss" else 1e-5
     assert sol.omega[-1, 0] == pytest.approx(6 * 0.05 / (3.0 * 2.0), rel=near)
     assert abs(sol.omega[7, 0]) < 1e-20  # before it, where its tail is exp(-900)
@@ -50,36 +39,25 @@ def test_pulse_upon_a_rod_at_rest_is_felt(method: str, target: str) -> None:
 def test_what_rises_before_a_pulse_counts_is_felt_too(target: str) -> None:
     """Gauss's method has no stage at the end of a step: one that ends where the pulse is already
     a thousandth of its height would leave out 4e-5 of the turn, whatever the tolerance."""
-    sol = rodgen.simulate(_struck(0.01), method="gauss", target=target, rtol=1e-10, atol=1e-12)
-    tight = rodgen.simulate(_struck(0.01), method="dop853", target=target, rtol=1e-12, atol=1e-14)
+    sol = rodgen.simulate(STRUCK, method="gauss", target=target, rtol=1e-10, atol=1e-12)
+    tight = rodgen.simulate(STRUCK, method="dop853", target=target, rtol=1e-12, atol=1e-14)
     assert sol.phi[-1, 0] == pytest.approx(tight.phi[-1, 0], rel=1e-7)  # 5e-10 are seen
 
 
 def test_fixed_step_that_is_too_long_for_a_pulse_is_warned_of() -> None:
     with pytest.warns(StepWarning, match=r"a load changes within 0\.0\d+ s at t = 7\.2"):
-        rodgen.simulate(_struck(0.01), method="rk4", step=0.1, target="numpy")
+        rodgen.simulate(STRUCK, method="rk4", step=0.1, target="numpy")
     with warnings.catch_warnings():
         warnings.simplefilter("error", StepWarning)
-        rodgen.simulate(_struck(0.01), method="rk4", step=0.002, target="numpy", span=[7.2, 7.4])
+        rodgen.simulate(STRUCK, method="rk4", step=0.002, target="numpy", span=[7.2, 7.4])
 
 
 def _chain(turns: int) -> Scene:
     """Two links on a pin without springs, after so many turns."""
-    return Scene.from_dict(
-        {
-            "name": "chain",
-            "rod": {
-                "links": 2,
-                "length": 2.0,
-                "bending_stiffness": 0.0,
-                "mass": 3.0,
-                "boundary": "pinned",
-            },
-            "loads": {"gravity": {"g": 9.81}},
-            "initial": {"phi": [0.1 + turns * TURN, 0.5 + turns * TURN], "omega": 0.0},
-            "integrate": {"span": [0.0, 3.0], "output_every": 1.0},
-        }
-    )
+    phi = [0.1 + turns * TURN, 0.5 + turns * TURN]
+    scene = bar("pinned", loads={"gravity": {"g": 9.81}}, initial={"phi": 0.0})
+    rod, given = {"links": 2, "bending_stiffness": 0.0}, {"span": [0.0, 3.0], "output_every": 1.0}
+    return other(scene, rod=rod, initial={"phi": phi}, integrate=given)
 
 
 @pytest.mark.parametrize(
@@ -101,7 +79,7 @@ def test_turns_cost_no_digits(method: str, target: str) -> None:
 
 def test_a_rod_of_next_to_no_mass_is_refused() -> None:
     """A denormal divided by what is not is zero, and what is divided by that is no number."""
-    table = _struck(0.01).model_dump(exclude_none=True)
+    table = STRUCK.model_dump(exclude_none=True)
     for name in ("mass", "length"):
         with pytest.raises(rodgen.SceneError, match=f"{name} = 5e-324: must be at least"):
             Scene.from_dict({**table, "rod": {**table["rod"], name: 5e-324}})

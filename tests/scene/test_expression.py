@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rodgen.scene.errors import SceneError
-from rodgen.scene.expression import FUNCTIONS, Expression
+from rodgen.scene.expression import Expression, parsed
+from rodgen.scene.grammar import FUNCTIONS
 
 VALUES = [
     ("300*min(t/0.5, 1)", 0.25, 150.0),
@@ -196,3 +197,27 @@ def test_walked_tree_and_generated_code_agree(text: str, at: float) -> None:
     with np.errstate(all="ignore"):
         code = eval(expression.source(), {"np": np, "t": np.float64(at)})
     np.testing.assert_array_equal(expression(at), code)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "sin(t) * cos(2*t) - t",
+        "tan(t/3) / (2 + t**3)",
+        "exp(-t) - log(1 + t)",
+        "sqrt(1 + t**2) * tanh(t)",
+        "abs(t - 1) + abs(t)",
+        "(1 + t) ** (2*t)",
+        "min(t, 1 - t, 0.45)",
+        "max(t**2, 1 - t, 0.5)",
+        "t if t < 0.5 else 3*t",
+        "interp(t, [0, 0.4, 1], [1, 3, 2], 'cubic')",
+    ],
+)
+def test_slopes_are_differences(text: str) -> None:
+    law, h = parsed(text, "t", "mass", (), ("s",)), 2.0**-18
+    for t in (0.21, 0.48, 0.77):
+        ends = [float(law.value(np.asarray(t + at), {"s": 0.0})) for at in (-h, h)]
+        # h^2 of the third derivative, and rounding over h.
+        slope = float(law.slope(np.asarray(t), {"s": 0.0}))
+        assert slope == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-7, abs=1e-9)

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.plain import DEEPEST, LONGEST, MOST_KEYS
-from rodgen.scene.toml import LARGEST
+from rodgen.scene.plain import DEEPEST, LARGEST, LONGEST, MOST_KEYS
 
 ROD = {"links": 5, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0}
 HEAD = 'name = "a"\n[rod]\n' + "".join(f"{key} = {value}\n" for key, value in ROD.items())

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from rodgen.scene.expression import Expression
-from rodgen.scene.onsets import SAMPLES, onsets
+from rodgen.scene.zeros import SEEN, onsets
 
-CELL = 10.0 / (SAMPLES - 1)
+CELL = 10.0 / (SEEN - 1)
 
 
 @pytest.mark.parametrize(("middle", "width"), [(7.3, 0.01), (2.0, 1e-3), (0.05, 1e-3)])

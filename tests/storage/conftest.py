@@ -10,13 +10,13 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from rodgen.integrate.files.status import NO_STATS
+from rodgen.integrate.files.checksums import NO_STATS
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import Array
 from rodgen.loading import build
+from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
-from rodgen.scene.structure import TERMS
 
 EVENTS = [{"quantity": "phi_1", "value": 0.0}, {"quantity": "tip_y", "value": 1.0, "name": "high"}]
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.integrate.files.excerpt import Excerpt
-from rodgen.integrate.files.stored import FileWarning
+from rodgen.integrate.files.result_file import FileWarning
+from rodgen.integrate.files.storage import Excerpt
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Solution, Stats
 
@@ -267,7 +267,7 @@ def test_former_format_is_read_and_said_to_be_unchecked(tmp_path: Path) -> None:
         rodgen.load(path)
 
 
-@pytest.mark.filterwarnings("ignore::rodgen.integrate.files.stored.FileWarning")
+@pytest.mark.filterwarnings("ignore::rodgen.integrate.files.result_file.FileWarning")
 def test_damage_to_the_former_format_is_no_traceback(tmp_path: Path) -> None:
     path = tmp_path / "former.nc"
     for content in _random(FORMER.read_bytes(), 140, 5):

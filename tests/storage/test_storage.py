@@ -12,9 +12,9 @@ import xarray as xr
 from scipy.io import netcdf_file
 
 import rodgen
-from rodgen.integrate.files import stored
-from rodgen.integrate.files.status import NO_STATS
-from rodgen.integrate.files.stored import header_of
+from rodgen.integrate.files import result_file
+from rodgen.integrate.files.checksums import NO_STATS
+from rodgen.integrate.files.result_file import header_of
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Event
 
@@ -68,7 +68,7 @@ def test_file_that_grows_while_it_is_read(
             given.append(file, 10, 20)
             return header
 
-        monkeypatch.setattr(stored, "header_of", slow)
+        monkeypatch.setattr(result_file, "header_of", slow)
         sol = rodgen.load(path)
         assert sol.status == "interrupted"
         np.testing.assert_array_equal(sol.y, given.y[:20])
@@ -79,13 +79,13 @@ def test_file_that_grows_while_it_is_read(
             file.finish("finished", "", NO_STATS)
             return header
 
-        monkeypatch.setattr(stored, "header_of", late)
+        monkeypatch.setattr(result_file, "header_of", late)
         sol = rodgen.load(path)
     assert sol.status == "finished"
     np.testing.assert_array_equal(sol.y, given.y[:30])
 
 
-def test_files_of_others(samples: Make, tmp_path: Path) -> None:
+def test_files_of_others(tmp_path: Path) -> None:
     path = tmp_path / "run.nc"
     old = b"\x89HDF\r\n\x1a\n" + bytes(100)
     for content in (b"", b"no NetCDF", old, b"CDF\x01" + bytes(28), b"CDF\x02" + bytes(28)):

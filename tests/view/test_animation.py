@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,20 +15,19 @@ import pytest
 from PIL import Image
 
 from rodgen.integrate import Solution
-from rodgen.integrate.files.status import NO_STATS
+from rodgen.integrate.files.checksums import NO_STATS
 from rodgen.scene import Scene, SceneError
-from rodgen.view.animation.files import ffmpeg
-from rodgen.view.animation.film import animate
-from rodgen.view.animation.motion import motion
-from rodgen.view.animation.picture import Picture
-from rodgen.view.animation.times import Settings, nearest, plan
+from rodgen.show.animation.files import ffmpeg
+from rodgen.show.animation.film import Picture, animate
+from rodgen.show.animation.motion import motion
+from rodgen.show.animation.times import Settings, nearest, plan
 
 Make = Callable[..., Solution]
 Pixels = np.ndarray
 SMALL: dict[str, Any] = {"width": 640, "height": 480, "fps": 10, "speed": 1}
 AXES = np.s_[40:430, 60:500]  # pixels of such a film that are inside the axes, without the clock
 LARGE = np.s_[90:650, 90:1070]  # the same of 1280 x 720
-TAIL = 217, 131, 15  # red, green, blue of its mark
+TAIL, BODY = (217, 131, 15), (154, 163, 178)  # red, green, blue of their marks
 needs_ffmpeg = pytest.mark.skipif(
     ffmpeg() is None, reason="no ffmpeg is installed, which MP4 needs"
 )
@@ -51,16 +51,19 @@ def pendulum(moved: Make) -> Solution:
 
 
 def frames(path: Path) -> Iterator[Pixels]:
-    """Those of a GIF, (height, width, 3)."""
+    """Frames of a GIF, (height, width, 3)."""
     with Image.open(path) as film:
         for k in range(film.n_frames):
             film.seek(k)
             yield np.asarray(film.convert("RGB"))
 
 
-def tail(frame: Pixels, tolerance: int = 12, inside: Any = AXES) -> Pixels:
-    """Middle of the tail's mark [pixels], x and y to the right and up."""
-    away = np.abs(frame[inside].astype(int) - TAIL).max(axis=-1)
+def tail(
+    frame: Pixels, tolerance: int = 12, inside: Any = AXES, colour: Sequence[int] = TAIL
+) -> Pixels:
+    """Middle of the tail's mark, or of one of another colour [pixels], x and y to the right and
+    up."""
+    away = np.abs(frame[inside].astype(int) - colour).max(axis=-1)
     rows, columns = np.nonzero(away <= tolerance)
     assert len(rows) > 5, "no mark of the tail"
     return np.array([columns.mean(), -rows.mean()])
@@ -147,6 +150,21 @@ def test_views_of_a_turning_rod(moved: Make, tmp_path: Path, view: str, stays: b
     if view == "centre":  # two ends of a chord of a circle about the middle of the rod
         chord = np.hypot(*(places[-1] - places[0])) / np.hypot(*(places[4] - places[0]))
         assert chord == pytest.approx(np.sin(0.8) / np.sin(0.4), abs=0.02)  # a pixel of 100
+
+
+def test_a_body_is_drawn_beside_its_link(moved: Make, tmp_path: Path) -> None:
+    """Half-way along a rod of 2 m, and 0.6 m to its left, whichever way the rod points."""
+    sol = moved([0.0, 0.1], [[0, 0], [np.pi, 0]], links=1, boundary="pinned")
+    body = {"name": "tank", "at": 0.5, "mass": 6.0, "offset": [0.0, 0.6]}
+    scene = Scene.from_dict(sol.scene.model_dump(exclude_none=True) | {"bodies": [body]})
+    path = tmp_path / "film.gif"
+    animate(replace(sol, scene=scene, model=None), path, **SMALL)
+    shown = list(frames(path))
+    ends, bodies = (np.array([tail(f, 4, colour=c) for f in shown]) for c in (TAIL, BODY))
+    middle, half = ends.mean(axis=0), (ends[0] - ends[1]) / 2
+    beside = 0.3 * np.array([0, half[0]])  # 0.6 m of 2 m, upwards
+    np.testing.assert_allclose(bodies[0], middle + half / 2 + beside, atol=1.5)
+    np.testing.assert_allclose(bodies[1], middle - half / 2 - beside, atol=1.5)
 
 
 @pytest.mark.parametrize(("angle", "warm"), [(0.5, True), (-0.5, False)])
@@ -301,7 +319,7 @@ def test_nearest_samples_are_taken() -> None:
 @pytest.mark.parametrize("view", ["fixed", "centre", "axes"])
 @pytest.mark.parametrize("size", [(1280, 720), (640, 480), (320, 640)])
 def test_grid_is_square(moved: Make, view: str, size: tuple[int, int]) -> None:
-    """The same step along both axes, some centimetres of a screen; where the picture moves, the
+    """One step along both axes, some centimetres of a screen; where the picture moves, the
     legend says it."""
     settings = Settings(view=view, width=size[0], height=size[1])
     sol = moved([0.0, 1.0], [[0, 0, 1.2, 0, 0, 0], [3.0, 1, 0.3, 0, 0, 0]], links=1)

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from rodgen.integrate import Solution
-from rodgen.integrate.changes import Changes
-from rodgen.integrate.files.excerpt import Excerpt
-from rodgen.integrate.files.status import NO_STATS
+from rodgen.integrate.files.checksums import NO_STATS
+from rodgen.integrate.files.storage import Excerpt
+from rodgen.integrate.samples import Changes
 from rodgen.scene import Scene
-from rodgen.view.animation.film import animate, film
-from rodgen.view.animation.motion import motion
-from rodgen.view.animation.times import Settings, plan
+from rodgen.show.animation.film import animate, film
+from rodgen.show.animation.motion import motion
+from rodgen.show.animation.times import Settings, plan
 
 SMALL: dict[str, Any] = {"width": 640, "height": 480, "fps": 10, "speed": 1}
 SAMPLES, CHANGE = 1001, 400
@@ -33,7 +33,7 @@ def swinging(make_scene: Callable[..., Scene]) -> Solution:
 
 @pytest.fixture
 def changed(swinging: Solution) -> Solution:
-    """The same, of which g, mass, stiffness and thrust were others in the first 0.4 s."""
+    """The swinging rod, of which g, mass, stiffness and thrust were others in the first 0.4 s."""
     p = np.tile(swinging._p, (SAMPLES, 1))
     names = swinging.scene.structure.parameters
     for name, value in (
@@ -56,8 +56,8 @@ def test_frames_are_samples_with_what_held(changed: Solution) -> None:
     links = 2 / 3 * np.stack((np.cos(phi), np.sin(phi)), -1)
     assert np.allclose(drawn.joints[:, 1:], np.cumsum(links, axis=1), atol=1e-12)
     weight = -np.where(before, 2.0 * 5.0, 9.81 * 3.0)
-    assert np.allclose(drawn.loads["weight"].force, np.c_[0 * weight, weight], atol=1e-12)
-    thrust = np.linalg.norm(drawn.loads["follower force"].force, axis=1)
+    assert np.allclose(drawn.loads["gravity"].force, np.c_[0 * weight, weight], atol=1e-12)
+    thrust = np.linalg.norm(drawn.loads["follower"].force, axis=1)
     assert np.allclose(thrust, np.where(before, 10.0, 40.0), atol=1e-12)
     spring = np.where(before, 60.0, 30.0) / (2 / 3)  # EI over the length of a link
     due = spring[:, None] * np.diff(phi, axis=1)

@@ -10,7 +10,7 @@ import pytest
 
 import rodgen as package
 from rodgen.scene import Scene
-from rodgen.view.summary import summary
+from rodgen.show.summary import summary
 
 NONE = "of the largest energy, as next to none was exchanged"
 

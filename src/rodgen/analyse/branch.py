@@ -1,18 +1,18 @@
-"""Branches of equilibria: Newton's method, and how it follows a branch as loads change."""
+"""Branches of equilibria: Newton's method, following a branch, and which motions grow about it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.linalg import splu
 
+from rodgen.analyse.balance import MOST_DENSE, Balance, balance
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.pencil import Cells, Pencil, solve, sparse
-from rodgen.analyse.system import System
+from rodgen.analyse.pencil import Dense, first_order
+from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
 
 ITERATIONS = 40  # of Newton's method for one load
@@ -20,31 +20,35 @@ FARTHEST = 0.2  # rad of a correction that is taken, else the step is halved
 SMALL = 1e-4  # of the way: what changes its stability over it does so on this branch
 LEAST = 1e-6  # of the way, the smallest step
 NOISE = 1e-9  # rad: a correction below it that no longer shrinks is rounding
-MOST_DENSE = 200  # links up to which all eigenvalues are looked at for stability
+FLUTTER, DIVERGENCE = "flutter", "divergence"
+# Shares of the largest eigenvalue down to which a matrix and its inverse have the others well:
+# together they reach over twelve decades, of which 200 links take ten.
+OF_MATRIX, OF_INVERSE = 1e-8, 1e-4
+ROUNDING = 1e-13  # times links squared, of the other squared rates: the slowest is zero
+GROWTH, SLOWEST = 1e-7, 1e-12  # of a rate, and of the largest: less growth may be rounding
+DOUBLE = 1e-7  # times links, of a squared rate: imaginary parts that a double root may show
 
 
 @dataclass
 class Rest:
-    """Angles (cells,) [rad] and joint forces (cells, 2) over the mass of a link [m/s^2] on their
-    way to an equilibrium."""
+    """A rod on its way to an equilibrium; change: the last correction of an angle [rad], or of the
+    position of joint 0 over the length."""
 
-    phi: Array
-    force: Array
+    at: Unknowns
     iterations: int = 0
     change: float = np.inf
 
 
 class Loading(NamedTuple):
-    """Parameters of the module, and what the residual (cells, 3) is to be instead of zero: moments
-    that keep their value however the rod moves."""
+    """Parameters of the module, and what the residual of rest is to be instead of zero: moments,
+    or accelerations and rates, that keep their value however the rod moves."""
 
     p: Array
     bend: Array | float = 0.0
 
-    def cells(self, system: System, rest: Rest) -> Cells:
+    def balance(self, system: System, rest: Rest) -> Balance:
         """The equations of rest, in which an equilibrium has no residual."""
-        cells = Cells.at(system, rest.phi, rest.force, self.p)
-        return replace(cells, residual=cells.residual - self.bend)
+        return balance(system, rest.at, self.p, self.bend)
 
 
 def follow(
@@ -60,19 +64,19 @@ def follow(
     """
     done, step = 0.0, 1.0
     stages: list[float] = []
-    signature = _signature(system, rest, at(0.0))
+    signature = at(0.0).balance(system, rest).signature()
     slope = None
     while done < 1:
         fraction = min(done + step, 1.0)
-        trial = Rest(rest.phi.copy(), rest.force.copy(), rest.iterations)
+        trial = Rest(rest.at, rest.iterations)
         if slope is not None:
-            trial.phi = trial.phi + (fraction - done) * slope[0]
-            trial.force = trial.force + (fraction - done) * slope[1]
+            trial.at = trial.at.moved(slope, fraction - done)
         taken = newton(system, trial, at(fraction))
-        found = _signature(system, trial, at(fraction)) if taken else signature
+        found = at(fraction).balance(system, trial).signature() if taken else signature
         if taken and (found == signature or step < SMALL):
-            change = fraction - done
-            slope = ((trial.phi - rest.phi) / change, (trial.force - rest.force) / change)
+            change = Unknowns(*(np.zeros_like(part) for part in rest.at))
+            change = change.moved(trial.at).moved(rest.at, -1.0)
+            slope = Unknowns(*(part / (fraction - done) for part in change))
             rest, done, signature = trial, fraction, found
             stages.append(fraction)
             step *= 2
@@ -91,18 +95,19 @@ def newton(system: System, rest: Rest, loading: Loading) -> bool:
     """Iterate in place, with corrections below FARTHEST that shrink; whether it converged."""
     before = FARTHEST
     for _ in range(ITERATIONS):
-        cells = loading.cells(system, rest)
         try:
-            z = solve(cells.statics, -cells.residual.ravel()).reshape(-1, 3)
+            here = loading.balance(system, rest)
+            by = here.solved(-here.residual)
         except AnalysisError:
             return False
-        change = float(np.abs(z[:, 0]).max())
+        change = max(_largest(by.phi), _largest(by.position) / system.scene.rod.length)
         rest.iterations += 1
         settled = change <= 4 * np.finfo(float).eps or (change < NOISE and change >= before / 2)
         if not (settled or change < before):
             return False
-        rest.phi = rest.phi + z[:, 0]
-        rest.force = rest.force + z[:, 1:]
+        # What no load follows may come to rest later than the rod.
+        settled = settled and _largest(by.added) <= NOISE * (1 + _largest(rest.at.added))
+        rest.at = rest.at.moved(by)
         rest.change = change
         if settled:
             return True
@@ -110,25 +115,60 @@ def newton(system: System, rest: Rest, loading: Loading) -> bool:
     return False
 
 
-def _signature(system: System, rest: Rest, loading: Loading) -> int:
-    """How many motions are unstable without damping; beyond MOST_DENSE links the sign of the
-    determinant of the stiffness, which tells odd changes alone."""
-    cells = loading.cells(system, rest)
-    if system.cells <= MOST_DENSE:
-        dense = Pencil.of(cells).reduced()
-        return int((np.linalg.eigvals(np.linalg.solve(dense.M, -dense.K)).real > 0).sum())
-    factors = splu(sparse(cells.statics))
-    signs = np.sign(factors.U.diagonal()).prod()
-    return int(signs * _parity(factors.perm_r) * _parity(factors.perm_c))
+def _largest(values: Array) -> float:
+    return float(np.abs(values).max(initial=0.0))
 
 
-def _parity(order: NDArray[Any]) -> int:
-    """1 for an even permutation, -1 for an odd one."""
-    left, cycles = np.ones(len(order), dtype=bool), 0
-    for first in range(len(order)):
-        cycles += bool(left[first])
-        at = first
-        while left[at]:
-            left[at] = False
-            at = int(order[at])
-    return 1 if (len(order) - cycles) % 2 == 0 else -1
+def instability(system: System, rest: Rest, p: Array) -> str | None:
+    """What small motions do: "divergence" where one grows without oscillating, "flutter" where one
+    oscillates more and more, "" where none grows; None where that was not looked at, beyond 200
+    links. Damping counts only where loads follow the motion or states are added.
+
+    The slow motions come from the inverse, where they lose as many roundings as there are links,
+    squared: the growth just above a critical load is told from zero to that, the slowest motion's
+    alone.
+    """
+    if system.cells > MOST_DENSE:
+        return None
+    dense = balance(system, rest.at, p).dense()
+    if dense.added or dense.damped:
+        return _growing(dense)
+    squares = np.concatenate(
+        (
+            _beyond(np.linalg.solve(dense.M, -dense.K), OF_MATRIX),
+            1 / _beyond(_inverse(dense.K, dense.M), OF_INVERSE, ROUNDING * system.cells**2),
+        )
+    )
+    turned = np.abs(squares.imag) > DOUBLE * system.cells * np.abs(squares)
+    if (~turned & (squares.real > 0)).any():
+        return DIVERGENCE
+    return FLUTTER if turned.any() else ""
+
+
+def _growing(dense: Dense) -> str:
+    """By what follows rates as well; growth that rounding may make is none."""
+    s = np.linalg.eigvals(first_order(*dense.parts, dense.added)).astype(complex)
+    size = np.abs(s)
+    grows = s.real > GROWTH * size + SLOWEST * size.max(initial=0.0)
+    if (grows & (np.abs(s.imag) <= GROWTH * size)).any():
+        return DIVERGENCE
+    return FLUTTER if grows.any() else ""
+
+
+def _inverse(K: Array, M: Array) -> Array:
+    """-K^-1 M; of a singular K, exactly at the onset, nothing."""
+    try:
+        return np.asarray(np.linalg.solve(-K, M))
+    except np.linalg.LinAlgError:
+        return np.zeros((0, 0))
+
+
+def _beyond(matrix: Array, share: float, rounded: float = 0.0) -> NDArray[Any]:
+    """Eigenvalues that are larger than this share of the largest; none, where that is so much
+    larger than all others that its sign is rounding, which spoils them too."""
+    values = np.linalg.eigvals(matrix).astype(complex)
+    size = np.abs(values)
+    largest, others = size.max(initial=0.0), np.sort(size)[:-1].max(initial=0.0)
+    if 0 < others < rounded * largest:
+        return values[:0]
+    return np.asarray(values[size > share * largest])

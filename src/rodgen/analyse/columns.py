@@ -57,6 +57,24 @@ def beck(*, digits: int | None = None) -> Onset:
     return _onset(characteristic, (20.0, 11.0), digits)
 
 
+def leipholz(*, digits: int | None = None) -> Onset:
+    """Flutter of Leipholz's column: clamped at one end, under a tangential force q all along it.
+
+    y'''' + p z y'' - Omega^2 y = 0 with z = 1 - x, y'' = y''' = 0 at z = 0 and y = y' = 0 at z = 1;
+    p = q L^3 / EI, the whole force over EI / L^2. H. Leipholz, Ingenieur-Archiv 32 (1963) 286-297.
+    """
+    return _onset(_distributed(1), (40.0, 11.0), digits)
+
+
+def hauger(*, digits: int | None = None) -> Onset:
+    """Flutter of Hauger's column: that of Leipholz under a force q (1 - x), none at the free end.
+
+    y'''' + p z^2 y'' - Omega^2 y = 0; p = q L^3 / (2 EI), the whole force over EI / L^2.
+    W. Hauger, Ingenieur-Archiv 35 (1966) 221-229.
+    """
+    return _onset(_distributed(2), (75.0, 13.0), digits)
+
+
 def thrust(*, digits: int | None = None) -> Onset:
     """Flutter of a free beam under a tangential thrust P at its tail, the first that occurs.
 
@@ -114,6 +132,26 @@ def _onset(f: Callable[[Any, Any], Any], near: tuple[float, float], digits: int 
 
     result: Onset = rounded(onset, digits, EXCESS)
     return result
+
+
+def _distributed(power: int) -> Callable[[Any, Any], Any]:
+    """Determinant of (y, y') at the clamp of the two solutions of y'''' + p z^power y'' = Omega^2 y
+    with y'' = y''' = 0 at the free end, by their power series in the way z from there."""
+
+    def ends(p: Any, square: Any, first: int) -> tuple[Any, Any]:
+        a = [mp.mpf(k == first) for k in range(4)]
+        while len(a) < 8 or max(map(abs, a[-4:])) * len(a) > mp.eps * max(map(abs, a)):
+            k = len(a) - 4
+            bent = k + 2 - power  # of z^k in z^power y''
+            curve = bent * (bent - 1) * a[bent] if bent > 1 else 0
+            a.append((square * a[k] - p * curve) / ((k + 1) * (k + 2) * (k + 3) * (k + 4)))
+        return mp.fsum(a), mp.fsum(k * c for k, c in enumerate(a))
+
+    def characteristic(p: Any, Omega: Any) -> Any:
+        (a, da), (b, db) = (ends(p, Omega**2, first) for first in (0, 1))
+        return a * db - b * da
+
+    return characteristic
 
 
 def _thrust_characteristic(p: Any, Omega: Any) -> Any:

@@ -7,19 +7,26 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.family import BASIS, MOST_DENSE, Family
-from rodgen.analyse.flight import flown
-from rodgen.analyse.guarded import guarded
-from rodgen.analyse.instability import DIVERGENCE, FLUTTER
+from rodgen.analyse.branch import DIVERGENCE, FLUTTER
+from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.family import (
+    BASIS,
+    FOLLOWER,
+    MOST_DENSE,
+    Family,
+    ScaledLoad,
+    default_load,
+    scaled,
+    unit_of,
+)
 from rodgen.analyse.onset import At, Onset, digits, onset, turning_onset
 from rodgen.analyse.pencil import Dense, Pencil
-from rodgen.analyse.scaled_load import FOLLOWER, UNITS, ScaledLoad
 from rodgen.analyse.search import Event, Search, grid
-from rodgen.analyse.system import System
+from rodgen.analyse.system import System, flown
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.mesh import mesh_notes
-from rodgen.scene.plain import plain
+from rodgen.scene.overrides import with_parameters
+from rodgen.scene.plain import is_number, plain
 from rodgen.scene.scene import check_scene
 from rodgen.scene.tables import LARGEST
 
@@ -72,7 +79,7 @@ class Critical:
     speed: float = 0.0
     notes: tuple[str, ...] = ()
     load: str = FOLLOWER
-    unit: str = UNITS[FOLLOWER]
+    unit: str = unit_of(FOLLOWER)
     end: str = UPPER
     growth: float = 0.0
     elastic: bool = False
@@ -89,7 +96,7 @@ def critical_force(
     t: float | None = None,
     speed: float | None = None,
     after: float | None = None,
-    load: str = FOLLOWER,
+    load: str | None = None,
     end: str = UPPER,
     windows: bool = False,
     elastic: bool = False,
@@ -102,9 +109,11 @@ def critical_force(
     [m/s], by default the part along it of the scene's initial velocity; after: time [s] of a run of
     the scene whose other loads, speed and direction are taken instead. The speed is taken as though
     it stayed as it is. load: which one is scaled, "follower" (the force of the scene
-    itself is not used), "tip" (the dead force, in its direction), "gravity" [m/s^2] or "all" (by
-    one factor); end: "lower" asks where a rod that is unstable grows stable; windows: also find all
-    windows of stability in the range; elastic: leave out motions that turn a free rod as a whole.
+    itself is not used), "follower_2" of several, "distributed_follower" (the whole force, as it is
+    distributed), "tip" (the dead force, in its direction), "gravity" [m/s^2], "followers" or "all"
+    (by one factor), by default the first that follows the rod; end:
+    "lower" asks where a rod that is unstable grows stable; windows: also find all windows of
+    stability in the range; elastic: leave out motions that turn a free rod as a whole.
 
     A range of forces is searched in the lowest 16 modes, in steps of EI/(2 L^2) or 1 %; what is
     found there is solved for with all links, as closely as ``error`` says. Where a motion grows at
@@ -142,8 +151,8 @@ def critical_force(
         t=family.system.t,
         speed=family.system.speed,
         notes=family.state(found.force).notes + mesh_notes(scene),
-        load=load,
-        unit=UNITS[load],
+        load=family.load.name,
+        unit=unit_of(family.load.name),
         end=end,
         growth=growth,
         elastic=elastic,
@@ -157,15 +166,16 @@ def family_of(
     t: float | None = None,
     speed: float | None = None,
     after: float | None = None,
-    load: str = FOLLOWER,
+    load: str | None = None,
 ) -> Family:
     """The linearised scene for every size of a load. Raises SceneError, AnalysisError."""
     check_scene(scene)
     scene, t = flown(scene, t, speed, after)
-    if load == FOLLOWER and scene.loads.follower is not None:
-        given = scene.model_dump(exclude_none=True)
-        given["loads"]["follower"]["force"] = 0.0
-        scene = Scene.from_dict(given)
+    load = default_load(scene) if load is None else load
+    term = scaled(load)
+    if term and term.name in scene.loads.terms and term.has_size:
+        # Its size in the scene, which may be a function of time, is not used.
+        scene = with_parameters(scene, {term.sizes[0].name: 0.0})
     system = System.of(scene, t, speed)
     return Family(system, ScaledLoad.of(load, system))
 
@@ -182,15 +192,14 @@ def _range(lowest: float | None, highest: float | None, unit: float) -> tuple[fl
 
 def _number(name: str, value: float) -> float:
     value = plain(value, name)
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not (number and np.isfinite(value) and abs(value) <= LARGEST):
+    if not (is_number(value) and np.isfinite(value) and abs(value) <= LARGEST):
         raise SceneError(name, value, f"a finite number, at most {LARGEST:g} in size")
     return float(value)
 
 
 def _unstable(search: Search, growth: float) -> str:
     """What is said of a rod that is unstable from the start."""
-    low, unit = search.forces[0], UNITS[search.family.load.name]
+    low, unit = search.forces[0], unit_of(search.family.load.name)
     said = f"unstable already at the lowest force of the search, {low:g} {unit}: "
     said += f"a motion grows with {growth:.3g} 1/s"
     found = [f"{a:.6g} to {b:.6g}" for a, b in _rough(search)]
@@ -250,7 +259,7 @@ def _found(search: Search, end: str, growth: float) -> Onset:
     if event is not None:
         return search.near(event)
     low, high = search.forces[[0, -1]]
-    unit = UNITS[search.family.load.name]
+    unit = unit_of(search.family.load.name)
     where = f"between {low:g} and {high:g} {unit}"
     if end == LOWER:
         what = f"no lower end of a window of stability {where}"
@@ -276,8 +285,8 @@ def _onset(search: Search, near: Onset) -> Onset:
     found = onset(_equations(family, near), near, family.unit)
     if found.error > KNOWN * abs(found.force) and family.whole <= BASIS:
         raise AnalysisError(
-            f"an onset near {digits(found.force, found.error)} {UNITS[family.load.name]} is known "
-            f"to {found.error / abs(found.force):.1e} of it only, by rounding"
+            f"an onset near {digits(found.force, found.error)} {unit_of(family.load.name)} is "
+            f"known to {found.error / abs(found.force):.1e} of it only, by rounding"
         )
     return found
 
@@ -285,10 +294,10 @@ def _onset(search: Search, near: Onset) -> Onset:
 def _equations(family: Family, near: Onset) -> At:
     """Where almost nothing oscillates, turning the whole rod would be next to singular too."""
     if near.s == 0:  # of stiffness alone
-        return family.held
+        return family.without_turning
     if abs(near.s) >= SLOW * family.lowest or not isinstance(family.at(near.force), Pencil):
         return family.at
-    return family.modal if family.whole <= BASIS else family.held
+    return family.modal if family.whole <= BASIS else family.without_turning
 
 
 def _kind(search: Search, found: Onset) -> str:

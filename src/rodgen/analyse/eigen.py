@@ -1,9 +1,11 @@
-"""Eigenvalues of quadratic pencils: all of them, dense; the lowest, sparse, in O(n)."""
+"""Eigenvalues of quadratic pencils: all of them, dense; the lowest, sparse, in O(n); and of many
+small pencils which motions grow, and how far that can be trusted."""
 
 from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,16 +14,21 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
 
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.pencil import Dense, Held, Pencil, sparse
+from rodgen.analyse.pencil import Dense, Parts, Pencil, first_order, product
 from rodgen.integrate.stepper import Array
 
-Complex = NDArray[np.complex128]
-
 ZERO = 1e-7  # of the largest frequency: zero, and the square root of rounding
-ROUNDING = 1e-13  # of the largest |s|
+LEAST = 1e-13  # of the largest |s|
 SPARE = 8  # eigenvalues beyond those asked for
 MOST_DENSE = 500  # links of which all eigenvalues are computed where that is the last resort
 SETTLED = 1e-14  # of |s|: a correction that is rounding
+Complex = NDArray[np.complex128]
+WEAK = 1e-6  # share of critical damping below which its effect is of first order
+ROUNDING = 2.0**-52
+CRUDE, SAFE = 64.0, 32.0  # roundings of the whole matrix: before, after eigenvectors are known
+GROWS = 1e-6  # of the lowest frequency: less growth without damping is rounding
+MET = 1e-8  # of |s|: less growth without damping is the square root of rounding
+CANCELLED = 64 * ROUNDING  # of the terms of a sum
 
 
 @dataclass(frozen=True)
@@ -36,7 +43,11 @@ class Values:
 
 def all_values(pencil: Pencil | Dense, turns: bool = False) -> Values:
     """Every eigenvalue: O(n^3). turns: the rod turns freely, which has the eigenvalue zero."""
-    dense = pencil.reduced() if isinstance(pencil, Pencil) else pencil
+    dense = pencil.reduced()
+    if dense.added:
+        s, vectors = np.linalg.eig(first_order(*dense.parts, dense.added))
+        own = len(dense.K) - dense.added
+        return _without_zeros(_upper(s.astype(complex), vectors[:own].astype(complex)))
     if isinstance(pencil, Dense):  # external damping, which leaves zeros of rigid motions
         return _without_zeros(_solved(dense, singular=True))
     if not turns:
@@ -58,7 +69,7 @@ def _solved(dense: Dense, singular: bool = False) -> Values:
         return Values(np.zeros(0, dtype=complex), np.zeros((0, 0), dtype=complex))
     if not dense.damped:
         squares, columns = np.linalg.eig(np.linalg.solve(dense.M, -dense.K))
-        return Values(_roots(squares.astype(complex)), columns.astype(complex))
+        return Values(roots(squares), columns.astype(complex))
     if not singular:
         with suppress(np.linalg.LinAlgError):
             inverse, vectors = _companion(dense.K, dense.C, dense.M)
@@ -81,7 +92,7 @@ def _upper(s: Complex, vectors: Complex) -> Values:
 
 
 def refined(pencil: Pencil, found: Values, wanted: Array) -> Values:
-    """The same, with the eigenvalues numbered in ``wanted`` corrected by Newton's method on
+    """Eigenvalues of which those numbered in ``wanted`` are corrected by Newton's method on
     det S(s) = 0 with the banded S; those next to others are left."""
     s = found.s.copy()
     for at in wanted:
@@ -97,8 +108,8 @@ def _newton(pencil: Pencil, start: complex, farthest: float) -> complex:
         S = pencil.at(s).astype(complex)
         x, y = pencil.solve(S, x), pencil.solve(S, y, transposed=True)
         x, y = x / np.linalg.norm(x), y / np.linalg.norm(y)
-        slope = y @ pencil.slope(s, x)
-        change = -(y @ pencil.product(s, x)) / slope if slope else 0.0
+        slope = y @ product(pencil.slope(s), x)
+        change = -(y @ product(pencil.at(s), x)) / slope if slope else 0.0
         s += change
         if not abs(s - start) <= farthest:
             return start
@@ -113,11 +124,8 @@ def lowest_values(pencil: Pencil, count: int, turning: Array | None) -> Values:
     turning: the rigid rotation of a rod that turns freely, whose eigenvalue zero is taken away.
     Raises AnalysisError.
     """
-    if turning is None:
-        S0, S1, S2 = (sparse(blocks) for blocks in (pencil.S0, pencil.S1, pencil.S2))
-    else:
-        held = Held.of(pencil, turning)
-        S0, S1, S2 = held.S0, held.S1, held.S2
+    linear = Parts.of(pencil) if turning is None else Parts.without_turning(pencil, turning)
+    S0, S1, S2 = linear.parts
     size = S0.shape[0]
     try:
         factors = splu(csc_array(S0))
@@ -133,10 +141,10 @@ def lowest_values(pencil: Pencil, count: int, turning: Array | None) -> Values:
     def first_order(z: Array) -> Array:
         return np.concatenate((-factors.solve(S1 @ z[:size] + S2 @ z[size:]), z[:size]))
 
-    product, order = (first_order, 2 * size) if pencil.damped else (square, size)
+    times, order = (first_order, 2 * size) if pencil.damped else (square, size)
     wanted = min((2 * count if pencil.damped else count) + SPARE, order - 2)
     start = np.cos(np.arange(order) ** 2 / 7.0)  # no symmetry; the same on every run
-    operator = LinearOperator((order, order), matvec=lambda z: product(np.ravel(z)), dtype=float)
+    operator = LinearOperator((order, order), matvec=lambda z: times(np.ravel(z)), dtype=float)
     try:
         inverse, vectors = eigs(operator, k=wanted, v0=start, ncv=min(2 * wanted + 20, order))
     except ArpackError as error:
@@ -146,17 +154,137 @@ def lowest_values(pencil: Pencil, count: int, turning: Array | None) -> Values:
     angles = vectors[0 : 3 * pencil.cells : 3]
     if turning is not None:  # what the moment has turned, given back to every link
         angles = angles + vectors[size - 1] / (values**2 if pencil.damped else values)
-    return _upper(values if pencil.damped else _roots(values), angles)
-
-
-def _roots(squares: Complex) -> Complex:
-    """s of s^2, with imaginary part >= 0: of a pair that flutters, one grows and one decays."""
-    s = np.sqrt(squares.astype(complex))
-    return np.asarray(np.where(s.imag < 0, -s, s))
+    return _upper(values if pencil.damped else roots(values), angles)
 
 
 def _without_zeros(found: Values) -> Values:
     size = np.abs(found.s)
-    least = ZERO * np.abs(found.s.imag).max(initial=0.0) + ROUNDING * size.max(initial=0.0)
+    least = ZERO * np.abs(found.s.imag).max(initial=0.0) + LEAST * size.max(initial=0.0)
     here = size > least
     return Values(found.s[here], found.vectors[:, here])
+
+
+@dataclass(frozen=True)
+class Motions:
+    """s: eigenvalues [1/s] (forces, k), of undamped motions one of each pair of opposites, with
+    imaginary part >= 0; growth: their real parts where these are more than rounding, else what is
+    not above zero."""
+
+    s: Complex
+    growth: Array
+
+    @property
+    def count(self) -> NDArray[np.int_]:
+        """How many grow under every force, one that oscillates counted twice."""
+        return np.asarray((self.growth > 0).sum(axis=-1))
+
+
+@dataclass(frozen=True)
+class Modal:
+    """(K + s C + s^2 M) q = 0 in modes of the unloaded rod: stacks (forces, k, k); frequencies of
+    these modes (k,) [rad/s], of motions of the whole rod that of the lowest."""
+
+    K: Array
+    C: Array
+    M: Array
+    frequencies: Array
+    singular: bool  # the stiffness, under any force
+    added: int = 0  # states of first order, the last rows
+
+    @property
+    def damping(self) -> float:
+        """The largest share of critical damping of a mode, or coupling of two by damping."""
+        if not self.C.any():
+            return 0.0
+        masses = np.sqrt(np.abs(np.diagonal(self.M, axis1=-2, axis2=-1)) * self.frequencies)
+        shares = np.abs(self.C) / (masses[..., :, None] * masses[..., None, :])
+        return float(shares.max()) / 2
+
+    def motions(self) -> Motions:
+        """All of them. Undamped ones by s^2; a weak damping by its work on them, since what it
+        does is lost in the rounding of a frequency; a strong one by the inverse, in which slow
+        motions keep their digits beside fast ones."""
+        if self.added:
+            return self._of_rates()
+        damping = self.damping
+        if not damping:
+            return self._undamped()
+        return self._weak() if damping < WEAK else self._strong()
+
+    def _of_rates(self) -> Motions:
+        """With states that are added, of whose rates nothing is known."""
+        A = first_order(self.K, self.C, self.M, self.added)
+        s: Complex = np.linalg.eigvals(A).astype(np.complex128)
+        return Motions(s, self._certain(s))
+
+    def _undamped(self) -> Motions:
+        s = roots(np.linalg.eigvals(np.linalg.solve(self.M, -self.K)))
+        return Motions(s, self._certain(s))
+
+    def _certain(self, s: Complex) -> Array:
+        limit = GROWS * self.frequencies.min() + MET * np.abs(s)
+        return np.where(s.real > limit, s.real, 0.0)
+
+    def _weak(self) -> Motions:
+        """s = +-s0 - (y C x)/(2 y M x), with s0, x, y of the rod without damping."""
+        squares, x = np.linalg.eig(np.linalg.solve(self.M, -self.K))
+        y, drag = _inverse(x), np.linalg.solve(self.M, self.C)
+        change = -np.einsum("fki,fij,fjk->fk", y, drag, x) / 2
+        terms = np.einsum("fki,fij,fjk->fk", np.abs(y), np.abs(drag), np.abs(x)) / 2
+        s = roots(squares)
+        grown = self._certain(s)
+        small = np.where(change.real > CANCELLED * terms, change.real, 0.0)
+        shrunk = np.where(grown > 0, -grown, small)
+        pairs = np.concatenate((s + change, -s + change), axis=-1)
+        return Motions(pairs, np.concatenate((np.where(grown > 0, grown, small), shrunk), axis=-1))
+
+    def _strong(self) -> Motions:
+        A = self._by_rates() if self.singular else self._by_inverse()
+        size = np.linalg.norm(A, axis=(-2, -1))[..., None]
+        z: Complex = np.linalg.eigvals(A).astype(np.complex128)
+        growth = np.where(z.real > CRUDE * ROUNDING * size, z.real, 0.0)
+        doubtful = np.flatnonzero(growth.any(axis=-1))
+        if len(doubtful):
+            z[doubtful], x = np.linalg.eig(A[doubtful])
+            y = _inverse(x)
+            condition = np.linalg.norm(x, axis=-2) * np.linalg.norm(y, axis=-1)
+            limit = SAFE * ROUNDING * size[doubtful] * condition
+            growth[doubtful] = np.where(z[doubtful].real > limit, z[doubtful].real, 0.0)
+        if self.singular:
+            return Motions(z, growth)
+        s = 1 / z
+        return Motions(s, np.where(growth > 0, s.real, 0.0))
+
+    def _scaled(self) -> tuple[Array, Array, Array]:
+        """W and W^-1 K W^-1, W^-1 C W^-1 over the masses, W the frequencies."""
+        w = self.frequencies
+        scale = w[:, None] * w[None, :]
+        return w, np.linalg.solve(self.M, self.K) / scale, np.linalg.solve(self.M, self.C) / scale
+
+    def _by_rates(self) -> Array:
+        """s of (W q, q')."""
+        w, K, C = self._scaled()
+        nothing = np.zeros_like(K)
+        lower = (-w[:, None] * K, -w[:, None] * C * w)
+        return np.block([[nothing, nothing + np.diag(w)], [*lower]])
+
+    def _by_inverse(self) -> Array:
+        """A matrix whose eigenvalues are 1/s, of (W q, q')."""
+        w, K, C = self._scaled()
+        nothing = np.zeros_like(K)
+        inverse = _inverse(K)
+        return np.block([[nothing, nothing + np.diag(1 / w)], [-inverse / w, -inverse @ C]])
+
+
+def _inverse(stack: NDArray[Any]) -> NDArray[Any]:
+    """The inverse of every matrix; of one that is singular to the last bit, next to it."""
+    try:
+        return np.linalg.inv(stack)
+    except np.linalg.LinAlgError:  # the very force of a divergence, or at which two motions meet
+        return np.linalg.inv(stack + ROUNDING * np.abs(stack).max() * np.eye(stack.shape[-1]))
+
+
+def roots(squares: NDArray[Any]) -> Complex:
+    """s of s^2, with imaginary part >= 0: of a pair that flutters, one grows and one decays."""
+    s = np.sqrt(squares.astype(complex))
+    return np.asarray(np.where(s.imag < 0, -s, s))

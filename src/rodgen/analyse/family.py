@@ -1,29 +1,133 @@
-"""The equations linearised about the steady state, as a load grows."""
+"""The linearised equations of a scene for every size of the load that is scaled."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from rodgen.analyse.eigen import lowest_values
-from rodgen.analyse.motions import Modal, Motions
-from rodgen.analyse.pencil import Dense, Held, Pencil
-from rodgen.analyse.scaled_load import ScaledLoad
+from rodgen.analyse.eigen import Complex, Modal, Motions, lowest_values
+from rodgen.analyse.pencil import Dense, Parts, Pencil
 from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System, without
 from rodgen.integrate.stepper import Array
+from rodgen.model.term import WEIGHT, Term
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene, SceneError
 
-Complex = NDArray[np.complex128]
+FOLLOWER, FOLLOWERS, ALL = "follower", "followers", "all"
+# Several loads that are scaled by one factor.
+GROUPS = {FOLLOWERS: "factor of all follower forces", ALL: "factor of all loads"}
+# What a critical load is asked for by: the table of a load, of several the name, or a group.
+SCALABLE = (*(term.table for term in TERMS.values() if term.sizes), *GROUPS)
 Flags = NDArray[np.bool_]
-
 BASIS = 16  # modes of the unloaded rod in which a range of forces is searched
 MOST_DENSE = 200  # links up to which all modes are looked at
 RIGID = 1e-6  # of the lowest frequency: less is a rigid-body motion
 RIGID_DENSE, ROUNDED = 1e-4, 1e-7  # the same, of the lowest and of the largest, in dense matrices
+# Sizes of a load, over the one that matters, at which S is taken: a line through points that lie
+# close together enlarges their rounding.
+FAR = 16.0
 KEPT = 64  # steady states remembered
+
+
+def scaled(load: str) -> Term | None:
+    """The load of a name, None of a group. Raises SceneError for one that cannot be scaled."""
+    if load in GROUPS:
+        return None
+    tables = {term.table: term for term in TERMS.values()}
+    term = TERMS[load] if load in TERMS else tables.get(load)
+    if term is None or not term.sizes:
+        raise SceneError("load", load, f"one of {', '.join(SCALABLE)}")
+    return term
+
+
+def unit_of(load: str) -> str:
+    """The unit of the size of a load."""
+    term = scaled(load)
+    return "times the loads" if term is None else "N" if term.spread else term.sizes[0].unit
+
+
+def label_of(load: str) -> str:
+    """What is scaled, in words."""
+    term = scaled(load)
+    return GROUPS[load] if term is None else term.label
+
+
+def factor_of(load: str) -> str:
+    """What a load is compared with EI/L^2 by, in letters."""
+    term = scaled(load)
+    return GROUPS[load] if term is None else f"{term.symbol} L^2/EI"
+
+
+def default_load(scene: Scene) -> str:
+    """The first load of a scene that follows the rod; the follower force, where there is none."""
+    return next(iter(scene.loads.following), FOLLOWER)
+
+
+@dataclass(frozen=True)
+class ScaledLoad:
+    """name: which load; direction: its parameters at the size one; unit: a size that matters, by
+    which a search steps; reference: the size whose multiple is the factor of a critical load."""
+
+    name: str
+    direction: dict[str, Any]
+    unit: float
+    reference: float
+
+    def parameters(self, size: float) -> dict[str, Any]:
+        """Parameters of the module at a size."""
+        return {name: size * part for name, part in self.direction.items()}
+
+    @classmethod
+    def of(cls, name: str, system: System) -> ScaledLoad:
+        """A load of one size, such as a follower force [N] or gravity [m/s^2], whatever the scene's
+        own is; one of several components, such as a dead force [N], in the direction of the
+        scene's; one of a number for every link as a force [N] on the whole rod that is distributed
+        as the scene's; or a group of them as multiples of what the scene has. Raises SceneError for
+        a load that the scene lacks."""
+        scene, given, term = system.scene, system.given, scaled(name)
+        along = scene.distribution
+        if along.usual_stiffness == 0:
+            raise SceneError("rod.bending_stiffness", 0.0, "positive: a chain bears no thrust")
+        if scene.slack:
+            allowed = "of a slope above 0 at d = 0: a straight rod bears no thrust"
+            raise SceneError("rod.spring", scene.rod.spring, allowed)
+        every = [TERMS[one] for one in scene.loads.terms]
+        terms = [row for row in every if row.name == term.name] if term else every
+        if name == FOLLOWERS:
+            terms = [row for row in every if row.follows]
+        here = {
+            one.name: (np.asarray(given[one.name], dtype=float), _per_size(row, scene))
+            for row in terms
+            for one in row.sizes
+        }
+        place = f"loads.{name}" if term else "loads"
+        if not here:
+            raise SceneError(place, None, "a table: the critical size of its load is asked for")
+        force = along.usual_stiffness / scene.rod.length**2
+        if term and term.has_size:
+            unit = force / _per_size(term, scene)
+            return cls(name, dict.fromkeys(here, 1.0), unit, unit)
+        forces = [np.abs(value).sum() * per_size for value, per_size in here.values()]
+        if not any(forces):
+            raise SceneError(place, 0.0, "not zero: its direction is that of the scene")
+        direction = {key: value for key, (value, _) in here.items()}
+        if term:
+            size = float(np.hypot.reduce(forces))
+            return cls(name, {key: value / size for key, value in direction.items()}, force, force)
+        return cls(name, direction, force / float(sum(forces)), 1.0)
+
+
+def _per_size(term: Term, scene: Scene) -> float:
+    """The force [N] of a load of size one on the rod, or on a link of it."""
+    if term.spread:
+        return scene.rod.length / scene.rod.links
+    return scene.mass if term.kind == WEIGHT else 1.0
 
 
 class Family:
@@ -38,7 +142,7 @@ class Family:
         self._projected: dict[tuple[float, int], Dense] = {}
         self.straight = self.state(0.0).straight and self.state(self.unit).straight
         if self.straight:
-            self._start, self._unit = (linearised(self.state(P)) for P in (0.0, self.unit))
+            self._start, self._far = (linearised(self.state(P)) for P in (0.0, FAR * self.unit))
 
     def state(self, force: float) -> Steady:
         """The steady state under a load; AnalysisError where there is none."""
@@ -55,15 +159,26 @@ class Family:
         """The linearised equations under a load."""
         if not self.straight:
             return linearised(self.state(force))
-        x, kind = force / self.unit, type(self._start)
-        pairs = zip(self._start.parts, self._unit.parts, strict=True)
-        return kind(*(a + x * (b - a) for a, b in pairs))
+        x, first, last = force / (FAR * self.unit), self._start, self._far
+        pairs = zip(first.parts, last.parts, strict=True)
+        K, C, M = (a + x * (b - a) for a, b in pairs)
+        if isinstance(first, Pencil) or isinstance(last, Pencil):
+            return Pencil(K, C, M)
+        terms = None
+        if first.terms is not None and last.terms is not None:
+            terms = abs(1 - x) * first.terms + abs(x) * last.terms
+        return Dense(K, C, M, first.added, terms)
 
-    def held(self, force: float) -> Pencil | Held:
-        """The same without external damping, turning the whole rod taken away."""
+    def without_turning(self, force: float) -> Pencil | Parts:
+        """The linearised equations under a load without external damping, turning the whole rod
+        taken away."""
         state = self.state(force)
+        if self.system.steered:
+            here = self.at(force)
+            assert not isinstance(here, Pencil)
+            return Parts.of(here)
         pencil = state.pencil()
-        return Held.of(pencil, state.turning) if state.turns_freely else pencil
+        return Parts.without_turning(pencil, state.turning) if state.turns_freely else pencil
 
     def modal(self, force: float) -> Dense:
         """The linearised equations in all modes of the unloaded rod, turning the whole not among
@@ -74,6 +189,11 @@ class Family:
     def damped(self) -> bool:
         """Whether rates have an effect."""
         return self.at(0.0).damped
+
+    @cached_property
+    def dragged(self) -> bool:
+        """Whether velocities of the joints count, as with external damping."""
+        return isinstance(self.at(0.0), Dense)
 
     @cached_property
     def _modes(self) -> tuple[Array, Array]:
@@ -91,8 +211,9 @@ class Family:
                 pull = bare.eliminated(turn)[2].T
                 shapes = shapes - turn @ (pull @ shapes) / (pull @ turn)
             return -(found.s[first] ** 2).real, shapes / np.abs(shapes).max(axis=0)
-        dense = pencil.reduced() if isinstance(pencil, Pencil) else pencil
-        K, M = ((matrix + matrix.T) / 2 for matrix in (dense.K, dense.M))
+        dense = pencil.reduced()
+        own = len(dense.K) - dense.added
+        K, M = ((matrix + matrix.T)[:own, :own] / 2 for matrix in (dense.K, dense.M))
         squares, shapes = eigh(K, M)
         rigid = 1 if turns and isinstance(pencil, Pencil) else 0
         return squares[rigid:], shapes[:, rigid:]
@@ -107,8 +228,9 @@ class Family:
     def rigid(self) -> float:
         """Rate [rad/s] below which an eigenvalue is zero but for rounding."""
         largest = float(np.sqrt(np.abs(self._modes[0]).max()))
-        dense = isinstance(self.at(0.0), Dense)
-        return max(RIGID_DENSE * self.lowest, ROUNDED * largest) if dense else RIGID * self.lowest
+        if not self.dragged:
+            return RIGID * self.lowest
+        return max(RIGID_DENSE * self.lowest, ROUNDED * largest)
 
     def motions(self, forces: Array, modes: int = BASIS, elastic: bool = False) -> Motions:
         """Small motions under every load, in a basis of so many modes of the unloaded rod; those
@@ -116,7 +238,7 @@ class Family:
         turns a free rod with external damping, the real one that grows most, at any load, unless
         the rod without that damping diverges, which is a matter of its stiffness alone."""
         found = self._modal(forces, modes).motions()
-        if not isinstance(self.at(0.0), Dense):
+        if not self.dragged:
             return found
         away = np.abs(found.s) <= self.rigid
         if elastic and self.bare is not None and self.system.base:
@@ -138,11 +260,11 @@ class Family:
 
     @cached_property
     def bare(self) -> Family | None:
-        """The same rod without damping, where external damping acts on one that turns freely."""
-        if not (isinstance(self.at(0.0), Dense) and self.state(0.0).turns_freely):
+        """The rod without damping, where external damping acts on one that turns freely."""
+        if not (self.dragged and self.state(0.0).turns_freely):
             return None
-        scene = without(without(self.system.scene, "external_damping"), "internal_damping")
-        return Family(System.of(scene), self.load)
+        damping = (term.table for term in TERMS.values() if term.damps)
+        return Family(System.of(without(self.system.scene, *damping)), self.load)
 
     def diverges(self, force: float) -> bool:
         """Whether the rod without damping grows without oscillating."""
@@ -169,24 +291,24 @@ class Family:
 
     def _modal(self, forces: Array, modes: int) -> Modal:
         if self.straight:
-            first, last = (self._on(P, modes) for P in (0.0, self.unit))
-            x = (np.asarray(forces) / self.unit)[:, None, None]
+            first, last = (self._on(P, modes) for P in (0.0, FAR * self.unit))
+            x = (np.asarray(forces) / (FAR * self.unit))[:, None, None]
             K, C, M = (a + x * (b - a) for a, b in zip(first.parts, last.parts, strict=True))
         else:
             all_of = [self._on(float(P), modes).parts for P in forces]
             K, C, M = (np.stack(parts) for parts in zip(*all_of, strict=True))
         squares = self._modes[0][:modes]
         frequencies = np.maximum(np.sqrt(np.abs(squares)), self.lowest)
-        singular = isinstance(self.at(0.0), Dense) and self.state(0.0).turns_freely
-        return Modal(K, C, M, frequencies, singular)
+        singular = self.dragged and self.state(0.0).turns_freely
+        return Modal(K, C, M, frequencies, singular, self._added)
+
+    @cached_property
+    def _added(self) -> int:
+        """States that are added."""
+        return len(self.system.scene.states)
 
     def _on(self, force: float, modes: int) -> Dense:
         """By virtual work of so many motions."""
         if (force, modes) not in self._projected:
-            basis, pencil = self._modes[1][:, :modes], self.at(force)
-            if isinstance(pencil, Pencil):
-                made = Dense(*(basis.T @ column for column in pencil.eliminated(basis)))
-            else:
-                made = pencil.on(basis)
-            self._projected[force, modes] = made
+            self._projected[force, modes] = self.at(force).on(self._modes[1][:, :modes])
         return self._projected[force, modes]

@@ -1,9 +1,9 @@
-"""The critical follower force as the thesis found it: by simulations, and whether they grow."""
+"""Critical forces from simulations, whose growth is read off by dynamic mode decomposition."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -11,19 +11,18 @@ from typing import Any
 import numpy as np
 
 from rodgen.analyse.critical import HIGHEST, Critical, family_of
-from rodgen.analyse.decomposition import growth_in
-from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.family import Family
-from rodgen.analyse.guarded import guarded
-from rodgen.integrate.outcome import RunError
+from rodgen.integrate.endings import RunError
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import Array
 from rodgen.loading import build, build_fastest
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.expression import Expression
-from rodgen.scene.overrides import check_used, initial_table
+from rodgen.scene.overrides import check_used, initial_tables, with_parameters
 
+FAINT = 1e-6  # of the strongest direction: what is weaker is lost in errors of the run
 FIRST = 4.0  # EI/L^2, doubled until a motion grows
 PIECES = 20  # of a run
 SAMPLES = 4000  # of a run
@@ -36,6 +35,31 @@ AMPLITUDE = {True: 1e-6, False: 1e-4}
 DISTURBED = "{:g}*(cos(pi*s) + cos(2*pi*s) + cos(3*pi*s))"
 DISTURBED_CLAMPED = "{:g}*(sin(pi*s/2) + sin(3*pi*s/2))"
 APART = 0.05  # relative: where forces differ by more, one is not to be trusted
+
+
+def growth_in(parts: Sequence[Array]) -> float:
+    """Factor by which the motion that grows most grows over all samples, evenly spaced in time.
+
+    Dynamic mode decomposition: the linear map that takes every sample to the one half a run later
+    is fitted in the few directions in which the samples move; its largest eigenvalue says by how
+    much a motion has grown in that time (P. J. Schmid, Dynamic mode decomposition of numerical and
+    experimental data, J. Fluid Mech. 656, 2010). So long a step makes slow growth stand out against
+    the errors of the run, and does not care how fast anything oscillates. parts: quantities
+    (samples, k) that are linear in the motion, such as angles and their rates; each part is
+    measured by its own size. Zero where nothing moves.
+    """
+    sizes = [float(np.linalg.norm(part)) for part in parts]
+    moving = [part / size for part, size in zip(parts, sizes, strict=True) if size > 0]
+    if not moving:
+        return 0.0
+    samples = np.concatenate(moving, axis=1).T
+    lag = samples.shape[1] // 2
+    directions, strengths, course = np.linalg.svd(samples[:, :-lag], full_matrices=False)
+    kept = strengths > FAINT * strengths[0]
+    later = directions[:, kept].T @ samples[:, lag:]
+    carried = later @ course[kept].T / strengths[kept]
+    most = float(np.abs(np.linalg.eigvals(carried)).max())
+    return float(most ** ((samples.shape[1] - 1) / lag))
 
 
 @dataclass(frozen=True)
@@ -161,7 +185,7 @@ def _bracket(run: _Run, low: float | None, high: float | None, unit: float) -> t
 
 
 class _Run:
-    """Simulations of a scene under one follower force after the other."""
+    """Simulations of a scene under one size of a load after the other."""
 
     def __init__(
         self,
@@ -179,15 +203,14 @@ class _Run:
         self.model = build(scene, target) if target else build_fastest(scene)
         self.seen = growth or MEASURED
         self.start = _angles(scene, disturbance, AMPLITUDE[growth is None])
-        self.table = scene.model_dump(exclude_none=True)
-        self.table["integrate"].pop("t_eval", None)
         self.ends = np.linspace(0.0, span, PIECES + 1)
         given = scene.with_integrate(**settings).integrate
         if given.fixed and (step := given.step):
             # A piece of whole steps: every shortened one would disturb the fastest motions.
             piece = max(1, round(span / PIECES / step)) * step
             self.ends = np.append(np.arange(0.0, span - piece / 2, piece), span)
-        self.table["integrate"]["output_every"] = self.ends[1] * PIECES / SAMPLES
+        self.integrate = scene.integrate.model_dump(exclude_none=True, exclude={"t_eval"})
+        self.integrate["output_every"] = self.ends[1] * PIECES / SAMPLES
 
     def grows(self, force: float) -> bool:
         """Whether a motion has grown; in a run that blows up it has."""
@@ -198,11 +221,12 @@ class _Run:
 
     def _grows(self, force: float) -> bool:
         """The span is gone through in pieces, since a motion that has grown costs the most."""
-        system, phi = self.family.system, self.family.state(force).phi
-        y = system.flying(phi)
+        system, at = self.family.system, self.family.state(force).at
+        y = system.flying(at)
         y[system.base : system.base + system.cells] += self.start
-        table = self.table | {"initial": initial_table(system.scene, y)}
-        table["loads"]["follower"]["force"] = force
+        loaded = with_parameters(system.scene, self.family.load.parameters(force))
+        table = loaded.model_dump(exclude_none=True) | initial_tables(system.scene, y)
+        table["integrate"] = dict(self.integrate)
         most, bent = np.inf, []
         for start, end in pairwise(self.ends.tolist()):
             table["integrate"]["span"] = [start, end]
@@ -211,12 +235,12 @@ class _Run:
                 solution = simulate(scene, model=self.model)
             except RunError:
                 return True
-            angles, rates = _bending(solution, system.all_links(phi))
+            angles, rates = _bending(solution, system.all_links(at.phi))
             if start == 0:
                 most = (self.growth or FAR) * np.abs(angles[0]).max()
             if np.abs(angles).max() > most:
                 return True
-            table["initial"] = initial_table(scene, solution.y[-1])
+            table |= initial_tables(scene, solution.y[-1])
             # The last sample of a piece is the first of the next.
             bent.append((angles[:-1], rates[:-1]))
         if self.growth:
@@ -226,8 +250,7 @@ class _Run:
 
 def _angles(scene: Scene, disturbance: str | None, amplitude: float) -> Array:
     """Angles of the moving links [rad] by which the start is disturbed."""
-    clamped = scene.held or scene.hold.root_spring
-    default = (DISTURBED_CLAMPED if clamped else DISTURBED).format(amplitude)
+    default = (DISTURBED_CLAMPED if scene.hold.clamped else DISTURBED).format(amplitude)
     text = disturbance or default
     n = scene.rod.links
     links = np.arange(scene.held, n)
@@ -242,7 +265,7 @@ def _bending(solution: Solution, steady: Array) -> tuple[Array, Array]:
     steady state, and their rates [rad/s]."""
 
     def between(links: Array) -> Array:
-        if solution.scene.hold.root_spring:
+        if solution.scene.hold.root:
             links = np.concatenate((np.zeros((len(links), 1)), links), axis=1)
         return links if links.shape[1] == 1 else np.diff(links, axis=1)
 

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.analyse.balance import free_ways
 from rodgen.analyse.eigen import MOST_DENSE, Values, all_values, lowest_values, refined
-from rodgen.analyse.flight import flown
-from rodgen.analyse.guarded import guarded
+from rodgen.analyse.errors import guarded
 from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.steady import Steady, linearised, steady
-from rodgen.analyse.system import System
+from rodgen.analyse.system import System, flown
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.mesh import mesh_notes
@@ -22,6 +22,7 @@ from rodgen.scene.plain import plain
 DENSE = 24  # links up to which all eigenvalues are computed; the lowest alone beyond
 FARTHEST = 16  # times the asked count of eigenvalues are looked at beyond MOST_DENSE links
 STILL = 1e-7  # of the modulus: a real part below it is rounding
+SLACK = "rod.spring has no slope above 0 at d = 0: nothing resists a small bend of the straight rod"
 NUDGE = 1e-6  # rad, of the differences by which shapes are drawn: errors are its square
 
 
@@ -82,8 +83,9 @@ def natural_modes(
 
 
 def modes_about(state: Steady, count: int) -> Modes:
-    """The same for a steady state that is known."""
-    system, pencil = state.system, linearised(state)
+    """The lowest natural frequencies and mode shapes about a steady state, ``count`` at most."""
+    system = state.system
+    pencil = state.dense(whole=True) if system.steered else linearised(state)
     found = _found(state, pencil, count)
     s, vectors = found.s, found.vectors
     moves, kept = _oscillating(s, count)
@@ -96,13 +98,13 @@ def modes_about(state: Steady, count: int) -> Modes:
         growth=growth,
         phi=phi,
         displacements=moved,
-        joints=system.model.joints(system.at_rest(state.phi), state.p),
+        joints=system.model.joints(system.at_rest(state.at), state.p),
         state=state.words,
         rigid=_rigid(state),
         overdamped=int((~moves & (s.real < 0)).sum()),
         t=system.t,
         speed=system.speed,
-        notes=state.notes + mesh_notes(system.scene),
+        notes=state.notes + mesh_notes(system.scene) + (SLACK,) * system.scene.slack,
     )
 
 
@@ -133,7 +135,10 @@ def _oscillating(s: NDArray[Any], count: int) -> tuple[NDArray[Any], NDArray[Any
 
 def _rigid(state: Steady) -> int:
     """Motions that move or turn the rod as a whole, without a frequency."""
-    return state.system.base + state.turns_freely
+    system = state.system
+    if system.base and system.anchored:
+        return len(free_ways(system, state.at, state.p))
+    return system.base + state.turns_freely
 
 
 def _shapes(
@@ -144,8 +149,10 @@ def _shapes(
     system, across = state.system, vectors[:, : -state.system.cells]
     q = np.zeros((len(s), system.base + system.cells), dtype=complex)
     q[:, system.base :] = vectors[:, -system.cells :]
+    if across.shape[1] == 1:
+        across = across * [-np.sin(state.phi[0]), np.cos(state.phi[0])]
     if across.size:
-        q[:, :2] = across * [-np.sin(state.phi[0]), np.cos(state.phi[0])]
+        q[:, :2] = across
     q /= np.abs(q).max(axis=1, keepdims=True)
     if system.base and not across.size:
         q[:, :2] = _base(state, s, q)
@@ -163,7 +170,7 @@ def _shapes(
 
 def _base(state: Steady, s: NDArray[Any], q: NDArray[Any]) -> NDArray[Any]:
     """Displacements (k, 2) of joint 0 that go with the angles: its acceleration over s^2."""
-    system, y = state.system, state.system.flying(state.phi)
+    system, y = state.system, state.system.flying(state.at)
     base = np.zeros((len(s), 2), dtype=complex)
     for at, (rate, shape) in enumerate(zip(s, q, strict=True)):
         change = np.concatenate((shape, np.zeros_like(shape)))
@@ -178,7 +185,7 @@ def _base(state: Steady, s: NDArray[Any], q: NDArray[Any]) -> NDArray[Any]:
 def _displaced(state: Steady, q: Array) -> Array:
     """Displacements (k, n+1, 2) of the joints for coordinates (k, coordinates)."""
     system = state.system
-    y = np.tile(system.at_rest(state.phi), (len(q), 1))
+    y = np.tile(system.at_rest(state.at), (len(q), 1))
     y[:, : q.shape[1]] += NUDGE * q
     up = system.model.joints(y, state.p)
     y[:, : q.shape[1]] -= 2 * NUDGE * q

@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from scipy.linalg import null_space
+from scipy.linalg import lu_factor, lu_solve, null_space
 from scipy.optimize import brentq
+from scipy.sparse import block_array, csc_array, issparse
+from scipy.sparse.linalg import splu
 
-from rodgen.analyse.bordered import Bordered, Parts
+from rodgen.analyse.eigen import ROUNDING
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.motions import ROUNDING
-from rodgen.analyse.pencil import Dense, Held, Pencil
+from rodgen.analyse.pencil import Dense, Linear, Matrix, Parts
 from rodgen.integrate.stepper import Array
 
-Linear = Pencil | Dense | Held
 At = Callable[[float], Linear]  # the equations linearised at a load
 DIFFERENCE = 1e-4  # relative, of derivatives by the load: exact where S is linear in it
 ITERATIONS = 30
@@ -24,6 +25,7 @@ SMALL = 1e-7  # relative change below which one that no longer shrinks is roundi
 START = 1e-4  # the share of the force in which an onset is looked for first
 APART = 0.05  # by which an estimate may be wrong
 ENTRY = 16 * ROUNDING  # of an entry of the matrices, which a few operations make
+REAL = 1e-6  # of a vector whose imaginary part is left out of a border
 DIGITS = (3, 12)  # the least and the most that are printed of a load
 
 
@@ -112,14 +114,17 @@ class _Search:
         self.at, self.near = at, near
         self.size = max(abs(near.force), unit)
         linear = at(near.force)
-        # Full matrices are sums over rows and columns of as many rounded terms.
-        self.entry = ENTRY * (linear.size**2 if isinstance(linear, Dense) else 1)
+        # Full matrices are sums over rows and columns of as many rounded terms, of which the sizes
+        # are known or not.
+        known = linear.terms is not None if isinstance(linear, Dense) else False
+        terms = linear.size ** (1 if known else 2) if isinstance(linear, Dense) else 1
+        self.entry = ENTRY * terms
         self.s = 1j * abs(near.s) if damped else 0.0
         self.square = -(abs(near.s) ** 2)
         here = Parts.of(linear)
         self.scales = here.scales(abs(near.s))
         here = here.scaled(self.scales)
-        self.b, self.c = here.borders(here.at(self.s) if damped else here.at_square(self.square))
+        self.b, self.c = _borders(here.at(self.s) if damped else here.at_square(self.square))
 
     def newton(
         self, measure: Callable[[Array], Measured], start: Array
@@ -157,7 +162,7 @@ class _Search:
     def divergence(self, values: Array) -> Measured:
         """g(P)."""
         here, by_force = self._parts(values[0])
-        made = Bordered(here.at_square(0.0), self.b, self.c)
+        made = _Bordered(here.at_square(0.0), self.b, self.c)
         rounding = made.size_of(here.sizes(0.0) + abs(values[0]) * by_force.sizes(0.0))
         slope = made.by(by_force.at_square(0.0))
         return np.array([made.g]), np.array([[slope]]), self.entry * np.array([rounding])
@@ -166,7 +171,7 @@ class _Search:
         """Real and imaginary part of g(P, omega)."""
         (here, by_force), omega = self._parts(values[0]), values[1]
         s = 1j * omega
-        made = Bordered(here.at(s), self.b, self.c)
+        made = _Bordered(here.at(s), self.b, self.c)
         slopes = made.by(by_force.at(s)), 1j * made.by(here.slope(s))
         rounding = made.roundings(here, by_force, values[0], omega)
         return (
@@ -178,7 +183,7 @@ class _Search:
     def meeting(self, values: Array) -> Measured:
         """g and its derivative by the square of the rate, (P, omega^2)."""
         (here, by_force), square = self._parts(values[0]), -values[1]
-        made = Bordered(here.at_square(square), self.b, self.c)
+        made = _Bordered(here.at_square(square), self.b, self.c)
         P_slope, turned = by_force.at_square(square), made.moved(here.S2)
         slope = made.by(here.S2)
         mixed = made.between(P_slope, turned) + made.between(here.S2, made.moved(P_slope))
@@ -190,3 +195,91 @@ class _Search:
             np.array([[made.by(P_slope), -slope], [mixed, -curve]]),
             self.entry * np.array(rounding),
         )
+
+
+def _borders(S: Any) -> tuple[Matrix, Matrix]:
+    """Estimates of the left and the right null vector of S, by inverse iteration."""
+    b = c = np.cos(np.arange(S.shape[0]) ** 2 / 7.0)
+    factors = _Factors(S)
+    for _ in range(2):
+        b, c = (_unit(z) for z in (factors.solve(b, transposed=True), factors.solve(c)))
+    return b.conj(), c.conj()
+
+
+def _unit(z: Matrix) -> Matrix:
+    """Of length one and as real as can be."""
+    largest = z[np.argmax(np.abs(z))]
+    z = z / largest
+    if np.abs(z.imag).max() < REAL:
+        z = z.real
+    return np.asarray(z / np.linalg.norm(z))
+
+
+class _Factors:
+    """L U of a matrix; of one that is singular, next to it."""
+
+    def __init__(self, S: Any):
+        self.complex = np.iscomplexobj(S)
+        self.sparse = issparse(S)
+        if not self.sparse:
+            pivoted, order = lu_factor(S, check_finite=False)
+            zero = np.flatnonzero(np.diag(pivoted) == 0)
+            pivoted[zero, zero] = ROUNDING * np.abs(S).max()
+            self.factors: Any = pivoted, order
+            return
+        try:
+            self.factors = splu(csc_array(S))
+        except RuntimeError:
+            nudge = csc_array(np.eye(S.shape[0]) * ROUNDING * abs(S).max())
+            self.factors = splu(csc_array(S + nudge))
+
+    def solve(self, right: Matrix, transposed: bool = False) -> Matrix:
+        if not self.sparse:
+            made = lu_solve(self.factors, right, trans=int(transposed), check_finite=False)
+            return np.asarray(made)
+        if self.complex:
+            right = right.astype(complex)
+        return np.asarray(self.factors.solve(right, "T" if transposed else "N"))
+
+
+class _Bordered:
+    """S x + b g = 0, c x = 1, and y S + g c = 0, y b = 1: g is zero where S is singular."""
+
+    def __init__(self, S: Any, b: Matrix, c: Matrix):
+        if issparse(S):
+            whole = csc_array(block_array([[S, b[:, None]], [c[None, :], None]]))
+        else:
+            whole = np.block([[S, b[:, None]], [c[None, :], np.zeros((1, 1))]])
+        self._factors = _Factors(whole)
+        last = np.zeros(len(b) + 1)
+        last[-1] = 1.0
+        self.x = self._factors.solve(last)[:-1]
+        self.y = self._factors.solve(last, transposed=True)[:-1]
+        self.g = -(self.y @ (S @ self.x))  # its errors are squares of those of x and y
+
+    def by(self, change: Any) -> Any:
+        """The derivative of g by a change of S."""
+        return -(self.y @ (change @ self.x))
+
+    def moved(self, change: Any) -> Matrix:
+        """The derivative of x by a change of S."""
+        return self._factors.solve(np.append(-(change @ self.x), 0.0))[:-1]
+
+    def between(self, change: Any, x: Matrix) -> Any:
+        """-y S' x of another x."""
+        return -(self.y @ (change @ x))
+
+    def size_of(self, sizes: Any) -> float:
+        """Of g where every entry of S counts with its absolute value."""
+        return float(np.abs(self.y) @ (sizes @ np.abs(self.x)))
+
+    def roundings(
+        self, here: Parts, by_force: Parts, force: float, rate: float
+    ) -> tuple[float, float]:
+        """Of the real and of the imaginary part of g, which a weak damping keeps apart."""
+        sizes = here.sizes(rate) + abs(force) * by_force.sizes(0.0)
+        drag = rate * (abs(here.S1) + abs(force) * abs(by_force.S1))
+        (x, u), (y, v) = ((np.abs(z.real), np.abs(z.imag)) for z in (self.x, self.y))
+        real = y @ (sizes @ x) + v @ (sizes @ u) + y @ (drag @ u) + v @ (drag @ x)
+        imaginary = y @ (sizes @ u) + v @ (sizes @ x) + y @ (drag @ x) + v @ (drag @ u)
+        return float(real), float(imaginary)

@@ -13,15 +13,15 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_banded
-from scipy.sparse import block_array, csc_array, eye_array
-from scipy.sparse.linalg import splu
+from scipy.linalg import block_diag, solve_banded
+from scipy.sparse import block_array, csc_array, issparse
 
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.system import System
+from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
 
 Matrix = NDArray[Any]
+Scales = tuple[Array, Array]
 NUDGE = 2.0**-52  # of the largest entry: a rounding
 ASIDE = 2.0**-45  # of the speed, to either side of straight ahead: more than a rounding
 SINGULAR = "the linearised equations are singular"
@@ -31,57 +31,117 @@ SINGULAR = "the linearised equations are singular"
 class Cells:
     """The implicit form without angular rates and accelerations: residual (cells, 3), derivatives
     by angle, rate (3, cells, 3), unknowns (3, cells, 3, 3), and by the velocities of the joints at
-    the start and at the end of every link (2, cells, 3, 2)."""
+    the start and at the end of every link (2, cells, 3, 2). Of a rod that is anchored also by their
+    positions, and how these follow the angles (cells + 1, 2, cells)."""
 
     residual: Array
     by_angle: Array
     by_rate: Array
     by_unknown: Array
     by_velocity: Array
+    by_position: Array | None = None
+    ways: Array | None = None
 
     @classmethod
-    def at(cls, system: System, phi: Array, force: Array, p: Array) -> Cells:
+    def at(cls, system: System, at: Unknowns, p: Array) -> Cells:
         """Of a rod that flies straight ahead with the speed of the system, or is at rest.
 
-        phi (cells,); force (cells, 2) over the mass of a link [m/s^2]. In flight a law may have a
-        kink, as that of external damping has: derivatives are the means of both of its sides.
+        In flight a law may have a kink, as that of external damping has: derivatives are the means
+        of both of its sides.
         """
-        made = cls._in(system, system.flying(phi), force, p)
+        made = cls._in(system, system.flying(at), at.force, p)
         if not system.speed:
             return made
         aside = ASIDE * system.speed
         left, right = (
-            cls._in(system, system.flying(phi, side), force, p) for side in (aside, -aside)
+            cls._in(system, system.flying(at, side), at.force, p) for side in (aside, -aside)
         )
-        names = [field.name for field in fields(cls)][1:]
-        return cls(made.residual, *((getattr(left, k) + getattr(right, k)) / 2 for k in names))
+        names = [field.name for field in fields(cls)][1:6]
+        means = {k: (getattr(left, k) + getattr(right, k)) / 2 for k in names[:4]}
+        return replace(made, **means)
 
     @classmethod
-    def across(cls, system: System, phi: Array, force: Array, p: Array) -> Cells:
+    def across(cls, system: System, at: Unknowns, p: Array) -> Cells:
         """Of a free rod that moves across its axis alone, as fast as it flies."""
-        y = replace(system, speed=0.0).flying(phi, system.speed)
-        return cls._in(system, y, force, p)
+        y = replace(system, speed=0.0).flying(at, system.speed)
+        return cls._in(system, y, at.force, p)
 
     @classmethod
     def _in(cls, system: System, y: Array, force: Array, p: Array) -> Cells:
-        parts = system.model.implicit(0.0, y, p, np.zeros(system.cells), force)
+        parts = system.model.implicit(system.t, y, p, np.zeros(system.cells), force)
         if not all(np.isfinite(part).all() for part in parts):
             raise AnalysisError("the linearised equations are not finite")
-        return cls(*parts)
+        return cls(*parts, *([_ways(system, y, p)] if system.anchored else []))
 
     @property
     def statics(self) -> Array:
         """Derivatives by angle and joint force, (3, cells, 3, 3)."""
         return np.concatenate((self.by_angle[..., None], self.by_unknown[..., 1:]), axis=-1)
 
+    def solved(self, right: Array, shift: float = 0.0) -> Array:
+        """Changes of angles and joint forces (cells, 3) that change the residual by so much; shift:
+        times which inertia is added to the stiffness [1/s^2]."""
+        blocks = self.statics + shift * Pencil.of(self).S2 if shift else self.statics
+        if self.ways is None:
+            return solve(blocks, right.ravel()).reshape(-1, 3)
+        try:
+            found = np.linalg.solve(self.whole(blocks, self.by_position), right.ravel())
+        except np.linalg.LinAlgError:
+            raise AnalysisError(SINGULAR) from None
+        return np.asarray(found).reshape(-1, 3)
+
+    def whole(self, blocks: Matrix, by_joints: Array | None) -> Array:
+        """The matrix of blocks, with what follows the joints of an anchored rod."""
+        matrix: Array = sparse(blocks).toarray()
+        assert by_joints is not None
+        assert self.ways is not None
+        for d, rows in enumerate(by_joints):
+            for i, by_joint in enumerate(rows):
+                matrix[3 * i : 3 * i + 3, ::3] += by_joint @ self.ways[i + d]
+        return matrix
+
+    def reduced(self) -> Dense:
+        """The dense matrices of the angles alone; (K + s C + s^2 M) phi = 0."""
+        pencil = Pencil.of(self)
+        if self.ways is None:
+            return pencil.reduced()
+        K, C = self.whole(pencil.S0, self.by_position), self.whole(pencil.S1, self.by_velocity)
+        forced = np.arange(len(K)) % 3 > 0
+        lean = np.linalg.solve(K[np.ix_(forced, forced)].T, K[~forced][:, forced].T).T
+        every = (K, C, sparse(pencil.S2).toarray())
+        K, C, M = (S[~forced][:, ~forced] - lean @ S[forced][:, ~forced] for S in every)
+        return Dense(K, C, M)
+
 
 @dataclass(frozen=True)
-class Pencil:
-    """S0, S1, S2 as blocks (3, cells, 3, 3) by the cell before, own and after."""
+class Quadratic:
+    """S(s) = S0 + s S1 + s^2 S2."""
 
-    S0: Matrix
-    S1: Matrix
-    S2: Matrix
+    S0: Any
+    S1: Any
+    S2: Any
+
+    @property
+    def parts(self) -> tuple[Any, Any, Any]:
+        """S0, S1 and S2."""
+        return self.S0, self.S1, self.S2
+
+    @property
+    def damped(self) -> bool:
+        """Whether rates have an effect."""
+        return bool(abs(self.S1).sum())
+
+    def at(self, s: complex) -> Any:
+        """S(s)."""
+        return self.S0 + s * self.S1 + s * s * self.S2
+
+    def slope(self, s: complex) -> Any:
+        """S'(s)."""
+        return self.S1 + 2 * s * self.S2
+
+
+class Pencil(Quadratic):
+    """S0, S1, S2 as blocks (3, cells, 3, 3) by the cell before, own and after."""
 
     @classmethod
     def of(cls, cells: Cells) -> Pencil:
@@ -92,26 +152,8 @@ class Pencil:
         return cls(cells.statics, rate, inertia)
 
     @property
-    def damped(self) -> bool:
-        """Whether rates have an effect."""
-        return bool(self.S1.any())
-
-    @property
-    def parts(self) -> tuple[Matrix, Matrix, Matrix]:
-        """S0, S1 and S2."""
-        return self.S0, self.S1, self.S2
-
-    @property
     def cells(self) -> int:
         return int(self.S0.shape[1])
-
-    def at(self, s: complex) -> Matrix:
-        """Blocks of S0 + s S1 + s^2 S2."""
-        return self.S0 + s * self.S1 + s * s * self.S2
-
-    def at_square(self, square: float) -> Matrix:
-        """Blocks of S0 + s^2 S2, real: without damping."""
-        return self.S0 + square * self.S2
 
     def solve(self, S: Matrix, right: Matrix, transposed: bool = False) -> Matrix:
         """z of S z = right, or of its transpose; of a singular S, next to it."""
@@ -121,18 +163,6 @@ class Pencil:
             nudged = S.copy()
             nudged[1] += NUDGE * np.abs(S).max() * np.eye(3)
             return solve(nudged, right, transposed)
-
-    def inertia(self, z: Matrix) -> Matrix:
-        """S2 z."""
-        return _times(self.S2, z)
-
-    def product(self, s: complex, z: Matrix) -> Matrix:
-        """S(s) z."""
-        return _times(self.at(s), z)
-
-    def slope(self, s: complex, z: Matrix) -> Matrix:
-        """S'(s) z."""
-        return _times(self.S1 + 2 * s * self.S2, z)
 
     @property
     def size(self) -> int:
@@ -147,8 +177,8 @@ class Pencil:
         def felt(S: Matrix) -> Array:
             if not S.any():
                 return np.zeros_like(phi)
-            forces = solve(joints, _times(S[:, :, 1:, :1], phi))
-            return np.asarray(_times(S[:, :, :1, :1], phi) - _times(lean, forces))
+            forces = solve(joints, product(S[:, :, 1:, :1], phi))
+            return np.asarray(product(S[:, :, :1, :1], phi) - product(lean, forces))
 
         return felt(self.S0), felt(self.S1), felt(self.S2)
 
@@ -156,14 +186,23 @@ class Pencil:
         """The dense matrices of the angles alone."""
         return Dense(*self.eliminated(np.eye(self.cells)))
 
+    def on(self, basis: Matrix) -> Dense:
+        """Of motions whose angles are the basis (cells, k) times coordinates, by virtual work."""
+        K, C, M = (basis.T @ columns for columns in self.eliminated(basis))
+        return Dense(K, C, M)
+
 
 @dataclass(frozen=True)
 class Dense:
-    """(K + s C + s^2 M) q = 0 with dense matrices (k, k)."""
+    """(K + s C + s^2 M) q = 0 with dense matrices (k, k); added: how many of the last rows are of
+    first order, those of states that are added; terms: what the entries of K are summed from, in
+    absolute values, where that is more than they are."""
 
     K: Matrix
     C: Matrix
     M: Matrix
+    added: int = 0
+    terms: Matrix | None = None
 
     @property
     def damped(self) -> bool:
@@ -173,22 +212,6 @@ class Dense:
     def at(self, s: complex) -> Matrix:
         """K + s C + s^2 M."""
         return self.K + s * self.C + s * s * self.M
-
-    def at_square(self, square: float) -> Matrix:
-        """K + s^2 M, real: without damping."""
-        return self.K + square * self.M
-
-    def solve(self, S: Matrix, right: Matrix, transposed: bool = False) -> Matrix:
-        """z of S z = right, or of its transpose; of a singular S, next to it."""
-        try:
-            return np.asarray(np.linalg.solve(S.T if transposed else S, right))
-        except np.linalg.LinAlgError:
-            nudged = S + NUDGE * np.abs(S).max() * np.eye(len(S))
-            return np.asarray(np.linalg.solve(nudged.T if transposed else nudged, right))
-
-    def inertia(self, z: Matrix) -> Matrix:
-        """M z."""
-        return np.asarray(self.M @ z)
 
     @property
     def size(self) -> int:
@@ -200,29 +223,50 @@ class Dense:
         """K, C and M."""
         return self.K, self.C, self.M
 
+    def reduced(self) -> Dense:
+        """Itself, as it has the least unknowns."""
+        return self
+
     def on(self, basis: Matrix) -> Dense:
-        """The same for motions q = basis times coordinates, by virtual work."""
-        return Dense(*(basis.T @ matrix @ basis for matrix in (self.K, self.C, self.M)))
+        """Of motions q = basis times coordinates, by virtual work."""
+        whole = block_diag(basis, np.eye(self.added)) if self.added else basis
+        K, C, M = (whole.T @ matrix @ whole for matrix in self.parts)
+        return Dense(K, C, M, self.added)
+
+
+def first_order(K: Matrix, C: Matrix, M: Matrix, added: int) -> Matrix:
+    """The matrices (..., 2 k + added) of the rates of (q, q', z), z the added states."""
+    k = K.shape[-1] - added
+    upper = [np.linalg.solve(M[..., :k, :k], -part) for part in (K[..., :k, :], C[..., :k, :k])]
+    zero = np.zeros((*K.shape[:-2], k, k))
+    top = np.concatenate((zero, zero + np.eye(k), np.zeros((*K.shape[:-2], k, added))), axis=-1)
+    middle = np.concatenate((upper[0][..., :k], upper[1], upper[0][..., k:]), axis=-1)
+    rows = slice(k, None)
+    last = -np.concatenate((K[..., rows, :k], C[..., rows, :k], K[..., rows, k:]), axis=-1)
+    return np.concatenate((top, middle, last), axis=-2)
 
 
 @dataclass(frozen=True)
-class Held:
-    """The pencil of a rod that turns freely, its rigid rotation with eigenvalue zero taken away:
-    the first angle is held, and a moment that only turns the rod as a whole makes up for it."""
+class Parts(Quadratic):
+    """S0, S1 and S2 as matrices, dense or sparse; terms: as of Dense, of S0."""
 
-    S0: csc_array
-    S1: csc_array
-    S2: csc_array
-
-    @property
-    def damped(self) -> bool:
-        """Whether rates have an effect."""
-        return bool(self.S1.nnz and abs(self.S1).max())
+    terms: Any = None
 
     @classmethod
-    def of(cls, pencil: Pencil, turning: Array) -> Held:
-        """turning: columns (3 cells,) of the rigid rotation."""
-        S0, S1, S2 = (sparse(blocks) for blocks in (pencil.S0, pencil.S1, pencil.S2))
+    def of(cls, linear: Linear) -> Parts:
+        """From the linearised equations."""
+        if isinstance(linear, Parts):
+            return linear
+        if isinstance(linear, Pencil):
+            return cls(*map(sparse, linear.parts))
+        return cls(*linear.parts, linear.terms)
+
+    @classmethod
+    def without_turning(cls, pencil: Pencil, turning: Array) -> Parts:
+        """Of a rod that turns freely, its rigid rotation with eigenvalue zero taken away: the first
+        angle is held, and a moment that only turns the rod as a whole makes up for it. turning:
+        columns (3 cells,) of the rigid rotation."""
+        S0, S1, S2 = map(sparse, pencil.parts)
         first = csc_array(([1.0], ([0], [0])), shape=(1, len(turning)))
         moment = csc_array((S2 @ turning)[:, None])
         nothing = csc_array((1, 1))
@@ -231,30 +275,47 @@ class Held:
             *(csc_array(block_array([[S, None], [None, nothing]])) for S in (S1, S2)),
         )
 
-    @property
-    def size(self) -> int:
-        """Unknowns."""
-        return int(self.S0.shape[0])
-
-    def at(self, s: complex) -> csc_array:
-        """S0 + s S1 + s^2 S2."""
-        return self.S0 + s * self.S1 + s * s * self.S2
-
-    def at_square(self, square: float) -> csc_array:
-        """S0 + s^2 S2, real."""
+    def at_square(self, square: float) -> Any:
+        """S0 + s^2 S2, real: without damping."""
         return self.S0 + square * self.S2
 
-    def solve(self, S: csc_array, right: Matrix, transposed: bool = False) -> Matrix:
-        """z of S z = right, or of its transpose; of a singular S, next to it."""
-        try:
-            factors = splu(csc_array(S))
-        except RuntimeError:
-            factors = splu(csc_array(S + NUDGE * abs(S).max() * eye_array(self.size)))
-        return np.asarray(factors.solve(right.astype(S.dtype), "T" if transposed else "N"))
+    def sizes(self, rate: float) -> Any:
+        """Absolute values of S0 and S2 at a rate, which rounding goes with."""
+        # Roundings of many terms are as often up as down.
+        stiffness = abs(self.S0) if self.terms is None else self.terms / len(self.terms)
+        return stiffness + rate**2 * abs(self.S2)
 
-    def inertia(self, z: Matrix) -> Matrix:
-        """S2 z."""
-        return np.asarray(self.S2 @ z)
+    def less(self, other: Parts, step: float) -> Parts:
+        """The difference over a step."""
+        pairs = zip(self.parts, other.parts, strict=True)
+        return Parts(*((one - two) / step for one, two in pairs))
+
+    def scales(self, rate: float) -> Scales:
+        """Factors of rows and columns that make the largest entry of each about one."""
+        sizes = abs(self.S0) + rate**2 * abs(self.S2) + rate * abs(self.S1)
+        rows = 1 / _largest(sizes, 1)
+        return rows, 1 / _largest(_scaled(sizes, (rows, np.ones(len(rows)))), 0)
+
+    def scaled(self, scales: Scales) -> Parts:
+        """With rows and columns times their factors."""
+        terms = None if self.terms is None else _scaled(self.terms, scales)
+        S0, S1, S2 = (_scaled(part, scales) for part in self.parts)
+        return Parts(S0, S1, S2, terms)
+
+
+Linear = Pencil | Dense | Parts
+
+
+def _scaled(part: Any, scales: Scales) -> Any:
+    rows, columns = scales
+    if issparse(part):
+        return csc_array(part.multiply(rows[:, None]).multiply(columns[None, :]))
+    return rows[:, None] * part * columns
+
+
+def _largest(sizes: Any, axis: int) -> Array:
+    most = sizes.max(axis=axis)
+    return np.asarray(most.toarray() if issparse(most) else most).ravel()
 
 
 @lru_cache(maxsize=32)
@@ -274,7 +335,8 @@ def sparse(blocks: Matrix) -> csc_array:
     return csc_array((blocks[there], (rows, columns)), shape=size)
 
 
-def _times(blocks: Matrix, right: Matrix) -> Matrix:
+def product(blocks: Matrix, right: Matrix) -> Matrix:
+    """The matrix of blocks times a vector, or vectors (size, k)."""
     return np.asarray(sparse(blocks) @ right)
 
 
@@ -295,9 +357,18 @@ def solve(blocks: Matrix, right: Matrix, transposed: bool = False) -> Matrix:
     return np.asarray(found)
 
 
-def forces(system: System, phi: Array, p: Array) -> tuple[Array, Array]:
+def _ways(system: System, y: Array, p: Array) -> Array:
+    """How the joints at the ends of moving links follow the angles, by virtual work."""
+    work, held = system.model.generalised_force, system.scene.held
+    ends = [(held + j, 0.0) for j in range(system.cells)] + [(held + system.cells - 1, 1.0)]
+    axes = ((1.0, 0.0), (0.0, 1.0))
+    rows = [[work(y, p, *end, axis)[system.base :] for axis in axes] for end in ends]
+    return np.array(rows)
+
+
+def forces(system: System, at: Unknowns, p: Array) -> tuple[Array, Array]:
     """Angular accelerations (cells,) [rad/s^2] and joint forces over the mass of a link (cells, 2)
     [m/s^2] of the rod at rest, or in flight: the implicit form is linear in both."""
-    cells = Cells.at(system, phi, np.zeros((system.cells, 2)), p)
+    cells = Cells.at(system, at._replace(force=np.zeros((system.cells, 2))), p)
     unknowns = solve(cells.by_unknown, -cells.residual.ravel()).reshape(-1, 3)
     return unknowns[:, 0], unknowns[:, 1:]

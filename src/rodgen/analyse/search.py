@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,6 @@ FINE, COARSE = 0.5, 0.01  # step of the search: EI/L^2, and of the force
 LEAST = 200  # forces at which a range is searched
 BLOCK = 64  # forces that are looked at together
 CLOSE, NEXT = 1e-6, 1e-3  # width to which an event is bisected: of the load; of the least step
-Passed = Callable[[int], bool]  # whether so many growing motions lie beyond an event
 
 
 @dataclass(frozen=True)

@@ -7,34 +7,38 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rodgen.analyse.branch import ITERATIONS, Loading, Rest, follow, newton
-from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.guarded import guarded
-from rodgen.analyse.instability import instability
-from rodgen.analyse.pencil import Cells, Pencil, solve
-from rodgen.analyse.system import System
+from rodgen.analyse.balance import WholeBalance, balance, free_ways
+from rodgen.analyse.branch import ITERATIONS, Loading, Rest, follow, instability, newton
+from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.pencil import forces
+from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
+from rodgen.model.term import FORCE, WEIGHT, Term
+from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.plain import plain
+from rodgen.scene.plain import is_number, plain
 
-LOADS = ("follower_force", "gravity", "tip_force_x", "tip_force_y")
 NEAR_END = 1e-4  # rad
+UNBALANCED = 1e-12  # of the forces that hold a rod: rounding
 MOST_BENT = 1.0  # rad
+MOST_TURNED = 10.0  # of the tail: a rod that turns more elsewhere is not bent by it
 
 
 @dataclass(frozen=True)
 class Equilibrium:
     """Rest under loads that do not change.
 
-    phi: angles of all n links [rad]; joints: (n+1, 2) [m]; tip: the tail (2,) [m]; force: in the
-    joints before the moving links over the mass of a link, (cells, 2) [m/s^2]; change: the last
-    correction of Newton's method [rad]; iterations: of all loads together; stages: the fractions
-    of the load that were stepped through; instability: "divergence" where a small motion about it
-    grows without oscillating, so that another equilibrium is to be looked for, "flutter" where one
-    oscillates more and more, "" where none grows, None where that was not looked at (more than 200
-    links); stable: the same as yes or no; t: the time whose loads were taken [s].
+    y: the state (states,); phi: angles of all n links [rad]; joints: (n+1, 2) [m]; tip: the tail
+    (2,) [m]; force: in the joints before the moving links over the mass of a link, (cells, 2)
+    [m/s^2]; change: the last correction of Newton's method [rad], of joint 0 over the length;
+    iterations: of all loads together; stages: the fractions of the load that were stepped through;
+    instability: "divergence" where a small motion about it grows without oscillating, so that
+    another equilibrium is to be looked for, "flutter" where one oscillates more and more, "" where
+    none grows, None where that was not looked at (more than 200 links); stable: the same as yes or
+    no; t: the time whose loads were taken [s]; states: added states by name.
     """
 
+    y: Array = field(repr=False)
     phi: Array = field(repr=False)
     joints: Array = field(repr=False)
     force: Array = field(repr=False)
@@ -45,6 +49,7 @@ class Equilibrium:
     stable: bool | None = field(init=False)
     instability: str | None
     t: float
+    states: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tip", self.joints[-1])
@@ -63,56 +68,93 @@ def static_equilibrium(
     evenly; it is loaded, and then made straight again under its whole load. What is found is an
     equilibrium of the scene's own rod, beyond a buckling load the bent and stable one (that which
     turns to the left), where without imperfection it is the straight and unstable one. A pinned rod
-    hangs from its pivot, imperfect or not. The tip is right to about 1e-10 of the length at a few
-    hundred links. Raises SceneError for a free rod and an imperfection out of range, AnalysisError
-    where no equilibrium is found; both say why.
+    hangs from its pivot, imperfect or not; a free rod rests where [[supports]], a [foundation] or
+    loads that follow its place hold it, and in a direction in which nothing does, where it is at
+    the start. Loads that follow the motion and added states are at rest with it. The tip is right
+    to about 1e-10 of the length at a few hundred links. Raises SceneError for a free rod that
+    nothing holds and an imperfection out of range, AnalysisError where no equilibrium is found;
+    both say why.
     """
     bend = 0.0 if imperfection is None else _checked(imperfection)
     system = System.of(scene, t)
-    if system.scene.hold.translates:
-        allowed = "clamped, cantilever or pinned: nothing holds a free rod in place"
-        raise SceneError("rod.boundary", system.scene.rod.boundary, allowed)
-    rest, stages = settle(system, system.given, bend=bend)
     p = system.parameters()
+    if system.base:
+        _check_held(system, p)
+    rest, stages = settle(system, system.given, bend=bend)
+    y = system.at_rest(rest.at)
     return Equilibrium(
-        phi=system.all_links(rest.phi),
-        joints=system.model.joints(system.at_rest(rest.phi), p),
-        force=rest.force,
+        y=y,
+        phi=system.all_links(rest.at.phi),
+        joints=system.model.joints(y, p),
+        force=forces(system, rest.at, p)[1],
         change=rest.change,
         iterations=rest.iterations,
         stages=stages,
         instability=instability(system, rest, p),
         t=system.t,
+        states=dict(zip(scene.states, rest.at.added.tolist(), strict=True)),
     )
+
+
+def _check_held(system: System, p: Array) -> None:
+    """Raise SceneError for a free rod whose place nothing follows."""
+    if len(free_ways(system, _start(system, system.straight), p)) == system.base:
+        allowed = "clamped, cantilever or pinned: nothing holds a free rod in place without "
+        allowed += "[[supports]], [foundation] or loads that follow its place"
+        raise SceneError("rod.boundary", system.scene.rod.boundary, allowed)
 
 
 def _checked(imperfection: float) -> float:
     size = plain(imperfection, "imperfection")
-    number = isinstance(size, int | float) and not isinstance(size, bool)
-    if not (number and 0 < size <= MOST_BENT):
+    if not (is_number(size) and 0 < size <= MOST_BENT):
         allowed = f"an angle of the tail above 0 and at most {MOST_BENT:g} rad"
         raise SceneError("imperfection", imperfection, allowed)
     return float(size)
 
 
 def settle(
-    system: System, given: dict[str, float], start: Rest | None = None, bend: float = 0.0
+    system: System, given: dict[str, float], start: Unknowns | None = None, bend: float = 0.0
 ) -> tuple[Rest, tuple[float, ...]]:
-    """Angles and joint forces under these parameters, and the fractions of the load in between.
+    """The equilibrium under these parameters, and the fractions of the load in between.
 
     start: an equilibrium under loads close to these, from which Newton's method is tried first;
     bend: angle of the tail of the rod that is loaded, before it is made straight again [rad].
     """
-    if start is not None:
-        near = Rest(start.phi.copy(), start.force.copy())
-        if newton(system, near, Loading(system.parameters(**given))):
-            return near, (1.0,)
-    if not system.clamped:
+    p = system.parameters(**given)
+    near = Rest(start) if start is not None else None
+    if near is not None and newton(system, near, Loading(p)):
+        return near, (1.0,)
+    try:
+        rest, stages = _settled(system, given, bend)
+    except AnalysisError as error:
+        try:
+            system.beside(system.straight)
+        except AnalysisError as restless:
+            raise AnalysisError(f"{error}; {restless}") from None
+        raise
+    _check_rest(system, rest, p)
+    return rest, stages
+
+
+def _start(system: System, phi: Array) -> Unknowns:
+    """A rod from which an equilibrium is looked for: its added states where they stay, and as they
+    are at the start where they follow what the rod will be."""
+    try:
+        return system.beside(phi)
+    except AnalysisError:
+        return system.unsettled(phi)
+
+
+def _settled(
+    system: System, given: dict[str, float], bend: float
+) -> tuple[Rest, tuple[float, ...]]:
+    if not (system.clamped or system.anchored):
         return _hang(system, given), (1.0,)
     try:
         return _load(system, given, bend)
     except AnalysisError:
-        if given.get("follower_force") or not any(given.get(name) for name in LOADS):
+        acting = [term for name, term in _sizes(system) if np.any(given.get(name, 0.0))]
+        if not acting or any(term.follows for term in acting):
             raise
         # Springs too soft to keep the rod near its straight shape: it hangs like a chain.
         with suppress(AnalysisError):
@@ -120,59 +162,93 @@ def settle(
         raise
 
 
+def _sizes(system: System) -> list[tuple[str, Term]]:
+    """Parameters that grow from zero as the rod is loaded, with their loads."""
+    terms = [TERMS[name] for name in system.scene.structure.loads]
+    return [(one.name, term) for term in terms for one in term.sizes]
+
+
+def _check_rest(system: System, rest: Rest, p: Array) -> None:
+    """Raise AnalysisError where loads push a rod in a direction in which nothing holds it."""
+    here = balance(system, rest.at, p)
+    if not isinstance(here, WholeBalance) or not len(here.free):
+        return
+    pull = np.abs(forces(system, rest.at, p)[1]).max() * system.scene.mass / system.scene.rod.links
+    scale = here.hold() + pull
+    for way, push in zip(here.free, here.push(), strict=True):
+        if abs(push) > UNBALANCED * scale:
+            x, y = way * np.sign(push)
+            raise AnalysisError(
+                f"no equilibrium: nothing holds the free rod along ({x:.6g}, {y:.6g}), where its "
+                f"loads push it with {abs(push):.6g} N"
+            )
+
+
 def _load(system: System, given: dict[str, float], bend: float) -> tuple[Rest, tuple[float, ...]]:
-    """The branch that begins with the unloaded rod: bent by moments that keep it so, and keep
-    their value while the load grows; they are taken away under the whole load."""
-    loads = {name: given[name] for name in LOADS if name in given}
+    """The branch that begins with the unloaded rod: straight, or bent, by moments that keep it so
+    (of springs at rest none, where it is straight) and their value while the load grows; they are
+    taken away under the whole load."""
+    loads = {name: np.asarray(given[name]) for name, _ in _sizes(system) if name in given}
 
     def p(fraction: float) -> Array:
         return system.parameters(**given | {k: fraction * value for k, value in loads.items()})
 
-    rest = Rest(system.straight + bend * _middles(system), np.zeros((system.cells, 2)))
-    moments = Loading(p(0.0)).cells(system, rest).residual
+    rest = Rest(_bent(system, _start(system, system.straight), p(0.0), bend))
+    moments = Loading(p(0.0)).balance(system, rest).residual
     rest, stages = follow(system, rest, lambda done: Loading(p(done), moments))
-    if bend:
+    if moments.any():
         way = "the way back to a rod that is straight without load"
         rest, _ = follow(system, rest, lambda done: Loading(p(1.0), (1 - done) * moments), way)
     return rest, stages
 
 
-def _middles(system: System) -> Array:
-    """s in the middles of the moving links."""
+def _bent(system: System, at: Unknowns, p: Array, bend: float) -> Unknowns:
+    """The unloaded rod as a moment bends it that turns its tail by so much [rad], to first order;
+    evenly, where it does not resist."""
+    if not bend:
+        return at
+    here = balance(system, at, p)
+    with suppress(AnalysisError):
+        by = here.solved(here.tail_moment)
+        if by.phi[-1] and np.abs(by.phi).max() < MOST_TURNED * abs(by.phi[-1]):
+            return at.moved(by._replace(force=0.0 * by.force), bend / by.phi[-1])
     n = system.scene.rod.links
-    return (np.arange(system.scene.held, n) + 0.5) / n
+    return at._replace(phi=at.phi + bend * (np.arange(system.scene.held, n) + 0.5) / n)
 
 
 def _hang(system: System, given: dict[str, float]) -> Rest:
-    """A pinned rod: from the straight rod along its dead loads, by Newton's method on the
+    """A rod that hangs: from the straight rod along its dead loads, by Newton's method on the
     equations with inertia, M (phi - phi before) / tau^2, whose steps in a time that does not exist
     lead to stable equilibria alone."""
     p = system.parameters(**given)
-    rest = Rest(_along(system, given), np.zeros((system.cells, 2)))
+    rest = Rest(_start(system, _along(system, given)))
     first = 0.0
     while rest.iterations < 100 * ITERATIONS:
-        cells = Cells.at(system, rest.phi, rest.force, p)
-        residual = float(np.abs(cells.residual).max())
+        here = balance(system, rest.at, p)
+        residual = float(np.abs(here.rates).max())
         first = first or residual
-        shift = residual**2 / first if first else 0.0  # 1/tau^2: Newton's own step near the end
-        blocks = cells.statics + shift * Pencil.of(cells).S2
-        z = solve(blocks, -cells.residual.ravel()).reshape(-1, 3)
-        rest.phi, rest.force = rest.phi + z[:, 0], rest.force + z[:, 1:]
+        by = here.solved(-here.residual, residual**2 / first if first else 0.0)
+        rest.at = rest.at.moved(by)
         rest.iterations += 1
-        if np.abs(z[:, 0]).max() < NEAR_END and newton(system, rest, Loading(p)):
+        if np.abs(by.phi).max() < NEAR_END and newton(system, rest, Loading(p)):
             return rest
     raise AnalysisError(
-        f"no equilibrium found: the pinned rod did not come to rest in {rest.iterations} iterations"
+        f"no equilibrium found: the rod did not come to rest in {rest.iterations} iterations"
     )
 
 
 def _along(system: System, given: dict[str, float]) -> Array:
     """Angles of the straight rod along its dead loads."""
-    pull = np.array([given.get("tip_force_x", 0.0), given.get("tip_force_y", 0.0)])
-    pull[1] -= given.get("gravity", 0.0) * given["mass"]
+    y = system.at_rest(_start(system, system.straight))
+    acting = system.model.forces(system.t, y, system.parameters(**given))
+    pull = np.zeros(2)
+    for term in map(TERMS.__getitem__, system.scene.loads.terms):
+        if term.kind == FORCE and not term.follows:
+            pull += acting[term.name].sum(axis=0)
+        elif term.kind == WEIGHT:
+            pull[1] -= given[term.sizes[0].name] * system.scene.mass
     if not pull.any():
         raise AnalysisError(
-            "no equilibrium found: nothing gives a pinned rod without gravity or tip load its "
-            "direction"
+            "no equilibrium found: nothing gives a rod without gravity or tip load its direction"
         )
     return np.full(system.cells, np.arctan2(pull[1], pull[0]))

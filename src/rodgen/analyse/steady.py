@@ -7,28 +7,39 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import block_diag
 
-from rodgen.analyse.branch import Rest
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.pencil import Cells, Dense, Pencil, forces
+from rodgen.analyse.pencil import Cells, Dense, Pencil, forces, product
 from rodgen.analyse.statics import settle
-from rodgen.analyse.system import System
+from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
+from rodgen.model.term import DRAG
+from rodgen.model.terms import TERMS
 
 STEADY = 1e-9  # of the accelerations that the joint forces would cause: rounding
 STRAIGHT = 1e-12  # rad
+AT_REST = 2.0**-100  # m/s; a power of 2 rounds nothing
 ASKEW = 5.0  # degrees between the velocity and the axis, up to which a rod flies along it
 
 
 @dataclass(frozen=True)
 class Steady:
-    """A state in which no angle changes. phi: of the moving links (cells,) [rad]; force: in the
-    joints before them over the mass of a link (cells, 2) [m/s^2]; p: parameters of the module."""
+    """A state in which no angle changes; p: parameters of the module."""
 
     system: System
-    phi: Array
-    force: Array
+    at: Unknowns
     p: Array
+
+    @property
+    def phi(self) -> Array:
+        """Angles of the moving links (cells,) [rad]."""
+        return self.at.phi
+
+    @property
+    def force(self) -> Array:
+        """In the joints before them over the mass of a link (cells, 2) [m/s^2]."""
+        return self.at.force
 
     @property
     def straight(self) -> bool:
@@ -38,9 +49,9 @@ class Steady:
     @property
     def words(self) -> str:
         """What the state is, for a reader."""
-        if not self.system.scene.hold.translates:
+        if self.system.anchored or not self.system.base:
             return "straight, at rest" if self.straight else "static equilibrium"
-        _, force = forces(replace(self.system, speed=0.0), self.phi, self.p)
+        _, force = forces(replace(self.system, speed=0.0), self.at, self.p)
         pushed, speed = np.abs(force).max(initial=0.0) > 0, self.system.speed
         if not speed:
             return f"straight, {'steadily accelerating' if pushed else 'at rest or falling freely'}"
@@ -54,7 +65,7 @@ class Steady:
         system = self.system
         if not (has_drag(system) and system.scene.hold.translates):
             return ()
-        if not (system.speed or system.across):
+        if is_kinked(system) and not (system.speed or system.across):
             return (
                 "linearised about a rod at rest, where external damping brakes small motions "
                 "across it; of one that moves along its axis it brakes none (give a speed)",
@@ -71,13 +82,15 @@ class Steady:
     def turns_freely(self) -> bool:
         """Whether turning the whole rod makes no moment: a rigid-body motion of frequency zero.
         Its loads turn with it, or there are none."""
+        if self.system.anchored or self.system.steered:
+            return False
         here = self._cells
         # Row by row, for a soft spring counts beside a hard one.
         angles = np.abs(here.by_angle).sum(axis=0)
         pulls = np.abs(here.by_unknown[..., 1:]).sum(axis=(0, 3))
         sizes = angles + pulls * np.abs(self.force).max(initial=0.0)
         sizes += np.abs(self._drag_across).sum(axis=(0, 3)) * abs(self.system.speed)
-        made = Pencil.of(here).product(0.0, self.turning).reshape(sizes.shape)
+        made = product(Pencil.of(here).S0, self.turning).reshape(sizes.shape)
         return bool((np.abs(made) <= STEADY * sizes).all())
 
     @property
@@ -88,7 +101,7 @@ class Steady:
 
     @cached_property
     def _cells(self) -> Cells:
-        return Cells.at(self.system, self.phi, self.force, self.p)
+        return Cells.at(self.system, self.at, self.p)
 
     def pencil(self) -> Pencil:
         """The equations linearised here, without what follows the velocities of the joints."""
@@ -98,15 +111,17 @@ class Steady:
     def _drag_across(self) -> Array:
         """How drag follows the velocities of the joints (2, cells, 3, 2) where the rod moves across
         itself as fast as it flies: a measure of what is small."""
-        return Cells.across(self.system, self.phi, self.force, self.p).by_velocity
+        return Cells.across(self.system, self.at, self.p).by_velocity
 
     @property
     def follows_velocity(self) -> bool:
         """Whether drag answers a small velocity of a joint, to first order, by more than a force
         along the straight rod, which does not act on small motions across it."""
         system = self.system
+        if is_kinked(system) and not system.speed:
+            return True
         if not (has_drag(system) and system.speed):
-            return has_drag(system)
+            return bool(self._cells.by_velocity.any())
         c, s = np.cos(self.phi[0]), np.sin(self.phi[0])
         felt, all_of_it = (
             np.stack((D[..., 0, :], D[..., 2, :] * c - D[..., 1, :] * s))
@@ -115,34 +130,71 @@ class Steady:
         sizes = np.abs(all_of_it).max(axis=(1, 2, 3), keepdims=True)
         return bool((np.abs(felt) > STEADY * sizes).any())
 
-    def dense(self) -> Dense:
-        """The equations linearised here, external damping with them.
+    def dense(self, whole: bool = False) -> Dense:
+        """The equations linearised here, with external damping, with what loads follow of the
+        motion, and with added states.
 
-        The drag on a joint is -c_ext s a m v with a the share of v across the rod: at rest it is
-        linear for motions across the rod, where a = 1, while along a bent rod it has no linear
-        part. Coordinates: the displacement of joint 0 across the rod, where it is free, and the
-        angles. Raises AnalysisError for a bent rod.
+        External damping of a joint is -c_ext s a m v with a the share of v across the rod: at rest
+        it is linear for motions across the rod, where a = 1, while along a bent rod it has no
+        linear part. Coordinates: the displacement of joint 0 across the rod, where it is free, and
+        the angles; of a rod without drag whose loads follow the motion the angles alone where
+        nothing follows joint 0, else, of one that springs hold, and where it is asked for (whole)
+        x0 and y0 as well; then the added states. Raises AnalysisError for a bent rod with external
+        damping.
         """
-        system = self.system
-        if not self.straight:
+        system, y = self.system, self.system.flying(self.at)
+        if is_kinked(system) and not self.straight:
             raise AnalysisError(
                 "external damping has no linear part about a bent state (its force depends on the "
                 "share of the velocity across the rod): leave out loads.external_damping"
             )
-        y = system.flying(self.phi)
-        half = len(y) // 2
-        across = np.zeros((half, half - system.base // 2))
-        across[system.base :, system.base // 2 :] = np.eye(system.cells)
-        moving = y.copy()
-        if system.base:
+        base, half = system.base, system.base + system.cells
+        J, mass = system.model.jac(system.t, y, self.p), system.model.mass_matrix(y, self.p)
+        ways, moving = np.eye(half), y.copy()
+        across = ways[:, base // 2 :].copy()
+        if base:
             across[:2, 0] = -np.sin(self.phi[0]), np.cos(self.phi[0])
-        if not system.speed:
-            # At any speed across the rod drag has the same derivative by the velocities.
-            moving[half:] = across[:, 0] if system.base else 1.0
-        by_state = system.model.jac(0.0, y, self.p)[half:, :half]
-        by_rate = system.model.jac(0.0, moving, self.p)[half:, half:]
-        mass = system.model.mass_matrix(y, self.p)
-        return Dense(*(across.T @ m @ across for m in (-mass @ by_state, -mass @ by_rate, mass)))
+        if has_drag(system) and not system.speed:
+            # At any speed across the rod, however small, that has the same derivative.
+            moving[half : 2 * half] = AT_REST * (across[:, 0] if base else 1.0)
+        whole = whole or system.anchored
+        if not system.anchored and (has_drag(system) or not system.steered):
+            ways = across
+        elif base and not (whole or self._follows_joint(J)):
+            inner = mass[base:, :base] @ np.linalg.solve(mass[:base, :base], mass[:base, base:])
+            mass, ways = mass.copy(), ways[:, base:]
+            mass[base:, base:] -= inner
+            J[half : half + base] = 0.0
+        J[:, half : 2 * half] = system.model.jac(system.t, moving, self.p)[:, half : 2 * half]
+        return _closed(J, mass, ways)
+
+    def _follows_joint(self, J: Array) -> bool:
+        """Whether angles or added states follow the place or the velocity of joint 0."""
+        base, half = self.system.base, self.system.base + self.system.cells
+        columns = [*range(base), *range(half, half + base)]
+        return bool(J[half + base :][:, columns].any())
+
+
+def _closed(J: Array, mass: Array, ways: Array) -> Dense:
+    """The equations of motions along ways (positions, k) with the Jacobian of all rates."""
+    half = len(mass)
+    rod, own = J[half : 2 * half], J[2 * half :]
+    K, C, by_added = (
+        -ways.T @ mass @ part
+        for part in (rod[:, :half] @ ways, rod[:, half : 2 * half] @ ways, rod[:, 2 * half :])
+    )
+    M, added = ways.T @ mass @ ways, len(own)
+    terms = np.abs(ways.T) @ np.abs(mass) @ np.abs(rod[:, :half] @ ways)
+    if not added:
+        return Dense(K, C, M, terms=terms)
+    lower = -own[:, :half] @ ways, -own[:, half : 2 * half] @ ways
+    return Dense(
+        np.block([[K, by_added], [lower[0], -own[:, 2 * half :]]]),
+        np.block([[C, np.zeros_like(by_added)], [lower[1], np.eye(added)]]),
+        block_diag(M, np.zeros((added, added))),
+        added,
+        np.block([[terms, np.abs(by_added)], [np.abs(lower[0]), np.abs(own[:, 2 * half :])]]),
+    )
 
 
 def steady(system: System, start: Steady | None = None, **changes: float) -> Steady:
@@ -152,26 +204,49 @@ def steady(system: System, start: Steady | None = None, **changes: float) -> Ste
     """
     given = system.given | changes
     p = system.parameters(**changes)
-    turning, force = forces(system, system.straight, p)
+    at = system.beside(system.straight)
+    turning, force = forces(system, at, p)
     scale = np.abs(force).max(initial=0.0) * system.scene.rod.links / system.scene.rod.length
-    if np.abs(turning).max() <= STEADY * scale:
-        return Steady(system, system.straight, force, p)
-    if system.scene.hold.translates:
+    if np.abs(turning).max() <= STEADY * scale and _settled(system, at, p):
+        return Steady(system, at._replace(force=force), p)
+    if system.scene.hold.translates and not system.anchored:
         raise AnalysisError(
             "the free rod has no steady state to linearise about: straight and at rest, its links "
             f"turn with {np.abs(turning).max():.3g} rad/s^2 (a load along the rod, or gravity "
             "alone, leaves it straight)"
         )
-    rest, _ = settle(system, given, Rest(start.phi, start.force) if start else None)
-    return Steady(system, rest.phi, rest.force, p)
+    rest, _ = settle(system, given, start.at if start else None)
+    return Steady(system, rest.at._replace(force=forces(system, rest.at, p)[1]), p)
+
+
+def _settled(system: System, at: Unknowns, p: Array) -> bool:
+    """Whether joint 0 of a straight rod does not begin to move where springs hold it, in comparison
+    with one that is a length away."""
+    if not (system.base and system.anchored):
+        return True
+    y = system.at_rest(at)
+    away = y.copy()
+    away[:2] += system.scene.rod.length
+    here, there = (np.abs(system.rates(one, p)[:2]).max() for one in (y, away))
+    return bool(here <= STEADY * there)
 
 
 def has_drag(system: System) -> bool:
-    """Whether external damping is among the terms."""
-    return "external_damping" in system.scene.structure.terms
+    """Whether a load follows the velocities of the joints."""
+    return any(TERMS[term].kind == DRAG for term in system.scene.loads.terms)
+
+
+def is_kinked(system: System) -> bool:
+    """Whether one of them has no linear part about a rest that is bent."""
+    return any(TERMS[term].kinked for term in system.scene.loads.terms)
 
 
 def linearised(state: Steady) -> Pencil | Dense:
     """The equations linearised about a steady state, in O(n) where no velocity of a joint counts:
     without external damping, and in flight."""
+    within = not (state.system.base or has_drag(state.system) or state.system.steered)
+    if state.system.anchored and within:
+        return Cells.at(state.system, state.at, state.p).reduced()
+    if state.system.anchored or state.system.steered:
+        return state.dense()
     return state.dense() if state.follows_velocity else state.pencil()

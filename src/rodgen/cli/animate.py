@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import err, out, progress, working
-from rodgen.cli.folders import writable
+from rodgen.cli.console import err, out, progress, warn, working
+from rodgen.cli.results import writable
 
 
 def animate(
@@ -39,18 +39,18 @@ def animate(
     ] = False,
 ) -> None:
     """Draw the run in RESULT as a film: MP4, for which ffmpeg is needed, or GIF."""
-    from rodgen.integrate.files.excerpt import Excerpt
+    from rodgen.integrate.files.storage import Excerpt
     from rodgen.loading import build_fastest
-    from rodgen.view.animation.files import check_file
-    from rodgen.view.animation.film import film
-    from rodgen.view.animation.times import Settings, plan
+    from rodgen.show.animation.files import check_file
+    from rodgen.show.animation.film import film
+    from rodgen.show.animation.times import Settings, plan
 
     settings = Settings(fps, speed, view, width, height, start, end)
     check_file(out_file, settings)
     writable(out_file.parent)  # before the frames are drawn, which takes long
     stored = Excerpt(result, strict=not damaged)
     for note in stored.notes:
-        err.print(f"rodgen: warning: {note}")
+        warn(note)
     times = plan(stored.t, settings).times
     with working("generating"):
         stored.model = build_fastest(stored.scene)

@@ -1,46 +1,90 @@
-"""All commands together."""
+"""All commands together: rodgen's own, and those that installed packages add.
+
+A package adds commands by entry points of the group `rodgen.commands`: a name, and a function that
+is annotated for Typer.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.metadata import EntryPoint, entry_points
 
 import typer
 
 from rodgen.cli import (
     animate,
-    audit,
     check,
     critical,
     derive,
     modes,
-    report,
+    precision,
     run,
     show,
     static,
-    thesis,
     view,
 )
+from rodgen.cli.errors import BAD_INPUT, fail
 
-app = typer.Typer(
-    help="Equations of motion of planar flexible rods: derived, proven, generated, integrated.",
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-)
-# A negative number is a value to refuse, not an option.
-app.command(context_settings={"ignore_unknown_options": True})(derive.derive)
-app.command()(run.run)
-app.command()(view.view)
-app.command()(animate.animate)
-app.command()(check.check)
-app.command()(show.show)
-app.command()(modes.modes)
-app.command()(static.static)
-app.command()(critical.critical)
-app.command()(audit.audit)
-app.command()(thesis.thesis)
-app.command()(report.report)
+GROUP = "rodgen.commands"
+EVIDENCE = ("report", "thesis", "audit")  # what evidence/ adds, where it is installed
+OWN: dict[str, Callable[..., object]] = {
+    "derive": derive.derive,
+    "run": run.run,
+    "view": view.view,
+    "animate": animate.animate,
+    "check": check.check,
+    "show": show.show,
+    "modes": modes.modes,
+    "static": static.static,
+    "critical": critical.critical,
+    "precision": precision.precision,
+}
+HOW = "`make report`, `make thesis` and `make audit` in a clone of rodgen install and run them"
 
 
-@app.callback(invoke_without_command=True)
+def commands() -> typer.Typer:
+    """All commands: rodgen's, those of installed packages, and for those of evidence/ that are not
+    installed how to get them."""
+    added = {entry.name: entry for entry in entry_points(group=GROUP)}
+    missing = [name for name in EVIDENCE if name not in added]
+    app = typer.Typer(
+        help="Equations of motion of planar flexible rods: derived, proven, generated, integrated.",
+        epilog=f"Not installed: {', '.join(missing)} ({HOW})." if missing else None,
+        add_completion=False,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+    )
+    for name, command in OWN.items():
+        # A negative number is a value to refuse, not an option.
+        app.command(name, context_settings={"ignore_unknown_options": name == "derive"})(command)
+    for name, entry in sorted(added.items()):
+        if name not in OWN:  # a package cannot take the place of a command
+            _add(app, entry)
+    for name in missing:
+        _refuse(app, name, f"{name} is not installed: {HOW}", hidden=True)
+    app.callback(invoke_without_command=True)(_alone)
+    return app
+
+
+def _add(app: typer.Typer, entry: EntryPoint) -> None:
+    """A command of another package; one that cannot be loaded says so when it is called, and leaves
+    the others alone."""
+    try:
+        command = entry.load()
+    except Exception as error:  # whatever another package does when it is imported
+        _refuse(app, entry.name, f"{entry.name} cannot be loaded from {entry.value}: {error}")
+    else:
+        app.command(entry.name)(command)
+
+
+def _refuse(app: typer.Typer, name: str, why: str, hidden: bool = False) -> None:
+    def tell() -> None:
+        fail(why, BAD_INPUT)
+
+    anything = {"ignore_unknown_options": True, "allow_extra_args": True}
+    app.command(name, hidden=hidden, context_settings=anything, add_help_option=False)(tell)
+
+
 def _alone(
     context: typer.Context,
     version: bool = typer.Option(False, "--version", help="Print the version and stop."),
@@ -52,3 +96,6 @@ def _alone(
         raise typer.Exit
     if context.invoked_subcommand is None:
         print(context.get_help())
+
+
+app = commands()

@@ -10,7 +10,7 @@ from rich.table import Table
 
 from rodgen.cli.console import out, working
 from rodgen.cli.errors import DISPROVEN, fail
-from rodgen.cli.generated import is_generated
+from rodgen.cli.results import is_generated
 from rodgen.loading import load_module
 from rodgen.scene import SceneError
 
@@ -20,7 +20,7 @@ def check(
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random states.")] = 1,
 ) -> None:
     """Compare MODULE, which is run, with hand-assembled equations in 50-digit arithmetic."""
-    from rodgen.emit.check import DIGITS, LIMIT, check_module
+    from rodgen.check.module import DIGITS, LIMIT, check_module
 
     if module_file.suffix != ".py" or not is_generated(module_file):  # nothing else is run
         allowed = "a .py that rodgen derive wrote (of a C module, the .py beside the .c)"

@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.table import Table
 
 from rodgen.analyse.errors import AnalysisError
-from rodgen.cli.console import err, out, print_notes, working
-from rodgen.cli.errors import FAILED_RUN, fail, finite
-from rodgen.cli.folders import promised
+from rodgen.cli.console import (
+    err,
+    finite,
+    out,
+    print_json,
+    print_notes,
+    print_values,
+    warn,
+    working,
+    write_picture,
+)
+from rodgen.cli.errors import FAILED_RUN, fail
 from rodgen.cli.options import After, AsJson, AtTime, OutFolder, SceneFile, Speed
+from rodgen.cli.results import promised
+from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
 
 if TYPE_CHECKING:
@@ -27,19 +36,7 @@ if TYPE_CHECKING:
     Simulated = SimulatedCritical | AnalysisError
 
 
-NAMES = {
-    "follower": "critical force",
-    "tip": "critical dead force",
-    "gravity": "critical gravity",
-    "all": "critical factor",
-}
-TITLES = NAMES | {"follower": "critical follower force"}
-FACTORS = {
-    "follower": "P L^2/EI",
-    "tip": "F L^2/EI",
-    "gravity": "M g L^2/EI",
-    "all": "factor of all loads",
-}
+SCALABLE = ", ".join(term.table for term in TERMS.values() if term.sizes)
 
 
 def critical(
@@ -51,9 +48,12 @@ def critical(
         float | None, typer.Option(help="Where it ends [N]; 1000 EI/L^2, if not given.")
     ] = None,
     load: Annotated[
-        str,
-        typer.Option(help="The load that is scaled: follower, tip, gravity, or all by one factor."),
-    ] = "follower",
+        str | None,
+        typer.Option(
+            help=f"The load that is scaled: {SCALABLE}, of several the name, such as follower_2; "
+            "or followers or all, by one factor. By default the first that follows the rod."
+        ),
+    ] = None,
     end: Annotated[
         str, typer.Option(help="upper: where stability is lost; lower: where it is regained.")
     ] = "upper",
@@ -80,15 +80,14 @@ def critical(
     """Find the smallest follower force, or other load, under which SCENE flutters or diverges,
     whatever force it has itself; draw frequencies and growth against the force."""
     from rodgen.analyse.critical import critical_force, family_of
-    from rodgen.analyse.flight import flown
-    from rodgen.analyse.instant import in_words, silent
-    from rodgen.analyse.system import without
+    from rodgen.analyse.family import FOLLOWER, GROUPS, label_of
+    from rodgen.analyse.system import flown, in_words, silent
 
     for option, value in (("--lowest", lowest), ("--highest", highest), ("--t", t)):
         finite(option, value)
     if simulate is not None and not 0 < simulate < math.inf:
         raise SceneError("--simulate", simulate, "a positive number of seconds")
-    if simulate is not None and load != "follower":
+    if simulate is not None and load not in (None, FOLLOWER):
         raise SceneError("--simulate", simulate, "absent: runs find a follower force alone")
     scene = Scene.from_toml(scene_file)
     with promised(None if as_json else out_folder / scene.name) as folder:
@@ -106,27 +105,24 @@ def critical(
                 elastic=elastic,
             )
             family = family_of(scene, t, speed, load=load)
-            others = scene if load == "all" else without(scene, load)
+            own = () if found.load in GROUPS else tuple(family.load.direction)
         simulated = _simulated(family.system, simulate) if simulate else None
         doubted = _doubt(found, simulated, family)
         if as_json:
-            given = _object(found, simulated, doubted) | {"silent": silent(others, found.t)}
-            print(json.dumps(given, allow_nan=False))
+            print_json(_object(found, simulated, doubted) | {"silent": silent(scene, found.t, own)})
         else:
             print_notes(found.notes)
-            out.print(f"{scene.name}: other {in_words(others, found.t)}")
-            out.print(_table(found, simulated, scene.name))
-            from rodgen.view.analysis_pictures import save_picture, stability_curves
+            out.print(f"{scene.name}: other {in_words(scene, found.t, own)}")
+            print_values(f"{scene.name}: critical {label_of(found.load)}", _rows(found, simulated))
+            from rodgen.show.analysis_pictures import stability_curves
 
-            with working("drawing"):
-                picture = save_picture(stability_curves(found, family), folder, "critical")
-            out.print(f"Written: {picture}")
+            write_picture(lambda: stability_curves(found, family), folder, "critical")
     if isinstance(simulated, AnalysisError):
         fail(f"by simulation: {simulated}", FAILED_RUN)
 
 
 def _simulated(system: System, span: float) -> Simulated:
-    """The same by simulations, or why there is no result."""
+    """The critical force by simulations, or why there is none."""
     from rodgen.analyse.growth import simulated_critical_force
     from rodgen.loading import build_fastest
 
@@ -155,7 +151,7 @@ def _doubt(found: Critical, simulated: Simulated | None, family: Family) -> str 
         return None
     words = doubt(found, simulated, family)
     if words:
-        err.print(f"rodgen: warning: {words}")
+        warn(words)
     return words
 
 
@@ -166,14 +162,17 @@ def _object(found: Critical, simulated: Simulated | None, doubted: str | None) -
     return asdict(found) | {"simulated": result, "doubt": doubted}
 
 
-def _table(found: Critical, simulated: Simulated | None, name: str) -> Table:
+def _rows(found: Critical, simulated: Simulated | None) -> dict[str, str]:
+    from rodgen.analyse.family import factor_of, label_of
     from rodgen.analyse.onset import digits
 
     low, high, forces = found.searched
     first, second = found.modes
     rows = {
-        NAMES[found.load]: f"{digits(found.force, found.error)} {found.unit}",
-        FACTORS[found.load]: digits(found.factor, found.error * found.factor / (found.force or 1)),
+        f"critical {label_of(found.load)}": f"{digits(found.force, found.error)} {found.unit}",
+        factor_of(found.load): digits(
+            found.factor, found.error * found.factor / (found.force or 1)
+        ),
         "kind": found.kind + ", where stability is regained" * (found.end == "lower"),
         "frequency at onset": f"{digits(found.frequency, found.frequency_error)} Hz",
         "modes": f"{first} and {second}" if first != second else str(first),
@@ -190,14 +189,11 @@ def _table(found: Critical, simulated: Simulated | None, name: str) -> Table:
     if found.turning:
         rows["apart from that"] = f"the rod turns as a whole, with {found.turning:.4g} 1/s"
     if simulated is not None:
-        rows |= _rows(found.force, simulated)
-    table = Table(title=f"{name}: {TITLES[found.load]}", show_header=False)
-    for row in rows.items():
-        table.add_row(*row)
-    return table
+        rows |= _simulated_rows(found.force, simulated)
+    return rows
 
 
-def _rows(force: float, simulated: Simulated) -> dict[str, str]:
+def _simulated_rows(force: float, simulated: Simulated) -> dict[str, str]:
     """What simulations found, beside the force by eigenvalues [N]."""
     if isinstance(simulated, AnalysisError):
         return {"by simulation": str(simulated)}

@@ -9,22 +9,19 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from rodgen.check.proofs import MOST_EXPLICIT, MOST_JOINTS, Proof, prove
 from rodgen.cli.console import out, working
 from rodgen.cli.errors import DISPROVEN, fail
-from rodgen.cli.folders import promised, unwritable
-from rodgen.loading import sources
+from rodgen.cli.results import promised, unwritable
+from rodgen.emit.targets import FORMS, TARGETS, check_output, closed, offered
+from rodgen.loading import companions, sources
 from rodgen.loading.cache import write_whole
-from rodgen.loading.proofs import MOST_EXPLICIT, MOST_JOINTS, Proof, prove
+from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen.model.terms import TERMS, THESIS_TERMS
 from rodgen.scene import SceneError, Structure
-from rodgen.scene.structure import (
-    BOUNDARIES,
-    FORMS,
-    INERTIAS,
-    TARGETS,
-    check_output,
-    choose,
-    parse_terms,
-)
+from rodgen.scene.structure import choose, parse_terms
+
+OTHERS = ", ".join(name for name in TERMS if name not in THESIS_TERMS)
 
 
 def derive(
@@ -32,11 +29,17 @@ def derive(
     boundary: Annotated[str, typer.Option(help=", ".join(BOUNDARIES))] = "free",
     inertia: Annotated[str, typer.Option(help=", ".join(INERTIAS))] = "uniform",
     terms: Annotated[
-        str, typer.Option(help="all (but tip_load), none, or a list with commas")
+        str, typer.Option(help=f"all (but {OTHERS}), none, or a list with commas")
     ] = "all",
     target: Annotated[str, typer.Option(help=f"{', '.join(TARGETS)} or both")] = "numpy",
     form: Annotated[str, typer.Option(help=", ".join(FORMS))] = "chain",
     out_folder: Annotated[Path, typer.Option("--out", help="Folder for the module.")] = Path(),
+    parts: Annotated[
+        str, typer.Option(help=f"all, or of {', '.join(offered('c'))}, a list with commas")
+    ] = "all",
+    with_steps: Annotated[
+        bool, typer.Option(help="Step loops beside the C module, for runs without rodgen.")
+    ] = False,
     explicit: Annotated[
         bool, typer.Option(help=f"Run LagrangesMethod with all links beyond {MOST_EXPLICIT} too.")
     ] = False,
@@ -47,13 +50,19 @@ def derive(
     targets = TARGETS if target == "both" else (target,)
     for one in targets:
         check_output(one, form)
+    wanted = None if parts == "all" else [part.strip() for part in parts.split(",")]
+    for one in targets:
+        closed(one, wanted, with_steps and target != "both")
     with promised(out_folder):
         proof = _prove(structure, explicit)
         out.print(_table(structure, proof))
         with working("generating"):
-            texts = {
-                name: t for one in targets for name, t in sources(structure, one, form).items()
-            }
+            texts: dict[str, str] = {}
+            for one in targets:
+                steps = with_steps and (one == "c" or target != "both")
+                texts |= sources(structure, one, form, wanted, steps) | companions(
+                    one, wanted, steps
+                )
         for name, text in texts.items():
             out.print(_write(out_folder / name, text))
 

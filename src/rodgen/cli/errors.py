@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import sys
 from collections.abc import Iterator
@@ -17,15 +16,6 @@ def fail(message: str, status: int) -> NoReturn:
     """Print one line to standard error and end with a status."""
     print(f"rodgen: {message}", file=sys.stderr)
     sys.exit(status)
-
-
-def finite(option: str, value: float | None) -> float | None:
-    """The value of an option; raises SceneError for one that is not finite."""
-    from rodgen.scene import SceneError
-
-    if value is not None and not math.isfinite(value):
-        raise SceneError(option, value, "a finite number")
-    return value
 
 
 @contextmanager

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.table import Table
 
-from rodgen.cli.console import err, out, print_notes, working
-from rodgen.cli.errors import finite
-from rodgen.cli.folders import promised
+from rodgen.cli.console import finite, out, print_json, print_notes, warn, working, write_picture
 from rodgen.cli.options import After, AsJson, AtTime, OutFolder, SceneFile, Speed
+from rodgen.cli.results import promised
 
 if TYPE_CHECKING:
     from rodgen.analyse.modes import Modes
@@ -28,8 +26,8 @@ def modes(
     as_json: AsJson = False,
 ) -> None:
     """Show the natural frequencies of SCENE about its steady state; draw the shapes."""
-    from rodgen.analyse.instant import in_words, silent
     from rodgen.analyse.modes import natural_modes
+    from rodgen.analyse.system import in_words, silent
     from rodgen.scene import Scene
 
     scene = Scene.from_toml(scene_file)
@@ -38,7 +36,7 @@ def modes(
             found = natural_modes(scene, count, t=finite("--t", t), speed=speed, after=after)
         _warn(found)
         if as_json:
-            print(json.dumps(_object(found) | {"silent": silent(scene, found.t)}, allow_nan=False))
+            print_json(_object(found) | {"silent": silent(scene, found.t)})
             return
         print_notes(found.notes)
         out.print(f"{scene.name}: {in_words(scene, found.t)}")
@@ -49,11 +47,9 @@ def modes(
         out.print(f"About the state: {found.state}.")
         out.print(f"Left out: {_left_out(found)}.")
         if len(found.frequencies):
-            from rodgen.view.analysis_pictures import mode_shapes, save_picture
+            from rodgen.show.analysis_pictures import mode_shapes
 
-            with working("drawing"):
-                picture = save_picture(mode_shapes(found, scene.name), folder, "modes")
-            out.print(f"Written: {picture}")
+            write_picture(lambda: mode_shapes(found, scene), folder, "modes")
 
 
 def _warn(found: Modes) -> None:
@@ -61,7 +57,7 @@ def _warn(found: Modes) -> None:
     growing = [str(k + 1) for k, growth in enumerate(found.growth) if growth > 0]
     if growing:
         which = f"mode {growing[0]} grows" if len(growing) == 1 else _several(growing)
-        err.print(f"rodgen: warning: this state is unstable: {which}")
+        warn(f"this state is unstable: {which}")
 
 
 def _several(numbers: list[str]) -> str:

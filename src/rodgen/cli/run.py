@@ -12,16 +12,16 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from rodgen.cli.console import err, out, progress, working
+from rodgen.cli.console import err, out, progress, warn, working
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
-from rodgen.cli.folders import promised, unwritable
 from rodgen.cli.options import OutFolder, SceneFile
-from rodgen.cli.results import check_same, to_replace
+from rodgen.cli.results import check_same, promised, to_replace, unwritable
 from rodgen.integrate import Interrupted, RunError, Solution, StepWarning, resume, simulate
 from rodgen.integrate.error_growth import error_growth as growth_of
 from rodgen.integrate.files.checkpoint import beside
 from rodgen.integrate.files.saver import check_every
-from rodgen.loading import build, fastest, sources
+from rodgen.integrate.methods.compiled import parts
+from rodgen.loading import build, companions, fastest, sources
 from rodgen.loading.cache import write_whole
 from rodgen.scene import Scene
 from rodgen.scene.overrides import check_used
@@ -69,7 +69,11 @@ def run(
         check_same(scene, file)
     else:
         with working("generating"):
-            model, without_c = (build(scene, target), "") if target else fastest(scene)
+            wanted = parts(scene.integrate, target)
+            if target:
+                model = build(scene, target, parts=wanted)
+            else:
+                model, without_c = fastest(scene, wanted)
         context.with_resource(promised(folder))
         stale = to_replace(scene, file)
     # What a batch system sends to end a program is to lose nothing either.
@@ -117,7 +121,7 @@ def _warned() -> Iterator[None]:
     """Warnings of a run as lines of their own."""
 
     def show(message: Warning | str, *_: object, **__: object) -> None:
-        err.print(f"rodgen: warning: {message}")
+        warn(str(message))
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", StepWarning)
@@ -134,13 +138,15 @@ def _write(
     without_c: why the C module was not used; stale: files of the module that was there before.
     """
     _hold_back_ctrl_c()
-    from rodgen.view.summary import summary
+    from rodgen.show.summary import summary
 
     words = summary(solution, without_c)
     model = solution.model
     assert model is not None
-    texts = sources(solution.scene, model.PROVENANCE["target"])
-    written = [RESULT, "summary.txt", *texts]
+    target = model.PROVENANCE["target"]
+    texts = sources(solution.scene, target) | companions(target)
+    # Of what lies in a folder, the folder.
+    written = [RESULT, "summary.txt", *dict.fromkeys("".join(n.partition("/")[:2]) for n in texts)]
     try:
         with working("writing") as step:
             write_whole(folder / "summary.txt", words)
@@ -152,7 +158,7 @@ def _write(
             step(RESULT)
             if pictured:
                 _let_ctrl_c_through()
-                from rodgen.view.pictures import save_pictures
+                from rodgen.show.pictures import save_pictures
 
                 written += [picture.name for picture in save_pictures(solution, folder)]
     except OSError as error:

@@ -6,17 +6,17 @@ from contextlib import suppress
 
 from rich.table import Table
 
-from rodgen.cli.console import err, out, print_notes, working
+from rodgen.cli.console import out, print_notes, warn, working
 from rodgen.cli.options import SceneFile
 from rodgen.integrate import choose
+from rodgen.integrate.diagnosis import drift_warning
 from rodgen.integrate.methods.choose import described, fastest_motion
 from rodgen.integrate.stability import limit
-from rodgen.integrate.warned import drift_warning
 from rodgen.loading import build_fastest
+from rodgen.model.methods import FIXED_STEP
 from rodgen.scene import Scene
 from rodgen.scene.contents import contents
 from rodgen.scene.mesh import mesh_notes
-from rodgen.scene.tables import FIXED_STEP
 
 MOST_LISTED = 10  # break points
 
@@ -45,7 +45,7 @@ def show(
     out.print(f"integrated by {choice.method}: {choice.reason}")
     drifts = drift_warning(scene)
     if drifts:
-        err.print(f"rodgen: warning: {drifts}")
+        warn(drifts)
     with suppress(ArithmeticError):  # rates that are not finite: the run will say so
         fastest = fastest_motion(scene, model)
         out.print(f"fastest motion at the start: {described(fastest)}")

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
-from rodgen.cli.console import err, out, working
-from rodgen.cli.errors import finite
-from rodgen.cli.folders import promised
+from rodgen.cli.console import finite, out, print_json, print_values, warn, working, write_picture
 from rodgen.cli.options import AsJson, AtTime, OutFolder, SceneFile
+from rodgen.cli.results import promised
 
 if TYPE_CHECKING:
     from rodgen.analyse.statics import Equilibrium
@@ -37,9 +34,8 @@ def static(
     as_json: AsJson = False,
 ) -> None:
     """Show the static equilibrium of SCENE; draw the deflected rod."""
-    from rodgen.analyse.instant import in_words, silent
     from rodgen.analyse.statics import static_equilibrium
-    from rodgen.analyse.system import System
+    from rodgen.analyse.system import System, in_words, silent
     from rodgen.scene import Scene
 
     scene = Scene.from_toml(scene_file)
@@ -47,23 +43,20 @@ def static(
         with working("balancing"):
             rest = static_equilibrium(scene, t=finite("--t", t), imperfection=imperfection)
         if rest.instability:
-            err.print(f"rodgen: warning: {_warning(rest.instability, imperfection)}")
+            warn(_warning(rest.instability, imperfection))
         if as_json:
-            print(json.dumps(_object(rest) | {"silent": silent(scene, rest.t)}, allow_nan=False))
+            print_json(_object(rest) | {"silent": silent(scene, rest.t)})
             return
         out.print(f"{scene.name}: {in_words(scene, rest.t)}")
-        out.print(_table(rest, scene.name))
-        from rodgen.view.analysis_pictures import equilibrium_shape, save_picture
+        print_values(f"{scene.name}: static equilibrium", _rows(rest))
+        from rodgen.show.analysis_pictures import equilibrium_shape
 
-        with working("drawing"):
-            figure = equilibrium_shape(rest, System.of(scene, t))
-            picture = save_picture(figure, folder, "static")
-        out.print(f"Written: {picture}")
+        write_picture(lambda: equilibrium_shape(rest, System.of(scene, t)), folder, "static")
 
 
 def _warning(instability: str, imperfection: float | None) -> str:
     """That the state is unstable, and how a stable one beside it is found."""
-    from rodgen.analyse.instability import DIVERGENCE
+    from rodgen.analyse.branch import DIVERGENCE
 
     words = f"this equilibrium is unstable ({instability}): small motions about it grow"
     if instability != DIVERGENCE:
@@ -75,7 +68,9 @@ def _warning(instability: str, imperfection: float | None) -> str:
 def _object(rest: Equilibrium) -> dict[str, object]:
     return {
         "tip": rest.tip.tolist(),
+        "start": rest.joints[0].tolist(),
         "phi": rest.phi.tolist(),
+        "states": rest.states,
         "stable": rest.stable,
         "instability": rest.instability,
         "iterations": rest.iterations,
@@ -84,19 +79,18 @@ def _object(rest: Equilibrium) -> dict[str, object]:
     }
 
 
-def _table(rest: Equilibrium, name: str) -> Table:
-    x, y = (0.0 if abs(c) < ROUNDING * abs(rest.joints).max() else c for c in rest.tip)
+def _rows(rest: Equilibrium) -> dict[str, str]:
+    largest = abs(rest.joints).max()
+    x, y, x0, y0 = (0.0 if abs(c) < ROUNDING * largest else c for c in (*rest.tip, *rest.joints[0]))
     angle = float(rest.phi[-1])
     stages = len(rest.stages)
-    rows = {
+    return {
         "tip x": f"{x:.12g} m",
         "tip y": f"{y:.12g} m",
         "tip angle": f"{angle:.12g} rad = {math.degrees(angle):.6g} degrees",
+        "joint 0": f"({x0:.12g}, {y0:.12g}) m",
+        **{name: f"{value:.12g}" for name, value in rest.states.items()},
         "Newton iterations": f"{rest.iterations}, the last correction {rest.change:.1e} rad",
         "load stages": str(stages) if stages > 1 else "1 (the whole load at once)",
         "stable": STABLE.get(rest.instability, f"NO ({rest.instability})"),
     }
-    table = Table(title=f"{name}: static equilibrium", show_header=False)
-    for row in rows.items():
-        table.add_row(*row)
-    return table

@@ -35,7 +35,7 @@ def view(
     if not place.is_dir():
         raise SceneError("--folder", str(place), "a folder")
     try:
-        from rodgen.view.live.web.server import Settings, serve
+        from rodgen.live.page.server import Settings, serve
     except ModuleNotFoundError as error:
         # Whatever is not ours comes with the extra, or with what the extra brings.
         if (error.name or "").partition(".")[0] == "rodgen":

@@ -25,9 +25,7 @@ from sympy import (
     sin,
 )
 
-from rodgen.derive.general import Array, joint
-from rodgen.derive.symbols import discretisation, i, j, later, n, phi, s
-from rodgen.emit.elements import Element, Elements
+from rodgen.derive.symbols import Array, discretisation, i, j, joint, later, n, other, phi, s
 from rodgen.emit.printer import NUMPY, Printer
 from rodgen.emit.statements import (
     CASES,
@@ -40,11 +38,13 @@ from rodgen.emit.statements import (
     VALUE,
     Constant,
     Domain,
+    Element,
+    Elements,
     Statement,
 )
 from rodgen.emit.tangents import Tangents
 
-INDICES = (i, j, joint, s, DIRECTION)
+INDICES = (i, j, joint, s, other, DIRECTION)
 # Cosine and sine of every angle are computed once, whoever uses them.
 TRIGONOMETRY = {
     IndexedBase("cos_phi", real=True): cos,
@@ -57,7 +57,9 @@ class Analysis:
     """The statements of one function.
 
     links: number of links; arrays: quantities along the chain that outputs may refer to;
-    constants: those of the module, which grow with every function.
+    constants: those of the module, which grow with every function; parameters: those that are
+    several numbers, with their ranges; numbers: what numbers by their names are, where they are
+    read.
     """
 
     def __init__(
@@ -66,9 +68,12 @@ class Analysis:
         moving: Domain,
         arrays: Mapping[IndexedBase, Array],
         constants: dict[tuple[Expr, Domain], Constant],
+        parameters: Mapping[str, Domain],
+        numbers: Mapping[Symbol, Expr],
     ):
         self.links, self.moving = links, moving
-        self.arrays, self.constants = arrays, constants
+        self.numbers = {**discretisation(), **numbers}
+        self.arrays, self.constants, self.parameters = arrays, constants, parameters
         self.elements = Elements()
         self.statements: dict[str, Statement] = {}
         self._sums: dict[Sum, Expr] = {}
@@ -86,11 +91,12 @@ class Analysis:
         """
         for name, (domain, expr) in outputs.items():
             self._add(name, domain, expr)
-        self._define_links()
+        self._define_numbers()
         wanted = list(values)
         differentiate = Tangents(self.statements, self.elements)
         for name, fixed in tangents.items():
             wanted += [d for d in (differentiate(name, fixed),) if d is not None]
+        self._define_numbers()
         self._share(wanted)
         return self._in_order(wanted)
 
@@ -117,9 +123,10 @@ class Analysis:
         self.statements[name] = Statement(name, VALUE, domain, flat)
 
     def _add_cases(self, name: str, domain: Domain, expr: Piecewise) -> None:
-        """A quantity that differs where its index is at an end."""
+        """A quantity that differs at single positions; those at an end are left out inside."""
         (index,) = domain.indices
-        special = {int(equality.rhs) for equality in expr.atoms(Eq)} & {domain.low, domain.high}
+        named = {int(equality.rhs) for equality in expr.atoms(Eq)}
+        special = {at for at in named if domain.low <= at <= domain.high}
         ends = {at: self._flatten(expr.subs(index, at)) for at in sorted(special)}
         low = domain.low + (domain.low in special)
         high = domain.high - (domain.high in special)
@@ -142,9 +149,9 @@ class Analysis:
             kind, span, result = TOTAL, Domain((index,), int(low), int(high)), SCALAR
         elif high.free_symbols:  # from the start up to the index
             kind, span, result = PREFIX, Domain((index,), int(low), domain.high - 1), domain
-        else:  # from behind the index to the end
+        else:  # from behind the index, which may be one of a pair, to the end
             kind, span = SUFFIX, Domain((index,), domain.low + 1, int(high))
-            result = Domain(domain.indices, domain.low, int(high) - 1)
+            result = Domain(tuple(low.free_symbols), domain.low, domain.high)
         self._add(f"{name}_terms", span, total.function)
         terms = self.statements[f"{name}_terms"]
         read = self.elements.symbol(terms.name, index)
@@ -182,13 +189,17 @@ class Analysis:
             domain = self._empty((i,))
             self.statements[name] = Statement(name, VALUE, domain, TRIGONOMETRY[base](angle))
 
-    def _define_links(self) -> None:
-        """Mass, length and spring stiffness of a link, where they are used."""
-        expressions = [e for st in self.statements.values() for e, _ in st.parts()]
-        used = set().union(*(e.free_symbols for e in expressions))
-        for symbol, value in discretisation().items():
-            if symbol in used:
+    def _define_numbers(self) -> None:
+        """Mass, length and spring stiffness of a link, sensors and laws, where they are used."""
+        while True:
+            expressions = [e for st in self.statements.values() for e, _ in st.parts()]
+            used = set().union(*(e.free_symbols for e in expressions))
+            new = {s: e for s, e in self.numbers.items() if s in used}
+            new = {s: e for s, e in new.items() if str(s) not in self.statements}
+            for symbol, value in new.items():
                 self._add(str(symbol), SCALAR, value)
+            if not new:
+                return
 
     def _hoist(self, expr: Expr, domain: Domain) -> Expr:
         """Factors and terms that depend on indices alone, as constants of the module."""
@@ -258,7 +269,11 @@ class Analysis:
 
     def _grow(self) -> None:
         """Ranges of shared quantities and of trigonometry: all that their users read."""
-        growing = {st.name for st in self.statements.values() if st.domain.along and st.count < 1}
+        growing = {
+            st.name
+            for st in self.statements.values()
+            if st.domain.along and st.domain == self._empty(st.domain.indices)
+        }
         for statement in reversed(self._in_order(self.statements)):
             for expr, over in statement.parts():
                 for symbol in expr.free_symbols:
@@ -279,8 +294,8 @@ class Analysis:
                 continue
             del self.statements[target.name]
             self.statements[name] = Statement(name, VALUE, target.domain, target.expr)
-            for other in self.statements.values():
-                other.map({symbol: Symbol(name, real=True)})
+            for reader in self.statements.values():
+                reader.map({symbol: Symbol(name, real=True)})
 
     # Order ------------------------------------------------------------------------------------
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from sympy import Symbol, symbols
 
-from rodgen.derive.general import Equations, joint
-from rodgen.derive.quantities import Acting, Quantities
-from rodgen.derive.symbols import i, n
+from rodgen.derive.general import Equations
+from rodgen.derive.loads.kinds import Acting
+from rodgen.derive.quantities import Quantities
+from rodgen.derive.symbols import i, joint, n
 from rodgen.emit.statements import SCALAR, Domain, Outputs
 
 # What the caller of generalised_force gives.
@@ -23,7 +24,7 @@ def bending(equations: Equations, links: int) -> Outputs:
 def forces(equations: Equations, links: int) -> Outputs:
     """Components of every load that acts as forces on joints."""
     return {
-        f"{term}_{axis}": (_joints(load, links), component)
+        f"{term}_force_{axis}": (_joints(load, links), component)
         for term, load in Quantities(equations).forces.items()
         for axis, component in zip("xy", load.force, strict=True)
     }

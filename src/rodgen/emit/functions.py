@@ -3,23 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, cached_property
+from itertools import starmap
 
 import sympy
 from sympy import Eq, Expr, Indexed, IndexedBase, Piecewise, S, Symbol
 
-from rodgen.derive.general import Equations, joint, joint_vx, joint_vy, joint_x, joint_y
+from rodgen.derive.emptying import Emptying, Tank
+from rodgen.derive.general import Equations
 from rodgen.derive.implicit_form import UNKNOWNS, ImplicitForm
 from rodgen.derive.inertia import INERTIAS
 from rodgen.derive.joint_forces import joint_system
 from rodgen.derive.joint_system import System, alpha, link_moment
+from rodgen.derive.loads.kinds import JointMoment
 from rodgen.derive.quantities import Quantities
-from rodgen.derive.symbols import i, n
+from rodgen.derive.symbols import Array, i, joint, joint_vx, joint_vy, joint_x, joint_y, n
 from rodgen.emit.forces import bending, forces, point_force
+from rodgen.emit.laws import Laws
+from rodgen.emit.masses import Masses
+from rodgen.emit.newton import NewtonMatrix
 from rodgen.emit.program import Compiler, Solve
+from rodgen.emit.spring import law_of
 from rodgen.emit.statements import SCALAR, Domain, Outputs, Program
+from rodgen.model.terms import EMPTYING
+from rodgen.scene.grammar import NUMPY
 from rodgen.scene.structure import Structure
+
+CENTRE = ("centre_x", "centre_y")
 
 
 @dataclass(frozen=True)
@@ -31,7 +42,9 @@ class Functions:
     @cached_property
     def equations(self) -> Equations:
         """Derivation 2."""
-        return Equations(self.structure.boundary, self.structure.inertia, self.structure.terms)
+        of = self.structure
+        equations = Equations(of.boundary, of.inertia, of.terms, of.uneven, law_of(of))
+        return _kept(equations, INERTIAS[of.inertia])
 
     @property
     def links(self) -> int:
@@ -44,18 +57,54 @@ class Functions:
     @property
     def springs(self) -> bool:
         """Whether any joint has a spring: a single link that is not clamped has none."""
-        return self.links > self.equations.hold.first_spring
+        return bool(self.equations.hold.springs(self.links))
 
     @cached_property
     def system(self) -> System:
         """Derivation 3, without what this many links do not have."""
-        return _pruned(self._derived[0], set() if self.springs else {link_moment})
+        return self._derived[0].without(set() if self.springs else {link_moment})
 
     @cached_property
     def compiler(self) -> Compiler:
         """What turns outputs into programs."""
-        first = self.equations.hold.first
-        return Compiler(self.links, first, self.system.arrays, self.solve)
+        first, arrays = self.equations.hold.first, self.system.arrays
+        if self.emptying:
+            present = self.emptying.masses.items()
+            arrays = arrays | {base: Array(base, i, S.Zero, n - 1, e) for base, e in present}
+        known = arrays, self.solve, self.given, self.laws.definitions, self.clocked
+        return Compiler(self.links, first, *known)
+
+    @cached_property
+    def emptying(self) -> Emptying | None:
+        """The masses that are functions of time, if there are any."""
+        of = self.structure
+        if not of.masses:
+            return None
+        tanks = tuple(starmap(Tank, of.tanks.items()))
+        return Emptying(self.equations, len(tanks) < len(of.masses), tanks)
+
+    @cached_property
+    def clocked(self) -> tuple[str, ...]:
+        """Numbers and masses that follow the time, by name, and the rates of these."""
+        masses = Masses(self.structure)
+        expressions = self.structure.open_expressions
+        return (*expressions, *masses.of_bodies(NUMPY), *masses.of_links(NUMPY))
+
+    @cached_property
+    def laws(self) -> Laws:
+        """Expressions that follow the motion, and states that are added."""
+        return Laws(self.structure)
+
+    @property
+    def added(self) -> Outputs:
+        """Rates of the states that are added."""
+        return _scalars(self.laws.rates)
+
+    @cached_property
+    def given(self) -> dict[str, Domain]:
+        """Parameters that are several numbers, and which joints or links these are of."""
+        spans = self.structure.spans.items()
+        return {name: Domain((i,), span.start, span.stop - 1) for name, span in spans}
 
     @cached_property
     def solve(self) -> Solve:
@@ -112,12 +161,18 @@ class Functions:
         low, high = self.low - starts, self.high - (not system.end)
         for r, c in self.pairs:
             out[f"diag_{axes[r]}{axes[c]}"] = rows, system.diagonal[r, c]
-            if system.coupling[r, c] != system.coupling[c, r]:
-                raise ArithmeticError(f"coupling is not symmetric: {system.coupling}")
             if low <= high and (self.low < self.high or self.ends):
                 over = Domain((system.index,), low, high)
                 out[f"next_{axes[r]}{axes[c]}"] = over, system.coupling[r, c]
+                if r != c and system.coupling != system.coupling.T:
+                    out[f"next_{axes[c]}{axes[r]}"] = over, system.coupling[c, r]
         return out
+
+    def _coupling(self, r: int, c: int, at: Expr) -> Expr:
+        """An entry of the block of a position with the next."""
+        pair = self.axes[r] + self.axes[c]
+        known = f"next_{pair}" in self.matrix
+        return _element(f"next_{pair if known else ''.join(sorted(pair))}", at)
 
     @cached_property
     def right(self) -> Outputs:
@@ -151,14 +206,14 @@ class Functions:
             for c, unknown in enumerate(system.unknowns):
                 pair = "".join(sorted(axes[r] + axes[c]))
                 inner -= _element(f"diag_{pair}", index) * unknown[index]
-                before -= _element(f"next_{pair}", index - 1) * unknown[index - 1]
-                after -= _element(f"next_{pair}", index) * unknown[index + 1]
+                before -= self._coupling(c, r, index - 1) * unknown[index - 1]
+                after -= self._coupling(r, c, index) * unknown[index + 1]
             if f"next_{axes[0]}{axes[0]}" not in self.matrix:
                 before = after = S.Zero
-            out[f"residual_{axis}"] = rows, self._at_ends(inner, before, after, r)
+            out[f"residual_{axis}"] = rows, self._at_ends(inner, before, after)
         return out
 
-    def _at_ends(self, inner: Expr, before: Expr, after: Expr, r: int) -> Expr:
+    def _at_ends(self, inner: Expr, before: Expr, after: Expr) -> Expr:
         """A row of the residual with its neighbours; beyond the ends stands what is given."""
         index, sides = self.system.index, {"start": before, "end": after}
         for where, offset in (("start", -1), ("end", 1)):
@@ -179,7 +234,7 @@ class Functions:
     @property
     def chain_outputs(self) -> Outputs:
         """What rhs needs in the chain form."""
-        return self.ends | self.matrix | self.right | self.rates
+        return self.ends | self.matrix | self.right | self.rates | self.added
 
     def chain(self) -> Program:
         """rhs in O(n)."""
@@ -192,57 +247,25 @@ class Functions:
         values = self.ends | self.matrix | self.right
         none: frozenset[str] = frozenset()
         tangents = dict.fromkeys(self.ends, none) | dict.fromkeys(self.residual, unknowns)
-        tangents |= dict.fromkeys(self.rates, none)
-        return values | self.residual | self.rates, tangents, list(values)
+        tangents |= dict.fromkeys(self.rates | self.added, none)
+        return values | self.residual | self.rates | self.added, tangents, list(values)
 
     def jac(self) -> Program:
         """The Jacobian by tangents of the chain form."""
         outputs, tangents, values = self.derivatives
         return self.compiler.compile(outputs, tangents=tangents, values=values)
 
+    @cached_property
+    def newton(self) -> NewtonMatrix:
+        """What a Newton matrix is made of."""
+        return NewtonMatrix(
+            self._derived[1], self.equations, self.laws, self.compiler.link, self.links
+        )
+
     def implicit(self) -> Program:
         """Residual with joint forces as unknowns, and its blocks."""
         cells = dict.fromkeys(map(str, UNKNOWNS), self.compiler.link)
-        return self.compiler.compile(self.cells, given=cells)
-
-    @cached_property
-    def cells(self) -> Outputs:
-        """What implicit gives, by the names that the templates put together."""
-        form, link = self._derived[1], self.compiler.link
-        outputs: Outputs = {f"residual_{r}": (link, e) for r, e in enumerate(form.residual)}
-        blocks = {
-            "angle": form.by_angle,
-            "rate": form.by_rate,
-            "unknown": form.by_unknown,
-            "velocity": form.by_velocity,
-        }
-        for name, matrices in blocks.items():
-            for at, matrix in enumerate(matrices.values()):
-                for r in range(matrix.rows):
-                    for c in range(matrix.cols):
-                        value = matrix[r, c].subs(n, self.links)
-                        if value != 0:
-                            outputs[f"by_{name}_{at}_{r}_{c}"] = link, value
-        return outputs
-
-    @cached_property
-    def motion(self) -> Outputs:
-        """What takes the place of prefix sums in a Newton matrix: derivatives of the velocity that
-        a link adds, and of the acceleration of joint 0 where it moves."""
-        form, out = self._derived[1], Outputs()
-        if "external_damping" in self.equations.terms:
-            for kind, gained in zip(("angle", "rate"), form.lever_by, strict=True):
-                for r in range(2):
-                    out[f"lever_{kind}_{r}"] = self.compiler.link, gained[r]
-        if self.equations.hold.translates:
-            for kind, matrices in form.base_by(self.links).items():
-                for at, matrix in matrices.items():
-                    for r in range(matrix.rows):
-                        for c in range(matrix.cols):
-                            value = matrix[r, c].subs({i: 0, n: self.links})
-                            if value != 0 and (at == 0 or self.links > 1 or kind == "velocity"):
-                                out[f"base_{kind}_{at}_{r}_{c}"] = SCALAR, value
-        return out
+        return self.compiler.compile(self.newton.cells, given=cells)
 
     def mass(self) -> Program:
         """Entries of the mass matrix."""
@@ -270,7 +293,7 @@ class Functions:
                 rhs[f"velocity_{axis}_link"] = link, entry
         if link.count > 1:
             rhs["velocity_link_link"] = self.compiler.pair, equations.velocity_link_link
-        return self.compiler.compile(self._mass | rhs | self._forces())
+        return self.compiler.compile(self._mass | rhs | self._forces() | self.added)
 
     def _forces(self) -> Outputs:
         """Generalised forces of loads and joints, without those that vanish."""
@@ -284,32 +307,47 @@ class Functions:
         out["force_link"] = self.compiler.link, _total(work.link for work in works)
         return {name: (domain, e) for name, (domain, e) in out.items() if e != 0}
 
-    def quantities(self) -> dict[str, Program]:
-        """Energies, power and geometry, for states along leading axes."""
+    @property
+    def observed(self) -> dict[str, Outputs]:
+        """Energies, positions and bending moments."""
         quantities = Quantities(self.equations)
         joints = Domain((joint,), 0, self.links)
         energy = {"kinetic": quantities.kinetic_energy}
-        if self.springs:
-            energy["spring"] = quantities.spring_energy
-        if "gravity" in self.equations.terms:
-            energy["gravity_energy"] = quantities.gravity_energy
+        if springs := quantities.held_energy + (quantities.spring_energy if self.springs else 0):
+            energy["spring"] = springs
+        if quantities.load_energy != 0:
+            energy["load_energy"] = quantities.load_energy
         arrays = self.equations.arrays
-        positions = {str(base): (joints, arrays[base].value) for base in (joint_x, joint_y)}
-        centre = ("centre_x", "centre_y")
+        return {
+            "energy": _scalars(energy),
+            "joints": {str(base): (joints, arrays[base].value) for base in (joint_x, joint_y)},
+            "centre": _scalars(dict(zip(CENTRE, quantities.centre, strict=True))),
+            "bending": bending(self.equations, self.links),
+        }
+
+    def quantities(self) -> dict[str, Program]:
+        """Energies, geometry, moments and forces, for states along leading axes."""
+        quantities = Quantities(self.equations)
         moments = dict(
             zip(("inertia_x", "inertia_y", "product_xy"), quantities.second_moments, strict=True)
         )
-        near = dict(zip(centre, quantities.centre_from_start, strict=True))
+        near = dict(zip(CENTRE, quantities.centre_from_start, strict=True))
+        observed = self.observed
         outputs = {
-            "energy": _scalars(energy),
-            "power": self.power,
-            "joints": positions,
-            "centre": _scalars(dict(zip(centre, quantities.centre, strict=True))),
+            "energy": observed["energy"],
+            "joints": observed["joints"],
+            "centre": observed["centre"],
             "inertia_moments": _scalars(near | moments),
-            "bending": bending(self.equations, self.links),
+            "bending": observed["bending"],
             "forces": forces(self.equations, self.links),
         }
+        if self.laws.definitions:
+            outputs["signals"] = _scalars(self.laws.shown)
         return {name: self.compiler.compile(o, batch=True) for name, o in outputs.items()}
+
+    def acting_power(self) -> Program:
+        """Power of every load without potential, for states along leading axes."""
+        return self.compiler.compile(self.power, batch=True)
 
     def point_force(self) -> Program:
         """Generalised forces of a force on a point of a link."""
@@ -319,17 +357,30 @@ class Functions:
     def power(self) -> Outputs:
         """Power of every load without potential."""
         power = Quantities(self.equations).power
-        acting = {f"power_{term}": e for term, e in power.items() if self._acts(term)}
-        if "external_damping" not in self.equations.terms:
-            # Of all joints, only the tail's velocity is asked for: a sum, not one for every joint.
-            values = {base: self.equations.arrays[base].value for base in (joint_vx, joint_vy)}
-            tail = {base[n]: value.subs(joint, n) for base, value in values.items()}
-            acting = {name: e.xreplace(tail) for name, e in acting.items()}
+        loads = self.equations.loads
+        acting = {
+            f"power_{term}": e
+            for term, e in power.items()
+            if e != 0 and (self.springs or not isinstance(loads[term], JointMoment))
+        }
+        if not self.emptying and not any(e.has(joint) for e in acting.values()):
+            # The velocities of few joints are asked for: a sum each, not one for every joint.
+            acting = {name: e.xreplace(self._velocities(e)) for name, e in acting.items()}
+        if self.emptying:
+            acting[f"power_{EMPTYING}"] = self.emptying.power
         return _scalars(acting)
 
-    def _acts(self, term: str) -> bool:
-        """Internal damping acts where springs do."""
-        return term != "internal_damping" or self.springs
+    def _velocities(self, expression: Expr) -> dict[Expr, Expr]:
+        """Velocities of single joints, as sums along the chain."""
+        arrays, sums = self.equations.arrays, (joint_vx, joint_vy)
+        found = [e for e in expression.atoms(Indexed) if e.base in sums]
+        return {e: arrays[e.base].value.subs(joint, e.indices[0]) for e in found}
+
+
+@cache
+def _kept(equations: Equations, law: object) -> Equations:
+    """The first of equal equations, for one law of inertia: it keeps what was found of them."""
+    return equations
 
 
 @cache
@@ -348,23 +399,3 @@ def _total(parts: Iterable[Expr]) -> Expr:
 
 def _scalars(outputs: Mapping[str, Expr]) -> Outputs:
     return {name: (SCALAR, e) for name, e in outputs.items()}
-
-
-def _pruned(system: System, gone: set[IndexedBase]) -> System:
-    """The system without arrays that are zero, and without what that makes zero in turn."""
-    while gone:
-        now = gone
-
-        def without(e: Expr, now: set[IndexedBase] = now) -> Expr:
-            return e.xreplace({x: S.Zero for x in e.atoms(Indexed) if x.base in now})
-
-        kept = {base: a for base, a in system.arrays.items() if base not in now}
-        system = replace(
-            system,
-            arrays={base: replace(a, value=without(a.value)) for base, a in kept.items()},
-            right=system.right.applyfunc(without),
-            angular=without(system.angular),
-            base=tuple(map(without, system.base)),
-        )
-        gone = {base for base, a in system.arrays.items() if a.value == 0}
-    return system

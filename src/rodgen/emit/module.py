@@ -14,75 +14,52 @@ from jinja2 import DictLoader, Environment, StrictUndefined
 
 from rodgen.emit.forces import places
 from rodgen.emit.functions import Functions
-from rodgen.emit.native import native, segments
-from rodgen.emit.statements import PAIR
-from rodgen.emit.tableaux import tableaux
+from rodgen.emit.masses import IN_TIME, Masses
+from rodgen.emit.program import Analysed
+from rodgen.emit.statements import PAIR, Program
+from rodgen.emit.targets import TARGETS, check_output, closed, target_of
+from rodgen.model.parameter import JOINTS, POSITIVE, Parameter
+from rodgen.model.rod import UNEVEN
+from rodgen.model.terms import TERMS
 from rodgen.progress import EMITTING, tell
-from rodgen.scene.expression import Expression
-from rodgen.scene.structure import TERM_PARAMETERS, Structure, check_output
+from rodgen.scene.grammar import NUMPY
+from rodgen.scene.structure import Structure
 
-# The templates of a module in its target and form: ending of the file, template.
-TEMPLATES: dict[tuple[str, str], dict[str, str]] = {
-    ("numpy", "chain"): {"py": "numpy_chain.py.jinja"},
-    ("numpy", "dense"): {"py": "numpy_dense.py.jinja"},
-    ("c", "chain"): {"py": "c.py.jinja", "c": "c.c.jinja", "h": "c.h.jinja"},
-}
 GUARD = "tests/generated/test_reference_modules.py"
 
-DESCRIPTION = {
-    "free": "free in space",
-    "cantilever": "held at link 0 (the thesis's clamp)",
-    "clamped": "clamped by a root spring",
-    "pinned": "pinned at joint 0",
-}
-RULES = {
-    "mass": "positive",
-    "length": "positive",
-    "bending_stiffness": "at least 0",
-    "internal_damping": "at least 0",
-    "external_damping": "at least 0",
-}
-DEFAULTS = {
-    "follower_angle": "0.0",
-    "clamp_angle": "0.0",
-    "gravity": "9.81",
-    "fin_factor": "None",
-    "tip_force_x": "0.0",
-    "tip_force_y": "0.0",
-}
-PARAMETER_DOCS = {
-    "mass": "of the rod [kg]",
-    "length": "of the rod [m]",
-    "bending_stiffness": "EI [N m^2]",
-    "follower_force": "thrust P at the tail [N], compressive for P > 0",
-    "follower_angle": "angle nu between thrust and last link [rad]",
-    "gravity": "acceleration g [m/s^2], downwards",
-    "internal_damping": "c_int [m^2/s]",
-    "external_damping": "c_ext [1/s]",
-    "clamp_angle": "angle at which the start is held [rad]",
-    "tip_force_x": "x component of the dead force at the tail [N]",
-    "tip_force_y": "y component of the dead force at the tail [N]",
-    "fin_factor": "s at every joint, nose to tail; ones if not given",
-}
 NO_ENERGY = "np.zeros_like(kinetic)"  # the contract has three energies, whatever the scene
 
 
 def module_files(
-    structure: Structure, target: str = "numpy", form: str = "chain"
+    structure: Structure,
+    target: str = "numpy",
+    form: str = "chain",
+    parts: Iterable[str] | None = None,
+    steps: bool = False,
 ) -> dict[str, str]:
-    """The texts of a module, by file name; the first is the Python module itself."""
+    """The texts of a module, by file name; the first is the Python module itself.
+
+    parts: names of targets.PARTS, and what they need; all that the target has but those of
+    targets.ASKED, if not given. steps: whether a C module takes steps, by the loops of native/
+    beside it.
+    """
     check_output(target, form)
-    environment = Environment(
-        loader=DictLoader(_templates()), undefined=StrictUndefined, keep_trailing_newline=True
-    )
-    templates = TEMPLATES[target, form]
+    wanted = closed(target, parts, steps)
+    templates = target_of(target).templates[form]
     stem = structure.module_stem(target, form)
     functions = Functions(structure)
     _ = functions.system  # what takes long to derive is kept from here on
     tell(EMITTING)
-    context = _context(functions, target, form, next(iter(templates.values())))
+    programs, more = target_of(target).programs(functions, form, wanted)
+    programs = {**programs, **_programs(functions, wanted)}
+    context = {
+        **_context(functions, target, form, programs, templates["py"]),
+        **more,
+        "parts": wanted,
+        "steps": steps,
+    }
     return {
-        f"{stem}.{ending}": environment.get_template(template).render(context)
+        f"{stem}.{ending}": _environment().get_template(template).render(context)
         for ending, template in templates.items()
     }
 
@@ -93,31 +70,61 @@ def module_text(structure: Structure, target: str = "numpy", form: str = "chain"
 
 
 @cache
+def _environment() -> Environment:
+    """The templates, each compiled once."""
+    return Environment(
+        loader=DictLoader(_templates()), undefined=StrictUndefined, keep_trailing_newline=True
+    )
+
+
+@cache
 def _templates() -> dict[str, str]:
     """All templates by name."""
-    folder = files("rodgen.templates")
-    names = [f.name for f in folder.iterdir() if f.name.endswith((".jinja", "c_build.py"))]
-    return {name: folder.joinpath(name).read_text(encoding="utf-8") for name in sorted(names)}
+    root = files("rodgen.templates")
+    folders = {"": root} | {f"{name}/": root.joinpath(name) for name in TARGETS}
+    return {
+        f"{name}{file.name}": file.read_text(encoding="utf-8")
+        for name, folder in sorted(folders.items())
+        for file in sorted(folder.iterdir(), key=lambda file: file.name)
+        if file.name.endswith(".jinja")
+    }
 
 
+@cache
 def template_hash() -> str:
-    """Content hash of the templates; they include one another."""
-    content = "\0".join(f"{name}\0{text}" for name, text in _templates().items())
+    """Content hash of the templates, which include one another, and of the step loops."""
+    native = [f for f in files("rodgen.native").iterdir() if f.name.endswith((".c", ".h"))]
+    texts = _templates() | {f.name: f.read_text(encoding="utf-8") for f in native}
+    content = "\0".join(f"{name}\0{texts[name]}" for name in sorted(texts))
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
-def _context(functions: Functions, target: str, form: str, template: str) -> dict[str, Any]:
+def _programs(functions: Functions, parts: Iterable[str]) -> dict[str, Program]:
+    """The functions that are NumPy's in every target, by name."""
+    programs: dict[str, Program] = {}
+    if "mass" in parts:
+        programs["mass"] = functions.mass()
+    if "implicit" in parts:
+        programs["implicit"] = functions.implicit()
+    if "power" in parts:
+        programs["power"] = functions.acting_power()
+    if "quantities" in parts:
+        programs |= functions.quantities()
+        programs["point_force"] = functions.point_force()
+    return programs
+
+
+def _context(
+    functions: Functions,
+    target: str,
+    form: str,
+    programs: Mapping[str, Program | Analysed],
+    template: str,
+) -> dict[str, Any]:
     structure = functions.structure
     hold, n = functions.equations.hold, structure.links
-    programs = {
-        "rhs": functions.dense() if form == "dense" else functions.chain(),
-        "jac": functions.jac(),
-        "mass": functions.mass(),
-        "implicit": functions.implicit(),
-        **functions.quantities(),
-        "point_force": functions.point_force(),
-    }
-    acting = places(functions.equations, n)
+    acting = places(functions.equations, n) if "forces" in programs else {}
+    energies = [st.name for st in programs["energy"].statements] if "energy" in programs else []
     provenance = {
         "rodgen": version("rodgen"),
         "sympy": sympy.__version__,
@@ -129,6 +136,8 @@ def _context(functions: Functions, target: str, form: str, template: str) -> dic
         "operations": {name: programs[name].operations for name in sorted(programs)},
     }
     moving = n - hold.first
+    laws = (*structure.laws.values(), *structure.open_masses.values())
+    motion = 2 * (moving + 2 * hold.translates)  # numbers of y before the states that are added
     return {
         "stem": structure.module_stem(target, form),
         "title": _title(structure),
@@ -139,35 +148,55 @@ def _context(functions: Functions, target: str, form: str, template: str) -> dic
         "base": 2 * hold.translates,
         "moving": moving,
         "size": moving + 2 * hold.translates,
+        "states": motion + len(structure.states),
+        "added": {name: motion + at for at, name in enumerate(structure.state_names)},
+        "added_rates": structure.open_rates,
+        "signal_names": _signals(functions),
+        "cubic": any(
+            e.cubic
+            for e in (
+                *structure.open_expressions.values(),
+                *structure.open_along.values(),
+                *laws,
+            )
+        ),
+        "tables": any(e.tabulated for e in laws),
         "boundary": structure.boundary,
         "inertia": structure.inertia,
         "terms": structure.terms,
         "terms_text": _tuple(structure.terms),
-        "expressions": {name: Expression(text, "t") for name, text in structure.expressions},
-        "expression_text": " ".join(
-            Expression(text, "t").source("c") for _, text in structure.expressions
-        ),
+        "uneven_text": _tuple(structure.uneven) if structure.uneven else "",
+        "spring": structure.spring,
+        "expressions": structure.open_expressions,
+        "texts": structure.open_expressions | structure.open_along,
         "slot": _slots(hold.translates, moving),
-        "state_places": _places(_slots(hold.translates, moving), hold.first),
+        "state_places": _places(_slots(hold.translates, moving), hold.first)
+        | {name: motion + at for at, name in enumerate(structure.state_names)},
         "provenance": provenance,
         "constants": functions.compiler.constants,
         "pairs": [c for c in functions.compiler.constants if c.domain.indices == PAIR],
         "dense": form == "dense",
+        "heavy": functions.equations.rod.heavy,
+        "anchored": functions.equations.anchored,
         "energy_names": [
-            "kinetic",
-            "spring" if functions.springs else NO_ENERGY,
-            "gravity_energy" if "gravity" in structure.terms else NO_ENERGY,
+            name if name in energies else NO_ENERGY for name in ("kinetic", "spring", "load_energy")
         ],
-        "power_names": {name.removeprefix("power_"): name for name in programs["power"].outputs},
+        "power_names": {name.removeprefix("power_"): name for name in functions.power},
         "force_places": acting,
         "force_terms": _tuple(acting),
         "chain": _chain(functions),
-        **({**native(functions), "tableaux": tableaux()} if target == "c" else {}),
-        "works": list(programs["power"].outputs),
         **_parameters(structure),
+        **Masses(structure).context(NUMPY),
+        "in_time_text": _tuple(IN_TIME),
         **_state(structure, hold.translates, hold.first),
         **programs,
     }
+
+
+def _signals(functions: Functions) -> dict[str, str]:
+    """Names of what is computed as signals, by the name that a scene has for it."""
+    named = {of.text: str(symbol) for of, symbol in functions.laws.measured.items()}
+    return named | {str(symbol): str(symbol) for symbol in functions.laws.inputs}
 
 
 def _chain(functions: Functions) -> dict[str, Any]:
@@ -177,6 +206,7 @@ def _chain(functions: Functions) -> dict[str, Any]:
         "width": len(functions.axes),
         "axes": functions.axes,
         "unknowns": functions.solve.unknowns,
+        "unknown_of": dict(zip(functions.axes, functions.solve.unknowns, strict=True)),
         "low": functions.low,
         "count": max(functions.high - functions.low + 1, 0),
         "high": functions.high,
@@ -186,46 +216,97 @@ def _chain(functions: Functions) -> dict[str, Any]:
         "starts_before": domain.low < functions.low,
         "ends_after": domain.high > functions.high,
         "next_low": functions.low - any(e.startswith("start") for e in functions.ends),
-        **segments(functions),
+        "lower": "next_yx" if "next_yx" in functions.matrix else "next_xy",
         "couples": any(name.startswith("next") for name in functions.matrix),
     }
 
 
 def _parameters(structure: Structure) -> dict[str, Any]:
     """What a module says and asks of its parameters."""
-    n, names = structure.links, structure.parameters
-    fins = f"fin_factor_0 .. fin_factor_{n}"
-    scalars = [name for name in names if name != "fin_factor"]
+    spans, places = structure.spans, structure.places
+    rows = structure.rows
+    single = [one for one in rows if not one.several]
+    width = structure.width
     return {
-        "position": {name: at for at, name in enumerate(names)},
-        "width": len(names) + (n if "fin_factor" in names else 0),
-        "scalars": scalars,
-        "scalar_rules": [(name, RULES.get(name, "any")) for name in scalars],
-        "divisors": [name for name in scalars if RULES.get(name) == "positive"],
-        "signature": [(name, DEFAULTS.get(name)) for name in names],
-        "parameter_docs": [(name, PARAMETER_DOCS[name]) for name in names],
-        "parameter_text": ", ".join(fins if name == "fin_factor" else name for name in names),
+        "position": structure.positions,
+        "first_positions": {
+            f"{name}_{spans[name].start}" if name in spans else name: place.start
+            for name, place in places.items()
+            if place.start < width
+        },
+        "width": width,
+        "arrays": [_array(one, spans[one.name], places[one.name]) for one in rows if one.several],
+        "scalars": [one.name for one in single],
+        "scalar_rules": [(one.name, one.rule) for one in single],
+        "divisors": [one.name for one in single if one.rule == POSITIVE],
+        "signature": [(one.name, _default(one)) for one in rows],
+        "parameter_docs": [(one.name, _documented(one)) for one in rows],
+        "parameter_text": ", ".join(_named(one.name, spans.get(one.name)) for one in rows),
         "parameter_groups": [
-            f'*(f"fin_factor_{{at}}" for at in range({n + 1}))'
-            if name == "fin_factor"
-            else f'"{name}"'
-            for name in names
+            f'*(f"{one.name}_{{at}}" for at in {_range(spans[one.name])})'
+            if one.several
+            else f'"{one.name}"'
+            for one in rows
         ],
     }
+
+
+def _array(parameter: Parameter, span: range, place: slice) -> dict[str, Any]:
+    """Where in p a parameter of several numbers lies, how many they are, and what is asked of
+    them."""
+    return {
+        "name": parameter.name,
+        "start": place.start,
+        "slice": f"{place.start}:{place.stop}",
+        "first": span.start,
+        "count": len(span),
+        "number": "N + 1" if parameter.each == JOINTS else str(len(span)),
+        "rule": parameter.rule,
+        "each": f"one for every {parameter.each}",
+        "default": parameter.default,
+    }
+
+
+def _named(name: str, span: range | None) -> str:
+    """A name, or the first and the last of several that are numbered."""
+    if span is None:
+        return name
+    ends = [f"{name}_{at}" for at in (span.start, span.stop - 1)]
+    return " .. ".join(ends) if len(span) > 1 else ends[0] if span else f"no {name}"
+
+
+def _range(span: range) -> str:
+    """The code of a range."""
+    return f"range({span.start}, {span.stop})" if span.start else f"range({span.stop})"
+
+
+def _documented(parameter: Parameter) -> str:
+    optional = parameter.several and parameter.default is not None
+    return parameter.documentation + (
+        f"; {parameter.default:g} everywhere if not given" if optional else ""
+    )
+
+
+def _default(parameter: Parameter) -> str | None:
+    """The default of an argument, as code; None where it has to be given."""
+    if parameter.default is None:
+        return None
+    return "None" if parameter.several else repr(parameter.default)
 
 
 def _state(structure: Structure, translates: bool, first: int) -> dict[str, Any]:
     """Names of the state, as code and in words."""
     last = structure.links - 1
-    links = f"range({first}, {last + 1})" if first else f"range({last + 1})"
+    links = _range(range(first, last + 1))
     groups: list[str] = []
     words: list[str] = []
     for base, name in ((("x0", "y0"), "phi"), (("vx0", "vy0"), "omega")):
         groups += [", ".join(f'"{b}"' for b in base)] if translates else []
         groups.append(f'*(f"{name}_{{at}}" for at in {links})')
         words += base if translates else ()
-        span = f"{name}_{first}" if first == last else f"{name}_{first} .. {name}_{last}"
-        words.append(span)
+        words.append(_named(name, range(first, last + 1)))
+    groups += [f'"{name}"' for name in structure.state_names]
+    words += structure.state_names
     return {"state_groups": groups, "state_text": ", ".join(words)}
 
 
@@ -252,21 +333,30 @@ def _tuple(names: Iterable[str]) -> str:
 def _title(structure: Structure) -> str:
     links = f"{structure.links} rigid link{'s' if structure.links > 1 else ''}"
     timed = {name for name, _ in structure.expressions}
+    rows = [TERMS[name] for name in structure.loads]
+    fed = structure.laws.keys()
     words = [
-        term.replace("_", " ") + " (a function of t)" * bool(timed & {*TERM_PARAMETERS[term]})
-        for term in structure.terms
+        row.words
+        + " (a function of t)" * any(one.name in timed - fed for one in row.parameters)
+        + " (follows the motion)" * any(one.name in fed for one in row.parameters)
+        for row in rows
     ]
     terms = ", ".join(words) or "no loads"
-    held, mass = DESCRIPTION[structure.boundary], structure.inertia
-    return f"Planar rod of {links}, {held}, {mass} mass; {terms}."
+    held, mass = structure.hold.title, structure.inertia
+    uneven = "".join(f", {UNEVEN[what].title}" for what in structure.uneven)
+    uneven += f", springs of the moment {structure.spring}" * bool(structure.spring)
+    added = f"; with {', '.join(structure.state_names)}" if structure.states else ""
+    return f"Planar rod of {links}, {held}, {mass} mass{uneven}; {terms}{added}."
 
 
 def _banner(provenance: Mapping[str, Any], form: str) -> str:
     solved = "a Cholesky solve" if form == "dense" else "a solve of the joint forces in O(n)"
+    operations = provenance["operations"].get("rhs")
+    cost = f";\nrhs: {operations} operations and {solved}" if operations is not None else ""
     return (
         f"Generated by rodgen {provenance['rodgen']} with SymPy {provenance['sympy']} "
         f"from the template\n{provenance['template']} ({provenance['template_hash']}); structure "
-        f"{provenance['structure_hash']};\n"
-        f"rhs: {provenance['operations']['rhs']} operations and {solved}.\n"
+        f"{provenance['structure_hash']}"
+        f"{cost}.\n"
         f"Do not edit; {GUARD} of rodgen guards the generator byte by byte."
     )

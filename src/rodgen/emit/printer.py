@@ -7,60 +7,104 @@ product touches as few numbers as it can.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import reduce
 
-from sympy import Abs, Add, Expr, Mul, Piecewise, Pow, Rational, Symbol, cos, sign, sin
+from sympy import (
+    Abs,
+    Add,
+    And,
+    Expr,
+    Heaviside,
+    Max,
+    Min,
+    Mul,
+    NumberSymbol,
+    Or,
+    Piecewise,
+    Pow,
+    Rational,
+    Symbol,
+    asin,
+    asinh,
+    atan,
+    cos,
+    cosh,
+    exp,
+    log,
+    sign,
+    sin,
+    sinh,
+    tan,
+    tanh,
+)
 from sympy.core.relational import Relational
 from sympy.logic.boolalg import BooleanTrue
+
+from rodgen.emit.laws import Law
+from rodgen.scene import grammar
 
 SUM, PRODUCT, POWER, ATOM = range(4)
 
 
 @dataclass(frozen=True)
 class Dialect:
-    """How functions, choices, powers and rationals are written."""
+    """How functions, the least and the greatest, choices, powers and rationals are written, and the
+    laws of scenes."""
 
     functions: dict[type, str]
     root: str
     choice: str
     power: Callable[[str, str, int], tuple[str, int]]
     fraction: str
+    extremes: dict[type, str] = field(default_factory=dict)
+    language: grammar.Language = grammar.NUMPY
 
 
 def _numpy_power(base: str, exponent: str, strength: int) -> tuple[str, int]:
     return f"{base if strength == ATOM else f'({base})'}**{exponent}", POWER
 
 
-def _c_power(base: str, exponent: str, strength: int) -> tuple[str, int]:
-    if exponent == "2":
-        return f"square({base})", ATOM
-    return f"pow({base}, {exponent})", ATOM
-
-
 NUMPY = Dialect(
-    functions={sin: "np.sin", cos: "np.cos", Abs: "np.abs", sign: "np.sign"},
+    functions={
+        sin: "np.sin",
+        cos: "np.cos",
+        tan: "np.tan",
+        exp: "np.exp",
+        log: "np.log",
+        sinh: "np.sinh",
+        cosh: "np.cosh",
+        tanh: "np.tanh",
+        asinh: "np.arcsinh",
+        atan: "np.arctan",
+        asin: "np.arcsin",
+        Abs: "np.abs",
+        sign: "np.sign",
+    },
+    extremes={Min: "np.minimum", Max: "np.maximum"},
     root="np.sqrt",
     choice="np.where({condition}, {value}, {other})",
     power=_numpy_power,
     fraction="{p}/{q}",
-)
-C = Dialect(
-    functions={sin: "sine", cos: "cosine", Abs: "fabs", sign: "sign"},
-    root="sqrt",
-    choice="({condition} ? {value} : {other})",
-    power=_c_power,
-    fraction="{p}.0/{q}",
+    language=grammar.NUMPY,
 )
 
 
 class Printer:
     """Prints an expression; ``name`` says how a symbol is written, ``rank`` how large it is
-    (0 for a number, 1 for an array along one axis, 2 for a matrix)."""
+    (0 for a number, 1 for an array along one axis, 2 for a matrix), ``start`` where in p the
+    parameters of a rod begin, ``clock`` how the time is written."""
 
     def __init__(
-        self, dialect: Dialect, name: Callable[[Symbol], str], rank: Callable[[Symbol], int]
+        self,
+        dialect: Dialect,
+        name: Callable[[Symbol], str],
+        rank: Callable[[Symbol], int],
+        start: str = "",
+        clock: str = "t",
     ):
-        self._dialect, self._name, self._rank = dialect, name, rank
+        self._dialect, self._name, self._rank, self._start = dialect, name, rank, start
+        self._clock = clock
 
     def __call__(self, expression: Expr) -> str:
         return self._print(expression)[0]
@@ -93,6 +137,20 @@ class Printer:
                 return self._piecewise(e), ATOM
             case Relational():
                 return f"{self(e.lhs)} {e.rel_op} {self(e.rhs)}", SUM
+            case Heaviside():  # the slope of the least and the greatest, whichever at a kink
+                positive = f"{self._wrapped(e.args[0], SUM)} > 0"
+                return self._dialect.choice.format(condition=positive, value=1, other=0), ATOM
+            case Max() | Min():
+                extreme = self._dialect.extremes[type(e)]
+                return reduce(lambda a, b: f"{extreme}({a}, {b})", map(self, e.args)), ATOM
+            case And() | Or():
+                joint = " & " if isinstance(e, And) else " | "
+                return joint.join(f"({self(part)})" for part in e.args), SUM
+            case NumberSymbol():
+                return repr(float(e)), ATOM
+            case Law():
+                signals = list(map(self, e.args))
+                return e.text(self._dialect.language, self._start, self._clock, signals), ATOM
         if type(e) in self._dialect.functions:
             return f"{self._dialect.functions[type(e)]}({self(e.args[0])})", ATOM
         raise TypeError(f"no text for {type(e).__name__}: {e}")

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 
-from sympy import Expr, IndexedBase
+from sympy import Expr, IndexedBase, Symbol
 
-from rodgen.derive.general import Array
-from rodgen.derive.symbols import i
+from rodgen.derive.symbols import Array, i
 from rodgen.emit.analysis import Analysis
+from rodgen.emit.numpy.writer import Writer
 from rodgen.emit.statements import PAIR, Constant, Domain, Program, Statement
-from rodgen.emit.writer import Writer
 
 Outputs = Mapping[str, tuple[Domain, Expr]]
 
@@ -33,18 +32,30 @@ class Solve:
 @dataclass(frozen=True)
 class Analysed:
     """Statements of a function, those that are not only terms of a sum by phase, and what knows
-    their elements."""
+    their elements; operations of one evaluation."""
 
     analysis: Analysis
     statements: list[Statement]
     phases: tuple[tuple[Statement, ...], ...]
+    operations: int
 
 
 class Compiler:
     """Compiles the functions of one structure; constants are shared by all of them."""
 
-    def __init__(self, links: int, first: int, arrays: Mapping[IndexedBase, Array], solve: Solve):
-        self.links, self.arrays, self.solve = links, arrays, solve
+    def __init__(
+        self,
+        links: int,
+        first: int,
+        arrays: Mapping[IndexedBase, Array],
+        solve: Solve,
+        parameters: Mapping[str, Domain],
+        numbers: Mapping[Symbol, Expr],
+        clocked: Collection[str] = (),
+    ):
+        """clocked: numbers that follow the time."""
+        self.links, self.arrays, self.solve, self.parameters = links, arrays, solve, parameters
+        self.numbers, self.clocked = numbers, clocked
         self.link = Domain((i,), first, links - 1)
         self.pair = Domain(PAIR, first, links - 1)
         self._constants: dict[tuple[Expr, Domain], Constant] = {}
@@ -65,13 +76,15 @@ class Compiler:
         tangents: outputs whose tangent is wanted; values: those whose value is (all, if not
         given).
         """
-        analysis = Analysis(self.links, self.link, self.arrays, self._constants)
+        known = self._constants, self.parameters, self.numbers
+        analysis = Analysis(self.links, self.link, self.arrays, *known)
         wanted = outputs if values is None else values
         statements = analysis.run(outputs, tangents or {}, wanted)
         summed = {st.terms.name for st in statements if st.terms}
         kept = [st for st in statements if st.name not in summed]
-        known = [*wanted, *(f"d_{name}" for name in tangents or ())]
-        return Analysed(analysis, statements, self._phases(analysis, kept, known))
+        given = [*wanted, *(f"d_{name}" for name in tangents or ())]
+        cost = sum(st.operations() for st in statements)
+        return Analysed(analysis, statements, self._phases(analysis, kept, given), cost)
 
     def compile(
         self,
@@ -80,20 +93,23 @@ class Compiler:
         tangents: Mapping[str, frozenset[str]] | None = None,
         values: Iterable[str] | None = None,
         given: Mapping[str, Domain] | None = None,
+        writer: type[Writer] = Writer,
     ) -> Program:
-        """The same, written for NumPy; batch: for states along leading axes; given: arrays from
-        outside that do not start at link 0, in place of the unknowns."""
+        """The statements of a function, written for NumPy or by another writer; batch: for states
+        along leading axes; given: arrays from outside that do not start at link 0, in place of the
+        unknowns; tangents, values: as in analyse."""
         analysed = self.analyse(outputs, tangents, values)
         analysis, statements = analysed.analysis, analysed.statements
         given = given or dict.fromkeys(self.solve.unknowns, self.solve.domain)
-        writer = Writer(analysis, statements, batch, given)
+        written = writer(analysis, statements, batch, given, self.clocked)
         for statement in statements:
-            writer.write(statement)
+            written.write(statement)
         reads = set().union(*map(analysis.uses, statements)) if statements else set()
         made = {st.name for st in statements} | {c.name for c in self.constants}
-        cost = sum(st.operations() for st in statements)
         kept = [st for phase in analysed.phases for st in phase]
-        return Program(kept, tuple(outputs), frozenset(reads - made), cost, analysed.phases)
+        return Program(
+            kept, tuple(outputs), frozenset(reads - made), analysed.operations, analysed.phases
+        )
 
     def _phases(
         self, analysis: Analysis, statements: list[Statement], outputs: Iterable[str]

@@ -1,4 +1,9 @@
-"""What a generated function is made of: statements over domains, in an order."""
+"""What a generated function is made of: statements over domains, in an order.
+
+What they read of arrays are plain symbols, which SymPy shares and sorts like any other:
+``phi[i-1]`` is the symbol of that name, and a table knows that it reads the array phi one before
+the index i.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +13,7 @@ from dataclasses import dataclass, field
 from sympy import Expr, Symbol
 
 from rodgen.derive.symbols import i, j
+from rodgen.emit.laws import Law
 
 # Every pair of links, for a matrix.
 PAIR = (i, j)
@@ -17,14 +23,10 @@ VALUE, CASES, PREFIX, SUFFIX, TOTAL = "value", "cases", "prefix", "suffix", "tot
 SUMS = (PREFIX, SUFFIX, TOTAL)
 
 
-@dataclass(frozen=True)
-class Domain:
-    """Over which indices a quantity is computed: none, one with its range, or all pairs; a
-    tangent has its directions as a last axis."""
+class Axes:
+    """What has axes: one for every index, and one for the directions of a tangent."""
 
-    indices: tuple[Symbol, ...] = ()
-    low: int = 0
-    high: int = -1
+    indices: tuple[Symbol, ...]
 
     @property
     def along(self) -> tuple[Symbol, ...]:
@@ -33,8 +35,18 @@ class Domain:
 
     @property
     def tangent(self) -> bool:
-        """Whether a value has directions."""
+        """Whether it has directions."""
         return DIRECTION in self.indices
+
+
+@dataclass(frozen=True)
+class Domain(Axes):
+    """Over which indices a quantity is computed: none, one with its range, or all pairs; a
+    tangent has its directions as a last axis."""
+
+    indices: tuple[Symbol, ...] = ()
+    low: int = 0
+    high: int = -1
 
     @property
     def count(self) -> int:
@@ -48,13 +60,60 @@ class Domain:
         return not self.along or (self.low, self.high) == (other.low, other.high)
 
     def including(self, low: int, high: int) -> Domain:
-        """The same axes over a range that includes another."""
+        """Its axes over a range that includes another."""
         return Domain(self.indices, min(self.low, low), max(self.high, high))
 
 
 SCALAR = Domain()
 # What a function gives, by name: over which indices, and as which expression.
 Outputs = dict[str, tuple[Domain, Expr]]
+
+
+@dataclass(frozen=True)
+class Element(Axes):
+    """base[index + offset]; base[offset] where there is no index; the whole matrix for a pair."""
+
+    base: str
+    indices: tuple[Symbol, ...]
+    offset: int
+
+    def span(self, over: Domain) -> tuple[int, int]:
+        """First and last index that are read when a statement runs over a domain."""
+        if not self.along:
+            return self.offset, self.offset
+        return over.low + self.offset, over.high + self.offset
+
+
+class Elements:
+    """The symbols that stand for elements of arrays."""
+
+    def __init__(self) -> None:
+        self._of: dict[Symbol, Element] = {}
+
+    def symbol(self, base: str, at: Expr) -> Symbol:
+        """The symbol of base[at], where at is a position or an index with an offset."""
+        indices = tuple(at.free_symbols)
+        offset = int(at - sum(indices)) if indices else int(at)
+        return self._register(f"{base}[{at}]", Element(base, indices, offset))
+
+    def tangent(self, symbol: Symbol, base: str) -> Symbol:
+        """The symbol of the tangent of an element, in an array of its own."""
+        of = self._of[symbol]
+        tangent = Element(base, (*of.indices, DIRECTION), of.offset)
+        return self._register(f"d_{symbol}", tangent)
+
+    def matrix(self, base: str, pair: tuple[Symbol, Symbol]) -> Symbol:
+        """The symbol of an entry of a matrix over all pairs."""
+        return self._register(f"{base}[{pair[0]},{pair[1]}]", Element(base, pair, 0))
+
+    def _register(self, name: str, element: Element) -> Symbol:
+        symbol = Symbol(name, real=True)
+        self._of[symbol] = element
+        return symbol
+
+    def get(self, symbol: Symbol) -> Element | None:
+        """What a symbol reads, if it stands for an element."""
+        return self._of.get(symbol)
 
 
 @dataclass
@@ -80,6 +139,11 @@ class Statement:
     def count(self) -> int:
         """Length of the array."""
         return self.domain.count
+
+    @property
+    def law(self) -> bool:
+        """Whether it is a law of the scene, of whose numbers nothing is known."""
+        return isinstance(self.expr, Law)
 
     def parts(self) -> Iterator[tuple[Expr, Domain]]:
         """Every expression with the domain over which it is computed."""
@@ -129,3 +193,8 @@ class Program:
 
     def __contains__(self, name: str) -> bool:
         return any(st.name == name for st in self.statements)
+
+    @property
+    def laws(self) -> bool:
+        """Whether any statement is a law of the scene, which may name the time."""
+        return any(st.law for st in self.statements)

@@ -9,11 +9,11 @@ from collections.abc import Iterable
 
 from sympy import Add, Expr, Piecewise, S, Symbol
 
-from rodgen.emit.elements import Elements
-from rodgen.emit.statements import CASES, DIRECTION, SUMS, VALUE, Domain, Statement
+from rodgen.emit.laws import STATE
+from rodgen.emit.statements import CASES, DIRECTION, SUMS, VALUE, Domain, Elements, Statement
 
 # What a tangent may start from: the state, and unknowns of a system that is solved in between.
-ACTIVE = ("phi", "omega", "vx0", "vy0", "lambda_x", "lambda_y", "tension")
+ACTIVE = ("x0", "y0", "phi", "omega", "vx0", "vy0", "lambda_x", "lambda_y", "tension")
 
 
 class Tangents:
@@ -28,7 +28,7 @@ class Tangents:
         what it is not differentiated by."""
         if name not in self._known:
             if name not in self._statements:
-                self._known[name] = name in ACTIVE
+                self._known[name] = name in ACTIVE or name.startswith(STATE)
             else:
                 self._known[name] = self._differentiate(self._statements[name], frozenset(fixed))
         return f"d_{name}" if self._known[name] else None

@@ -1,7 +1,7 @@
 """Callables to Solutions: methods, samples, events, work, storage."""
 
+from rodgen.integrate.endings import Interrupted, RunError, StepWarning
 from rodgen.integrate.methods.choose import Choice, choose
-from rodgen.integrate.outcome import Interrupted, RunError, StepWarning
 from rodgen.integrate.simulate import resume, simulate
 from rodgen.integrate.solution import Event, Solution
 

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rodgen.integrate.between import Between
-from rodgen.integrate.outcome import RunError
+from rodgen.integrate.dense_output import DenseOutput
+from rodgen.integrate.endings import RunError
 from rodgen.integrate.solution import ErrorGrowth
 from rodgen.integrate.stepper import Array
-from rodgen.scene.tables import Integrate
+from rodgen.scene.integration import Integrate
 
 if TYPE_CHECKING:
     from rodgen.integrate.solution import Solution
@@ -43,10 +43,12 @@ def error_growth(solution: Solution) -> ErrorGrowth:
     the run changes the motion. Not a number where a step of them fails. Raises SceneError for a run
     that was changed while it went on, or has no samples.
     """
-    run, settings = Between(solution, SHARE), solution.scene.integrate
+    run, settings = DenseOutput(solution, SHARE), solution.scene.integrate
     seen = math.inf if settings.fixed else visible(settings.rtol) / settings.rtol
     try:
-        return _grown(run, solution.scene.hold.translates, math.log(seen))
+        base, added = 2 * solution.scene.hold.translates, len(solution.scene.states)
+        angles = slice(base, (run.y.shape[1] - added) // 2)
+        return _grown(run, angles, math.log(seen))
     except RunError:
         return UNKNOWN
 
@@ -56,10 +58,9 @@ def visible(rtol: float) -> float:
     return max(VISIBLE, EXPECTED * rtol)
 
 
-def _grown(run: Between, flies: bool, seen: float) -> ErrorGrowth:
-    """seen: logarithm of the factor from which on errors are."""
+def _grown(run: DenseOutput, angles: slice, seen: float) -> ErrorGrowth:
+    """angles: which of the states are; seen: logarithm of the factor from which on errors are."""
     at, y = run.first, run.y[0]
-    angles = slice(2 * flies, len(y) // 2)
     near, least = _near(run.settings), SHORTEST * (run.last - at)
     off = start = _disturbance(len(y), angles, near)
     piece = (run.last - at) / PIECES

@@ -8,8 +8,8 @@ one of them.
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
 
@@ -17,24 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.stepper import Array, Interpolant
+from rodgen.model.quantities import place
+from rodgen.scene.course import BENDS, Switch
 from rodgen.scene.tables import Event
 
-# The module's function that has a derived quantity, and where in its last axes; () is their sum.
-DERIVED: dict[str, tuple[str, tuple[int, ...]]] = {
-    "tip_x": ("joints", (-1, 0)),
-    "tip_y": ("joints", (-1, 1)),
-    "centre_of_gravity_x": ("centre_of_gravity", (0,)),
-    "centre_of_gravity_y": ("centre_of_gravity", (1,)),
-    "kinetic_energy": ("energy", (0,)),
-    "spring_energy": ("energy", (1,)),
-    "gravity_energy": ("energy", (2,)),
-    "total_energy": ("energy", ()),
-    "inertia_x": ("inertia", (0,)),
-    "inertia_y": ("inertia", (1,)),
-    "product_xy": ("inertia", (2,)),
-}
-STATES = ""  # in place of a function: the state itself
+STATES, SIGNALS = "", "signals"  # in place of a quantity: the state itself, what laws follow
+# What laws of the motion switch at, in place of an event.
+SWITCHING = Event.model_construct(quantity="", value=0.0, direction="either", action="", name="")
 SENSES = {"rising": (-1,), "falling": (1,), "either": (-1, 1)}  # signs before the crossing
 BETWEEN = np.arange(1, 8)[:, None] / 8  # of a step: binary fractions
 # Cubic through two states and their rates, as their difference and h f at either end.
@@ -44,6 +35,10 @@ CUBIC = np.hstack(
 # Where the dense output is looked at before a root is sought: the points between, whichever share
 # of the step it is, are among them.
 ALONG = np.unique([i / whole for whole in range(1, 9) for i in range(whole + 1)])
+OFTEN, SHORT = 1000, 1e-6  # cuts, and the share of the way that each is to bring
+TRIES, STEP = 5, 2.0**-20  # to pass what is switched at; share of a step in a difference
+EARLY = 1e-9  # share of a step, before what is switched at
+NEXT = 64  # roundings of the time within which laws switch at once
 ROUNDING = 1e-12  # of the quantity's size in a step: what is closer to the value is on it
 
 Signs = NDArray[np.bool_]
@@ -51,7 +46,7 @@ Found = tuple[int, int, tuple[float, float]]
 
 
 class Watch:
-    """The events of a scene along its run.
+    """The events of a scene along its run, and behind them where its laws of the motion switch.
 
     A quantity crosses its value when it reaches it: rising from below to at least the value,
     falling from above to at most the value. To leave the value is no crossing, so one that starts
@@ -60,15 +55,29 @@ class Watch:
     neither crosses nor is crossed to.
     """
 
-    def __init__(self, events: Sequence[Event], model: ModuleType, p: Array):
-        self.events, self.model, self.p = tuple(events), model, p
-        self._value = np.array([event.value for event in events], dtype=float)
+    def __init__(
+        self,
+        events: Sequence[Event],
+        model: ModuleType,
+        p: Array,
+        switches: Sequence[Switch] = (),
+    ):
+        self._switches, self._first = tuple(switches), len(events)
+        columns = [(at, column) for at, one in enumerate(switches) for column in range(one.count)]
+        self.events = (*events, *(SWITCHING for _ in columns))
+        self.model, self.p = model, p
+        self._value = np.array([event.value for event in self.events], dtype=float)
         self._from = tuple(
-            np.array([sign in SENSES[event.direction] for event in events], dtype=bool)
+            np.array([sign in SENSES[event.direction] for event in self.events], dtype=bool)
             for sign in (-1, 1)
         )
-        self._asked = self._sources(range(len(self.events)))
+        self._places = [self._place(event.quantity) for event in events]
+        self._places += [(SIGNALS, place) for place in columns]
         self.happened: list[tuple[int, float, Array]] = []
+
+    def switching(self, number: int) -> bool:
+        """Whether what has a number is where a law switches, not an event of the scene."""
+        return number >= self._first
 
     def in_order(self, located: Iterable[tuple[float, int]]) -> list[tuple[float, int]]:
         """Times and numbers of those that are there (not not-a-number), by time; at one and the
@@ -81,36 +90,43 @@ class Watch:
         self.happened.append((number, t, y.copy()))
         return self.events[number].action == "stop"
 
-    def _sources(self, numbers: Iterable[int]) -> dict[str, list[tuple[int, Any]]]:
-        """Functions that have these quantities; for each, the events and their places in it."""
-        asked: dict[str, list[tuple[int, Any]]] = {}
-        for number in numbers:
-            name = self.events[number].quantity
-            if name in DERIVED:
-                function, place = DERIVED[name]
-            elif joint := re.fullmatch(r"joint_([0-9]+)_([xy])", name):
-                function, place = "joints", (int(joint[1]), "xy".index(joint[2]))
-            else:
-                function, place = STATES, (self.model.STATE.index(name),)
-            asked.setdefault(function, []).append((number, place))
-        return asked
+    def _place(self, name: str) -> tuple[str, Any]:
+        """The quantity of the catalogue that has a number of this name, or the state, and where in
+        its last axes."""
+        if name in self.model.STATE:
+            return STATES, (..., self.model.STATE.index(name))
+        quantity, at = place(name)
+        return quantity.name, (..., *at)
 
-    def values(self, y: Array) -> Array:
-        """Quantities (..., E) of states (..., S), in the order of the events."""
-        return self._values(y, self._asked)
+    def values(self, y: Array, t: Array | None = None) -> Array:
+        """Quantities (..., E) of states (..., S), in the order of the events, at times (...) where
+        laws of the motion are among them."""
+        return self._values(y, t, range(len(self.events)))
 
-    def _values(self, y: Array, asked: dict[str, list[tuple[int, Any]]]) -> Array:
+    def _values(self, y: Array, t: Array | None, numbers: Iterable[int]) -> Array:
         values = np.empty((*y.shape[:-1], len(self.events)))
-        for function, events in asked.items():
-            with np.errstate(all="ignore"):  # of a state that is not finite
-                whole = y if function == STATES else getattr(self.model, function)(y, self.p)
-            if isinstance(whole, tuple):
-                whole = np.stack(np.broadcast_arrays(*whole), -1)
-            for number, place in events:
-                values[..., number] = whole[(..., *place)] if place else whole.sum(-1)
+        motion, switches = Piece(self.model, self.p, y, t), dict[int, Array]()
+        with np.errstate(all="ignore"):  # of a state that is not finite
+            for number in numbers:
+                name, at = self._places[number]
+                if name == SIGNALS:
+                    switch, column = at
+                    if switch not in switches:
+                        switches[switch] = self._switched(motion, switch)
+                    values[..., number] = switches[switch][..., column]
+                else:
+                    values[..., number] = (y if name == STATES else motion.values(name))[at]
         return values
 
-    def crossings(self, t: Array, y: Array, f: Array | None = None) -> list[Found]:
+    def _switched(self, motion: Piece, switch: int) -> Array:
+        """What a law switches by, (..., count)."""
+        known = motion.values(SIGNALS) | {BENDS: motion.values(BENDS)}
+        found: Array = self._switches[switch].law(motion.t, known)
+        return found
+
+    def crossings(
+        self, t: Array, y: Array, f: Array | None = None, on: Collection[int] = ()
+    ) -> list[Found]:
         """Steps in which an event happens: (k, number of the event, (t_low, t_high)), by time.
 
         t (K,), y (K, S): step ends, the first of a block being the last of the block before;
@@ -123,11 +139,12 @@ class Watch:
         of crossings (there and back) that fall between two of these points, an eighth of the step
         apart, and pairs so shallow that the cubic, off by the fourth power of the step, does not
         have them. What only the cubic has, `locate` tells. Without f no pair within a step is
-        seen.
+        seen. on: numbers of those whose value the first row is on, but for rounding.
         """
         if len(t) < 2 or not self.events:
             return []
-        ends = self.values(y)[:, None] - self._value
+        ends = self.values(y, t)[:, None] - self._value
+        ends[0, :, list(on)] = 0.0
         g = ends[:-1] if f is None else np.concatenate((ends[:-1], self._inside(t, y, f, ends)), 1)
         g = np.concatenate((g, ends[1:]), axis=1)  # (K-1, points, E): from row k to row k + 1
         g[np.isinf(g)] = np.nan
@@ -140,11 +157,12 @@ class Watch:
 
     def _inside(self, t: Array, y: Array, f: Array, ends: Array) -> Array:
         """Differences to the values at the points between the rows, (K-1, points, E)."""
-        if self._asked.keys() == {STATES}:  # no need of the other states
-            columns = [place for _, (place,) in self._asked[STATES]]
+        if all(name == STATES for name, _ in self._places):  # no need of the other states
+            columns = [at[-1] for _, at in self._places]
             quantities = _cubic(t, y[:, columns], f[:, columns])
         else:
-            quantities = self.values(_cubic(t, y, f))
+            times = t[:-1, None] + np.diff(t)[:, None] * BETWEEN[:, 0]
+            quantities = self.values(_cubic(t, y, f), times)
         inside = quantities - self._value
         # Of points that are not finite nothing is known: as if they were not there.
         return np.where(np.isfinite(inside), inside, ends[:-1])
@@ -162,9 +180,43 @@ class Watch:
             times[-1] = t[k + 1]
             before, after = np.abs(g[k, at, number]), np.abs(g[k, at + 1, number])
             about = at + before / (before + after)
-            for i, place in enumerate(about.tolist()):
-                found.append((k, place, number, (float(times[i]), float(times[i + 1]))))
+            for i, share in enumerate(about.tolist()):
+                found.append((k, share, number, (float(times[i]), float(times[i + 1]))))
         return [(k, number, bracket) for k, _, number, bracket in sorted(found)]
+
+    def first_switch(
+        self, numbers: Iterable[tuple[int, tuple[float, float]]], start: float, at: Interpolant
+    ) -> tuple[float, dict[int, float]] | None:
+        """Just before a law switches first in a step, and the numbers of all that do so then, each
+        with the sign that it has before; numbers: what crosses in the step, each with its bracket;
+        start: of the step [s]; at: as in `locate`. None where nothing does, or next to the start
+        alone."""
+        located = [(self.locate(number, *span, at), number) for number, span in numbers]
+        least = start + NEXT * float(np.spacing(abs(start)))
+        times = [when for when, _ in located if when > least]
+        if not times:
+            return None
+        first = min(times)
+        beside = NEXT * float(np.spacing(abs(first)))
+        signs = np.sign(self.values(at(np.array([start])), np.array([start])))[0]
+        found = {n: float(signs[n]) for when, n in located if when - first <= beside}
+        # Stages at the end of a step are not to see what comes behind.
+        early = first - max(beside, EARLY * (first - start))
+        return max(early, min(least, first)), found
+
+    def short_of(self, sides: Mapping[int, float], t: float, y: Array, f: Array, h: float) -> float:
+        """Time [s] that a run at t, with rates f, is still to go until laws of these numbers have
+        switched; sides: signs before they did; h: the last step. 0 where they have, or where the
+        motion turns back."""
+        on = STEP * h
+        here = self.values(np.stack((y, y + on * f)), np.array([t, t + on]))
+        most = 0.0
+        for number, side in sides.items():
+            value, slope = here[0, number] * side, (here[1, number] - here[0, number]) * side / on
+            if value >= 0 and slope < 0:
+                least = NEXT * float(np.spacing(abs(t)))
+                most = max(most, least - 2 * value / slope)
+        return most
 
     def locate(self, number: int, t_low: float, t_high: float, at: Interpolant) -> float:
         """Time of the first crossing of an event from t_low to t_high along the dense output.
@@ -173,10 +225,10 @@ class Watch:
         within rounding of the first; a run that goes on from there does not meet it again.
         Not-a-number where the dense output has no such crossing, seen at 23 points.
         """
-        asked, value = self._sources([number]), self._value[number]
+        value = self._value[number]
 
         def differences(times: Array) -> Array:
-            found: Array = self._values(at(times), asked)[:, number] - value
+            found: Array = self._values(at(times), times, [number])[:, number] - value
             return found
 
         def difference(time: float) -> float:
@@ -214,3 +266,61 @@ def _cubic(t: Array, y: Array, f: Array) -> Array:
         parts = np.stack((np.diff(y, axis=0), h * f[:-1], h * f[1:]), axis=1)
         inside: Array = y[:-1, None] + CUBIC @ parts
     return inside
+
+
+@dataclass
+class Switching:
+    """Where a run is among the times at which laws of the motion switch.
+
+    goal: end of the stretch [s]; begun: its start; towards: what the run steps onto at present, by
+    number, with its sign before; on, at: what it has passed last, and when [s]; cuts: how often it
+    has, in this stretch; tried: how often it went a little further. No steps are cut where they
+    would be cut again and again on a tiny part of the way, as by a law that chatters.
+    """
+
+    goal: float = math.nan
+    begun: float = math.nan
+    towards: dict[int, float] = field(default_factory=dict)
+    on: frozenset[int] = frozenset()
+    at: float = math.nan
+    cuts: int = 0
+    tried: int = 0
+
+    def seen(self, watch: Watch, t: Array, y: Array, f: Array | None) -> list[Found]:
+        """Crossings in a block of steps, as Watch.crossings has them, without those that the run
+        is on its way to or has had too often."""
+        found = watch.crossings(t, y, f, self.on if t[0] == self.at else ())
+        least = self.cuts * SHORT * (self.goal - self.begun)
+        often = self.cuts > OFTEN and t[0] - self.begun < least
+        return [
+            crossing
+            for crossing in found
+            if not (watch.switching(crossing[1]) and (often or crossing[1] in self.towards))
+        ]
+
+    def head_for(self, sides: dict[int, float]) -> None:
+        """Step onto where laws of these numbers switch; sides: their signs before."""
+        self.towards, self.cuts, self.tried = sides, self.cuts + 1, 0
+
+    def further(self, watch: Watch, t: float, y: Array, f: Array, h: float) -> float:
+        """When [s] the run has certainly passed what it was to step onto, as Watch.short_of has
+        it; t itself where it has, or where that was tried too often."""
+        self.tried += 1
+        return t + (watch.short_of(self.towards, t, y, f, h) if self.tried <= TRIES else 0.0)
+
+    def arrive(self, t: float) -> None:
+        """The run is there, at a time [s]."""
+        self.on, self.at, self.towards = frozenset(self.towards), t, {}
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """All that is needed to go on."""
+        times = np.array([self.goal, self.begun, self.at, self.cuts, self.tried])
+        towards = np.array(list(self.towards.items()), dtype=float).reshape(-1, 2)
+        return {"switching": times, "towards": towards, "on": np.array(sorted(self.on), dtype="i8")}
+
+    @classmethod
+    def of(cls, state: Mapping[str, NDArray[Any]]) -> Switching:
+        """From such a state."""
+        goal, begun, at, *counts = state["switching"].tolist()
+        towards = {int(number): side for number, side in state["towards"].tolist()}
+        return cls(goal, begun, towards, frozenset(state["on"].tolist()), at, *map(int, counts))

@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import math
+import time
+from functools import lru_cache
 from types import ModuleType
 
 import numpy as np
+from threadpoolctl import ThreadpoolController
 
-from rodgen.integrate.live_choice import Chooser
-from rodgen.integrate.live_course import Course
-from rodgen.integrate.live_kick import kicked
-from rodgen.integrate.live_progress import LiveError, Progress
-from rodgen.integrate.live_samples import Samples
-from rodgen.integrate.methods.choose import Choice
+from rodgen.integrate.catalogue import loads_at_work
+from rodgen.integrate.diagnosis import step_warnings
+from rodgen.integrate.live_progress import Course, LiveError, Progress
+from rodgen.integrate.methods.choose import Choice, choose
+from rodgen.integrate.samples import Samples
 from rodgen.integrate.stepper import Array
-from rodgen.integrate.warned import step_warnings
+from rodgen.loading.module import asked
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.integration import AUTO
+from rodgen.scene.plain import is_number
 
 __all__ = ["Live", "LiveError", "Samples"]
+
+PAUSE = 0.5  # seconds between two choices of a method while values are changed
 
 
 class Live(Progress):
@@ -81,8 +87,8 @@ class Live(Progress):
     def kick(self, link: int, share: float, impulse: tuple[float, float]) -> None:
         """An impulse [N s] at a share of a link, from 0 at its start to 1 at its end."""
         t, y, work = self._here()
-        after = kicked(self.model, y, self.p, link, share, impulse)
-        self._go_on_by(self._made(self.scene, self.choice, t, after), y, work)
+        after = kicked(self.model, t, y, self.p, link, share, impulse)
+        self._go_on_by(self._made(self.scene, self.choice, t, after), t, y, work)
 
     def sample_every(self, every: float) -> None:
         """Other seconds between two samples, from here on."""
@@ -90,28 +96,26 @@ class Live(Progress):
         self._take_up(self._made(self.scene, self.choice, t, y), work, _period(every))
 
     def _begin(self, scene: Scene, every: float) -> None:
-        """From the initial state of a scene."""
+        """Begin at the initial state of a scene."""
         t, y = scene.integrate.span[0], scene.initial_state()
         choice = self._chooser.choose(scene)
         course = self._made(scene, choice, t, y, t)
-        with np.errstate(all="ignore"):
-            power = self.model.power(t, y, course.p) if hasattr(self.model, "power") else ()
-        self._start(course, every, tuple(power))
+        self._start(course, every, loads_at_work(scene, self.model))
         self.scene, self.choice, self._warnings = scene, choice, None
-        self._origin, self.given, self.energy_start = t, 0.0, self._energy(y)
+        self._origin, self.given, self.energy_start = t, 0.0, self._energy(t, y)
 
     def _change_to(self, scene: Scene, choice: Choice) -> None:
         """Other values from here on."""
         t, y, work = self._here()
         course = self._made(scene, choice, t, y)
         self.scene, self.choice, self._warnings = scene, choice, None
-        self._go_on_by(course, y, work)
+        self._go_on_by(course, t, y, work)
 
-    def _go_on_by(self, course: Course, y: Array, work: Array) -> None:
+    def _go_on_by(self, course: Course, t: float, y: Array, work: Array) -> None:
         """Take up another course, from the state y and the works up to here."""
-        before = self._energy(y)
+        before = self._energy(t, y)
         self._take_up(course, work)
-        self.given += self._energy(self.y) - before
+        self.given += self._energy(t, self.y) - before
 
     def _choose_again(self) -> None:
         """Choose the method, if that was put off while values were changed."""
@@ -135,10 +139,10 @@ class Live(Progress):
             allowed = f"of the same structure as {self.scene.name}, which the module is for"
             raise SceneError("scene", scene.name, allowed)
 
-    def _energy(self, y: Array) -> float:
+    def _energy(self, t: float, y: Array) -> float:
         """Total energy of a state [J], with the parameters in use."""
         with np.errstate(all="ignore"):
-            return float(sum(self.model.energy(y, self.p)))
+            return float(sum(asked(self.model, "energy", t, y, self.p)))
 
 
 def _period(every: float) -> float:
@@ -146,3 +150,76 @@ def _period(every: float) -> float:
     if not (isinstance(every, int | float) and math.isfinite(every) and every > 0):
         raise SceneError("every", every, "a positive number of seconds")
     return float(every)
+
+
+class Chooser:
+    """The methods of scenes of one module: `auto` is not asked anew for every value that a slider
+    passes."""
+
+    def __init__(self, model: ModuleType):
+        self._model, self._at, self._late = model, -math.inf, False
+
+    def choose(self, scene: Scene) -> Choice:
+        """What `auto` takes a scene to need, or the method that it asks for."""
+        self._at, self._late = time.perf_counter(), False
+        with np.errstate(all="ignore"):
+            return choose(scene, self._model)
+
+    def choose_sparingly(self, scene: Scene, before: Scene, present: Choice) -> Choice:
+        """The choice for a scene, put off for a while if that before it left it to `auto`, too."""
+        auto = scene.integrate.method == before.integrate.method == AUTO
+        if auto and time.perf_counter() - self._at < PAUSE:
+            self._late = True
+            return present
+        return self.choose(scene)
+
+    @property
+    def due(self) -> bool:
+        """Whether a choice was put off that is to be made now."""
+        return self._late and time.perf_counter() - self._at >= PAUSE
+
+
+def kicked(
+    model: ModuleType,
+    t: float,
+    y: Array,
+    p: Array,
+    link: int,
+    share: float,
+    impulse: tuple[float, float],
+) -> Array:
+    """The state (states,) after an impulse [N s] at a share of a link, from 0 at its start to 1 at
+    its end: M du is its generalised force. Raises SceneError."""
+    if isinstance(link, bool) or not isinstance(link, int) or not 0 <= link < model.N:
+        raise SceneError("kick.link", link, f"the number of a link, from 0 to {model.N - 1}")
+    if not 0 <= _number("kick.share", share) <= 1:
+        raise SceneError("kick.share", share, "from 0 at the start of the link to 1 at its end")
+    force = np.array([_number("kick.impulse", part) for part in impulse])
+    if force.shape != (2,):
+        raise SceneError("kick.impulse", impulse, "two numbers, in N s")
+    # On one thread: others would be waited for longer than they help.
+    with np.errstate(all="ignore"), _threads().limit(limits=1, user_api="blas"):
+        M = asked(model, "mass_matrix", t, y, p)
+        pushed = model.generalised_force(y, p, link, share, force)
+        try:
+            jump = np.linalg.solve(M, pushed)
+        except np.linalg.LinAlgError:
+            jump = np.full(len(pushed), math.nan)
+        after: Array = y.copy()
+        after[len(jump) : 2 * len(jump)] += jump
+        finite = np.isfinite(after).all() and np.isfinite(asked(model, "energy", t, after, p)).all()
+    if not finite:
+        raise SceneError("kick.impulse", impulse, "such that rates and energy stay finite")
+    return after
+
+
+@lru_cache(maxsize=1)
+def _threads() -> ThreadpoolController:
+    return ThreadpoolController()
+
+
+def _number(field: str, value: object) -> float:
+    """A finite number. Raises SceneError."""
+    if is_number(value) and math.isfinite(value):
+        return float(value)
+    raise SceneError(field, value, "a finite number")

@@ -13,35 +13,32 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rodgen.integrate.error_growth import error_growth as growth_of
-from rodgen.integrate.events import Watch
-from rodgen.integrate.files.recorder import Recorder
-from rodgen.integrate.files.saver import Saver
-from rodgen.integrate.interrupts import HeldBack
-from rodgen.integrate.methods.choose import choose, machine
-from rodgen.integrate.outcome import (
-    CREEP,
+from rodgen.integrate.catalogue import loads_at_work
+from rodgen.integrate.diagnosis import failure, step_warnings
+from rodgen.integrate.endings import (
     FAILED,
     FINISHED,
     INTERRUPTED,
-    STRIDE,
+    DeferredInterrupt,
     Interrupted,
     RunError,
     StepWarning,
-    advice,
-    cause,
-    turned,
 )
+from rodgen.integrate.error_growth import error_growth as growth_of
+from rodgen.integrate.events import Watch
+from rodgen.integrate.files.saver import Saver
+from rodgen.integrate.methods.choose import choose, machine
+from rodgen.integrate.methods.compiled import parts
+from rodgen.integrate.samples import Recorder
 from rodgen.integrate.solution import Event, Solution, Stats
 from rodgen.integrate.stepper import Happened, StepError
-from rodgen.integrate.stretches import ends, inside
-from rodgen.integrate.warned import step_warnings
+from rodgen.integrate.stretches import UNBOUNDED, Stretches, inside, step_to
 from rodgen.loading import build, build_fastest
 from rodgen.progress import running, telling
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.integration import AUTO
 from rodgen.scene.overrides import check_used, with_parameters, with_state
 from rodgen.scene.scene import check_scene
-from rodgen.scene.tables import AUTO
 
 TICK = 0.1  # seconds between two calls of the progress callback
 
@@ -90,19 +87,20 @@ def simulate(
         scene = with_state(scene, y0)
     scene = scene.with_integrate(**overrides)
     check_used(scene.integrate, overrides)
-    if model is None:
-        with _making(progress):
-            model = build(scene, target) if target else build_fastest(scene)
-    elif model.PROVENANCE["structure_hash"] != scene.structure.hash:
-        allowed = f"built for this scene, with {scene.structure!r}"
-        raise SceneError("model", model.__name__, allowed)
-    if scene.integrate.method == AUTO:
-        scene = scene.integrated_by(choose(scene, model).method)
-    with HeldBack() as held:  # from here on there is a file
-        saver = Saver.begin(scene, model, out, checkpoint)
-        solution = _run(saver, progress, held)
-    if error_growth:
-        solution.errors = growth_of(solution)
+    with _making(progress):
+        if model is None:
+            wanted = parts(scene.integrate, target)
+            model = build(scene, target, parts=wanted) if target else build_fastest(scene, wanted)
+        elif model.PROVENANCE["structure_hash"] != scene.structure.hash:
+            allowed = f"built for this scene, with {scene.structure!r}"
+            raise SceneError("model", model.__name__, allowed)
+        if scene.integrate.method == AUTO:
+            scene = scene.integrated_by(choose(scene, model).method)
+        with DeferredInterrupt() as interrupt:  # from here on there is a file
+            saver = Saver.begin(scene, model, out, checkpoint)
+            solution = _run(saver, progress, interrupt)
+        if error_growth:
+            solution.errors = growth_of(solution)
     return solution
 
 
@@ -119,39 +117,42 @@ def resume(
     for a checkpoint that is damaged or of another version's module.
     """
     saver = Saver.resume(Path(path), checkpoint)
-    with HeldBack() as held:
-        return _run(saver, progress, held)
+    with DeferredInterrupt() as interrupt:
+        return _run(saver, progress, interrupt)
 
 
 def _making(progress: Progress) -> AbstractContextManager[None]:
-    """Where the module is made: who is told of it."""
+    """Who is told of the making of the module and of its parts."""
     if progress is False:
         return telling(lambda _: None)
     stage = getattr(progress, "stage", None)
     return nullcontext() if stage is None else telling(stage)
 
 
-def _run(saver: Saver, progress: Progress, held: HeldBack) -> Solution:
+def _run(saver: Saver, progress: Progress, interrupt: DeferredInterrupt) -> Solution:
     """The run, with a bar if nothing else was asked for."""
     if callable(progress):
-        return _Run(saver, progress, held).go()
+        return _Run(saver, progress, interrupt).go()
     if progress is False:
-        return _Run(saver, lambda _: None, held).go()
+        return _Run(saver, lambda _: None, interrupt).go()
     with running(saver.scene.name, *saver.scene.integrate.span) as update:
-        return _Run(saver, update, held).go()
+        return _Run(saver, update, interrupt).go()
 
 
 class _Run:
-    def __init__(self, saver: Saver, progress: Callable[[float], None], held: HeldBack):
-        self.saver, self.progress, self.held = saver, progress, held
+    def __init__(
+        self, saver: Saver, progress: Callable[[float], None], interrupt: DeferredInterrupt
+    ):
+        self.saver, self.progress, self.interrupt = saver, progress, interrupt
         self.scene, self.model = scene, model = saver.scene, saver.model
         self.settings = scene.integrate
         self.p = model.parameters(**scene.parameters)
-        self.watch = Watch(scene.events, model, self.p)
-        self.start = time.perf_counter()
+        switches = () if scene.integrate.fixed else scene.course.switches()
+        self.watch = Watch(scene.events, model, self.p, switches)
+        self.start = self._told = time.perf_counter()
         start, y0 = self.settings.span[0], scene.initial_state()
+        self.works = loads_at_work(scene, model)
         with np.errstate(all="ignore"):  # of a state that cannot be integrated
-            self.works = tuple(model.power(start, y0, self.p)) if hasattr(model, "power") else ()
             self.machine = machine(model, self.p, self.settings, start, y0)
         times = self.settings.samples
         self.pole: Any = None
@@ -165,11 +166,7 @@ class _Run:
                 self._check_step()
                 message = self._walk()
         except (StepError, OverflowError) as error:
-            at = self.machine.t
-            why = cause(self.scene, self.machine, self.pole)
-            tip = advice(str(error), self.settings, bool(why))
-            why = why or turned(self.scene, self.machine)
-            message = f"stopped at t = {at:.9g} s: {error}{why}; {tip}"
+            message = failure(error, self.scene, self.machine, self.pole)
             raise RunError(message, self.solution(FAILED, message)) from None
         except KeyboardInterrupt:
             message = f"interrupted at t = {self.machine.t:.9g} s"
@@ -185,8 +182,8 @@ class _Run:
 
     def _walk(self) -> str:
         """All stretches; what there is to say of the end."""
-        breaks, self.pole = self.scene.breaks(), self.scene.pole()
-        longest = self.scene.swing()
+        stretches = Stretches.of(self.scene.course, self.settings.fixed)
+        self.pole = stretches.pole
         taken_up = self.saver.restore(self.machine)
         times, rows = self.recorder.room()
         if not taken_up and times[0] == self.machine.t:
@@ -194,44 +191,31 @@ class _Run:
             rows[0, : self.recorder.states] = self.machine.y
             self.recorder.took(1)
         try:
-            pulses = () if self.settings.fixed else self.scene.pulses()
-            for end in ends(self.scene, breaks, pulses, self.pole):
+            for end in stretches.ends:
                 if end <= self.machine.t:
                     continue
                 if not (taken_up and self.machine.end == end):
-                    self.machine.begin(end, *inside(self.machine.t, end), longest)
+                    self.machine.begin(end, *inside(self.machine.t, end), stretches.swing)
                 taken_up = False
-                self._to(end)
+                self._told = time.perf_counter()
+                step_to(
+                    end, self.machine, self.recorder, self.watch, self.settings.budget, self._look
+                )
         except Happened as event:
             name = self.scene.events[event.number].name
             return f"ended at t = {event.t:.12g} s by the event {name!r}"
         if self.pole:  # a step across it would be finite, and wrong
-            raise StepError("a load grows beyond all bounds")
+            raise StepError(UNBOUNDED)
         return ""
 
-    def _to(self, end: float) -> None:
-        """Step to a break point or to the end of the span."""
-        tick = time.perf_counter()
-        seen, least = self.machine.t, CREEP * (end - self.machine.t)
-        look = self.machine.counts.steps + STRIDE
-        done = False
-        while not done:
-            most = self.settings.budget - self.machine.counts.steps
-            if most <= 0 and self.machine.t < end:
-                raise StepError(f"the budget of {self.settings.budget} steps is used up")
-            most = max(0, min(most, look - self.machine.counts.steps))
-            done = self.machine.advance(self.recorder, self.watch, most)
-            if self.machine.counts.steps >= look:
-                look = self.machine.counts.steps + STRIDE
-                if not done and self.machine.t - seen < least:
-                    raise StepError(f"{STRIDE} steps brought it no further than from {seen!r} s")
-                seen = self.machine.t
-            now = time.perf_counter()
-            self.saver.tick(now)
-            if now - tick > TICK:
-                tick = now
-                self.progress(self.machine.t)
-            self.held.look()
+    def _look(self) -> None:
+        """Write what is to be written, tell how far it is, and heed Ctrl-C."""
+        now = time.perf_counter()
+        self.saver.tick(now)
+        if now - self._told > TICK:
+            self._told = now
+            self.progress(self.machine.t)
+        self.interrupt.look()
 
     @property
     def counts(self) -> Stats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -12,15 +12,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.changes import Changes
+from rodgen.integrate.catalogue import Motion, PrincipalAxes, joined
+from rodgen.integrate.samples import Changes
 from rodgen.integrate.stepper import Array, Counts
 from rodgen.loading import build, build_fastest
+from rodgen.loading.module import asked
+from rodgen.model.rod import Boundary
 from rodgen.scene import Scene, SceneError
 
 if TYPE_CHECKING:
     import xarray
 
-    from rodgen.integrate.between import Between
+    from rodgen.integrate.dense_output import DenseOutput
 
 
 class Energy(NamedTuple):
@@ -43,25 +46,6 @@ class Inertia(NamedTuple):
     x: Array
     y: Array
     xy: Array
-
-
-class PrincipalAxes(NamedTuple):
-    """angle: from the x axis to the axis of the smaller moment [rad], in (-pi/2, pi/2], (T,);
-    moments: the smaller and the larger principal moment of inertia [kg m^2], (T, 2)."""
-
-    angle: Array
-    moments: Array
-
-
-def principal_axes(x: Array, y: Array, xy: Array) -> PrincipalAxes:
-    """Of moments about x and y and the product of inertia [kg m^2], each (...)."""
-    tensor = np.stack((np.stack((x, -xy), -1), np.stack((-xy, y), -1)), -2)
-    moments, axes = np.linalg.eigh(tensor)
-    angle = np.arctan2(axes[..., 1, 0], axes[..., 0, 0])
-    # An axis has no direction: of its two angles the one in (-pi/2, pi/2].
-    angle = np.where(angle > np.pi / 2, angle - np.pi, angle)
-    angle = np.where(angle <= -np.pi / 2, angle + np.pi, angle)
-    return PrincipalAxes(angle, moments)
 
 
 class Event(NamedTuple):
@@ -88,11 +72,8 @@ class Stats:
 
     @classmethod
     def of(cls, counts: Counts, seconds: float, target: str = "") -> Stats:
-        """From the counts of the steppers and the wall time."""
-        # Some methods count in NumPy's integers, which JSON does not know.
-        whole = {name: int(n) for name, n in asdict(counts).items() if n is not None}
-        rejected = whole.pop("rejected", None)
-        return cls(rejected=rejected, **whole, wall_seconds=seconds, target=target)
+        """What the steppers have counted, and the wall time."""
+        return cls(**asdict(counts), wall_seconds=seconds, target=target)
 
 
 class ErrorGrowth(NamedTuple):
@@ -125,7 +106,7 @@ class _Module:
 
 
 @dataclass(repr=False)
-class Solution:
+class Solution(Motion):
     """States of a scene over time.
 
     t: times [s], (T,); y: states in the order of the module's STATE, (T, states); work: work done
@@ -173,87 +154,131 @@ class Solution:
         return states if times.ndim else states[:, 0]
 
     @cached_property
-    def _between(self) -> Between:
-        from rodgen.integrate.between import Between  # which is made of methods
+    def _between(self) -> DenseOutput:
+        from rodgen.integrate.dense_output import DenseOutput  # which is made of methods
 
-        return Between(self)
+        return DenseOutput(self)
 
     @cached_property
     def _p(self) -> Array:
         p: Array = self.model.parameters(**self.scene.parameters)
         return p
 
-    def _follow(self, made: Callable[..., Any], *of: Array, axis: int = 0) -> Any:
-        """What is made of arrays over the samples and of the parameters that held there; axis: its
-        axis of time."""
+    @cached_property
+    def hold(self) -> Boundary:
+        return self.scene.hold
+
+    @cached_property
+    def added(self) -> tuple[str, ...]:
+        return tuple(self.scene.states)
+
+    @cached_property
+    def follows(self) -> bool:
+        return self.scene.structure.follows
+
+    @cached_property
+    def timed(self) -> Mapping[str, Callable[[Any], Any]]:
+        return self.scene.timed
+
+    @cached_property
+    def given(self) -> Array | float:
+        return 0.0 if self.changes is None else self.changes.given
+
+    def called(self, function: str, *arrays: Array) -> Any:
+        def made(t: Array, *of: Array) -> Any:
+            return joined(asked(self.model, function, t, *of))
+
         if self.changes is None:
-            return made(*of, self._p)
-        return self.changes.follow(made, of, axis)
+            return made(self.t, *arrays, self._p)
+        return self.changes.follow(made, (self.t, *arrays))
 
     def parameter(self, name: str) -> Array:
-        """A parameter of the scene that is a number, at every sample, (T,)."""
+        """A parameter of the scene at every sample, (T,); of several numbers, (T, K)."""
+        structure = self.scene.structure
         if self.changes is None:
-            return np.full(len(self.t), float(self.scene.parameters[name]))
-        column: Array = self.changes.p[:, self.scene.structure.parameters.index(name)]
-        return column
+            value = np.array(self.scene.parameters[name], dtype=float)
+            return np.full((len(self.t), *value.shape), value)
+        place = structure.places[name]
+        columns: Array = self.changes.p[:, place if name in structure.spans else place.start]
+        return columns
 
-    def _links(self, half: int, held: Array) -> Array:
-        states = np.array_split(self.y, 2, axis=1)[half]
-        moving = states[:, 2:] if self.scene.hold.translates else states
-        first = np.repeat(held[:, None], self.scene.held, axis=1)
-        return np.concatenate((first, moving), axis=1)
-
-    @cached_property
+    @property
     def phi(self) -> Array:
         """Angles of all n links [rad], held ones included, (T, n)."""
-        zero = np.zeros(len(self.t))
-        return self._links(0, self.parameter("clamp_angle") if self.scene.held else zero)
+        return self._array("phi")
 
-    @cached_property
+    @property
     def omega(self) -> Array:
         """Rates of all n links [rad/s], (T, n)."""
-        return self._links(1, np.zeros(len(self.t)))
+        return self._array("omega")
 
-    @cached_property
+    @property
     def joints(self) -> Array:
         """Positions of the joints [m], nose to tail, (T, n+1, 2)."""
-        positions: Array = self._follow(self.model.joints, self.y)
-        return positions
+        return self._array("joints")
 
     @property
     def tip(self) -> Array:
         """Position of the tail [m], (T, 2)."""
-        return self.joints[:, -1]
+        return self._array("tip")
 
-    @cached_property
+    @property
+    def centre_of_gravity(self) -> Array:
+        """Centre of gravity [m], (T, 2)."""
+        return self._array("centre_of_gravity")
+
+    @property
+    def bending_moments(self) -> Array:
+        """Bending moments in the joints, those of the springs [N m], (T, n+1); positive where the
+        angle grows from link to link."""
+        return self._array("bending_moments")
+
+    @property
+    def forces(self) -> dict[str, Array]:
+        """Forces of the loads on the joints [N], by term, each (T, n+1, 2). Gravity, which acts on
+        all mass, is not among them."""
+        forces: dict[str, Array] = self.values("forces")
+        return forces
+
+    @property
+    def inertia(self) -> Inertia:
+        """Moments and product of inertia about the centre of gravity [kg m^2]."""
+        return Inertia(*np.moveaxis(self.values("inertia"), -1, 0))
+
+    @property
+    def principal_axes(self) -> PrincipalAxes:
+        """Principal axes of inertia: that of the smaller moment runs along a straight rod."""
+        axes: PrincipalAxes = self.values("principal_axes")
+        return axes
+
+    @property
     def energy(self) -> Energy:
         """Kinetic, spring and gravity energy [J]."""
-        return Energy(*self._follow(self.model.energy, self.y, axis=1))
+        return Energy(*np.moveaxis(self.values("energy"), -1, 0))
 
-    @cached_property
+    @property
     def total_work(self) -> Array:
         """Work of all loads without potential since the start [J], (T,)."""
-        total: Array = sum(self.work.values(), start=np.zeros(len(self.t)))
-        return total
+        return self._array("total_work")
 
-    @cached_property
+    @property
     def energy_balance(self) -> Array:
         """Energy gained since the start less the work done, and less what changes have put in [J],
         (T,): zero but for errors."""
-        return self.balance(self.start_energy)
+        return self._array("energy_balance")
 
-    @property
+    def _array(self, name: str) -> Array:
+        values: Array = self.values(name)
+        return values
+
+    @cached_property
     def start_energy(self) -> float:
         """Energy at the start of the run [J]: that of the first sample, less the work done until
         then where samples need not begin at the start; zero without samples."""
         first = self.taken(slice(1))
+        first.start_energy = 0.0
         late = self.scene.integrate.t_eval is not None
-        return float((first.balance(0.0) if late else first.energy.total).sum())
-
-    def balance(self, start: float) -> Array:
-        """The same, of a run that began with this energy [J]."""
-        balance: Array = self.energy.total - start - self.total_work
-        return balance if self.changes is None else balance - self.changes.given
+        return float((first.energy_balance if late else first.energy.total).sum())
 
     @cached_property
     def energy_error(self) -> float:
@@ -271,50 +296,15 @@ class Solution:
             raise SceneError("error_growth", None, "asked for: simulate(..., error_growth=True)")
         return self.errors.factor
 
-    @cached_property
-    def centre_of_gravity(self) -> Array:
-        """Centre of gravity [m], (T, 2)."""
-        centre: Array = self._follow(self.model.centre_of_gravity, self.y)
-        return centre
-
-    @cached_property
-    def inertia(self) -> Inertia:
-        """Moments and product of inertia about the centre of gravity [kg m^2]."""
-        return Inertia(*self._follow(self.model.inertia, self.y, axis=1))
-
-    @cached_property
-    def principal_axes(self) -> PrincipalAxes:
-        """Principal axes of inertia: that of the smaller moment runs along a straight rod."""
-        return principal_axes(*self.inertia)
-
-    @cached_property
-    def bending_moments(self) -> Array:
-        """Bending moments in the joints, those of the springs [N m], (T, n+1); positive where the
-        angle grows from link to link."""
-        moments: Array = self._follow(self.model.bending_moments, self.y)
-        return moments
-
-    @cached_property
-    def forces(self) -> dict[str, Array]:
-        """Forces of the loads on the joints [N], by term, each (T, n+1, 2). Gravity, which acts on
-        all mass, is not among them."""
-
-        def of(term: str) -> Array:
-            forces = self.model.forces
-            acting: Array = self._follow(lambda *of: forces(*of)[term], self.t, self.y)
-            return acting
-
-        return {term: of(term) for term in self.model.forces(self.t[:1], self.y[:1], self._p)}
-
     def until(self, count: int) -> Solution:
-        """The same run with its first ``count`` samples alone."""
+        """The run with its first ``count`` samples alone."""
         first = self.taken(slice(count))
         end = first.t[-1] if len(first.t) else -np.inf
         first.events = tuple(event for event in self.events if event.t <= end)
         return first
 
     def taken(self, kept: NDArray[np.intp] | slice) -> Solution:
-        """The same run with some of its samples alone, and without events."""
+        """The run with some of its samples alone, and without events."""
         work = {term: values[kept] for term, values in self.work.items()}
         changes = self.changes and self.changes.taken(kept)
         rest = {"work": work, "events": (), "changes": changes, "model": self.__dict__["model"]}

@@ -1,45 +1,210 @@
-"""How long a step explicit methods can take: what becomes of the fastest motion."""
+"""The fastest motion about a state, and how long a step of explicit methods it allows."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
 from types import ModuleType
+from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853, RK23, RK45
+import scipy.integrate
+from numpy.typing import NDArray
 from scipy.optimize import brentq
+from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigs
 
-from rodgen.integrate.spectrum import Complex, Dominant, spectrum
+from rodgen.integrate.methods.fixed_step import advance
 from rodgen.integrate.stepper import Array, StepError
+from rodgen.model.method import Tableau, stability_polynomial
+from rodgen.model.methods import METHODS
+from rodgen.model.rod import BOUNDARIES
 
+Complex = NDArray[np.complex128]
+
+DENSE = 30  # states up to which the whole matrix costs less than products with it
+SHIFT = 1e-5  # rad: errors of a difference are its square, and rounding over it
+TOLERANCE = 1e-4  # of ARPACK's residual; eigenvalues came out 100 times closer
+SPACE = 24  # Krylov vectors between restarts
+# Restarts, of which 5 to 15 are the rule: near critical damping the fastest roots are double or
+# next to it, where an iteration comes to within a percent and then no further.
+RESTARTS = 40
 # Spectral radius of a step h, by h lambda and h times lambda's partner.
 Growth = Callable[[Complex, Complex], Array]
-
 UNDAMPED = 1e-5  # a damping ratio below this may be an error of the differences
 SLACK = 1e-9  # of the spectral radius, where a method neither damps nor drives
 GROWN = 2.0  # times that a motion may be made larger by the method in a run
 FARTHEST = 12.0  # |h lambda|, beyond the regions of all methods here
 
 
-def _polynomial(A: Array, b: Array) -> Growth:
-    """|R(z)| with R(z) = 1 + sum z^(k+1) b A^k 1 (E. Hairer, G. Wanner 1996, IV.2)."""
-    coefficients, power = [1.0], np.ones(len(b))
-    A = np.pad(A, ((0, 0), (0, len(b) - A.shape[1])))  # SciPy leaves out columns of zeros
-    for _ in b:
-        coefficients.append(float(b @ power))
-        power = A @ power
+@dataclass(frozen=True)
+class Dominant:
+    """The eigenvalue of largest modulus of the Jacobian of the rates.
+
+    value: lambda [1/s], its imaginary part not negative; partner: the other root of
+    z^2 + d z + omega^2 = 0, the oscillator that lambda is part of: its conjugate, or the slow
+    rate where both are real; mode: positions of the eigenvector (states/2,), its largest entry
+    1; evaluations of rhs; converged: False for the best that the iteration found.
+    """
+
+    value: complex
+    partner: complex
+    mode: Complex
+    evaluations: int
+    converged: bool
+
+    @property
+    def rate(self) -> float:
+        """|lambda| [1/s]; natural frequency [rad/s] of an oscillation."""
+        return abs(self.value)
+
+    @property
+    def damping(self) -> float:
+        """Share of critical damping, -Re/|lambda|: 1 where the motion does not oscillate."""
+        return -self.value.real / self.rate if self.rate else 0.0
+
+
+def added_states(model: ModuleType) -> tuple[str, ...]:
+    """Names of the states of a module that are neither positions nor velocities."""
+    return tuple(getattr(model, "STATES", ()))
+
+
+def dominant(model: ModuleType, t: float, y: Array, p: Array) -> Dominant:
+    """The fastest motion about the state y (states,) at time t [s], in O(n) per product.
+
+    ARPACK's implicitly restarted Arnoldi iteration (R. B. Lehoucq et al. 1998) on differences of
+    rhs; of few states, all eigenvalues of jac. Raises StepError where the rates are not finite.
+    """
+    return _kept(model, t, np.asarray(y, dtype=float).tobytes(), np.asarray(p).tobytes())
+
+
+@lru_cache(maxsize=16)
+def _kept(model: ModuleType, t: float, state: bytes, parameters: bytes) -> Dominant:
+    """The fastest motion about a start, which `auto`, a warning and the next run ask for."""
+    y, p = np.frombuffer(state), np.frombuffer(parameters)
+    system = _Scaled(model, t, y, p)
+    value, vector, converged = _dense(system) if len(y) <= DENSE else _iterated(system)
+    half = system.half
+    mode = vector[:half]
+    partner = value.conjugate()
+    if value.imag == 0 and value:
+        x = mode.real
+        pull = system.pull(x) * system.rate
+        partner = complex(-(x @ pull) / (x @ x) / value.real) if x.any() else 0j
+    mode = mode * system.unit
+    largest = mode[np.argmax(np.abs(mode))]
+    mode = mode / largest if largest else mode
+    if value.imag < 0:
+        value, partner, mode = value.conjugate(), partner.conjugate(), mode.conj()
+    return Dominant(value, partner, mode, system.evaluations, converged)
+
+
+class _Scaled:
+    """The Jacobian [[0, 1], [A, B]] of (q, v) as that of (rate q, v), lengths in links; states that
+    are added stand behind these as they are.
+
+    With rate near the largest frequency both halves of an eigenvector are alike in size, which
+    the iteration and the increments of the differences need.
+    """
+
+    def __init__(self, model: ModuleType, t: float, y: Array, p: Array):
+        self.model, self.t, self.y, self.p = model, t, y, p
+        self.added, self.evaluations = len(added_states(model)), 0
+        self.half = (len(y) - self.added) // 2
+        self.unit = np.ones(self.half)
+        if BOUNDARIES[model.BOUNDARY].translates:
+            self.unit[:2] = p[model.PARAMETERS.index("length")] / model.N
+        if not np.isfinite(model.rhs(t, y, p)).all():
+            raise StepError("the rates are not finite")
+        self.rate, self.start = 1.0, np.ones(self.half)
+        self.rate, self.start = self._guess()
+
+    def _guess(self) -> tuple[float, Array]:
+        """Frequency and shape after a few powers of A, from links that turn to and fro."""
+        x = np.where(np.arange(self.half) % 2, -1.0, 1.0) * np.linspace(1.0, 1.5, self.half)
+        square = 0.0
+        for _ in range(4):
+            pull = self.pull(x)
+            square = float(np.abs(pull).max() / np.abs(x).max())
+            if square == 0:
+                return 1.0, x
+            x = pull / np.abs(pull).max()
+        return square**0.5, x
+
+    def pull(self, x: Array) -> Array:
+        """Accelerations, over the rate, by positions x (half,)."""
+        w = np.concatenate((x, np.zeros(self.half + self.added)))
+        return self.product(w)[self.half : 2 * self.half]
+
+    @property
+    def _scale(self) -> Array:
+        return np.concatenate((self.unit, self.rate * self.unit, np.ones(self.added)))
+
+    def product(self, w: Array) -> Array:
+        """Jacobian times w (states,) by a central difference."""
+        w, half = np.asarray(w).ravel(), self.half
+        scale = self._scale
+        e = SHIFT / max(np.abs(w).max(), np.finfo(float).tiny)
+        step = e * scale * w
+        up, down = (self.model.rhs(self.t, self.y + sign * step, self.p) for sign in (1, -1))
+        self.evaluations += 2
+        difference = (up - down) / (2 * e) / scale
+        difference[:half] = self.rate * w[half : 2 * half]  # q' = v
+        return np.asarray(difference)
+
+    def vector(self, raw: Complex) -> Complex:
+        """An eigenvector of the module's own Jacobian in the units here."""
+        return raw / self._scale
+
+
+def _dense(system: _Scaled) -> tuple[complex, Complex, bool]:
+    values, vectors = np.linalg.eig(system.model.jac(system.t, system.y, system.p))
+    at = int(np.argmax(np.abs(values)))
+    return complex(values[at]), system.vector(vectors[:, at].astype(complex)), True
+
+
+def _iterated(system: _Scaled) -> tuple[complex, Complex, bool]:
+    size = 2 * system.half + system.added
+    operator = LinearOperator((size, size), matvec=system.product, dtype=float)
+    start = np.concatenate((system.start, system.start, np.zeros(system.added)))
+    values: Complex = np.zeros(0, dtype=complex)
+    # A pair and its neighbour; the second try takes what one Krylov space holds.
+    for tolerance in (TOLERANCE, 1.0):
+        try:
+            values, vectors = eigs(
+                operator, k=2, v0=start, ncv=SPACE, tol=tolerance, maxiter=RESTARTS
+            )
+        except ArpackNoConvergence as error:
+            values, vectors = error.eigenvalues, error.eigenvectors
+        except ArpackError:
+            continue
+        if len(values):
+            at = int(np.argmax(np.abs(values)))
+            return complex(values[at]), vectors[:, at], len(values) > 1 and tolerance < 1
+    return complex(0, system.rate), start.astype(complex), False
+
+
+def _alone(A: Collection[Collection[Any]], b: Collection[Any]) -> Growth:
+    """|R(z)| of a Runge-Kutta method, of every motion by itself."""
+    coefficients = stability_polynomial(A, b)
     return lambda z, _: np.asarray(np.abs(np.polyval(coefficients[::-1], z)))
 
 
-def _shear(pull: Callable[[Array, Array], Array]) -> Growth:
-    """Of v+ = v + a, q+ = q + v+ with h = 1; pull gives a as its shares of q and v, (2, ...).
-
-    Its matrix has the determinant 1 + a_v and the trace 2 + a_q + a_v.
-    """
+def _in_pairs(tableau: Tableau) -> Growth:
+    """The spectral radius of a step of the oscillator that a motion and its partner make up, of a
+    method that moves positions and velocities unlike."""
+    step = advance(tableau)
 
     def radius(z: Complex, partner: Complex) -> Array:
-        of_q, of_v = pull((z * partner).real, -(z + partner).real)
-        determinant, middle = 1 + of_v, 1 + (of_q + of_v) / 2
+        square, drag = (z * partner).real, -(z + partner).real
+
+        def rates(_: float, y: Array) -> Array:
+            return np.stack((y[1], -square * y[0] - drag * y[1]))
+
+        none, one = np.zeros_like(square), np.ones_like(square)
+        starts = np.stack((one, none)), np.stack((none, one))
+        (a, c), (b, d) = (step(rates, 0.0, y, rates(0.0, y), 1.0) for y in starts)
+        middle, determinant = (a + d) / 2, a * d - b * c
         root = middle**2 - determinant
         real = np.abs(middle) + np.sqrt(np.maximum(root, 0))
         return np.asarray(np.where(root < 0, np.sqrt(np.abs(determinant)), real))
@@ -47,33 +212,17 @@ def _shear(pull: Callable[[Array, Array], Array]) -> Growth:
     return radius
 
 
-def _pull_once(square: Array, drag: Array) -> Array:
-    return np.stack((-square, -drag))
+def _limits() -> Iterator[tuple[str, Growth]]:
+    for name, method in METHODS.items():
+        tableau = method.tableau
+        if tableau:
+            yield name, _in_pairs(tableau) if tableau.follow else _alone(tableau.A, tableau.b)
+        elif not method.implicit:
+            solver = getattr(scipy.integrate, method.scipy)
+            yield name, _alone(solver.A, solver.B)
 
 
-def _pull_of_thesis(square: Array, drag: Array) -> Array:
-    """Its four stages (see thesis_runge_kutta) for a(q, v) = -square q - drag v."""
-    q, v = (np.multiply.outer(np.array(share), np.ones_like(square)) for share in ((1, 0), (0, 1)))
-
-    def moved(a: Array) -> Array:
-        return np.asarray(-square * (q + v + a) - drag * (v + a))
-
-    first = _pull_once(square, drag)
-    second = moved(first / 2)
-    third = moved(second / 2)
-    return np.asarray((first + 2 * (second + third) + moved(third)) / 6)
-
-
-_KUTTA = np.diag([0.5, 0.5, 1.0], -1), np.array([1, 2, 2, 1]) / 6
-LIMITS: dict[str, Growth] = {
-    "euler": _polynomial(np.zeros((1, 1)), np.ones(1)),
-    "semi_implicit_euler": _shear(_pull_once),
-    "rk4": _polynomial(*_KUTTA),
-    "rk23": _polynomial(RK23.A, RK23.B),
-    "rk45": _polynomial(RK45.A, RK45.B),
-    "dop853": _polynomial(DOP853.A, DOP853.B),
-    "thesis_runge_kutta": _shear(_pull_of_thesis),
-}
+LIMITS = dict(_limits())
 
 
 def limit(method: str, value: complex, partner: complex | None = None) -> float:
@@ -102,11 +251,12 @@ def limit(method: str, value: complex, partner: complex | None = None) -> float:
 
 
 def largest(method: str, model: ModuleType, t: float, y: Array, p: Array) -> float:
-    """That step for the fastest motion about a state; infinite where there is no limit."""
+    """The largest stable step [s] of a method about a state, by the fastest motion there; infinite
+    where there is no limit."""
     if method not in LIMITS:
         return np.inf
     try:
-        fastest = spectrum(model, t, y, p)
+        fastest = dominant(model, t, y, p)
     except StepError:  # the run itself will say so
         return np.inf
     return limit(method, fastest.value, fastest.partner) or np.inf
@@ -128,7 +278,7 @@ def warn_of_step(
     if method not in LIMITS:
         return None
     try:
-        fastest = spectrum(model, t, y, p)
+        fastest = dominant(model, t, y, p)
     except StepError:  # the run itself will say so
         return None
     most = limit(method, fastest.value, fastest.partner)

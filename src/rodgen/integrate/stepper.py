@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from rodgen.integrate.events import Watch
-    from rodgen.integrate.files.recorder import Recorder
+    from rodgen.integrate.samples import Recorder
+    from rodgen.scene.integration import Integrate
 
 Array = NDArray[np.float64]
 Rhs = Callable[[float, Array], Array]
@@ -37,6 +38,28 @@ class Counts:
         self.jacobian += other.jacobian
         self.factorisations += other.factorisations
         return self
+
+
+def _unbounded(t: float, y: Array) -> float:
+    return np.inf
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What a method in Python solves: y' = rhs(t, y) from (t, y) to the end, as `settings` have it.
+
+    jac: Jacobian of rhs by y, (states, states); longest: the longest step [s] at (t, y); added: how
+    many of the states are neither positions nor velocities.
+    """
+
+    rhs: Rhs
+    jac: Rhs
+    t: float
+    y: Array
+    end: float
+    settings: Integrate
+    longest: Callable[[float, Array], float] = _unbounded
+    added: int = 0
 
 
 class StepError(ArithmeticError):

@@ -2,32 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
-from rodgen.integrate.stepper import StepError
+from rodgen.integrate.events import Watch
+from rodgen.integrate.samples import Recorder
+from rodgen.integrate.stepper import Machine, StepError
 from rodgen.scene import Scene
+from rodgen.scene.course import Course
 from rodgen.scene.expression import Expression
 
 NEAREST = 64  # roundings of the time before a pole, where steps end: at the pole is no state
+STRIDE, CREEP = 10_000, 1e-9  # so many steps go at least this share of the way
+# What runs are stopped by, beside what a method says.
+SPENT, CREPT = "the budget of {} steps is used up", "{} steps brought it no further than from {} s"
+UNBOUNDED = "a load grows beyond all bounds"
 WAKES = 1e-4  # share of the span around a break point in which a pulse is met anyway
 
 Pulse = tuple[float, float, float]  # begin, peak and end [s]
 Pole = tuple[float, Expression] | None
 
 
-def ends(scene: Scene, breaks: list[float], pulses: Iterable[Pulse], pole: Pole) -> list[float]:
-    """Times to step to, one after the other: break points, and the end, or just before the first
-    pole."""
-    start, end = scene.integrate.span
-    last = pole[0] - NEAREST * float(np.spacing(abs(pole[0]))) if pole else end
-    if not scene.integrate.fixed:  # what steps that grow in a time of rest would pass over
-        # A pulse may rise slowly before its change counts: from its own length earlier on, lest
-        # a method whose stages leave out the end of a step pass over what comes before.
-        found = (at for begin, peak, over in pulses for at in (2 * begin - over, peak))
-        breaks = _apart(sorted({*breaks, *found}), set(breaks), WAKES * (end - start))
-    return [*(at for at in breaks if start < at < last), *([last] if last > start else [])]
+@dataclass(frozen=True)
+class Stretches:
+    """Times to step to in the span of a scene, one after the other (ends): break points, and its
+    end, or just before the first pole of a load; swing: the fastest of the loads [s], see
+    Course.swing."""
+
+    ends: list[float]
+    pole: Pole = None
+    swing: float = np.inf
+
+    @classmethod
+    def of(cls, course: Course, fixed: bool, more: Iterable[Pulse] = ()) -> Stretches:
+        """fixed: whether steps are all equal; more: pulses besides those of the span."""
+        start, end = course.start, course.end
+        breaks, pole = course.breaks(), course.pole()
+        last = pole[0] - NEAREST * float(np.spacing(abs(pole[0]))) if pole else end
+        if not fixed:  # what steps that grow in a time of rest would pass over
+            # A pulse may rise slowly before its change counts: from its own length earlier on, lest
+            # a method whose stages leave out the end of a step pass over what comes before.
+            pulses = (*course.pulses(), *more)
+            found = (at for begin, peak, over in pulses for at in (2 * begin - over, peak))
+            breaks = _apart(sorted({*breaks, *found}), set(breaks), WAKES * (end - start))
+        ends = [*(at for at in breaks if start < at < last), *([last] if last > start else [])]
+        return cls(ends, pole, course.swing())
 
 
 def _apart(times: list[float], kept: set[float], least: float) -> list[float]:
@@ -44,10 +65,39 @@ def inside(start: float, end: float) -> tuple[float, float]:
     return float(start + 8 * np.spacing(abs(start))), float(end - 8 * np.spacing(abs(end)))
 
 
+def step_to(
+    end: float,
+    machine: Machine,
+    recorder: Recorder,
+    watch: Watch,
+    budget: int,
+    look: Callable[[], None],
+) -> None:
+    """Step to the end [s] of the stretch that was begun, with samples; look: is called every few
+    hundredths of a second. Raises StepError, also where the budget of steps is used up, and
+    Happened where an event ends the run."""
+    seen, least = machine.t, CREEP * (end - machine.t)
+    goal = machine.counts.steps + STRIDE
+    done = False
+    while not done:
+        most = budget - machine.counts.steps
+        if most <= 0 and machine.t < end:
+            raise StepError(SPENT.format(budget))
+        most = max(0, min(most, goal - machine.counts.steps))
+        done = machine.advance(recorder, watch, most)
+        if machine.counts.steps >= goal:
+            goal = machine.counts.steps + STRIDE
+            if not done and machine.t - seen < least:
+                raise StepError(CREPT.format(STRIDE, seen))
+            seen = machine.t
+        look()
+
+
 class Windows:
     """Stretches of a run without an end: windows as long as the scene's span, one after the other.
 
-    What a load does is looked for in one window at a time. origin: where the first begins [s].
+    What a load does is looked for in one window at a time. origin: where the first begins [s];
+    scene: with the present window as its span; stretches: those of that window.
     """
 
     def __init__(self, scene: Scene, origin: float):
@@ -56,10 +106,7 @@ class Windows:
         # To the bit, lest the first window end beside the span.
         self._first = end if origin == start else origin + self.length
         self._number = -1
-        self._ends: list[float] = []
-        self.scene = scene
-        self.pole: Pole = None
-        self.swing = np.inf  # the fastest of the loads [s], see Scene.swing
+        self.scene, self.stretches = scene, Stretches([])
         self._look_at(0)
 
     def after(self, t: float) -> float:
@@ -71,10 +118,10 @@ class Windows:
         number += self._border(number + 1) <= least
         if number != self._number:
             self._look_at(number)
-        for end in self._ends:
+        for end in self.stretches.ends:
             if end > least:
                 return end
-        raise StepError("a load grows beyond all bounds")
+        raise StepError(UNBOUNDED)
 
     def _border(self, number: int) -> float:
         """Where a window begins [s]."""
@@ -83,19 +130,16 @@ class Windows:
     def _look_at(self, number: int) -> None:
         """Take the window of this number."""
         self._number = number
-        if not self._scene.timed:
-            self._ends = [self._border(number + 1)]
+        if not self._scene.course.loads:
+            self.stretches = Stretches([self._border(number + 1)])
             return
         at, over = self._border(number), self._border(number + 1)
         self.scene = window(self._scene, at, over)
-        breaks, self.pole = self.scene.breaks(), self.scene.pole()
-        self.swing = self.scene.swing()
-        pulses = self.scene.pulses()
+        across: list[Pulse] = []
         if number and not self.scene.integrate.fixed:  # a rest may reach across the border
             half = self.length / 2
-            across = window(self._scene, at - half, at + half).pulses()
-            pulses = sorted({*pulses, *across})
-        self._ends = ends(self.scene, breaks, pulses, self.pole)
+            across = window(self._scene, at - half, at + half).course.pulses()
+        self.stretches = Stretches.of(self.scene.course, self.scene.integrate.fixed, across)
 
 
 def window(scene: Scene, start: float, end: float) -> Scene:

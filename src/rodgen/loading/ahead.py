@@ -12,9 +12,11 @@ import json
 import signal
 import sys
 from dataclasses import asdict
+from typing import Any
 
+from rodgen.emit.targets import STEPS, closed
 from rodgen.loading.build import build_fastest
-from rodgen.loading.module import BuildError
+from rodgen.native.library import BuildError
 from rodgen.progress import telling
 from rodgen.scene import SceneError, Structure
 
@@ -26,10 +28,12 @@ def dump(structure: Structure) -> str:
 
 def parse(text: str) -> Structure:
     """A structure from `dump`. Raises SceneError, and ValueError for what is none."""
-    table = json.loads(text)
-    table["terms"] = tuple(table["terms"])
-    table["expressions"] = tuple((name, value) for name, value in table["expressions"])
-    return Structure(**table)
+    return Structure(**{key: _tuples(value) for key, value in json.loads(text).items()})
+
+
+def _tuples(value: Any) -> Any:
+    """Tuples in place of lists."""
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 
 def main() -> None:
@@ -39,7 +43,7 @@ def main() -> None:
     structure = parse(sys.stdin.read())
     try:
         with telling(lambda stage: print(stage, flush=True)):
-            build_fastest(structure)
+            build_fastest(structure, (*closed("c"), *STEPS))
     except (BuildError, SceneError) as error:
         sys.exit(str(error))
 

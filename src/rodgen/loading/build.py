@@ -3,73 +3,163 @@
 from __future__ import annotations
 
 import json
-import os
+import time
+from collections.abc import Iterable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import lru_cache
+from importlib.resources import files
+from itertools import chain
 from types import ModuleType
+from typing import Any
 
+from rodgen.emit.targets import check_output, closed, offered, target_of
 from rodgen.loading import cache
-from rodgen.loading.module import BuildError, load_files
+from rodgen.loading.module import Model, load_files
+from rodgen.native import many, run
+from rodgen.native.library import BuildError, end_compilers, surroundings
 from rodgen.progress import COMPILING, DERIVING, tell, working
 from rodgen.scene import Scene, SceneError, Structure
 from rodgen.scene.errors import check_type
-from rodgen.scene.structure import check_output
 
 # The dense form holds a few matrices of this many links squared.
 MOST_DENSE_LINKS = 5000
-SURROUNDINGS = ("CC", "RODGEN_CFLAGS", "RODGEN_CACHE", "XDG_CACHE_HOME", "PATH")
 
 
-def build(scene: Scene | Structure, target: str = "numpy", form: str = "chain") -> ModuleType:
+def build(
+    scene: Scene | Structure,
+    target: str = "numpy",
+    form: str = "chain",
+    parts: Iterable[str] = ("rhs",),
+) -> ModuleType:
     """The generated module of a scene (rhs, energy, ... as in its docstrings).
 
-    target: "numpy" or "c"; form: "chain", O(n), or for NumPy "dense". Terminals and notebooks show
-    a bar of what takes more than a second. Raises SceneError for what is not offered and for more
-    links than the dense form can hold, BuildError where a C module cannot be compiled or loaded.
+    target: "numpy" or "c"; form: "chain", O(n), or for NumPy "dense". parts: what of it is made at
+    once, by the names of `rodgen derive --parts`; everything else comes when it is asked for.
+    Terminals and notebooks show a bar of what takes more than a second. Raises SceneError for what
+    is not offered and for more links than the dense form can hold, BuildError where a C module
+    cannot be compiled or loaded.
     """
-    structure = _structure(scene)
+    structure, parts = _structure(scene), tuple(parts)
+    check_output(target, form)
+    closed(target, parts)
     if form == "dense" and structure.links > MOST_DENSE_LINKS:
         allowed = f"at most {MOST_DENSE_LINKS} in the dense form: it holds links^2 numbers"
         raise SceneError("rod.links", structure.links, allowed)
-    with working("generating"):
-        texts = sources(structure, target, form)
-        if target == "c":
-            tell(COMPILING)
-        # What a C module is compiled by belongs to it, and so does where it would be kept.
-        return _load(tuple(texts.items()), *(os.environ.get(name) for name in SURROUNDINGS))
+    # What a C module is compiled by belongs to it, and so does where it would be kept.
+    model = _model(structure, target, form, surroundings())
+    model.make(parts)
+    return model
 
 
 @lru_cache(maxsize=16)
-def _load(texts: tuple[tuple[str, str], ...], *_: str | None) -> ModuleType:
-    """A module that is loaded once in a process."""
-    return load_files(dict(texts))
+def _model(structure: Structure, target: str, form: str, around: tuple[str | None, ...]) -> Model:
+    """A module that is loaded once in a process, with no part of it yet."""
+
+    def more(parts: Iterable[str]) -> dict[str, Mapping[str, Any]]:
+        with working("generating"):
+            return _load(structure, target, form, tuple(parts))
+
+    return Model(structure.module_stem(target, form), more)
 
 
-def build_fastest(scene: Scene | Structure) -> ModuleType:
+def _load(
+    structure: Structure, target: str, form: str, parts: tuple[str, ...]
+) -> dict[str, Mapping[str, Any]]:
+    """Namespaces of parts: while one is compiled, the next is derived."""
+    making: dict[str, Future[ModuleType]] = {}
+    steps: Future[Any] | None = None
+    with ThreadPoolExecutor() as pool:
+        try:
+            steps = pool.submit(run.step_library) if "flow" in parts else None
+            for part in parts:
+                texts = _texts(structure, target, form, (part,))
+                making[part] = pool.submit(load_files, texts, whole=False)
+            if target_of(target).compiled:
+                tell(COMPILING)
+            made: dict[str, Mapping[str, Any]] = {
+                part: vars(module.result()) for part, module in making.items()
+            }
+            if steps is not None:
+                steps.result()
+            return made
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            begun = [*making.values(), *([steps] if steps else [])]
+            while not all(work.done() for work in begun):  # one may be about to begin
+                end_compilers()
+                time.sleep(0.01)
+            raise
+
+
+def build_fastest(scene: Scene | Structure, parts: Iterable[str] = ("rhs",)) -> ModuleType:
     """The C module of a scene where it can be built, else its NumPy module."""
-    return fastest(scene)[0]
+    return fastest(scene, parts)[0]
 
 
-def fastest(scene: Scene | Structure) -> tuple[ModuleType, str]:
-    """The same, and why it is not the C module: in a line, empty where it is."""
+def fastest(scene: Scene | Structure, parts: Iterable[str] = ("rhs",)) -> tuple[ModuleType, str]:
+    """The C module of a scene and nothing, or where it cannot be built its NumPy module and why, in
+    a line."""
+    parts = tuple(parts)
     try:
-        return build(scene, "c"), ""
+        return build(scene, "c", parts=parts), ""
     except BuildError as error:
-        return build(scene, "numpy"), str(error).partition("\n")[0]
+        kept = [part for part in parts if part in offered("numpy")] or ["rhs"]
+        return build(scene, "numpy", parts=kept), str(error).partition("\n")[0]
 
 
-def sources(scene: Scene | Structure, target: str = "numpy", form: str = "chain") -> dict[str, str]:
+def sources(
+    scene: Scene | Structure,
+    target: str = "numpy",
+    form: str = "chain",
+    parts: Iterable[str] | None = None,
+    steps: bool = False,
+) -> dict[str, str]:
     """Texts of the generated module of a scene by file name, the Python module first; from the
-    cache where they are there."""
+    cache where they are there.
+
+    parts, steps: as `rodgen.emit.module_files` has them.
+    """
     structure = _structure(scene)
     check_output(target, form)
+    return _texts(structure, target, form, closed(target, parts, steps), steps)
+
+
+# Step loops that parts of a compiled module call, and what calls them in Python.
+LOOPS = {
+    "flow": ("run.py", *run.FILES),
+    "newton": ("run.py", *run.FILES),
+    "lanes": ("run.py", "many.py", *many.FILES),
+}
+
+
+def companions(
+    target: str, parts: Iterable[str] | None = None, steps: bool = False
+) -> dict[str, str]:
+    """Texts of the files that generated modules of a target need beside them where rodgen is not
+    installed, by file name: what builds C, and the step loops that some parts call.
+
+    parts, steps: as `rodgen.emit.module_files` has them.
+    """
+    if not target_of(target).compiled:
+        return {}
+    loops = (LOOPS.get(part, ()) for part in closed(target, parts, steps))
+    names = dict.fromkeys(("__init__.py", "library.py", *chain.from_iterable(loops)))
+    folder = files("rodgen.native")
+    return {f"rodgen_native/{name}": folder.joinpath(name).read_text("utf-8") for name in names}
+
+
+def _texts(
+    structure: Structure, target: str, form: str, parts: tuple[str, ...], steps: bool = False
+) -> dict[str, str]:
     stem = structure.module_stem(target, form)
-    entry = ("modules", cache.key(target, form, structure.hash), f"{stem}.json")
+    made_of = cache.key(target, form, structure.hash, *parts, steps)
+    entry = ("modules", made_of, f"{stem}.json")
     texts = _recall(cache.read_text(*entry))
     if texts is None:
         tell(DERIVING)
         from rodgen.emit import module_files  # SymPy is imported only where it is needed
 
-        texts = module_files(structure, target, form)
+        texts = module_files(structure, target, form, parts, steps)
         cache.store_text(json.dumps(texts), *entry)
     return texts
 

@@ -14,7 +14,11 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 
-PACKAGES = ("rodgen.derive", "rodgen.templates", "rodgen.emit", "rodgen.scene")
+# What a generated module follows from.
+PACKAGES = (
+    *("rodgen.model", "rodgen.scene", "rodgen.derive"),
+    *("rodgen.templates", "rodgen.emit", "rodgen.native"),
+)
 
 
 def cache_root() -> Path:
@@ -26,27 +30,29 @@ def cache_root() -> Path:
     return (Path(base) if base and Path(base).is_absolute() else Path.home() / ".cache") / "rodgen"
 
 
-@lru_cache(maxsize=1)
-def generator_hash() -> str:
-    """Content hash of all that a generated module or a proof follows from."""
+@lru_cache
+def source_hash(*packages: str) -> str:
+    """Content hash of the sources of packages, and of the libraries that they derive with."""
     digest = hashlib.sha256()
     for package in ("rodgen", "sympy", "mpmath", "jinja2"):
         digest.update(f"{package} {version(package)}\n".encode())
-    for package in PACKAGES:
+    for package in packages:
         # Found, not imported: importing emit would import SymPy.
         spec = find_spec(package)
         folders = spec.submodule_search_locations if spec else None
         if not folders:
             raise ImportError(f"{package} is not installed")
-        for file in sorted(Path(folders[0]).iterdir()):
-            if file.suffix in (".py", ".jinja"):
-                digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+        folder = Path(folders[0])
+        for file in sorted(folder.rglob("*")):
+            if file.suffix in (".py", ".jinja", ".c", ".h"):
+                name = file.relative_to(folder).as_posix()
+                digest.update(name.encode() + b"\0" + file.read_bytes() + b"\0")
     return digest.hexdigest()
 
 
-def key(*parts: object) -> str:
-    """Name of an entry: it depends on the parts and on the generator."""
-    content = "\0".join([generator_hash(), *map(str, parts)])
+def key(*parts: object, packages: tuple[str, ...] = PACKAGES) -> str:
+    """Name of an entry: it depends on the parts and on the sources of the packages."""
+    content = "\0".join([source_hash(*packages), *map(str, parts)])
     return hashlib.sha256(content.encode()).hexdigest()[:32]
 
 

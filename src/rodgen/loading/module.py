@@ -1,16 +1,23 @@
-"""Text of a generated module to a live one."""
+"""Generated modules: from text, and in parts."""
 
 from __future__ import annotations
 
 import linecache
 import tempfile
+from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
+from threading import RLock
 from types import ModuleType
 from typing import Any, Self
 
+from rodgen.emit.targets import PART_OF, PARTS, offered, target_of
+from rodgen.native import run
+from rodgen.native.library import BuildError
 from rodgen.scene.errors import SceneError
 from rodgen.scene.structure import Structure
 
+Namespace = Mapping[str, Any]
 CONTRACT = (
     *("N", "BOUNDARY", "INERTIA", "TERMS", "STATE", "PARAMETERS", "PROVENANCE"),
     *("parameters", "rhs", "jac", "mass_matrix", "energy"),
@@ -19,19 +26,55 @@ CONTRACT = (
 )
 
 
-class BuildError(RuntimeError):
-    """A C module that cannot be compiled or loaded: why, and what there is instead."""
-
-
 class Model(ModuleType):
-    """A generated module. Its copy is itself; where it is unpickled, it is built again."""
+    """A generated module.
+
+    One that `build` made has the parts that were asked for; the others are made when one of their
+    names is asked for. Its copy is itself; where it is unpickled, it is built again.
+    """
+
+    def __init__(
+        self, name: str, more: Callable[[Iterable[str]], dict[str, Namespace]] | None = None
+    ):
+        """more: makes namespaces of parts by part; none for what is loaded whole."""
+        super().__init__(name)
+        self.__dict__.update(_more=more, _made=set(), _lock=RLock())
+
+    def make(self, parts: Iterable[str]) -> None:
+        """Have parts. Raises SceneError and BuildError where one cannot be made."""
+        with self._lock:
+            missing = [part for part in parts if part not in self._made]
+            for part, names in self._more(missing).items() if missing else ():
+                first = not self._made
+                self._made.add(part)
+                operations = self.__dict__.get("PROVENANCE", names["PROVENANCE"])["operations"]
+                operations.update(names["PROVENANCE"]["operations"])
+                kept = (
+                    names.keys() - self.__dict__.keys() if first else {*PARTS[part]} & names.keys()
+                )
+                self.__dict__.update((name, names[name]) for name in kept)
+                if part == "flow":
+                    self.Run.equations.newton = lambda: self.NEWTON
+
+    def __getattr__(self, name: str) -> Any:
+        if self.__dict__.get("_more") is not None:
+            if name in run.STATUSES or name == "COMPILED":
+                if target_of(self.PROVENANCE["target"]).compiled:
+                    return run.STATUSES.get(name, run.METHODS)
+            elif name in PART_OF and PART_OF[name] in offered(self.PROVENANCE["target"]):
+                self.make((PART_OF[name],))
+                if name in self.__dict__:
+                    return self.__dict__[name]
+        raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+
+    def __dir__(self) -> list[str]:
+        more = () if self._more is None else offered(self.PROVENANCE["target"])
+        return sorted({*super().__dir__(), *(name for part in more for name in PARTS[part])})
 
     def __reduce__(self) -> tuple[Any, ...]:
         from rodgen.loading.build import build
 
-        expressions = tuple(getattr(self, "EXPRESSIONS", {}).items())
-        structure = Structure(self.N, self.BOUNDARY, self.INERTIA, self.TERMS, expressions)
-        return build, (structure, self.PROVENANCE["target"], self.PROVENANCE["form"])
+        return build, (structure_of(self), self.PROVENANCE["target"], self.PROVENANCE["form"])
 
     def __copy__(self) -> Self:
         return self
@@ -40,15 +83,38 @@ class Model(ModuleType):
         return self
 
 
-def load_files(texts: dict[str, str]) -> ModuleType:
-    """Load a generated module from its texts by file name, the Python module first."""
+def structure_of(module: ModuleType) -> Structure:
+    """What a generated module is specialised to."""
+    rod = module.N, module.BOUNDARY, module.INERTIA, module.TERMS
+    expressions = tuple(getattr(module, "EXPRESSIONS", {}).items())
+    states = tuple(getattr(module, "STATES", {}).items())
+    spring, masses = getattr(module, "SPRING", ""), getattr(module, "MASSES", ())
+    return _structure(*rod, expressions, getattr(module, "UNEVEN", ()), states, spring, masses)
+
+
+@lru_cache(maxsize=64)
+def _structure(*of: Any) -> Structure:
+    """A structure, which is asked for again and again as a run is watched."""
+    return Structure(*of)
+
+
+def asked(model: ModuleType, function: str, t: Any, *arrays: Any) -> Any:
+    """What a function of a module makes of arrays: states and parameters, and, where its masses are
+    functions of time, the times t [s] of the states."""
+    made = getattr(model, function)
+    return made(*arrays, t) if function in getattr(model, "IN_TIME", ()) else made(*arrays)
+
+
+def load_files(texts: dict[str, str], whole: bool = True) -> ModuleType:
+    """Load a generated module from its texts by file name, the Python module first; whole: all of
+    its contract is to be there."""
     (name, text), *beside = texts.items()
     if not beside:
-        return load_text(text, Path(name).stem)
+        return load_text(text, Path(name).stem, whole=whole)
     with tempfile.TemporaryDirectory(prefix="rodgen-", ignore_cleanup_errors=True) as folder:
         for other, content in beside:
             Path(folder, other).write_text(content, encoding="utf-8", newline="\n")
-        return load_text(text, Path(name).stem, str(Path(folder, name)))
+        return load_text(text, Path(name).stem, str(Path(folder, name)), whole)
 
 
 def load_module(path: Path) -> ModuleType:
@@ -60,7 +126,7 @@ def load_module(path: Path) -> ModuleType:
     return load_text(text, path.stem, str(path))
 
 
-def load_text(text: str, name: str, origin: str | None = None) -> ModuleType:
+def load_text(text: str, name: str, origin: str | None = None, whole: bool = True) -> ModuleType:
     """Run the text of a generated module.
 
     It is not entered into sys.modules: two modules of one name do not get in each other's way.
@@ -73,13 +139,15 @@ def load_text(text: str, name: str, origin: str | None = None) -> ModuleType:
         exec(compile(text, origin, "exec"), module.__dict__)
     except MemoryError:
         raise
+    except BuildError:
+        raise
     except RuntimeError as error:
-        if type(error).__name__ == "BuildError":  # of the module's own
+        if type(error).__name__ == "BuildError":  # of what lies beside the module
             raise BuildError(str(error)) from error
         raise SceneError("module", origin, f"a module that loads ({error!r})") from error
     except (Exception, SystemExit) as error:
         raise SceneError("module", origin, f"a module that loads ({error!r})") from error
     missing = [needed for needed in CONTRACT if not hasattr(module, needed)]
-    if missing:
+    if missing and whole:
         raise SceneError("module", origin, f"generated by rodgen (no {', '.join(missing)})")
     return module

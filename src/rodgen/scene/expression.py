@@ -1,179 +1,275 @@
-"""The grammar of expressions in t or s: parsed and checked, never evaluated as Python.
-
-    numbers, the variable, pi, + - * / **, comparisons, `a if c else b`,
-    sin cos tan exp log sqrt abs min max tanh
-
-The text is parsed to a syntax tree (which runs nothing), every node of it is checked against
-the list above, and the tree is walked to compute values, to find break points and to print code.
-"""
+"""Expressions in t or s: checked text, its values, its code, and where it is not smooth."""
 
 from __future__ import annotations
 
 import ast
 import math
-import warnings
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from itertools import accumulate
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import numpy as np
 
+from rodgen.scene import grammar
 from rodgen.scene.errors import SceneError, short
 from rodgen.scene.zeros import sampled, zeros
 
-LONGEST = 1000  # characters
-BRACKETS = 50  # in each other
+# What a law switches by: of its variable and of what it follows, by name.
+Difference = Callable[[Any, Mapping[str, Any]], Any]
 FEWEST_TURNS = 3  # of what swings
 COMMON = 0.2  # share of the times between turns that are shorter
 TURNS = 1e-6  # of the largest value: changes from one sample to the next that are none
-DEEPEST = 200  # nested operations, of which a sum of as many terms is one
 
 # Towards a pole: shares of the time scale, and how much more from each to the next. A power of
 # -1/4 grows as much; what min or max bounds, and a logarithm, do not.
 NEARER, LARGER = 2.0 ** np.array([-20, -32, -44]), 7.9
 
-FUNCTIONS: dict[str, tuple[int, int | None, Callable[..., Any]]] = {
-    "sin": (1, 1, np.sin),
-    "cos": (1, 1, np.cos),
-    "tan": (1, 1, np.tan),
-    "exp": (1, 1, np.exp),
-    "log": (1, 1, np.log),
-    "sqrt": (1, 1, np.sqrt),
-    "abs": (1, 1, np.abs),
-    "tanh": (1, 1, np.tanh),
-    "min": (2, None, lambda *a: _fold(np.minimum, a)),
-    "max": (2, None, lambda *a: _fold(np.maximum, a)),
-}
-BINARY: dict[type[ast.operator], tuple[str, Callable[..., Any]]] = {
-    ast.Add: ("+", np.add),
-    ast.Sub: ("-", np.subtract),
-    ast.Mult: ("*", np.multiply),
-    ast.Div: ("/", np.divide),
-    ast.Pow: ("**", np.power),
-}
-UNARY: dict[type[ast.unaryop], tuple[str, Callable[..., Any]]] = {
-    ast.USub: ("-", np.negative),
-    ast.UAdd: ("+", np.positive),
-}
-COMPARE: dict[type[ast.cmpop], tuple[str, Callable[..., Any]]] = {
-    ast.Lt: ("<", np.less),
-    ast.LtE: ("<=", np.less_equal),
-    ast.Gt: (">", np.greater),
-    ast.GtE: (">=", np.greater_equal),
-}
-
-
-@dataclass(frozen=True)
-class Language:
-    """How code is written: prefix of functions, those with another name, a choice by condition,
-    value and other value, and a power."""
-
-    prefix: str
-    names: dict[str, str]
-    choice: str
-    power: str
-
-
-LANGUAGES = {
-    "numpy": Language(
-        "np.",
-        {"min": "np.minimum", "max": "np.maximum"},
-        "np.where({0}, {1}, {2})",
-        "({0} ** {1})",
-    ),
-    "c": Language(
-        "",
-        {"min": "least", "max": "greatest", "abs": "fabs"},
-        "({0} ? {1} : {2})",
-        "pow({0}, {1})",
-    ),
-}
-ALLOWED = (
-    "an expression of numbers, {variable}, pi, + - * / **, < <= > >=, `a if c else b` and "
-    + " ".join(FUNCTIONS)
-)
-
-
-def _fold(function: Callable[..., Any], values: tuple[Any, ...]) -> Any:
-    total = values[0]
-    for value in values[1:]:
-        total = function(total, value)
-    return total
-
 
 @dataclass(frozen=True)
 class Expression:
-    """A checked expression in one variable. field: where it stands, for error messages."""
+    """A checked expression in one variable and in numbers that have names.
+
+    field: where it stands, for error messages; numbers: by name, None where only a module knows
+    the value; states: names of states that it may follow, with sensors; None: neither.
+    """
 
     text: str
     variable: str
     field: str = "expression"
+    numbers: tuple[tuple[str, float | None], ...] = ()
+    states: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
-        _check(self._tree, self)
-        for part in _constants(self._tree, self.variable):
+        names, states = self._values, self.states
+        grammar.check(self._tree, self.variable, names, self._refused, states=states)
+        for part in grammar.constants(self._tree, self._known):
             with np.errstate(all="ignore"):
-                if not np.isfinite(_value(part, self.variable, None)):
-                    raise self.refused(ast.unparse(part))
+                if not np.isfinite(grammar.value_of(part, self._values)):
+                    raise self._refused(part)
 
     @cached_property
     def _tree(self) -> ast.expr:
-        if len(self.text) > LONGEST:
-            raise SceneError(
-                self.field, self.text, f"an expression of at most {LONGEST} characters"
-            )
-        if max(accumulate((c in "([") - (c in ")]") for c in self.text), default=0) > BRACKETS:
-            raise SceneError(self.field, self.text, f"of parentheses at most {BRACKETS} deep")
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # Python's opinion of "1if t<1else 2"
-                return ast.parse(self.text.strip(), mode="eval").body
-        except (SyntaxError, ValueError, RecursionError, MemoryError):
-            raise self.refused(self.text) from None
+        tree = grammar.parse(self.text, self.field)
+        if tree is None:
+            raise self._refused(None)
+        return tree
 
-    def refused(self, part: str) -> SceneError:
-        """The error for a part that the grammar has no room for."""
-        allowed = ALLOWED.format(variable=self.variable)
-        where = "" if part == self.text else f" (not {part!r})"
-        return SceneError(self.field, self.text, allowed + where)
+    @cached_property
+    def _values(self) -> dict[str, float | None]:
+        return dict(self.numbers)
+
+    @cached_property
+    def _mentioned(self) -> list[str]:
+        """All that is named in it, in the order of the text."""
+        return grammar.names_in(self._tree)
 
     @property
+    def _known(self) -> set[str]:
+        """Names of numbers that have a value."""
+        return {name for name, value in self.numbers if value is not None}
+
+    def _refused(self, node: ast.AST | None, allowed: str = "") -> SceneError:
+        """The error for a part in whose place something else is allowed, or the grammar."""
+        part = self.text if node is None else ast.unparse(node)
+        names = ", ".join((self.variable, *self._values, *(self.states or ())))
+        sensed = grammar.SENSED if self.states is not None else ""
+        allowed = allowed or grammar.ALLOWED.format(names=names) + sensed
+        where = "" if part == self.text else f" (not {short(part)})"
+        return SceneError(self.field, self.text, allowed + where)
+
+    @cached_property
     def canonical(self) -> str:
-        """The same expression, equal for equal trees however they were spaced."""
+        """The expression as text that is equal for equal trees, however they were spaced."""
         return ast.unparse(self._tree)
 
     @property
     def constant(self) -> bool:
-        """Whether the variable is not in it."""
-        return self._tree in _constants(self._tree, self.variable)
+        """Whether it names numbers alone."""
+        return not (self.changes or self.signals)
+
+    @property
+    def changes(self) -> bool:
+        """Whether the variable is in it."""
+        return self.variable in self._mentioned
+
+    def held(self, at: float) -> str:
+        """The text with a number in place of the variable."""
+        tree = grammar.with_values(self._tree, {self.variable: at})
+        return ast.unparse(tree)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the numbers in it, in the order of the text."""
+        others = {self.variable, *self.signals}
+        return tuple(n for n in self._mentioned if n not in others)
+
+    @cached_property
+    def signals(self) -> tuple[str, ...]:
+        """The states and sensors that it follows, in the order of the text."""
+        return tuple(grammar.signals_in(self._tree, self.states or ()))
+
+    @cached_property
+    def sensors(self) -> tuple[grammar.Sensor, ...]:
+        """Sensors among these."""
+        return tuple(grammar.sensors_in(self._tree))
+
+    def slope_source(
+        self,
+        by: str,
+        language: grammar.Language,
+        positions: Mapping[str, int],
+        start: str,
+        signals: Mapping[str, str],
+    ) -> str:
+        """Code of the derivative by one of its signals."""
+        tree = grammar.derivative(self._tree, by)
+        return (
+            "0.0" if tree is None else grammar.source_of(tree, language, positions, start, signals)
+        )
+
+    def value(
+        self, at: Any, signals: Mapping[str, Any], functions: grammar.Functions | None = None
+    ) -> Any:
+        """Its value where the signals have values, too; functions: those of other numbers."""
+        with np.errstate(all="ignore"):
+            names = self._values | {self.variable: at} | dict(signals)
+            return grammar.value_of(self._tree, names, functions)
+
+    def slope(self, at: Any, signals: Mapping[str, Any]) -> Any:
+        """The derivative of that by the variable."""
+        tree = grammar.derivative(self._tree, self.variable)
+        with np.errstate(all="ignore"):
+            names = self._values | {self.variable: at} | dict(signals)
+            return 0.0 if tree is None else grammar.value_of(tree, names)
+
+    def parametrised(self, prefix: str) -> tuple[str, dict[str, float]]:
+        """Canonical text in which every number has a name, and the values by name.
+
+        Names are ``prefix_1``, ``prefix_2``, ..., in tables ``prefix_knot_1``, ``prefix_value_1``,
+        ..., in the order of the text, and those that the numbers have already; whole exponents stay
+        as they are.
+        """
+        values: dict[str, float] = {}
+
+        def named(name: str, value: float) -> ast.expr:
+            values[name] = value
+            return ast.Name(name)
+
+        tree = self._renamed(prefix, named)
+        own = {name: value for name, value in self.numbers if value is not None}
+        return ast.unparse(tree), values | {name: own[name] for name in self.names if name in own}
+
+    def with_numbers(self, prefix: str, changed: Mapping[str, float]) -> str:
+        """The text with other values of numbers, by the names that ``parametrised`` gives them."""
+
+        def number(name: str, value: float) -> ast.expr:
+            return ast.parse(repr(changed.get(name, value)), mode="eval").body
+
+        return ast.unparse(self._renamed(prefix, number))
+
+    def _renamed(self, prefix: str, made: Callable[[str, float], ast.expr]) -> ast.expr:
+        """The tree with what is made of the name and value of every number in its place."""
+        counts: Counter[str] = Counter()
+
+        def number(value: float, what: str) -> ast.expr:
+            counts[what] += 1
+            return made(f"{prefix}_{what}{counts[what]}", value)
+
+        return grammar.with_names(self._tree, number)
+
+    @property
+    def knot_names(self) -> list[list[str]]:
+        """Names of the knots of every table, which are to ascend."""
+        found = ([k.id for k in table.knots if isinstance(k, ast.Name)] for table in self._tables)
+        return [names for names in found if names]
+
+    @property
+    def cubic(self) -> bool:
+        """Whether a table in it goes as a cubic between its knots."""
+        return any(table.kind == grammar.CUBIC for table in self._tables)
+
+    @property
+    def tabulated(self) -> bool:
+        """Whether there is a table in it."""
+        return bool(self._tables)
+
+    @property
+    def _tables(self) -> list[grammar.Table]:
+        return list(grammar.tables(self._tree))
+
+    def with_values(self, values: Mapping[str, float]) -> Expression:
+        """The expression with values of its numbers; those of other names are left out."""
+        known = tuple((name, float(values[name])) for name in self.names)
+        return replace(self, numbers=known)
 
     def __call__(self, at: Any) -> Any:
         """Value at a number or an array; not-a-number and infinity where the maths has them."""
-        with np.errstate(all="ignore"):
-            return _value(self._tree, self.variable, np.asarray(at, dtype=float))
+        return self._at(self._tree, at)
 
-    def source(self, language: str = "numpy") -> str:
-        """The expression as code in the variable, for NumPy or C (with ``least`` and ``greatest``
-        of two numbers); canonical, so equal for equal trees."""
-        return _source(self._tree, LANGUAGES[language], self.variable)
+    def _at(self, part: ast.expr, at: Any) -> Any:
+        with np.errstate(all="ignore"):
+            x = np.asarray(at, dtype=float)
+            return grammar.value_of(part, self._values | {self.variable: x})
+
+    def source(
+        self,
+        language: grammar.Language = grammar.NUMPY,
+        positions: Mapping[str, int] | None = None,
+        start: str = "",
+        signals: Mapping[str, str] | None = None,
+    ) -> str:
+        """The expression as code in the variable; canonical, so equal for equal trees.
+
+        positions: in p, from ``start`` on, of the numbers that have names; signals: code of its
+        states and sensors.
+        """
+        return grammar.source_of(self._tree, language, positions or {}, start, signals)
 
     def kinks(self) -> list[Callable[[Any], Any]]:
-        """Functions of the variable in whose zeros the expression is not smooth."""
-        return [self._difference(a, b) for a, b in _kinks(self._tree)]
+        """Functions of the variable alone in whose zeros the expression is not smooth; knots of a
+        table of the variable itself are not among them."""
+        pairs = grammar.kinks(self._tree, self.variable)
+        return [self._difference(a, b) for a, b in pairs if not self._follows(a, b)]
+
+    def switches(self) -> dict[str, Difference]:
+        """Functions of the variable and the signals in whose zeros the expression is not smooth as
+        it follows these, by their text."""
+        return self._differences(self._follows)
+
+    def corners(self) -> dict[str, Difference]:
+        """All functions of the variable and of names without a value in whose zeros the expression
+        is not smooth, by their text."""
+        return self._differences(lambda *_: True)
+
+    def _differences(self, taken: Callable[..., bool]) -> dict[str, Difference]:
+        return {
+            " - ".join(ast.unparse(part) for part in (a, b) if part): partial(self._apart, a, b)
+            for a, b in grammar.kinks(self._tree, self.variable)
+            if taken(a, b)
+        }
+
+    def _apart(self, a: ast.expr, b: ast.expr | None, at: Any, signals: Mapping[str, Any]) -> Any:
+        with np.errstate(all="ignore"):
+            names = self._values | {self.variable: at} | dict(signals)
+            less = grammar.value_of(b, names) if b else 0.0
+            return grammar.value_of(a, names) - less
+
+    def _follows(self, *parts: ast.expr | None) -> bool:
+        """Whether any of some parts follows a state or a sensor."""
+        return any(part and grammar.signals_in(part, self.states or ()) for part in parts)
+
+    def knots(self) -> list[float]:
+        """Knots of the tables of the variable itself, ascending."""
+        found = grammar.knots(self._tree, self.variable)
+        return sorted({float(grammar.value_of(knot, self._values)) for knot in found})
 
     def _difference(self, a: ast.expr, b: ast.expr | None) -> Callable[[Any], Any]:
-        def difference(at: Any) -> Any:
-            with np.errstate(all="ignore"):
-                x = np.asarray(at, dtype=float)
-                left = _value(a, self.variable, x)
-                return left if b is None else left - _value(b, self.variable, x)
-
-        return difference
+        return lambda at: self._at(a, at) if b is None else self._at(a, at) - self._at(b, at)
 
     def breaks(self, start: float, end: float) -> list[float]:
-        """Zeros of the kinks strictly between start and end, ascending (see zeros.py)."""
+        """Zeros of the kinks (see zeros.py) and knots strictly between start and end, ascending."""
         return list(_breaks(self, start, end))
 
     def poles(self, start: float, end: float) -> list[float]:
@@ -196,18 +292,49 @@ class Expression:
 
     def divisors(self) -> list[Callable[[Any], Any]]:
         """Functions of the variable by which it divides."""
-        return [self._difference(node, None) for node in _divisors(self._tree)]
+        return [self._difference(node, None) for node in grammar.divisors(self._tree)]
+
+    def denominators(self) -> list[Difference]:
+        """Functions of the variable and of names without a value by which it divides, numbers not
+        among them."""
+        parts = grammar.divisors(self._tree)
+        open_to = {self.variable, *(self.states or ())}
+        kept = (part for part in parts if open_to.intersection(grammar.names_in(part)))
+        return [partial(self._apart, part, None) for part in kept]
 
     def not_finite(self, at: float) -> str:
         """What is said of it at a place where it is no number."""
         return f"{self.field} = {short(self.text)} is not finite at {self.variable} = {at:.9g}"
 
 
-# The same scene is run again and again: what it takes milliseconds to find is kept.
+@lru_cache(maxsize=256)
+def open_expression(text: str, variable: str, states: tuple[str, ...] = ()) -> Expression:
+    """An expression of a module, whose numbers have names and no values; other names are refused
+    where the module's structure is checked."""
+    tree = grammar.parse(text, "expressions")
+    names = grammar.names_in(tree) if tree is not None else []
+    others = {variable, *(grammar.signals_in(tree, states) if tree is not None else ())}
+    numbers = tuple((name, None) for name in names if name not in others)
+    return Expression(text, variable, "expressions", numbers, states)
+
+
+# A scene is run again and again: what it takes milliseconds to find is kept.
+@lru_cache(maxsize=256)
+def parsed(
+    text: str,
+    variable: str,
+    field: str,
+    numbers: tuple[tuple[str, float], ...],
+    states: tuple[str, ...] | None = None,
+) -> Expression:
+    """An expression of a scene."""
+    return Expression(text, variable, field, numbers, states)
+
+
 @lru_cache(maxsize=256)
 def _breaks(e: Expression, start: float, end: float) -> tuple[float, ...]:
-    found = zeros(e.kinks(), start, end)
-    return tuple(x for x in found if start < x < end)
+    found = {*zeros(e.kinks(), start, end), *e.knots()}
+    return tuple(sorted(x for x in found if start < x < end))
 
 
 @lru_cache(maxsize=256)
@@ -239,135 +366,3 @@ def _turns(values: Any) -> Any:
     change = np.diff(values)
     moves = np.flatnonzero(np.abs(change) > TURNS * np.abs(finite).max(initial=0.0))
     return moves[1:][change[moves[1:]] * change[moves[:-1]] < 0]
-
-
-def _check(node: ast.AST, expression: Expression, depth: int = 0, condition: bool = False) -> None:
-    def refuse() -> SceneError:
-        return expression.refused(ast.unparse(node))
-
-    if depth > DEEPEST:
-        raise SceneError(expression.field, expression.text, f"nested at most {DEEPEST} deep")
-    if condition != isinstance(node, ast.Compare):
-        raise refuse()
-    match node:
-        case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
-            try:
-                finite = math.isfinite(value)
-            except OverflowError:
-                finite = False
-            if not finite:
-                raise refuse()
-        case ast.Name(id=name) if name in (expression.variable, "pi"):
-            pass
-        case ast.BinOp(op=op) if type(op) in BINARY:
-            pass
-        case ast.UnaryOp(op=op) if type(op) in UNARY:
-            pass
-        case ast.Compare(ops=ops) if all(type(op) in COMPARE for op in ops) and len(ops) == 1:
-            pass
-        case ast.IfExp():
-            pass
-        case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
-            least, most, _ = FUNCTIONS[name]
-            if len(args) < least or (most is not None and len(args) > most):
-                raise refuse()
-        case _:
-            raise refuse()
-    for child, is_condition in _children(node):
-        _check(child, expression, depth + 1, is_condition)
-
-
-def _children(node: ast.AST) -> Iterator[tuple[ast.expr, bool]]:
-    match node:
-        case ast.BinOp(left=left, right=right):
-            yield from ((left, False), (right, False))
-        case ast.UnaryOp(operand=operand):
-            yield operand, False
-        case ast.Compare(left=left, comparators=[right]):
-            yield from ((left, False), (right, False))
-        case ast.IfExp(test=test, body=body, orelse=orelse):
-            yield from ((test, True), (body, False), (orelse, False))
-        case ast.Call(args=args):
-            yield from ((arg, False) for arg in args)
-
-
-def _value(node: ast.AST, variable: str, at: Any) -> Any:
-    values = [_value(child, variable, at) for child, _ in _children(node)]
-    match node:
-        case ast.Constant(value=int() | float() as value):
-            return np.float64(value)
-        case ast.Name(id=name):
-            return np.float64(math.pi) if name == "pi" else at
-        case ast.BinOp(op=op):
-            return BINARY[type(op)][1](*values)
-        case ast.UnaryOp(op=op):
-            return UNARY[type(op)][1](*values)
-        case ast.Compare(ops=[op]):
-            return COMPARE[type(op)][1](*values)
-        case ast.IfExp():
-            return np.where(*values)
-        case ast.Call(func=ast.Name(id=name)):
-            return FUNCTIONS[name][2](*values)
-    raise AssertionError(f"unchecked node {node!r}")
-
-
-def _constants(node: ast.AST, variable: str) -> Iterator[ast.AST]:
-    """The largest parts of a tree that the variable is not in; comparisons are no numbers."""
-    names = {inner.id for inner in ast.walk(node) if isinstance(inner, ast.Name)}
-    if variable not in names and not isinstance(node, ast.Compare):
-        yield node
-        return
-    for child, _ in _children(node):
-        yield from _constants(child, variable)
-
-
-def _source(node: ast.AST, language: Language, variable: str) -> str:
-    # Numbers are worked out here: Python's own 1.0/0.0 or (-1.0)**0.5 are not those of NumPy.
-    if node in _constants(node, variable):
-        return repr(float(_value(node, variable, None)))
-    parts = [_source(child, language, variable) for child, _ in _children(node)]
-    match node:
-        case ast.Name(id=name):
-            return name
-        case ast.BinOp(op=ast.Pow()):
-            return language.power.format(*parts)
-        case ast.BinOp(op=op):
-            return f"({parts[0]} {BINARY[type(op)][0]} {parts[1]})"
-        case ast.UnaryOp(op=op):
-            return f"({UNARY[type(op)][0]}{parts[0]})"
-        case ast.Compare(ops=[op]):
-            return f"({parts[0]} {COMPARE[type(op)][0]} {parts[1]})"
-        case ast.IfExp():
-            return language.choice.format(*parts)
-        case ast.Call(func=ast.Name(id=name)):
-            function = language.names.get(name, f"{language.prefix}{name}")
-            total = parts[0]
-            if FUNCTIONS[name][1] == 1:
-                return f"{function}({total})"
-            for part in parts[1:]:
-                total = f"{function}({total}, {part})"
-            return total
-    raise AssertionError(f"unchecked node {node!r}")
-
-
-def _kinks(node: ast.AST) -> Iterator[tuple[ast.expr, ast.expr | None]]:
-    match node:
-        case ast.Compare(left=left, comparators=[right]):
-            yield left, right
-        case ast.Call(func=ast.Name(id="abs"), args=[arg]):
-            yield arg, None
-        case ast.Call(func=ast.Name(id="min" | "max"), args=args):
-            yield from ((a, b) for at, a in enumerate(args) for b in args[at + 1 :])
-    for child, _ in _children(node):
-        yield from _kinks(child)
-
-
-def _divisors(node: ast.AST) -> Iterator[ast.expr]:
-    """What is divided by; the base of a power stands for its negative exponents."""
-    match node:
-        case ast.BinOp(op=ast.Div(), right=divisor) | ast.BinOp(op=ast.Pow(), left=divisor):
-            yield divisor
-        case ast.Call(func=ast.Name(id="tan"), args=args):
-            yield ast.Call(ast.Name("cos"), args, [])
-    for child, _ in _children(node):
-        yield from _divisors(child)

@@ -9,8 +9,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from rodgen.model.parameter import JOINTS
+from rodgen.model.terms import PARAMETERS, TERMS
+from rodgen.scene import spring
 from rodgen.scene import structure as st
 from rodgen.scene.errors import SceneError
+from rodgen.scene.plain import put
 from rodgen.scene.tables import FinFactor
 
 if TYPE_CHECKING:
@@ -49,22 +53,31 @@ def per_link(scene: Scene) -> Iterator[PerLink]:
     rate of curvature; its spring EI/l times that of the angles: c_int grows as n^2. A fin acts on
     the mass M/2n of an end: what it has beyond the body's factor, which is spread, grows as n.
     """
-    internal, external = scene.loads.internal_damping, scene.loads.external_damping
-    if internal and internal.coefficient:
-        inside = ("loads", "internal_damping", "coefficient")
-        yield PerLink("internal damping", inside, internal.coefficient, 0.0, 2)
-    if external and external.coefficient and isinstance(fins := external.fin_factor, FinFactor):
-        for end in ("nose", "tail") if scene.hold.translates else ("tail",):
-            if (value := getattr(fins, end)) > fins.body:
-                key = ("loads", "external_damping", "fin_factor", end)
-                yield PerLink(f"the fin at the {end}", key, value, fins.body, 1)
+    for term in map(TERMS.__getitem__, scene.loads.terms):
+        if not scene.loads.value(term.parameters[0].name):
+            continue  # the load does nothing
+        for one in term.parameters:
+            value, key = scene.loads.value(one.name), scene.place(one.name)
+            if not one.links_power:
+                continue
+            if not one.several:
+                yield PerLink(one.label, key, value, 0.0, one.links_power)
+            elif isinstance(value, FinFactor):
+                for end in ("nose", "tail") if scene.hold.translates else ("tail",):
+                    if (factor := getattr(value, end)) > value.body:
+                        what, at = f"the {one.label} at the {end}", (*key, end)
+                        yield PerLink(what, at, factor, value.body, one.links_power)
 
 
 def mesh_notes(scene: Scene) -> tuple[str, ...]:
     """Sentences on damping that another number of links would change, with its equivalent."""
     n = scene.rod.links
+    sprung = (
+        f"{spring.FIELD} is that of a joint, whose angle belongs to the number of links "
+        "(Scene.with_links converts)",
+    )
     laws = {1: "its part above fin_factor.body grows as n", 2: "it grows as n^2"}
-    return tuple(
+    return sprung * (scene.spring_law is not None) + tuple(
         f"{one.what} belongs to the number of links: for the same rod, {one.field} = "
         f"{one.value:.6g} at n = {n} is {one.times(2):.6g} at n = {2 * n} ({laws[one.power]}; "
         "Scene.with_links converts)"
@@ -78,26 +91,25 @@ def with_links(scene: Scene, links: int) -> dict[str, Any]:
     _check_spread(scene)
     tables: dict[str, Any] = scene.model_dump(exclude_none=True)
     tables["rod"]["links"] = links
+    if scene.rod.spring is not None:
+        tables["rod"]["spring"] = spring.remeshed(scene.rod.spring, links / scene.rod.links)
     for one in per_link(scene):
-        table = tables
-        for key in one.key[:-1]:
-            table = table[key]
-        table[one.key[-1]] = one.times(links / scene.rod.links)
+        put(tables, one.key, one.times(links / scene.rod.links))
     return tables
 
 
 def _check_spread(scene: Scene) -> None:
     """Raise SceneError for what is given link by link."""
-    external = scene.loads.external_damping
-    lists = {
-        "initial.phi": scene.initial.phi,
-        "initial.omega": scene.initial.omega,
-        "loads.external_damping.fin_factor": external.fin_factor if external else None,
-    }
+    form = "a number or an expression in s"
+    lists = {f"initial.{key}": (getattr(scene.initial, key), form) for key in ("phi", "omega")}
+    for name in scene.loads.parameters:
+        words = "nose, body and tail" if PARAMETERS[name].each == JOINTS else form
+        lists[scene.field(name)] = scene.loads.value(name), words
+    for key in ("bending_stiffness", "mass_per_length"):
+        lists[f"rod.{key}"] = getattr(scene.rod, key), form
     why = "to be had with another number of links"
-    for field, value in lists.items():
+    for field, (value, allowed) in lists.items():
         if isinstance(value, list):
-            allowed = "nose, body and tail" if "fin" in field else "a number or an expression in s"
             raise SceneError(field, value, f"{allowed}, {why}")
     for at, event in enumerate(scene.events):
         if re.match(r"(phi|omega|joint)_[0-9]", event.quantity):

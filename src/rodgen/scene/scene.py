@@ -2,43 +2,74 @@
 
 from __future__ import annotations
 
-import math
+import operator
 import re
+from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError, field_validator, model_validator
+from pydantic import (
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
+from rodgen.model.methods import EITHER
+from rodgen.model.parameter import JOINTS, LINKS
+from rodgen.model.rod import CLAMP_ANGLE, ROD, Boundary
+from rodgen.model.terms import PARAMETERS, PLACES
+from rodgen.scene import spring
 from rodgen.scene import structure as st
-from rodgen.scene.errors import SceneError, check_type
-from rodgen.scene.explain import explain
-from rodgen.scene.expression import Expression
+from rodgen.scene.along import Distribution
+from rodgen.scene.anchors import Anchors
+from rodgen.scene.course import Course
+from rodgen.scene.errors import SceneError, check_type, explain
+from rodgen.scene.expression import Expression, parsed
+from rodgen.scene.files import with_tables
+from rodgen.scene.integration import AUTO, Integrate
+from rodgen.scene.law import Law
 from rodgen.scene.mesh import with_links
-from rodgen.scene.onsets import onsets
-from rodgen.scene.plain import plain
+from rodgen.scene.numbers import check_names, check_states, mass_of
+from rodgen.scene.plain import plain, read_table
 from rodgen.scene.tables import (
-    AUTO,
-    EITHER,
+    Body,
     Event,
     FinFactor,
+    Finite,
+    Foundation,
     Initial,
-    Integrate,
     Loads,
     Rod,
+    State,
+    Support,
     Table,
+    check_bodies,
     check_events,
 )
-from rodgen.scene.toml import read_table
 
 
 class Scene(Table):
-    """A whole scene, checked. Raises SceneError where a file or a value cannot be used."""
+    """A whole scene, checked. Raises SceneError where a file or a value cannot be used.
+
+    numbers: by the names that they have in expressions; the table [parameters] of a file.
+    """
+
+    # `parameters` are those of the module: the table's own name is that of a file.
+    model_config: ClassVar[ConfigDict] = ConfigDict(serialize_by_alias=True, validate_by_name=True)
 
     name: str
+    numbers: dict[str, Finite] = Field({}, alias="parameters", exclude_if=operator.not_)
     rod: Rod
+    bodies: list[Body] = []
+    supports: list[Support] = []
+    foundation: Foundation | None = None
     loads: Loads = Loads()
+    states: dict[str, State] = Field({}, exclude_if=operator.not_)
     initial: Initial = Initial()
     events: list[Event] = []
     integrate: Integrate = Integrate()
@@ -53,42 +84,60 @@ class Scene(Table):
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Scene:
-        """Read a scene from a TOML file, of at most 10 MB, 1e5 values, and 50 levels."""
-        return cls.from_dict(read_table(Path(path)))
+        """Read a scene from a TOML file, of at most 10 MB, 1e5 values, and 50 levels; tables of
+        numbers that an expression takes from a file are read from the folder of the scene."""
+        return cls.from_dict(with_tables(read_table(Path(path)), Path(path).parent))
 
     @classmethod
     def from_dict(cls, table: dict[str, Any]) -> Scene:
         """Check a scene that is already a dictionary of tables."""
         if not isinstance(table, dict):
             raise SceneError("scene", table, "a table")
+        if "numbers" in table:
+            raise SceneError(
+                "numbers", table["numbers"], "absent: [parameters] has numbers by name"
+            )
         return cls(**{str(key): value for key, value in table.items()})
 
-    @field_validator("events", mode="before")
+    @field_validator("events", "bodies", "supports", mode="before")
     @classmethod
-    def _events(cls, tables: Any) -> list[Event]:
+    def _many(cls, tables: Any, info: ValidationInfo) -> list[Any]:
         """Each by itself, so that what is wrong is named by its place in the array."""
+        key = str(info.field_name)
+        kinds: dict[str, type[Table]] = {"events": Event, "bodies": Body, "supports": Support}
+        kind = kinds[key]
         if not isinstance(tables, list):
-            raise SceneError("events", tables, "an array of tables, [[events]]")
-        events = []
+            raise SceneError(key, tables, f"an array of tables, [[{key}]]")
+        made = []
         for i, table in enumerate(tables):
-            if not isinstance(table, dict | Event):
-                raise SceneError(f"events[{i}]", table, "a table")
+            if not isinstance(table, dict | kind):
+                raise SceneError(f"{key}[{i}]", table, "a table")
             try:
-                events.append(Event.model_validate(table))
+                made.append(kind.model_validate(table))
             except ValidationError as error:
-                found = explain(error, dict(table), Event)
-                raise SceneError(f"events[{i}].{found.field}", found.value, found.allowed) from None
-        return events
+                found = explain(error, dict(table), kind)
+                raise SceneError(f"{key}[{i}].{found.field}", found.value, found.allowed) from None
+        return made
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", self.name):
             raise SceneError("name", self.name, "a plain identifier of at most 64 ASCII characters")
-        external = self.loads.external_damping
-        fins = external.fin_factor if external else None
-        if isinstance(fins, list) and len(fins) != self.rod.links + 1:
-            allowed = f"a list of {self.rod.links + 1} values, one for every joint"
-            raise SceneError("loads.external_damping.fin_factor", fins, allowed)
+        rates = [spring.NAME, *(f"{name}_rate" for name in self.states)]
+        masses = [mass_of(body.name) for body in self.bodies]
+        check_names(self.numbers, "parameters", (*rates, mass_of(""), *masses))
+        check_names(self.states, "states", rates)
+        check_states(self.states, self.numbers)
+        for name in self.states:
+            self._rate(name)
+        for parameter in self.loads.parameters:
+            value, each = self.loads.value(parameter), PARAMETERS[parameter].each
+            count = self.rod.links + (each == JOINTS)
+            if isinstance(value, list) and len(value) != count:
+                allowed = f"a list of {count} values, one for every {each}"
+                raise SceneError(self.field(parameter), value, allowed)
+            self._number_of(parameter)
+        self.along_at(self.integrate.span[0])
         for name in ("position", "velocity"):
             value = getattr(self.initial, name)
             if value is not None and not self.hold.translates:
@@ -96,7 +145,12 @@ class Scene(Table):
                 raise SceneError(f"initial.{name}", value, allowed)
         self._links("phi")
         self._links("omega")
-        check_events(self.events, self.rod)
+        check_events(self.events, self.rod, self.states)
+        check_bodies(self.bodies, self.rod)
+        self.distribution.check(self.integrate.span)
+        self.anchors.check()
+        if self.spring_law is not None and not np.any(self.distribution.joint_stiffness):
+            raise SceneError(spring.FIELD, self.rod.spring, "absent: no joint has a stiffness")
         return self
 
     def _links(self, name: str) -> NDArray[np.float64]:
@@ -111,21 +165,17 @@ class Scene(Table):
                 allowed = f"a list of {len(links)} values, one for every moving link"
                 raise SceneError(f"initial.{name}", value, allowed)
             return np.array(value, dtype=float)
-        if isinstance(value, str):
-            made = Expression(value, "s", f"initial.{name}")((links + 0.5) / n)
-            values = np.broadcast_to(made, links.shape).astype(float)
-            if not np.all(np.isfinite(values)):
-                bad = int(links[~np.isfinite(values)][0])
-                raise SceneError(
-                    f"initial.{name}", value, f"finite at every link (not at link {bad})"
-                )
-            return values
-        return np.full(len(links), float(value))
+        values = Law(value, f"initial.{name}", self._numbers).at((links + 0.5) / n)
+        wrong = links[~np.isfinite(values)]
+        if len(wrong):
+            allowed = f"finite at every link (not at link {wrong[0]})"
+            raise SceneError(f"initial.{name}", value, allowed)
+        return values
 
     @property
-    def hold(self) -> st.Hold:
+    def hold(self) -> Boundary:
         """How the start of the rod is held."""
-        return st.BOUNDARIES[self.rod.boundary]
+        return self.rod.hold
 
     @property
     def held(self) -> int:
@@ -133,34 +183,165 @@ class Scene(Table):
         return self.hold.first
 
     @property
+    def _numbers(self) -> tuple[tuple[str, float], ...]:
+        return tuple(self.numbers.items())
+
+    def expression(self, name: str) -> Expression | None:
+        """The expression that a parameter of a load is given by, where it is given by text: in t,
+        or in s where every link has its own."""
+        value = self.loads.value(name)
+        if not isinstance(value, str):
+            return None
+        if PARAMETERS[name].each == LINKS:
+            return self._law(name).expression
+        return parsed(value, "t", self.field(name), self._numbers, tuple(self.states))
+
+    def place(self, name: str) -> tuple[str, ...]:
+        """Where a parameter of the module stands: the keys of tables, from the outermost in."""
+        return self.loads.places.get(name) or PLACES[name]
+
+    def field(self, name: str) -> str:
+        """Where that is, in one word."""
+        return ".".join(self.place(name))
+
+    def _number_of(self, name: str) -> Any:
+        """The number that a parameter of a load is, or those of all joints or links; None of one
+        that changes with time."""
+        value, text, links = self.loads.value(name), self.expression(name), self.rod.links
+        if isinstance(value, FinFactor):
+            return value.values(links)
+        if PARAMETERS[name].each == LINKS:
+            law = self._law(name)
+            return law.of_links(links, self.integrate.span[0]) if not law.changes else None
+        # A text without t is a number like any other.
+        return value if text is None else float(text(0.0)) if text.constant else None
+
+    def _law(self, name: str) -> Law:
+        """A parameter that every link has of its own."""
+        return Law(self.loads.value(name), self.field(name), self._numbers, "st")
+
+    def along_at(self, t: float) -> dict[str, list[float]]:
+        """Parameters that change with time and from link to link, as they are at a time."""
+        laws = {name: self._law(name) for name in self.along}
+        return {name: law.of_links(self.rod.links, t) for name, law in laws.items()}
+
+    def _rate(self, name: str) -> Expression:
+        """The rate of a state that is added."""
+        rate, place = self.states[name].rate, f"states.{name}.rate"
+        text = rate if isinstance(rate, str) else repr(float(rate))
+        return parsed(text, "t", place, self._numbers, tuple(self.states))
+
+    @property
     def structure(self) -> st.Structure:
-        """What its module is specialised to."""
+        """What its module is specialised to: the numbers in its expressions are parameters."""
+        return self._structure
+
+    @cached_property
+    def _structure(self) -> st.Structure:
         rod = self.rod
-        timed = tuple((name, force.canonical) for name, force in self.timed.items())
-        return st.Structure(rod.links, rod.boundary, rod.inertia, self.loads.terms, timed)
+        texts = ((name, force.parametrised(name)[0]) for name, force in self.expressions.items())
+        rates = ((name, e.parametrised(f"{name}_rate")[0]) for name, e in self.rates.items())
+        terms = self.loads.structure(rod.links) + self.anchors.terms
+        what = rod.links, rod.boundary, rod.inertia, terms
+        law = self.spring_law
+        sprung = law.parametrised(spring.NAME)[0] if law else ""
+        along = self.distribution
+        masses = tuple(
+            (name, link, e.parametrised(mass_of(name))[0]) for name, link, e in along.changing
+        )
+        return st.Structure(*what, tuple(texts), along.uneven, tuple(rates), sprung, masses)
+
+    @property
+    def spring_law(self) -> Expression | None:
+        """The law of its springs, where that is not Hooke's."""
+        text = self.rod.spring
+        law = None if text is None else spring.law(text, self._numbers)
+        return None if law is None or spring.is_hooke(law.canonical) else law
+
+    @property
+    def slack(self) -> bool:
+        """Whether its springs do not resist a small bend of the straight rod."""
+        return self.spring_law is not None and spring.is_slack(self.spring_law)
+
+    @property
+    def anchors(self) -> Anchors:
+        """What holds it elsewhere than at its start."""
+        start = self.initial.position or (0.0, 0.0)
+        return Anchors(self.rod, self.supports, self.foundation, start, self._numbers)
+
+    @property
+    def distribution(self) -> Distribution:
+        """How stiffness and mass lie along the rod, at the start of the span."""
+        return self.distribution_at(self.integrate.span[0])
+
+    def distribution_at(self, t: float) -> Distribution:
+        """How they lie along it at a time."""
+        return Distribution(self.rod, self.bodies, self._numbers, t)
+
+    @property
+    def mass(self) -> float:
+        """Mass of the links and of all bodies at the start of the span [kg]."""
+        return self.distribution.mass
+
+    @property
+    def expressions(self) -> dict[str, Expression]:
+        """Parameters that change with time or with the motion, by name."""
+        return self._expressions
+
+    # Kept, as a run asks dozens of times; copies that are made here have other settings in
+    # [integrate] alone. Pydantic takes names without an underscore for keys.
+    @cached_property
+    def _expressions(self) -> dict[str, Expression]:
+        found = {name: self.expression(name) for name in self.loads.parameters}
+        return {
+            name: e
+            for name, e in found.items()
+            if e and (e.changes if PARAMETERS[name].several else not e.constant)
+        }
+
+    @property
+    def along(self) -> dict[str, Expression]:
+        """Parameters that change with time and may differ from link to link, by name."""
+        return {name: e for name, e in self.expressions.items() if PARAMETERS[name].several}
 
     @property
     def timed(self) -> dict[str, Expression]:
-        """Parameters that change with time, by name."""
-        found = {name: self.loads.expression(name) for name in self.loads.parameters}
-        return {name: e for name, e in found.items() if e and not e.constant}
+        """Parameters that change with time alone, by name."""
+        found = self.expressions.keys() - self.along.keys()
+        return {name: e for name, e in self.expressions.items() if name in found and not e.signals}
+
+    @property
+    def fed(self) -> dict[str, Expression]:
+        """Parameters that follow the motion, by name."""
+        found = self.expressions.keys() - self.along.keys()
+        return {name: e for name, e in self.expressions.items() if name in found and e.signals}
+
+    @property
+    def rates(self) -> dict[str, Expression]:
+        """Rates of the states that are added, by name."""
+        return {name: self._rate(name) for name in self.states}
 
     @property
     def parameters(self) -> dict[str, Any]:
         """Values of the parameters of its module, by name."""
-        rod = self.rod
+        rod, along = self.rod, self.distribution
         values: dict[str, Any] = {
-            "mass": rod.mass,
-            "length": rod.length,
-            "bending_stiffness": rod.bending_stiffness,
-            "clamp_angle": rod.clamp_angle or 0.0,
+            one.name: getattr(rod, one.key) or 0.0 for one in (*ROD, CLAMP_ANGLE)
         }
-        for name in self.loads.parameters:
-            value, text = self.loads.value(name), self.loads.expression(name)
-            # A text without t is a number like any other.
-            values[name] = float(text(0.0)) if text and text.constant else value
-            if isinstance(value, FinFactor):
-                values[name] = value.values(rod.links)
+        values |= {"bending_stiffness": along.stiffness, "mass": along.links_mass}
+        if "stiffness" in along.uneven:
+            values["joint_stiffness"] = along.joint_stiffness
+        if {*along.uneven} - {"stiffness"}:
+            values |= along.of_links(steady=bool(along.changing))
+        values |= along.numbers_of_changing
+        values |= {name: self._number_of(name) for name in self.loads.parameters}
+        for name, text in self.expressions.items():
+            values |= text.parametrised(name)[1]
+        values |= self.anchors.parameters
+        if self.spring_law is not None:
+            values |= self.spring_law.parametrised(spring.NAME)[1]
+        for name, text in self.rates.items():
+            values |= text.parametrised(f"{name}_rate")[1]
         return {name: values[name] for name in self.structure.parameters}
 
     def initial_state(self) -> NDArray[np.float64]:
@@ -173,37 +354,37 @@ class Scene(Table):
                 self._links("phi"),
                 np.array(velocity or [0.0, 0.0]) if base else [],
                 self._links("omega"),
+                [state.initial for state in self.states.values()],
             )
         )
 
+    @property
+    def course(self) -> Course:
+        """What it is given as functions of time, over the span."""
+        laws = [*self.expressions.values(), *self.rates.values()]
+        masses = [mass for *_, mass in self.distribution.changing]
+        fed = [*self.fed.values(), *self.rates.values()]
+        timed, along = tuple(self.timed.values()), tuple(self.along.values())
+        law, (start, end) = self.spring_law, self.integrate.span
+        return Course(
+            start,
+            end,
+            (*laws, *masses),
+            timed,
+            along,
+            tuple(fed),
+            spread=(*along, *masses),
+            links=self.rod.links,
+            spring=(law, tuple(self.distribution.joint_stiffness)) if law else None,
+        )
+
     def breaks(self) -> list[float]:
-        """Times inside the span at which a load is not smooth, ascending."""
-        start, end = self.integrate.span
-        found: list[float] = []
-        for at in sorted(at for e in self.timed.values() for at in e.breaks(start, end)):
-            # What two expressions compare may meet zero a rounding apart.
-            if not found or at - found[-1] > 4 * np.spacing(abs(at)):
-                found.append(at)
-        return found
-
-    def pulses(self) -> list[tuple[float, float, float]]:
-        """Begin, peak and end of what a load does after a rest that is longer, ascending."""
-        start, end = self.integrate.span
-        return sorted(pulse for e in self.timed.values() for pulse in onsets(e, start, end))
-
-    def swing(self) -> float:
-        """Half a period [s] of the load that swings fastest; infinity where none swings."""
-        start, end = self.integrate.span
-        return min((e.swing(start, end) for e in self.timed.values()), default=math.inf)
-
-    def pole(self) -> tuple[float, Expression] | None:
-        """The first time in the span at which a load grows beyond all bounds, and that load."""
-        start, end = self.integrate.span
-        found = [(at, e) for e in self.timed.values() for at in e.poles(start, end)]
-        return min(found, key=lambda pair: pair[0], default=None)
+        """Times inside the span at which a load, the rate of a state or a mass is not smooth in t,
+        ascending [s]: an integrator of one's own should step onto them."""
+        return self.course.breaks()
 
     def with_integrate(self, **changes: Any) -> Scene:
-        """The same scene with other values in [integrate]; those that are None are left.
+        """A scene with other values in [integrate]; those that are None are left.
 
         A tolerance takes the place of a step of the scene, where the method has a use for either;
         another output_every that of t_eval.
@@ -219,7 +400,7 @@ class Scene(Table):
         return Scene.from_dict(table)
 
     def integrated_by(self, method: str) -> Scene:
-        """The same scene by a method that was found for it; what `auto` finds is no method of equal
+        """A scene with the method that was found for it; what `auto` finds is no method of equal
         steps, whatever the step that stands in the scene."""
         found: dict[str, Any] = {"method": method}
         if self.integrate.method == AUTO:
@@ -227,8 +408,8 @@ class Scene(Table):
         return self.model_copy(update={"integrate": self.integrate.model_copy(update=found)})
 
     def with_links(self, links: int) -> Scene:
-        """The same rod with another number of links: coefficients of damping that belong to a
-        number of links are converted, c_int by (n'/n)^2, a fin by n'/n. Raises SceneError for a
+        """A scene of this rod with another number of links: coefficients of damping that belong to
+        a number of links are converted, c_int by (n'/n)^2, a fin by n'/n. Raises SceneError for a
         number that is not allowed, and for a scene that has a list of a value for every link or
         watches one of its links."""
         return Scene.from_dict(with_links(self, links))

@@ -4,75 +4,39 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from itertools import starmap
 
+from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, SPRINGS, Parameter
+from rodgen.model.rod import BOUNDARIES, INERTIAS, ROD, STEADY, TANK, UNEVEN, Boundary, tank_row
+from rodgen.model.terms import PARAMETERS, TERMS, THESIS_TERMS, named
+from rodgen.scene import spring
 from rodgen.scene.errors import SceneError
+from rodgen.scene.expression import Expression, open_expression
+from rodgen.scene.grammar import Sensor
+from rodgen.scene.numbers import check_name, mass_of, row_of
 from rodgen.scene.plain import plain
 
-
-@dataclass(frozen=True)
-class Hold:
-    """How the start of a rod is held: whether joint 0 moves, the first link that moves, and
-    whether a spring at joint 0 holds that link against clamp_angle."""
-
-    translates: bool
-    first: int
-    root_spring: bool = False
-
-    @property
-    def least_links(self) -> int:
-        """The fewest links with which something moves."""
-        return self.first + 1
-
-
-# What this release offers, in the order in which names list it.
-BOUNDARIES = {
-    "free": Hold(True, 0),
-    "cantilever": Hold(False, 1),
-    "clamped": Hold(False, 0, root_spring=True),
-    "pinned": Hold(False, 0),
-}
-INERTIAS = ("uniform", "lumped")
-THESIS_TERMS = ("follower", "gravity", "internal_damping", "external_damping")
-TERMS = (*THESIS_TERMS, "tip_load")
-TARGETS = ("numpy", "c")
-FORMS = ("chain", "dense")
-COLLOCATION = ("gauss", "radau")  # implicit methods that are compiled
 MOST_LINKS = 10**6
-
-# Parameters of a term, and of a boundary.
-ROD_PARAMETERS = ("mass", "length", "bending_stiffness")
-TERM_PARAMETERS = {
-    "follower": ("follower_force", "follower_angle"),
-    "gravity": ("gravity",),
-    "internal_damping": ("internal_damping",),
-    "external_damping": ("external_damping", "fin_factor"),
-    "tip_load": ("tip_force_x", "tip_force_y"),
-}
-BOUNDARY_PARAMETERS: dict[str, tuple[str, ...]] = {
-    "free": (),
-    "cantilever": ("clamp_angle",),
-    "clamped": ("clamp_angle",),
-    "pinned": (),
-}
-
-# All of them in the order in which p holds them; fin_factor last, since it is many numbers.
-PARAMETERS = (
-    *ROD_PARAMETERS,
-    *("follower_force", "follower_angle", "gravity", "internal_damping", "external_damping"),
-    *("clamp_angle", "tip_force_x", "tip_force_y", "fin_factor"),
-)
-# Those that may be functions of time.
-TIMED = ("follower_force", "tip_force_x", "tip_force_y")
+PLACE = re.compile(r"(0|[1-9][0-9]{0,6})(?:\+([1-9][0-9]{0,30}/[1-9][0-9]{0,30}))?")
 
 
 @dataclass(frozen=True)
 class Structure:
-    """Links, boundary, inertia and terms of a module, checked.
+    """Links, boundary, inertia and terms of a module, checked; of loads that are not at the tail,
+    each with its place as `model.terms.named` reads it: follower@6+1/10.
 
     expressions: parameters that are functions of time, by name, as canonical text of the grammar
-    in `scene.expression`; they are part of the code and no parameters of it.
+    in `scene.grammar`; they are part of the code and no parameters of it, but the numbers that have
+    names in them are. uneven: what differs along the rod, of model.rod.UNEVEN. states: those that
+    the scene adds to those of the rod, by name, with their rates as such text. spring: the law of
+    the springs as such text, "" for the moment k d. masses: those that are functions of time, as
+    such text, which may name s as well: of bodies, by their names and links, and, with "" and -1,
+    of the links.
     """
 
     links: int
@@ -80,39 +44,172 @@ class Structure:
     inertia: str = "uniform"
     terms: tuple[str, ...] = THESIS_TERMS
     expressions: tuple[tuple[str, str], ...] = field(default=())
+    uneven: tuple[str, ...] = ()
+    states: tuple[tuple[str, str], ...] = ()
+    spring: str = ""
+    masses: tuple[tuple[str, int, str], ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "links", plain(self.links, "links"))
         choose("boundary", self.boundary, BOUNDARIES)
         choose("inertia", self.inertia, INERTIAS)
         for term in self.terms:
-            choose("terms", term, TERMS)
+            _check_term(term, self.links)
+        for what in self.uneven:
+            choose("uneven", what, UNEVEN)
+        object.__setattr__(self, "uneven", tuple(what for what in UNEVEN if what in self.uneven))
+        weighed = [what for what in self.uneven if what != "stiffness"]
+        if len(weighed) > 1:
+            raise SceneError("uneven", weighed, "of mass, bodies and points one: the last say more")
+        for what, inertia in (("bodies", "uniform"), ("points", "lumped")):
+            if what in self.uneven and self.inertia != inertia:
+                raise SceneError("uneven", what, f"absent for inertia {self.inertia}")
         check_links(self.links, self.boundary)
-        ordered = tuple(term for term in TERMS if term in self.terms)
+        ordered = _ordered(self.terms)
         if ordered != self.terms:
             object.__setattr__(self, "terms", ordered)
-        timed = [name for name in TIMED if name in self._names]
+        own = self._own
+        timed = [name for name in own if PARAMETERS[name].timed]
         for name, _ in self.expressions:
             choose("expressions", name, timed or ["none: no term may change with time"])
-        by_name = sorted(self.expressions, key=lambda pair: TIMED.index(pair[0]))
+        by_name = sorted(self.expressions, key=lambda pair: timed.index(pair[0]))
         object.__setattr__(self, "expressions", tuple(by_name))
+        for name in (*self.numbers, *self.state_names):
+            check_name(name, f"expressions.{name}")
 
     @property
-    def hold(self) -> Hold:
+    def state_names(self) -> tuple[str, ...]:
+        """Names of the states that are added, in the order in which y has them."""
+        return tuple(name for name, _ in self.states)
+
+    @property
+    def hold(self) -> Boundary:
         """How the start of the rod is held."""
         return BOUNDARIES[self.boundary]
 
     @property
-    def _names(self) -> set[str]:
-        """Parameters of the rod, its boundary and its terms, whether functions of time or not."""
-        terms = {name for term in self.terms for name in TERM_PARAMETERS[term]}
-        return terms.union(ROD_PARAMETERS, BOUNDARY_PARAMETERS[self.boundary])
+    def loads(self) -> tuple[str, ...]:
+        """Names of its loads, in the order of the terms."""
+        return tuple(named(self.terms))
+
+    @property
+    def _own(self) -> list[str]:
+        """Parameters of the rod, its boundary and its terms, whether functions of time or not;
+        last those of loads that are not the first of their kind."""
+        loads = [one for name in self.loads for one in TERMS[name].parameters]
+        ways = [UNEVEN[what] for what in self.uneven]
+        differing = [one for way in ways for one in way.parameters]
+        if self.masses:
+            carrying = not {"bodies", "points"}.isdisjoint(self.uneven)
+            steady = [STEADY[one.name] for one in differing if one.name in STEADY and carrying]
+            differing = [one for one in differing if one.name not in STEADY] + steady
+        known = {one.name for one in (*ROD, *self.hold.parameters, *loads, *differing)}
+        known -= {name for way in ways for name in way.instead}
+        first = [name for name in PARAMETERS if name in known]
+        return [*first, *(one.name for one in loads if one.name not in first)]
+
+    @property
+    def open_expressions(self) -> dict[str, Expression]:
+        """The expressions by name, without values of the numbers that have names in them."""
+        texts = ((name, text) for name, text in self.expressions if not PARAMETERS[name].several)
+        return {name: self._open(text) for name, text in texts}
+
+    @property
+    def open_along(self) -> dict[str, Expression]:
+        """Those of them that are functions of s as well, of which every link has a mean."""
+        texts = ((name, text) for name, text in self.expressions if PARAMETERS[name].several)
+        return {name: open_expression(text, "t", ("s",)) for name, text in texts}
+
+    @property
+    def open_rates(self) -> dict[str, Expression]:
+        """The rates of the states that are added, likewise."""
+        return {name: self._open(text) for name, text in self.states}
+
+    @property
+    def open_masses(self) -> dict[str, Expression]:
+        """The masses that are functions of time, by the names that modules have for them."""
+        return {mass_of(name): open_expression(e, "t", ("s",)) for name, _, e in self.masses}
+
+    @property
+    def tanks(self) -> dict[str, int]:
+        """The bodies whose masses are functions of time: what their numbers are called after, and
+        their links."""
+        return {f"body_{name}": link for name, link, _ in self.masses if name}
+
+    def _open(self, text: str) -> Expression:
+        return open_expression(text, "t", self.state_names)
+
+    @property
+    def laws(self) -> dict[str, Expression]:
+        """What a module computes from its state: expressions that follow states or sensors, by the
+        name of their parameter, and the rates of states that are added, by theirs."""
+        fed = {name: e for name, e in self.open_expressions.items() if e.signals}
+        return fed | {f"rate_{name}": e for name, e in self.open_rates.items()}
+
+    @cached_property
+    def follows(self) -> bool:
+        """Whether any law reads a sensor or a state."""
+        return any(e.signals for e in self.laws.values())
+
+    @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """The sensors that laws read."""
+        return tuple(dict.fromkeys(of for e in self.laws.values() for of in e.sensors))
+
+    @property
+    def spring_law(self) -> Expression:
+        """The law of the springs, without values of the numbers in it."""
+        return open_expression(self.spring or spring.HOOKE, spring.BEND)
+
+    @property
+    def numbers(self) -> dict[str, str]:
+        """The numbers in expressions: which values are allowed, by name."""
+        every = [*self.open_expressions.values(), *self.open_rates.values()]
+        every += (*self.open_masses.values(), *self.open_along.values())
+        found = {name: ANY for e in every for name in e.names}
+        found |= dict.fromkeys(self.spring_law.names, NOT_NEGATIVE)
+        return {name: rule for name, rule in found.items() if name != spring.STIFFNESS}
+
+    @property
+    def rows(self) -> tuple[Parameter, ...]:
+        """The parameters in the order in which p holds them; those of several numbers last."""
+        timed = dict(self.expressions)
+        own = [PARAMETERS[name] for name in self._own if name not in timed]
+        own += starmap(row_of, self.numbers.items())
+        own += (tank_row(name, what) for name in self.tanks for what in TANK)
+        return tuple(sorted(own, key=lambda one: one.several))
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the parameters, in the order in which p holds them; fin_factor last."""
-        names = self._names - dict(self.expressions).keys()
-        return tuple(name for name in PARAMETERS if name in names)
+        """Names of the parameters, in the order in which p holds them."""
+        return tuple(one.name for one in self.rows)
+
+    @property
+    def spans(self) -> dict[str, range]:
+        """Of those parameters that are several numbers: the joints or links that have one."""
+        found = {JOINTS: range(self.links + 1), LINKS: range(self.links)}
+        found[SPRINGS] = self.hold.springs(self.links)
+        return {one.name: found[one.each] for one in self.rows if one.several}
+
+    @property
+    def places(self) -> dict[str, slice]:
+        """Where in p the parameters lie."""
+        found, start = {}, 0
+        for name in self.parameters:
+            stop = start + len(self.spans.get(name, (name,)))
+            found[name] = slice(start, stop)
+            start = stop
+        return found
+
+    @property
+    def positions(self) -> dict[str, int]:
+        """Where in p each parameter lies, by name; of several numbers the first."""
+        return {name: place.start for name, place in self.places.items()}
+
+    @property
+    def width(self) -> int:
+        """How many numbers p holds."""
+        return int(max(place.stop for place in self.places.values()))
 
     @property
     def stem(self) -> str:
@@ -122,21 +219,26 @@ class Structure:
     def module_stem(self, target: str = "numpy", form: str = "chain") -> str:
         """File name of a module of this structure, without its ending.
 
-        Expressions are part of the code: with some, it ends in six letters of the hash, so that
-        modules that differ in them have names and symbols of their own.
+        Expressions and places of loads are part of the code: with some, it ends in six letters of
+        the hash, so that modules that differ in them have names and symbols of their own.
         """
-        check_output(target, form)
-        terms = "" if self.terms == THESIS_TERMS else "_" + ("_".join(self.terms) or "conservative")
+        terms = "" if self.terms == THESIS_TERMS else "_" + ("_".join(self.loads) or "conservative")
         inertia = "" if self.inertia == "uniform" else f"_{self.inertia}"
         how = "" if form == "chain" else f"_{form}"
         where = "" if target == "numpy" else f"_{target}"
-        timed = f"_{self.hash[:6]}" if self.expressions else ""
-        return f"rod_{self.boundary}_n{self.links}{terms}{inertia}{how}{where}{timed}"
+        uneven = "_uneven_" + "_".join(self.uneven) if self.uneven else ""
+        coded = (self.expressions, self.states, self.spring, self.masses)
+        timed = f"_{self.hash[:6]}" if any((*coded, *named(self.terms).values())) else ""
+        return f"rod_{self.boundary}_n{self.links}{terms}{inertia}{uneven}{how}{where}{timed}"
 
     @property
     def hash(self) -> str:
         """Content hash: equal for scenes that need the same code."""
-        content = [self.links, self.boundary, self.inertia, self.terms, self.expressions]
+        content: list[object] = [self.links, self.boundary, self.inertia, self.terms]
+        content += [self.expressions, *([self.uneven] if self.uneven else [])]
+        content += [{"states": self.states}] if self.states else []
+        content += [{"spring": self.spring}] if self.spring else []
+        content += [{"masses": self.masses}] if self.masses else []
         return hashlib.sha256(json.dumps(content).encode()).hexdigest()[:16]
 
 
@@ -147,11 +249,35 @@ def parse_terms(text: str) -> tuple[str, ...]:
     if text in ("none", "conservative"):
         return ()
     names = [name.strip() for name in text.split(",")]
-    for name in names:
-        choose("terms", name, TERMS if "," in text else (*TERMS, "all", "none"))
-    if len(set(names)) < len(names):
-        raise SceneError("terms", text, "each term once")
-    return tuple(term for term in TERMS if term in names)
+    kinds = [name.partition("@")[0] for name in names]
+    for kind in kinds:
+        choose("terms", kind, TERMS if "," in text else (*TERMS, "all", "none"))
+    if any(kinds.count(kind) > 1 and not TERMS[kind].placed for kind in kinds):
+        raise SceneError("terms", text, "each term once, but for those that stand at a place")
+    return _ordered(tuple(names))
+
+
+def _ordered(terms: tuple[str, ...]) -> tuple[str, ...]:
+    """Terms in the order of the vocabulary, those that are not placed once."""
+    found = []
+    for kind, term in TERMS.items():
+        same = [text for text in terms if text.partition("@")[0] == kind]
+        found += same if term.placed else same[:1]
+    return tuple(found)
+
+
+def _check_term(text: str, links: int) -> None:
+    """Raise SceneError unless a term is of the vocabulary, at a point of so many links if it is one
+    that has a place."""
+    kind, at, place = text.partition("@")
+    choose("terms", kind, TERMS)
+    if not at:
+        return
+    found = PLACE.fullmatch(place)
+    inside = found and int(found[1]) < links and Fraction(found[2] or 0) < 1
+    if not (TERMS[kind].placed and inside):
+        allowed = f"{kind}@link or {kind}@link+share, of a load at a point of one of {links} links"
+        raise SceneError("terms", text, allowed)
 
 
 def choose(field_name: str, value: object, allowed: Iterable[str]) -> None:
@@ -159,14 +285,6 @@ def choose(field_name: str, value: object, allowed: Iterable[str]) -> None:
     allowed = tuple(allowed)
     if value not in allowed:
         raise SceneError(field_name, value, "one of " + ", ".join(allowed))
-
-
-def check_output(target: object, form: object) -> None:
-    """Raise SceneError unless a module can be written for this target in this form."""
-    choose("target", target, TARGETS)
-    choose("form", form, FORMS)
-    if target == "c" and form == "dense":
-        raise SceneError("form", form, "chain for target c (target numpy has both)")
 
 
 def check_links(links: object, boundary: str, field_name: str = "links") -> None:

@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-import math
-import re
-from collections.abc import Iterator
-from functools import lru_cache
-from typing import Annotated, Any, Self
+from collections.abc import Iterable
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model, model_validator
 from pydantic_core import PydanticCustomError
 
+from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, POSITIVE, Parameter
+from rodgen.model.quantities import number_in, watched
+from rodgen.model.rod import BOUNDARIES, INERTIAS, Boundary
+from rodgen.model.term import Term
+from rodgen.model.terms import TERMS
 from rodgen.scene import structure as st
-from rodgen.scene.errors import SceneError
-from rodgen.scene.expression import Expression
+from rodgen.scene.errors import Missing, SceneError
+from rodgen.scene.places import place_of, point_of
+from rodgen.scene.plain import entry
 
-AUTO = "auto"
-FIXED_STEP = ("euler", "semi_implicit_euler", "rk4", "thesis_runge_kutta")
-ADAPTIVE = ("dop853", "gauss", "radau", "rk23", "rk45", "bdf", "lsoda", "cvode")
-EITHER = ("gauss",)  # adaptive methods that take equal steps where a step is given
-METHODS = (AUTO, *FIXED_STEP, *ADAPTIVE)
-MOST_SAMPLES = 10**6
-MOST_STEPS = 10**9
-MOST_ADAPTIVE = 10**7
-LEAST_RTOL = 2.3e-14  # a hundred times the rounding of a double, below which SciPy clips
+MOST_PLACED = 100  # loads of one kind
 
 LARGEST = 1e60  # of any value: products of several must still fit in a double
 
@@ -41,32 +36,15 @@ SMALLEST = 1e-60  # of what others are divided by
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=LARGEST)]
 Size = Annotated[Positive, AfterValidator(_not_vanishing)]
 NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0, le=LARGEST)]
+Share = Annotated[float, Field(ge=0, le=1)]
 Pair = Annotated[list[Finite], Field(min_length=2, max_length=2)]
+NotNegativePair = Annotated[list[NotNegative], Field(min_length=2, max_length=2)]
 # Of a list, which may be long, the first wrong value is enough.
 Values = Annotated[list[Finite], Field(fail_fast=True)]
+Sizes = Annotated[list[Size], Field(fail_fast=True)]
 Factors = Annotated[list[NotNegative], Field(fail_fast=True)]
-Timed = Finite | str  # a number, or an expression in t
 
-# Where in [loads] a scene has a parameter of its module: table and key.
-PLACES = {
-    "follower_force": ("follower", "force"),
-    "follower_angle": ("follower", "angle"),
-    "gravity": ("gravity", "g"),
-    "internal_damping": ("internal_damping", "coefficient"),
-    "external_damping": ("external_damping", "coefficient"),
-    "fin_factor": ("external_damping", "fin_factor"),
-    "tip_force_x": ("tip", "x"),
-    "tip_force_y": ("tip", "y"),
-}
 DIRECTIONS, ACTIONS = ("rising", "falling", "either"), ("record", "stop")
-# What an event can watch beside the states and the joints.
-DERIVED = (
-    *("tip_x", "tip_y", "centre_of_gravity_x", "centre_of_gravity_y"),
-    *("kinetic_energy", "spring_energy", "gravity_energy", "total_energy"),
-    *("inertia_x", "inertia_y", "product_xy"),
-)
-# The table of a term is that of its parameters.
-TABLES = {term: PLACES[names[0]][0] for term, names in st.TERM_PARAMETERS.items()}
 
 
 class Table(BaseModel):
@@ -76,114 +54,232 @@ class Table(BaseModel):
 
 
 class Rod(Table):
-    """The rod: links, length [m], bending stiffness [N m^2], mass [kg]; how its mass lies and its
-    start is held; the angle of its clamp [rad], for boundaries that have one."""
+    """The rod: links, length [m], bending stiffness [N m^2] (a number, an expression in s or a
+    value for every joint), moment of a spring [N m] (an expression in its stiffness k and in d, the
+    angle by which it is bent), mass [kg], or mass per length [kg/m] (a number, an expression in s
+    and t, or a value for every link); how the mass of a link lies and the start is held; the angle
+    of its clamp [rad], for boundaries that have one."""
 
     links: int
     length: Size
-    bending_stiffness: NotNegative
-    mass: Size
+    bending_stiffness: NotNegative | Factors | str
+    mass: Size | None = None
+    mass_per_length: Size | Sizes | str | None = None
+    spring: str | None = None
     inertia: str = "uniform"
     boundary: str = "free"
     clamp_angle: Finite | None = None
 
     @model_validator(mode="after")
     def _structure(self) -> Self:
-        st.choose("rod.boundary", self.boundary, st.BOUNDARIES)
-        st.choose("rod.inertia", self.inertia, st.INERTIAS)
+        st.choose("rod.boundary", self.boundary, BOUNDARIES)
+        st.choose("rod.inertia", self.inertia, INERTIAS)
         st.check_links(self.links, self.boundary, "rod.links")
-        has_clamp = "clamp_angle" in st.BOUNDARY_PARAMETERS[self.boundary]
-        if self.clamp_angle is not None and not has_clamp:
+        if self.clamp_angle is not None and not BOUNDARIES[self.boundary].clamped:
             allowed = f"absent: boundary {self.boundary} has no clamp"
             raise SceneError("rod.clamp_angle", self.clamp_angle, allowed)
+        if self.mass is None and self.mass_per_length is None:
+            raise SceneError("rod.mass", Missing(), "given, or rod.mass_per_length")
+        if self.mass is not None and self.mass_per_length is not None:
+            raise SceneError("rod.mass", self.mass, "absent beside rod.mass_per_length")
+        return self
+
+    @property
+    def hold(self) -> Boundary:
+        """How its start is held."""
+        return BOUNDARIES[self.boundary]
+
+
+class Body(Table):
+    """A rigid body that is fixed to the link on which s lies: its name, mass [kg] (a number or an
+    expression in t), moment of inertia about its own centre [kg m^2], and where that is from the
+    point s, along and across the link [m]."""
+
+    name: str
+    at: Share
+    mass: Size | str
+    inertia: NotNegative = 0.0
+    offset: Pair = [0.0, 0.0]
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if not (self.name.isidentifier() and self.name.isascii() and len(self.name) <= 64):
+            raise SceneError("name", self.name, "a plain identifier of at most 64 ASCII characters")
         return self
 
 
-class Follower(Table):
-    """Follower force [N], a number or an expression in t, and its angle to the last link [rad]."""
+def check_bodies(bodies: list[Body], rod: Rod) -> None:
+    """Raise SceneError unless every body has a name of its own and a place that the rod has for
+    it."""
+    first: dict[str, int] = {}
+    for i, body in enumerate(bodies):
+        if first.setdefault(body.name, i) != i:
+            allowed = f"unlike that of bodies[{first[body.name]}]"
+            raise SceneError(f"bodies[{i}].name", body.name, allowed)
+        if rod.inertia != "lumped":
+            continue
+        why = "of inertia lumped, whose links have no mass but at their ends"
+        if point_of(body.at, rod.links)[1] not in (0, 1):
+            allowed = f"at a joint, a multiple of 1/{rod.links}, on a rod {why}"
+            raise SceneError(f"bodies[{i}].at", body.at, allowed)
+        for key, value in (("inertia", body.inertia), ("offset", body.offset)):
+            if np.any(value):
+                allowed = f"zero on a rod {why}: take inertia uniform"
+                raise SceneError(f"bodies[{i}].{key}", value, allowed)
 
-    force: Timed
-    angle: Finite = 0.0
 
+class State(Table):
+    """A state that the scene adds: its rate, a number or an expression in t, sensors and states,
+    and its value at the start."""
 
-class Gravity(Table):
-    """Acceleration of gravity [m/s^2], downwards."""
-
-    g: Finite = 9.81
-
-
-class InternalDamping(Table):
-    """Coefficient c_int [m^2/s]."""
-
-    coefficient: NotNegative
+    rate: Finite | str
+    initial: Finite = 0.0
 
 
 class FinFactor(Table):
-    """Fin factors of joint 0, of the joints between, and of the tail."""
+    """A number for joint 0, one for each of the joints between, and one for the tail."""
 
     nose: NotNegative = 1.0
     body: NotNegative = 1.0
     tail: NotNegative = 1.0
 
     def values(self, links: int) -> list[float]:
+        """Numbers of all joints."""
         return [self.nose, *[self.body] * (links - 1), self.tail]
 
 
-class ExternalDamping(Table):
-    """Coefficient c_ext [1/s] and the fin factors s of the joints."""
-
-    coefficient: NotNegative
-    fin_factor: FinFactor | Factors = FinFactor()
+RULES: dict[str, Any] = {ANY: Finite, NOT_NEGATIVE: NotNegative, POSITIVE: Positive}
+VALUES: dict[str, Any] = {ANY: Values, NOT_NEGATIVE: Factors, POSITIVE: Sizes}
 
 
-class Tip(Table):
-    """Dead force at the tail [N], each component a number or an expression in t."""
+def _field(parameter: Parameter) -> tuple[Any, Any]:
+    """Type and default of a key, for pydantic."""
+    if parameter.each == JOINTS:
+        return FinFactor | Factors, FinFactor()
+    kind = RULES[parameter.rule]
+    if parameter.each == LINKS:
+        kind |= VALUES[parameter.rule] | str
+    return kind | str if parameter.timed else kind, (
+        ... if parameter.default is None else parameter.default
+    )
 
-    x: Timed = 0.0
-    y: Timed = 0.0
+
+def _load_table(term: Term) -> type[Table]:
+    """The table of a term in [loads], a class of this module, so that scenes can be pickled."""
+    name = term.table.title().replace("_", "")
+    fields: dict[str, Any] = {one.key: _field(one) for one in term.parameters}
+    for key, default in term.beginning.items():
+        if isinstance(default, list):
+            kind, _ = fields[key]
+            fields[key] = Annotated[list[kind], Field(min_length=2, max_length=2)], default  # type: ignore[valid-type]
+    if term.placed:
+        fields["at"] = Share, Field(1.0, exclude_if=lambda at: at == 1)
+    made = create_model(name, __base__=Table, __module__=__name__, __doc__=term.label, **fields)
+    globals()[name] = made
+    return made
 
 
-class Loads(Table):
-    """The loads that the scene has; those that are absent are not in its equations."""
+def _tables_of(term: Term) -> Any:
+    """What a scene may have of a term: a table or, of one at a place, several."""
+    one = _load_table(term)
+    several = Annotated[list[one], Field(max_length=MOST_PLACED)]  # type: ignore[valid-type]
+    return one | several | None if term.placed else one | None
 
-    follower: Follower | None = None
-    gravity: Gravity | None = None
-    internal_damping: InternalDamping | None = None
-    external_damping: ExternalDamping | None = None
-    tip: Tip | None = None
 
-    @model_validator(mode="after")
-    def _expressions(self) -> Self:
-        for name in self.parameters:
-            self.expression(name)
-        return self
+class Support(Table):
+    """Springs [N/m] and dampers [N s/m] in x and y between the point s and a fixed one [m], and a
+    spring [N m/rad] and a damper [N m s/rad] that keep its link from turning."""
+
+    at: Share
+    to: Pair | None = None
+    stiffness: NotNegativePair = [0.0, 0.0]
+    damping: NotNegativePair = [0.0, 0.0]
+    rotation: NotNegative = 0.0
+    rotation_damping: NotNegative = 0.0
+
+
+class Foundation(Table):
+    """An elastic foundation: stiffness [N/m^2], a number or an expression in s, and damping
+    [N s/m^2] per length, across the straight rod."""
+
+    stiffness: NotNegative | str
+    damping: NotNegative = 0.0
+
+
+LOADS = [term for term in TERMS.values() if term.loads]
+
+
+class LoadTables(Table):
+    """What is asked of the loads of a scene, whichever there are."""
+
+    if TYPE_CHECKING:  # a table for every term
+
+        def __getattr__(self, name: str) -> Any: ...
 
     @property
     def terms(self) -> tuple[str, ...]:
-        """Terms whose tables are there."""
-        return tuple(term for term in st.TERMS if getattr(self, TABLES[term]) is not None)
+        """Names of the loads whose tables are there."""
+        return tuple(self._tables)
+
+    @property
+    def following(self) -> tuple[str, ...]:
+        """Those of them that turn with the rod."""
+        return tuple(name for name in self.terms if TERMS[name].follows)
+
+    @cached_property
+    def _tables(self) -> dict[str, tuple[str, ...]]:
+        """Keys of the table of every load, by name."""
+        found: dict[str, tuple[str, ...]] = {}
+        for term in LOADS:
+            table = getattr(self, term.table)
+            if isinstance(table, list):
+                names = (f"{term.name}_{k + 1}" if k else term.name for k in range(len(table)))
+                found |= {name: (term.table, str(k)) for k, name in enumerate(names)}
+            elif table is not None:
+                found[term.name] = (term.table,)
+        return found
+
+    @property
+    def places(self) -> dict[str, tuple[str, ...]]:
+        """Keys of every parameter of these loads in a scene, from the outermost table in."""
+        return self._places
+
+    @cached_property
+    def _places(self) -> dict[str, tuple[str, ...]]:
+        return {
+            one.name: ("loads", *keys, *one.keys)
+            for name, keys in self._tables.items()
+            for one in TERMS[name].parameters
+        }
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Parameters of these terms."""
-        return tuple(name for term in self.terms for name in st.TERM_PARAMETERS[term])
+        """Parameters of these loads."""
+        return tuple(self.places)
+
+    def structure(self, links: int) -> tuple[str, ...]:
+        """These loads as a structure of so many links has them."""
+        found = []
+        for name, keys in self._tables.items():
+            place = place_of(getattr(entry(self, *keys), "at", 1.0), links)
+            found.append(f"{TERMS[name].kind_name}@{place}" if place else TERMS[name].kind_name)
+        return tuple(found)
 
     def value(self, name: str) -> Any:
         """Value of one of these parameters, as the scene has it."""
-        table, key = PLACES[name]
-        return getattr(getattr(self, table), key)
-
-    def expression(self, name: str) -> Expression | None:
-        """The expression in t that a parameter is given by, where it is given by text."""
-        value = self.value(name)
-        place = ".".join(("loads", *PLACES[name]))
-        return _parsed(value, place) if isinstance(value, str) else None
+        return entry(self, *self.places[name][1:])
 
 
-@lru_cache(maxsize=64)
-def _parsed(text: str, place: str) -> Expression:
-    """An expression in t, which a scene is asked for again and again."""
-    return Expression(text, "t", place)
+if TYPE_CHECKING:
+    Loads = LoadTables
+else:
+    Loads = create_model(
+        "Loads",
+        __base__=LoadTables,
+        __module__=__name__,
+        __doc__="The loads that the scene has; those that are absent are not in its equations.",
+        **{term.table: (_tables_of(term), None) for term in LOADS},
+    )
 
 
 class Initial(Table):
@@ -195,14 +291,6 @@ class Initial(Table):
     velocity: Pair | None = None
     phi: Finite | Values | str | None = None
     omega: Finite | Values | str | None = None
-
-    @model_validator(mode="after")
-    def _expressions(self) -> Self:
-        for name in ("phi", "omega"):
-            value = getattr(self, name)
-            if isinstance(value, str):
-                Expression(value, "s", f"initial.{name}")
-        return self
 
 
 class Event(Table):
@@ -221,12 +309,13 @@ class Event(Table):
         return self
 
 
-def check_events(events: list[Event], rod: Rod) -> None:
-    """Raise SceneError unless this rod has all quantities and every event a name of its own."""
-    known = list(_quantities(rod))
+def check_events(events: list[Event], rod: Rod, states: Iterable[str]) -> None:
+    """Raise SceneError unless this rod has all quantities and every event a name of its own;
+    states: names of those that are added."""
+    known = [*watched(BOUNDARIES[rod.boundary], rod.links), *((name, range(1)) for name in states)]
     first: dict[str, int] = {}
     for i, event in enumerate(events):
-        if not any(_is_one(event.quantity, *some) for some in known):
+        if not any(number_in(event.quantity, name) in span for name, span in known):
             ends = [(name.format(span[0]), name.format(span[-1])) for name, span in known]
             shown = ", ".join(" to ".join(dict.fromkeys(pair)) for pair in ends)
             raise SceneError(f"events[{i}].quantity", event.quantity, f"one of {shown}")
@@ -235,104 +324,3 @@ def check_events(events: list[Event], rod: Rod) -> None:
             raise SceneError(place, name, "1 to 64 printable characters")
         if first.setdefault(name, i) != i:
             raise SceneError(place, name, f"unlike that of events[{first[name]}]")
-
-
-def _quantities(rod: Rod) -> Iterator[tuple[str, range]]:
-    """Names of all quantities that move, with the numbers of those that have one."""
-    hold, once = st.BOUNDARIES[rod.boundary], range(1)
-    links = range(hold.first, rod.links)
-    joints = range(0 if hold.translates else hold.first + 1, rod.links + 1)
-    place, speed = (("x0", "y0"), ("vx0", "vy0")) if hold.translates else ((), ())
-    yield from ((name, once) for name in place)
-    yield "phi_{}", links
-    yield from ((name, once) for name in speed)
-    yield "omega_{}", links
-    yield from ((name, joints) for name in ("joint_{}_x", "joint_{}_y"))
-    yield from ((name, once) for name in DERIVED)
-
-
-def _is_one(quantity: str, name: str, numbers: range) -> bool:
-    found = re.search(r"[0-9]{1,7}", quantity) if "{}" in name else None
-    number = int(found[0]) if found else 0
-    return quantity == name.format(number) and number in numbers
-
-
-class Integrate(Table):
-    """How the scene is integrated; t_eval: times of the samples [s], ascending, instead of one at
-    the start and every output_every; max_steps: after so many, a run is stopped (if not given, ten
-    million of an adaptive method)."""
-
-    method: str = AUTO
-    span: Pair = [0.0, 10.0]
-    step: Positive | None = None
-    rtol: Positive = 1e-8
-    atol: Positive = 1e-10
-    output_every: Positive = 0.01
-    t_eval: list[Finite] | None = None
-    max_steps: Annotated[int, Field(gt=0)] | None = None
-
-    @property
-    def budget(self) -> int:
-        """Steps after which a run is stopped."""
-        return self.max_steps or (MOST_STEPS if self.fixed else MOST_ADAPTIVE)
-
-    @property
-    def fixed(self) -> bool:
-        """Whether steps are all equal: the method has a fixed step, or may have one and is given
-        it."""
-        return self.method in FIXED_STEP or (self.method in EITHER and self.step is not None)
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        st.choose("integrate.method", self.method, METHODS)
-        start, end = self.span
-        if not start < end:
-            raise SceneError("integrate.span", self.span, "[start, end] with start < end")
-        if self.method in FIXED_STEP and self.step is None:
-            allowed = f"given in seconds: method {self.method} has a fixed step"
-            raise SceneError("integrate.step", None, allowed)
-        if self.method in EITHER and self.fixed:
-            self._equal_steps()
-        if self.step is not None and (end - start) / self.step > MOST_STEPS:
-            raise SceneError("integrate.step", self.step, f"at most {MOST_STEPS} steps in the span")
-        if self.t_eval is not None:
-            _check_times(self.t_eval, start, end)
-        elif (end - start) / self.output_every > MOST_SAMPLES:
-            allowed = f"at most {MOST_SAMPLES} samples in the span"
-            raise SceneError("integrate.output_every", self.output_every, allowed)
-        if not LEAST_RTOL <= self.rtol < 1:
-            raise SceneError("integrate.rtol", self.rtol, f"from {LEAST_RTOL} to below 1")
-        return self
-
-    def _equal_steps(self) -> None:
-        """Raise SceneError for a tolerance beside a step: one of them would count for nothing."""
-        for name in ("rtol", "atol"):
-            if getattr(self, name) != type(self).model_fields[name].default:
-                why = f"absent beside integrate.step, with which {self.method} takes equal steps"
-                raise SceneError(f"integrate.{name}", getattr(self, name), why)
-
-    @property
-    def samples(self) -> NDArray[np.float64]:
-        """Output times: t_eval, or the start, every output_every, and the end."""
-        if self.t_eval is not None:
-            return np.array(self.t_eval, dtype=float)
-        start, end = self.span
-        count = math.floor((end - start) / self.output_every * (1 + 1e-12))
-        times: NDArray[np.float64] = start + self.output_every * np.arange(count + 1.0)
-        if len(times) == 1 or end - times[-1] > 1e-9 * self.output_every:
-            times = np.append(times, end)
-        times[-1] = end
-        return times
-
-
-def _check_times(times: list[float], start: float, end: float) -> None:
-    """Raise SceneError unless there are times that ascend within a span [s]."""
-    if not 0 < len(times) <= MOST_SAMPLES:
-        raise SceneError("integrate.t_eval", times, f"1 to {MOST_SAMPLES} times")
-    at = np.array(times)
-    wrong = ~((at >= start) & (at <= end))
-    wrong[1:] |= at[1:] <= at[:-1]
-    if wrong.any():
-        i = int(np.argmax(wrong))
-        allowed = f"within the span, {start!r} to {end!r} s, and above the one before"
-        raise SceneError(f"integrate.t_eval[{i}]", times[i], allowed)

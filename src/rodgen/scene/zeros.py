@@ -1,4 +1,4 @@
-"""Zeros of functions of one variable, found by looking at samples, as many as it takes.
+"""Zeros and pulses of functions of one variable, found by looking at samples.
 
 A load that changes more often than it is sampled looks like one that changes slowly, or not at
 all. It is therefore looked at on ever more samples, until no more is found on three times as many.
@@ -6,7 +6,8 @@ all. It is therefore looked at on ever more samples, until no more is found on t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,15 @@ Array = NDArray[np.float64]
 SAMPLES = 4001  # to begin with
 MOST_SAMPLES = 2_000_000
 MORE = 3.01  # times as many: no whole number, for what repeats with the samples
+TOGETHER = 250  # places that are looked at together, by the memory that they take
 DIPS = 1000  # extrema that are looked at between samples
+
+# A method with error control sees a load at its stages alone. While nothing happens its steps grow
+# tenfold, and one of them may reach across a whole pulse: the run would be smooth, and wrong.
+SEEN = 100_001  # samples over a span: a pulse that is shorter than the time between two is not seen
+QUIET = 1e-3  # share of its range that counts as a change
+REST = 50  # samples in which a load that is at rest changes by less than that
+FELT = 10  # times that change, from which on a pulse is one
 
 
 def zeros(functions: Iterable[Function], start: float, end: float) -> list[float]:
@@ -37,7 +46,7 @@ def zeros(functions: Iterable[Function], start: float, end: float) -> list[float
         flat[1:-1] = (signs[:-2] == 0) & (signs[2:] == 0)
         found.update(points[(signs == 0) & ~flat].tolist())
         at = np.flatnonzero(signs[:-1] * signs[1:] < 0)
-        found.update(_bisected(function, points[at], points[at + 1]).tolist())
+        found.update(bisected(function, points[at], points[at + 1]).tolist())
     return sorted(found)
 
 
@@ -62,6 +71,26 @@ def sampled(
         if len(finer) * MORE > MOST_SAMPLES:
             return finer, fine, False
         grid, values, seen = finer, fine, more
+
+
+def met(
+    function: Callable[[Array, Array], Any], places: Array, start: float, end: float
+) -> list[float]:
+    """When a function of times and places is zero at one of these places, from start to end; seen
+    where the sign changes between two samples."""
+    grid, found = np.linspace(start, end, SAMPLES), list[float]()
+    for some in np.array_split(places, -(-len(places) // TOGETHER)):
+        signs = np.sign(np.broadcast_to(function(grid[:, None], some), (SAMPLES, len(some))))
+        found += grid[np.nonzero((signs[1:-1] == 0) & (signs[:-2] * signs[2:] < 0))[0] + 1].tolist()
+        at, where = np.nonzero(signs[:-1] * signs[1:] < 0)
+        if len(at):
+            here = partial(_at, function, some[where])
+            found += bisected(here, grid[at], grid[at + 1]).tolist()
+    return found
+
+
+def _at(function: Callable[[Array, Array], Any], places: Array, times: Array) -> Any:
+    return function(times, places)
 
 
 def _values(function: Function, grid: Array) -> Array:
@@ -95,7 +124,7 @@ def _dips(function: Function, grid: Array, values: Array) -> Array:
     return np.array(places)
 
 
-def _bisected(function: Function, low: Array, high: Array) -> Array:
+def bisected(function: Function, low: Array, high: Array) -> Array:
     """Where signs change, to the last digit; unlike Brent's method it needs signs alone."""
     low, high = low.copy(), high.copy()
     positive = _values(function, low) > 0
@@ -107,3 +136,38 @@ def _bisected(function: Function, low: Array, high: Array) -> Array:
         same = (_values(function, middle) > 0) == positive
         low = np.where(left & same, middle, low)
         high = np.where(left & ~same, middle, high)
+
+
+@lru_cache(maxsize=64)
+def onsets(
+    value: Callable[[Any], Any], start: float, end: float
+) -> tuple[tuple[float, float, float], ...]:
+    """Begin, peak and end of every pulse that is shorter than the rest before it, ascending.
+
+    value: of a load at times (...,), hashable.
+    """
+    grid = np.linspace(start, end, SEEN)
+    values = np.nan_to_num(np.broadcast_to(value(grid), grid.shape), posinf=0.0, neginf=0.0)
+    level = QUIET * np.ptp(values)
+    if not 0 < level < np.inf:
+        return ()
+    found, rests_since = [], 0
+    levels = np.round((values - values[0]) / level)
+    for first, last in _activity(levels):
+        change = np.abs(levels[first : last + 1] - levels[first])
+        if change.max() >= FELT and last - first <= first - rests_since:
+            peak = first + int(np.argmax(change))
+            found.append((float(grid[first]), float(grid[peak]), float(grid[last])))
+        rests_since = last
+    return tuple(found)
+
+
+def _activity(levels: NDArray[np.float64]) -> Iterator[tuple[int, int]]:
+    """First and last sample of every time in which levels follow each other fast."""
+    jumps = np.diff(levels)
+    lengths = np.diff(np.concatenate(([0], np.flatnonzero(jumps) + 1, [len(levels)])))
+    calm = np.repeat(lengths >= REST, lengths)
+    active = ~calm[:-1] | ~calm[1:] | (np.abs(jumps) >= FELT)
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], active, [False]))))
+    for first, last in edges.reshape(-1, 2):
+        yield int(first), int(last)

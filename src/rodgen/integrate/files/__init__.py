@@ -1,1 +1,26 @@
 """Results: samples of a run, files that grow with it, and states to go on from."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rodgen.scene import SceneError
+
+
+@contextmanager
+def replaced(path: Path, field: str = "file") -> Iterator[Path]:
+    """Another name in the same folder to write to; at the end it takes the place of path.
+
+    Where the block raises, nothing is left of it. Raises SceneError where there is no such folder.
+    """
+    if not path.parent.is_dir():
+        raise SceneError(field, str(path), "in a folder that exists")
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        yield part
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)

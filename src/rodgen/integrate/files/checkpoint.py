@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.files.whole import replaced
+from rodgen.integrate.files import replaced
 from rodgen.scene import SceneError
 
 Number = float | int | str

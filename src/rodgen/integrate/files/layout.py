@@ -1,35 +1,110 @@
-"""What a result file is made of: coordinates, quantities over time, events, checksums."""
+"""What a result file or a Dataset is made of: coordinates, quantities over time, events."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.changes import Changes
-from rodgen.integrate.files.checks import CHECKSUM
-from rodgen.integrate.files.header import Header
-from rodgen.integrate.files.netcdf import MOST, PAGE
-from rodgen.integrate.files.quantities import (
-    PARAMETERS,
-    WORK,
-    Quantity,
-    event_variables,
-    parameter_names,
-    quantities,
-)
-from rodgen.integrate.files.status import NO_STATS, Run
+from rodgen.integrate.files.checksums import CHECKSUM, NO_STATS, Run
+from rodgen.integrate.files.netcdf import MOST, PAGE, Header
+from rodgen.integrate.samples import Changes
 from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import Array
+from rodgen.model.quantities import FILE, QUANTITIES
 from rodgen.scene import Scene, SceneError
 
 FORMAT = "rodgen 3"
+UNITS = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "phi_": "rad", "omega_": "rad/s"}
+WORK = "work_"  # and the name of the term
+PARAMETERS, GIVEN = "parameters", "energy_given"  # of a run that was changed while it went on
 TEXT = {"_Encoding": "utf-8"}  # what xarray makes text from
+
+
+class Variable(NamedTuple):
+    """Values over dimensions, with their attributes: units, long_name."""
+
+    dimensions: tuple[str, ...]
+    values: NDArray[Any]
+    attributes: Mapping[str, str]
+
+
+def variables_of(solution: Solution, kept: Sequence[str] = (FILE,)) -> dict[str, Variable]:
+    """All of a solution that changes with time and that files hold, by name; kept: whose
+    quantities."""
+    found = {
+        "time": Variable(("time",), solution.t, {"units": "s"}),
+        "y": Variable(("time", "state"), solution.y, {"long_name": "state"}),
+    }
+    for quantity in QUANTITIES:
+        if quantity.kept in kept:
+            for name, words in solution.names(quantity):
+                attributes = {"units": quantity.unit.replace("^", ""), "long_name": words}
+                over = ("time", *quantity.dimensions)
+                found[name] = Variable(over, solution.values(name), attributes)
+    changes = solution.changes
+    if changes is not None:
+        attributes = {"long_name": "parameters that held"}
+        found[PARAMETERS] = Variable(("time", "parameter"), changes.p, attributes)
+        attributes = {"units": "J", "long_name": "energy that changes and kicks have put in"}
+        found[GIVEN] = Variable(("time",), changes.given, attributes)
+    return found
+
+
+def state_units(states: Sequence[str]) -> list[str]:
+    """Units of the states with these names."""
+    return [UNITS.get(name.rstrip("0123456789"), "") for name in states]
+
+
+def parameter_names(scene: Scene) -> list[str]:
+    """What the columns of parameters are, one for every number of those that are several."""
+    structure = scene.structure
+    names = []
+    for name in structure.parameters:
+        several = structure.spans.get(name)
+        names += [name] if several is None else [f"{name}_{at}" for at in several]
+    return names
+
+
+def changes_in(
+    records: NDArray[Any], scene: Scene, kept: NDArray[np.intp] | slice = slice(None)
+) -> Changes | None:
+    """What was changed in the run of these records of a file, of some of them alone."""
+    if PARAMETERS not in (records.dtype.names or ()):
+        return None
+    return Changes(_whole(plain(records[PARAMETERS][kept]), scene), plain(records[GIVEN][kept]))
+
+
+def _whole(p: Array, scene: Scene) -> Array:
+    """Parameters (T, parameters) of a file, in some of which numbers of expressions are none."""
+    structure = scene.structure
+    missing = [structure.positions[name] for name in structure.numbers]
+    if p.shape[1] != structure.width - len(missing):
+        return p
+    whole = np.empty((len(p), structure.width))
+    whole[:, missing] = [scene.parameters[name] for name in structure.numbers]
+    whole[:, np.delete(np.arange(structure.width), missing)] = p
+    return whole
+
+
+def plain(values: NDArray[Any]) -> Array:
+    """A copy, C-contiguous and in the byte order of this machine."""
+    return np.array(values, dtype=float, order="C")
+
+
+def event_variables(number: NDArray[Any], t: Array, y: Array) -> dict[str, Variable]:
+    """Events by number of their kind in the scene, (E,), times, (E,), and states, (E, S)."""
+    return {
+        "event_number": Variable(("event",), number.astype("i4"), {"long_name": "kind of event"}),
+        "event_time": Variable(("event",), t, {"units": "s", "long_name": "time of event"}),
+        "event_y": Variable(("event", "state"), y, {"long_name": "state at event"}),
+    }
 
 
 def contents(
@@ -39,7 +114,7 @@ def contents(
     terms: Sequence[str],
     events: int,
     changed: bool = False,
-) -> tuple[dict[str, int | None], dict[str, Quantity], dict[str, str]]:
+) -> tuple[dict[str, int | None], dict[str, Variable], dict[str, str]]:
     """Dimensions, variables (with one sample at rest) and attributes of a file without samples.
 
     changed: each sample has parameters of its own. Raises SceneError for more than the format can
@@ -51,7 +126,7 @@ def contents(
     rest = Solution(scene, zero, np.zeros((1, states)), work, NO_STATS, model=model)
     rest._p, rest.changes = p, Changes(p[None], zero) if changed else None
     with np.errstate(all="ignore"):
-        sample = quantities(rest)
+        sample = variables_of(rest)
     if sum(quantity.values.nbytes for quantity in sample.values()) > MOST:
         raise SceneError("rod.links", n, f"fewer: a sample has more than the {MOST} bytes allowed")
     if 8 * states * events > MOST:
@@ -61,25 +136,25 @@ def contents(
     dimensions = {"time": None, "state": states, "link": n, "joint": n + 1, "axis": 2}
     dimensions |= {"letter": 1, "state_letter": names.itemsize, "run_letter": PAGE}
     variables = {
-        "state": Quantity(("state", "state_letter"), _letters(names), TEXT),
-        "link": Quantity(("link",), np.arange(n, dtype="i4"), {}),
-        "joint": Quantity(("joint",), np.arange(n + 1, dtype="i4"), {}),
-        "axis": Quantity(("axis", "letter"), _letters(np.array([b"x", b"y"])), TEXT),
-        "run": Quantity(("run_letter",), _letters(np.array(Run().text())), TEXT),
+        "state": Variable(("state", "state_letter"), _letters(names), TEXT),
+        "link": Variable(("link",), np.arange(n, dtype="i4"), {}),
+        "joint": Variable(("joint",), np.arange(n + 1, dtype="i4"), {}),
+        "axis": Variable(("axis", "letter"), _letters(np.array([b"x", b"y"])), TEXT),
+        "run": Variable(("run_letter",), _letters(np.array(Run().text())), TEXT),
     }
     if events:
         dimensions["event"] = events
         none = np.broadcast_to(np.nan, (events, states))
         variables |= event_variables(np.full(events, -1), none[:, 0], none)
         zeros = np.zeros(events, "i4")
-        variables["event_checksum"] = Quantity(("event",), zeros, {"long_name": "its CRC-32"})
+        variables["event_checksum"] = Variable(("event",), zeros, {"long_name": "its CRC-32"})
     if changed:
         labels = np.array(parameter_names(scene), dtype="S")
         dimensions |= {"parameter": len(labels), "parameter_letter": labels.itemsize}
         over = ("parameter", "parameter_letter")
-        variables["parameter"] = Quantity(over, _letters(labels), TEXT)
+        variables["parameter"] = Variable(over, _letters(labels), TEXT)
     # The last: in a record it is of all before it.
-    sample[CHECKSUM] = Quantity(("time",), np.zeros(1, "i4"), {"long_name": "CRC-32 of a sample"})
+    sample[CHECKSUM] = Variable(("time",), np.zeros(1, "i4"), {"long_name": "CRC-32 of a sample"})
     how = {key: model.PROVENANCE[key] for key in ("target", "form")}
     return dimensions, variables | sample, {**attributes(scene), **how}
 

@@ -8,14 +8,15 @@ from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
+from rodgen.integrate.catalogue import loads_at_work
+from rodgen.integrate.endings import FAILED, FINISHED
 from rodgen.integrate.events import Watch
 from rodgen.integrate.files import checkpoint as files
-from rodgen.integrate.files.recorder import Recorder
-from rodgen.integrate.files.status import RUNNING, Run
+from rodgen.integrate.files.checksums import RUNNING, Run
+from rodgen.integrate.files.result_file import ResultFile
 from rodgen.integrate.files.storage import solution_of
-from rodgen.integrate.files.stored import Stored
 from rodgen.integrate.files.stream import Stream
-from rodgen.integrate.outcome import FAILED, FINISHED
+from rodgen.integrate.samples import Recorder
 from rodgen.integrate.solution import Solution, Stats
 from rodgen.integrate.stepper import Machine, State
 from rodgen.scene import Scene, SceneError
@@ -61,8 +62,7 @@ class Saver:
                 raise SceneError("checkpoint", every, "given with out, beside which it is kept")
             return cls(scene, model)
         p = model.parameters(**scene.parameters)
-        start, y0 = scene.integrate.span[0], scene.initial_state()
-        works = list(model.power(start, y0, p)) if hasattr(model, "power") else []
+        works = loads_at_work(scene, model)
         room = ROOM if scene.events else 0
         # First: a state of another run beside a file would be taken for its own.
         files.beside(Path(out)).unlink(missing_ok=True)
@@ -76,7 +76,7 @@ class Saver:
         Raises SceneError for a run that has ended, and for a checkpoint that is not of this file
         or of another module.
         """
-        with Stored(path) as file:
+        with ResultFile(path) as file:
             if file.run.status in (FINISHED, FAILED):
                 allowed = f"of a run to go on with; this one {_ended(file.run)}"
                 raise SceneError("file", str(path), allowed)
@@ -165,7 +165,7 @@ class Saver:
         self.stream.finish(status, message, stats)
         if status in (FINISHED, FAILED):
             files.beside(path).unlink(missing_ok=True)
-        with Stored(path) as file:
+        with ResultFile(path) as file:
             records, good = file.just_written()
             solution = solution_of(file, records, good, IN_MEMORY)
         solution.model = self.model

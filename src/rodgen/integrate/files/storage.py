@@ -1,33 +1,36 @@
-"""Solutions as xarray's Datasets, and in NetCDF files (see stream.py)."""
+"""Solutions as xarray's Datasets, and written to and read from NetCDF files."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import asdict
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.files.layout import attributes
-from rodgen.integrate.files.quantities import (
+from rodgen.integrate.endings import INTERRUPTED
+from rodgen.integrate.files import replaced
+from rodgen.integrate.files.checksums import NO_STATS, RUNNING
+from rodgen.integrate.files.layout import (
     WORK,
+    attributes,
     changes_in,
-    derived,
     event_variables,
     parameter_names,
     plain,
-    quantities,
     state_units,
+    variables_of,
 )
-from rodgen.integrate.files.status import NO_STATS, RUNNING
-from rodgen.integrate.files.stored import INTERRUPTED, Stored, as_rodgens, warn
+from rodgen.integrate.files.netcdf import RecordFile
+from rodgen.integrate.files.result_file import ResultFile, as_rodgens, warn
 from rodgen.integrate.files.stream import Stream
-from rodgen.integrate.files.whole import replaced
 from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene
+from rodgen.model.quantities import DATASET, FILE
+from rodgen.scene import Scene, SceneError
 
 if TYPE_CHECKING:
     import xarray
@@ -57,12 +60,12 @@ def to_xarray(solution: Solution) -> xarray.Dataset:
         "message": solution.message,
         "energy_error": solution.energy_error,
     }
-    variables = quantities(solution) | derived(solution)
+    found = variables_of(solution, (FILE, DATASET))
     if solution.events:
         times, y = zip(*((event.t, event.y) for event in solution.events), strict=True)
         number = np.array(_event_numbers(solution))
-        variables |= event_variables(number, np.array(times), np.array(y))
-    return xarray.Dataset(variables, coordinates, notes)
+        found |= event_variables(number, np.array(times), np.array(y))
+    return xarray.Dataset(found, coordinates, notes)
 
 
 def _event_numbers(solution: Solution) -> list[int]:
@@ -94,7 +97,7 @@ def load(path: str | Path, most: int | None = None, *, strict: bool = True) -> S
     left out is warned of (FileWarning). The run of a file that has not been ended counts as
     interrupted. Files of rodgen before format "rodgen 3" cannot be checked, and are warned of.
     """
-    with Stored(Path(path), strict) as file:
+    with ResultFile(Path(path), strict) as file:
         records, good = file.samples()
         solution = solution_of(file, records, good, most)
         warn(file.notes)
@@ -102,9 +105,9 @@ def load(path: str | Path, most: int | None = None, *, strict: bool = True) -> S
 
 
 def solution_of(
-    file: Stored, records: NDArray[Any], good: NDArray[np.intp], most: int | None = None
+    file: ResultFile, records: NDArray[Any], good: NDArray[np.intp], most: int | None = None
 ) -> Solution:
-    """Of those records of a file that are good, evenly spaced ones, at most so many."""
+    """The Solution of those records of a file that are good, or of so many, evenly spaced."""
     with as_rodgens(file.path):
         off = float(np.abs(records["energy_balance"])[good].max(initial=0.0))
         if most is not None and len(good) > most:
@@ -115,7 +118,7 @@ def solution_of(
         terms = [name for name in records.dtype.names or () if name.startswith(WORK)]
         work = {name[len(WORK) :]: plain(taken[name]) for name in terms}
         t, y = plain(taken["time"]), plain(taken["y"])
-        changes = changes_in(taken)
+        changes = changes_in(taken, file.scene)
         if y.shape[1:] != file.scene.initial_state().shape:
             raise ValueError("not so: y")
         events = file.events()
@@ -138,3 +141,39 @@ def _how_far(t: Array, scene: Scene) -> str:
     """What is said of a run that did not come to say it itself."""
     at = f"killed after t = {t[-1]:.9g} s" if len(t) else "killed before its first sample"
     return f"{at} of {scene.integrate.span[1]:.9g} s; rodgen run --resume continues it"
+
+
+class Excerpt:
+    """A result file; scene: that of its run; model: its module, where it is built; t: times of its
+    samples [s], (T,), of those that are not damaged; notes: what is to be said of it.
+
+    Raises SceneError for files that rodgen did not write, and, unless strict is False, for those
+    that are not as they were written.
+    """
+
+    def __init__(self, path: Path, strict: bool = True):
+        self.path = path
+        self.model: ModuleType | None = None
+        with ResultFile(path, strict) as file, as_rodgens(path):
+            records, self._good = file.samples()
+            file.events()  # none of them is shown, but a damaged file is to be told of
+            self.t = plain(records["time"])[self._good]
+            states = records["y"].shape[1:]
+            self.scene, self.notes = file.scene, tuple(file.notes)
+            self._header, self._run = file.header, file.run
+        if states != self.scene.initial_state().shape:
+            raise SceneError("file", str(path), "written by rodgen (not so: y)")
+
+    def at(self, kept: NDArray[np.intp]) -> Solution:
+        """The samples with these numbers, without their work and events."""
+        try:
+            with RecordFile(self.path, self._header, "r") as file:
+                file.count = int(self._good[-1]) + 1
+                records, numbers = file.records(), self._good[kept]
+                y, changes = plain(records["y"][numbers]), changes_in(records, self.scene, numbers)
+        except (OSError, ValueError) as error:  # it was changed meanwhile
+            raise SceneError("file", str(self.path), f"as it was ({error})") from None
+        stats = self._run.stats or NO_STATS
+        run = self._run
+        how = run.status, run.message, self.model
+        return Solution(self.scene, self.t[kept], y, {}, stats, *how, changes=changes)

@@ -10,15 +10,19 @@ from typing import Self
 
 import numpy as np
 
-from rodgen.integrate.changes import Changes
-from rodgen.integrate.files import checks
-from rodgen.integrate.files.header import Header, read_header
-from rodgen.integrate.files.layout import check_layout, contents
-from rodgen.integrate.files.netcdf import MOST, RecordFile, empty_file
-from rodgen.integrate.files.quantities import GIVEN, PARAMETERS, WORK, quantities
-from rodgen.integrate.files.status import NO_STATS, RUNNING, Run
-from rodgen.integrate.files.stored import BEFORE, Stored, open_header
-from rodgen.integrate.files.whole import replaced
+from rodgen.integrate.files import checksums, replaced
+from rodgen.integrate.files.checksums import NO_STATS, RUNNING, Run
+from rodgen.integrate.files.layout import (
+    GIVEN,
+    PARAMETERS,
+    WORK,
+    check_layout,
+    contents,
+    variables_of,
+)
+from rodgen.integrate.files.netcdf import MOST, Header, RecordFile, empty_file, read_header
+from rodgen.integrate.files.result_file import BEFORE, ResultFile, open_header
+from rodgen.integrate.samples import Changes
 from rodgen.integrate.solution import Solution, Stats
 from rodgen.integrate.stepper import Array
 from rodgen.loading import build
@@ -42,7 +46,7 @@ class Stream:
         self.path, self.scene, self.model, self._p = path, scene, model, p
         self._file = RecordFile(path, header)
         try:
-            self._run = Run.of(self._file.fixed(checks.RUN).tobytes(), path)
+            self._run = Run.of(self._file.fixed(checksums.RUN).tobytes(), path)
         except SceneError:
             self.close()
             raise
@@ -75,7 +79,7 @@ class Stream:
         """
         with replaced(path) as part:
             parts = contents(scene, model, p, work_terms, events, changed)
-            part.write_bytes(_told(empty_file(*parts, aligned=checks.RUN)))
+            part.write_bytes(_told(empty_file(*parts, aligned=checksums.RUN)))
         return cls(path, *open_header(path), model, p)
 
     @classmethod
@@ -86,7 +90,7 @@ class Stream:
         of which none may be damaged. Raises SceneError for files that are not rodgen's or not as
         they were written, BuildError where the module cannot be built.
         """
-        with Stored(path) as file:
+        with ResultFile(path) as file:
             if not file.checked:
                 raise SceneError("file", str(path), f"in rodgen's present format, not {BEFORE!r}")
             file.samples(most)
@@ -142,13 +146,13 @@ class Stream:
         with np.errstate(all="ignore"):  # of a run that blew up
             if self._first is None:
                 self._first = block.start_energy
-            block.energy_balance = block.balance(self._first)
-            found = quantities(block)
+            block.start_energy = self._first
+            found = variables_of(block)
         records = np.zeros(len(block.t), self._file.header.record)
         for name, quantity in found.items():
             records[name] = quantity.values
         first = self.count
-        records[checks.CHECKSUM] = checks.of_records(records, first, self._run.fixed)
+        records[checksums.CHECKSUM] = checksums.of_records(records, first, self._run.fixed)
         self._file.append(records)
         self._tell(self._run._replace(samples=first + len(records)))
         self._file.count_to(first + len(records))
@@ -162,7 +166,7 @@ class Stream:
         if run.events == self._capacity:
             self._tell(run._replace(lost=run.lost + 1))
             return
-        checksum = checks.of_event(run.events, number, t, y, run.fixed)
+        checksum = checksums.of_event(run.events, number, t, y, run.fixed)
         self._put_event(run.events, number, t, y, checksum)
         self._tell(run._replace(events=run.events + 1))
 
@@ -200,7 +204,7 @@ class Stream:
         self._tell(self._run._replace(status=status, message=message, stats=stats))
 
     def _tell(self, run: Run) -> None:
-        self._file.put_text(checks.RUN, run.text())
+        self._file.put_text(checksums.RUN, run.text())
         self._run = run
 
     def finish(self, status: str, message: str, stats: Stats) -> None:
@@ -223,7 +227,7 @@ class Stream:
 def _told(image: bytes) -> bytes:
     """A file without samples, in whose text of the run the checksum of the rest is."""
     header = read_header(io.BytesIO(image))
-    fixed = checks.of_fixed(header, lambda at, size: image[at : at + size])
-    at = header.variables[checks.RUN].begin
+    fixed = checksums.of_fixed(header, lambda at, size: image[at : at + size])
+    at = header.variables[checksums.RUN].begin
     text = Run(fixed=fixed).text()
     return image[:at] + text + image[at + len(text) :]

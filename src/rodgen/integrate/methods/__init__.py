@@ -1,1 +1,1 @@
-"""Methods: one a file, what chooses among them, and what walks with them."""
+"""Steps of the methods in rodgen.model.methods: in Python, in C, and what chooses among them."""

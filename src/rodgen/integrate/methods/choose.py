@@ -5,28 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from types import ModuleType
 
-import numpy as np
-
-from rodgen.integrate.methods import fixed_step, scipy_methods
 from rodgen.integrate.methods.compiled import Compiled
-from rodgen.integrate.methods.cvode import CvodeStep
-from rodgen.integrate.methods.from_home import Longest, from_home
-from rodgen.integrate.methods.gauss import GaussEqualSteps, GaussStep
-from rodgen.integrate.methods.walk import Make, Walk
-from rodgen.integrate.spectrum import Dominant, spectrum
-from rodgen.integrate.stability import largest, limit
-from rodgen.integrate.stepper import Array, Machine, Rhs, StepError, Stepper
+from rodgen.integrate.methods.python_steps import PythonSteps
+from rodgen.integrate.stability import Dominant, dominant, limit
+from rodgen.integrate.stepper import Array, Machine, StepError
+from rodgen.model.methods import ADAPTIVE, COLLOCATION, METHODS
 from rodgen.scene import Scene
-from rodgen.scene.structure import BOUNDARIES
-from rodgen.scene.tables import AUTO, MOST_ADAPTIVE, Integrate
+from rodgen.scene.integration import AUTO, MOST_ADAPTIVE, Integrate
 
 # Measured on rods of 5 to 200 links, see docs/methods.md.
 FEW = 2e4  # radians or decays of the fastest motion that explicit steps follow in no time
 DECAYS = 0.3  # damping ratio from which the fastest motion dies out instead of going on
 GROWS = 1e-3  # share of the rate from which a motion is taken to grow by itself
-EXPLICIT = ("dop853", "rk45", "rk23")
+EXPLICIT = tuple(name for name in ADAPTIVE if not METHODS[name].implicit)
 NOISY = 1e-3  # tolerance from which on rates of explicit methods on stiff scenes are noise
-NEWTON = ("gauss", "radau")
 LEAST_NEWTON = 1e-13  # tolerance below which rounding in the iterations is larger
 LOOSE = 1e-4  # tolerance above which the fastest oscillations are noise
 
@@ -78,7 +70,7 @@ def warn_of_tolerance(scene: Scene, model: ModuleType) -> str | None:
     """Why a method with error control cannot keep to the tolerance of a scene, or None."""
     settings = scene.integrate
     method, rtol = settings.method, settings.rtol
-    if method in NEWTON and rtol < LEAST_NEWTON:
+    if method in COLLOCATION and rtol < LEAST_NEWTON:
         return (
             f"{method} at rtol {rtol:g}: its iterations leave rounding errors that are larger; "
             f"take {LEAST_NEWTON:g}, or dop853"
@@ -108,7 +100,7 @@ def described(fastest: Dominant) -> str:
 def fastest_motion(scene: Scene, model: ModuleType) -> Dominant:
     """The fastest motion about the start of a scene. Raises StepError."""
     p = model.parameters(**scene.parameters)
-    return spectrum(model, _inside(scene), scene.initial_state(), p)
+    return dominant(model, _inside(scene), scene.initial_state(), p)
 
 
 def _inside(scene: Scene) -> float:
@@ -119,38 +111,5 @@ def _inside(scene: Scene) -> float:
 
 def machine(model: ModuleType, p: Array, settings: Integrate, t: float, y: Array) -> Machine:
     """What runs a method: compiled steps where the module has them, else steps in Python."""
-    if settings.method in getattr(model, "COMPILED", ()):
-        return Compiled(model, p, settings, t, y)
-    base = 2 * BOUNDARIES[model.BOUNDARY].translates
-    angles = slice(base, len(y) // 2)
-
-    def stable(t: float, y: Array) -> float:
-        explicit = settings.method in EXPLICIT
-        return largest(settings.method, model, t, y, p) if explicit else np.inf
-
-    return Walk(_maker(settings, angles, stable), model, p, t, y)
-
-
-def _maker(settings: Integrate, angles: slice, stable: Longest) -> Make:
-    tolerances = settings.rtol, settings.atol
-
-    def adaptive(rhs: Rhs, jac: Rhs, longest: Longest, t: float, y: Array, end: float) -> Stepper:
-        if settings.method == "cvode":
-            return CvodeStep(rhs, jac, t, y, end, *tolerances, longest(t, y))
-        if settings.method == "gauss":
-            return GaussStep(rhs, jac, t, y, end, *tolerances, longest(t, y))
-        return scipy_methods.ScipyStep(settings.method, rhs, jac, t, y, end, *tolerances, longest)
-
-    def make(rhs: Rhs, jac: Rhs, t: float, y: Array, end: float, longest: float) -> Stepper:
-        if settings.fixed:
-            assert settings.step is not None
-            if settings.method == "gauss":
-                return GaussEqualSteps(rhs, jac, t, y, end, settings.step)
-            return fixed_step.FixedStep(settings.method, rhs, t, y, end, settings.step)
-
-        def least(t: float, y: Array) -> float:
-            return min(longest, stable(t, y))
-
-        return from_home(adaptive, angles, rhs, jac, least, t, y, end)
-
-    return make
+    kind = Compiled if settings.method in getattr(model, "COMPILED", ()) else PythonSteps
+    return kind(model, p, settings, t, y)

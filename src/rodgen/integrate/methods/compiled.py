@@ -6,11 +6,15 @@ import time
 from types import ModuleType
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rodgen.integrate.events import Watch
-from rodgen.integrate.files.recorder import Recorder
+from rodgen.emit.targets import target_of
+from rodgen.integrate.events import Found, Switching, Watch
+from rodgen.integrate.samples import Recorder
 from rodgen.integrate.stepper import Array, Counts, Happened, State, StepError
-from rodgen.scene.tables import EITHER, Integrate
+from rodgen.model.methods import COMPILED, EITHER
+from rodgen.native.run import IMPLICIT
+from rodgen.scene.integration import AUTO, Integrate
 
 SLICE = 0.03  # seconds between two looks at the clock and at Ctrl-C
 FIRST, MOST = 8, 10**7  # steps in a slice: at first, and at most
@@ -24,6 +28,16 @@ FAILURES = {
 }
 
 
+def parts(settings: Integrate, target: str | None) -> tuple[str, ...]:
+    """What of a module a run is begun with; what else it asks for comes then. target: None for C
+    where it can be built."""
+    if settings.method == AUTO or (target and not target_of(target).compiled):
+        return ("rhs", "power")
+    if settings.method in IMPLICIT:
+        return ("flow", "newton", "power")
+    return ("flow", "power") if settings.method in COMPILED else ("rhs", "power")
+
+
 class Compiled:
     """A run by a method of the C module (see stepper.Machine)."""
 
@@ -35,6 +49,7 @@ class Compiled:
         self._run = model.Run(method, t, y, p, step, settings.rtol, settings.atol)
         self._numbers = self._run.numbers
         self._states, self._quota = len(y), FIRST
+        self._stretch, self._switch = (-np.inf, np.inf, np.inf), Switching()
 
     @property
     def t(self) -> float:
@@ -47,7 +62,7 @@ class Compiled:
 
     @property
     def end(self) -> float:
-        return float(self._numbers.end)
+        return self._switch.goal
 
     @property
     def asked(self) -> list[float]:
@@ -64,6 +79,8 @@ class Compiled:
         return Counts(n.steps, n.rejected, n.rhs, n.jacobian, n.factorisations)
 
     def begin(self, end: float, low: float, high: float, longest: float) -> None:
+        self._stretch = low, high, longest
+        self._switch = Switching(end, self.t)
         self._judge(self._run.begin(end, low, high, longest))
 
     def advance(self, recorder: Recorder, watch: Watch, most: int) -> bool:
@@ -91,7 +108,12 @@ class Compiled:
         """Whether the end is reached; raises StepError for what went wrong."""
         if status in FAILURES:
             raise StepError(FAILURES[status])
-        return status == int(self._model.REACHED)
+        if status != int(self._model.REACHED):
+            return False
+        if self._numbers.end == self._switch.goal:
+            return True
+        self._switch.arrive(self.t)
+        return self._judge(self._run.begin(self._switch.goal, *self._stretch))
 
     # Events -----------------------------------------------------------------------------------
 
@@ -107,7 +129,16 @@ class Compiled:
         status, sampled = self._run.on(len(trace) - 1, times, rows, trace[1:])
         block = trace[: self._numbers.steps - first + 1]
         t, y, f = block[:, 0], block[:, 1 : 1 + self._states], block[:, 1 + self._states :]
-        found = watch.crossings(t, y, f)
+        found = self._switch.seen(watch, t, y, f)
+        switch = self._first_switch(found, watch, before, t)
+        if switch:
+            k, when, sides = switch
+            self._run.memory[:] = before
+            status, sampled = self._run.on(k, times, rows)
+            found = [crossing for crossing in found if crossing[0] < k]
+            self._switch.head_for(sides)
+            self._numbers.end = when
+        found = [crossing for crossing in found if not watch.switching(crossing[1])]
         if found:
             after = self._run.memory.copy()
             self._run.memory[:] = before
@@ -120,7 +151,43 @@ class Compiled:
             self._run.memory[:] = after
         recorder.took(sampled)
         self._adapt(status, time.perf_counter() - start)
-        return self._judge(status)
+        return False if switch or self._goes_on(status, watch) else self._judge(status)
+
+    def _goes_on(self, status: int, watch: Watch) -> bool:
+        """Whether a run that is where a law of the motion was to switch has to step a little
+        further for that."""
+        n = self._numbers
+        if status != int(self._model.REACHED) or n.end == self._switch.goal:
+            return False
+        f = self._run.rates[: self._states]
+        n.end = self._switch.further(watch, n.t, self.y, f, n.t - n.before)
+        return bool(n.end > n.t)
+
+    def _first_switch(
+        self, found: list[Found], watch: Watch, before: NDArray[np.uint8], t: Array
+    ) -> tuple[int, float, dict[int, float]] | None:
+        """The step, from the bytes before the first one on, in which a law of the motion switches
+        first, when, and which numbers that has, with their signs before."""
+        steps = sorted({k for k, number, _ in found if watch.switching(number)})
+        after = self._run.memory.copy()
+        self._run.memory[:] = before
+        nothing, at = np.empty(0), 0
+        try:
+            for k in steps:
+                self._run.on(k + 1 - at, nothing, np.empty((0, len(self._run.state))))
+                at = k + 1
+                here = [(n, span) for step, n, span in found if step == k and watch.switching(n)]
+                first = watch.first_switch(here, float(t[k]), self._dense)
+                if first:
+                    return (k, *first)
+            return None
+        finally:
+            self._run.memory[:] = after
+
+    def _dense(self, at: Array) -> Array:
+        """States (K, states) at times (K,) in the step that was taken last."""
+        states: Array = self._run.at(at)[:, : self._states]
+        return states
 
     def _settle(
         self,
@@ -131,12 +198,7 @@ class Compiled:
         sampled: int,
     ) -> None:
         """The events of the step that was taken last, in their order."""
-
-        def dense(at: Array) -> Array:
-            states: Array = self._run.at(at)[:, : self._states]
-            return states
-
-        located = [(watch.locate(number, *span, dense), number) for number, span in here]
+        located = [(watch.locate(number, *span, self._dense), number) for number, span in here]
         for at, number in watch.in_order(located):
             row = self._run.at(np.array([at]))[0]
             if watch.happens(number, at, row[: self._states]):
@@ -147,10 +209,13 @@ class Compiled:
     # Going on later ---------------------------------------------------------------------------
 
     def state(self) -> State:
-        return {"memory": self._run.memory.copy()}
+        return {"memory": self._run.memory.copy(), **self._switch.state()}
 
     def restore(self, state: State) -> None:
-        memory = state["memory"]
+        memory, method = state["memory"], self._numbers.method
         if memory.shape != self._run.memory.shape:
             raise ValueError("the checkpoint is of another module")
         self._run.memory[:] = memory
+        self._numbers.method = method  # another number, where methods were added since
+        self._switch = Switching.of(state)
+        self._stretch = self._numbers.low, self._numbers.high, self._numbers.longest

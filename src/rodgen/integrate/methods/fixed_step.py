@@ -4,31 +4,55 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
-from rodgen.integrate.methods import euler, rk4, semi_implicit_euler, thesis_runge_kutta
-from rodgen.integrate.stepper import Array, Counts, Interpolant, Rhs, StepError, hermite
+from rodgen.integrate.stepper import Array, Counts, Interpolant, Problem, Rhs, StepError, hermite
+from rodgen.model.method import Tableau
+from rodgen.model.methods import TABLEAUX
 
 Advance = Callable[[Rhs, float, Array, Array, float], Array]
-METHODS: dict[str, Advance] = {
-    "euler": euler.advance,
-    "semi_implicit_euler": semi_implicit_euler.advance,
-    "rk4": rk4.advance,
-    "thesis_runge_kutta": thesis_runge_kutta.advance,
-}
+
+
+def advance(tableau: Tableau, number: Callable[[Any], Any] = float, added: int = 0) -> Advance:
+    """A step of an explicit method: the state after it, from rhs, t, y, the rate at (t, y) and h.
+
+    number: what the weights are turned into; states may be of symbols where it makes such; added:
+    how many of the states are neither positions nor velocities.
+    """
+    rows = [[(at, number(w)) for at, w in enumerate(row) if w] for row in tableau.rows]
+    times = [number(c) for c in tableau.c]
+
+    def moved(y: Array, h: float, row: list[tuple[int, Any]], rates: list[Array]) -> Array:
+        new: Array = y + h * sum(weight * rates[at] for at, weight in row)
+        if tableau.follow:
+            half = (len(y) - added) // 2
+            new[:half] = y[:half] + h * new[half : 2 * half]
+        return new
+
+    def step(rhs: Rhs, t: float, y: Array, f: Array, h: float) -> Array:
+        rates = [f]
+        for c, row in zip(times[1:], rows, strict=False):
+            rates.append(rhs(t + c * h, moved(y, h, row, rates)))
+        return moved(y, h, rows[-1], rates)
+
+    return step
 
 
 class FixedStep:
     """A method of fixed step between two break points (see stepper.Stepper)."""
 
-    def __init__(self, name: str, rhs: Rhs, t: float, y: Array, end: float, step: float):
-        self._advance, self._step = METHODS[name], step
+    def __init__(self, problem: Problem):
+        t, y, end, step = problem.t, problem.y, problem.end, problem.settings.step
+        assert step is not None
+        tableau = TABLEAUX[problem.settings.method]
+        self._advance, self._step = advance(tableau, added=problem.added), step
         self._counts = Counts(rejected=0)
 
         def counted(at: float, state: Array) -> Array:
             self._counts.rhs += 1
-            return rhs(at, state)
+            return problem.rhs(at, state)
 
         self._rhs = counted
         self._start, self._end = t, end

@@ -13,22 +13,32 @@ import math
 
 import numpy as np
 
-from rodgen.integrate.methods.gauss_stages import ITERATIONS, Stages, size
-from rodgen.integrate.methods.gauss_tableau import END, MU, C, Factors, Taken
-from rodgen.integrate.stepper import Array, Counts, Interpolant, Rhs, StepError
+from rodgen.integrate.methods.collocation import (
+    END,
+    ITERATIONS,
+    MU,
+    C,
+    Factors,
+    Stages,
+    Taken,
+    size,
+)
+from rodgen.integrate.stepper import Array, Counts, Interpolant, Problem, StepError
+from rodgen.model.methods import COLLOCATION
 
-ORDER, DENSE_ORDER = 6, 5
-WEIGHT = 7.0  # of the error by two steps: that of a run is then a tenth of the tolerance
+TWO_STEPS = COLLOCATION["gauss"]
 NOTHING = 3.0  # a step that could have been longer by more tells nothing of the next one
 
 
 class _Gauss:
     """What both ways of going on share: where they are, and the step that was taken last."""
 
-    def __init__(self, stages: Stages, t: float, y: Array, end: float):
-        self._stages, self._end = stages, end
-        self.t, self.y = t, y
-        self._f = stages.rates(t, y)
+    def __init__(self, problem: Problem, equal: bool = False):
+        self._stages, self._end = Stages(problem, equal), problem.end
+        half = (len(problem.y) - problem.added) // 2
+        self._velocities = slice(half, 2 * half)
+        self.t, self.y = problem.t, problem.y
+        self._f = self._stages.rates(self.t, self.y)
         if not np.isfinite(self._f).all():
             raise StepError("the rates stop being finite")
         self._taken: Taken | None = None
@@ -65,19 +75,9 @@ class _Gauss:
 class GaussStep(_Gauss):
     """The method with error control between two break points (see stepper.Stepper)."""
 
-    def __init__(
-        self,
-        rhs: Rhs,
-        jac: Rhs,
-        t: float,
-        y: Array,
-        end: float,
-        rtol: float,
-        atol: float,
-        longest: float = np.inf,
-    ):
-        super().__init__(Stages(rhs, jac, rtol, atol), t, y, end)
-        self._longest = longest
+    def __init__(self, problem: Problem):
+        super().__init__(problem)
+        self._longest = problem.longest(self.t, self.y)
         self._h = self._first_step()
         self._reached = 0.0  # by the last step
 
@@ -86,6 +86,8 @@ class GaussStep(_Gauss):
         scale, span = self._stages.tolerated(self.y), self._end - self.t
         d0, d1 = size(self.y / scale), size(self._f / scale)
         h = min(1e-6 if d0 < 1e-5 or d1 < 1e-5 else 0.01 * d0 / d1, span)
+        if not h > 0:  # rates beyond all numbers
+            return 0.0
         change = self._stages.rates(self.t + h, self.y + h * self._f) - self._f
         largest = max(d1, size(change / scale) / h)
         next_ = max(1e-6, 1e-3 * h) if largest <= 1e-15 else (0.01 / largest) ** 0.25
@@ -140,15 +142,15 @@ class GaussStep(_Gauss):
         reach = _within(one) ** -0.25
         if self._taken is None:
             return float(reach)
-        two = WEIGHT * self._measured(taken.error_of_two(self._taken), taken)
-        by_two = _within(two) ** (-1 / ORDER)
+        two = TWO_STEPS.weight * self._measured(taken.error_of_two(self._taken), taken)
+        by_two = _within(two) ** (-1 / TWO_STEPS.power)
         self._smooth = by_two > reach
         return float(max(reach, by_two))
 
     def _measured(self, error: Array, taken: Taken) -> float:
-        """An error of the positions over what is tolerated."""
+        """An error of all but the velocities over what is tolerated."""
         scale = self._stages.tolerated(np.maximum(np.abs(taken.y), np.abs(taken.new)))
-        return size((error / scale)[: len(error) // 2])
+        return size(np.delete(error / scale, self._velocities))
 
 
 def _within(error: float) -> float:
@@ -159,11 +161,12 @@ class GaussEqualSteps(_Gauss):
     """The method in equal steps between two break points, the last one shortened to meet the end
     (see stepper.Stepper); Newton's method goes on to rounding."""
 
-    def __init__(self, rhs: Rhs, jac: Rhs, t: float, y: Array, end: float, step: float):
-        super().__init__(Stages(rhs, jac, 1e-8, 1e-10, equal=True), t, y, end)
-        self._start, self._step = t, step
+    def __init__(self, problem: Problem):
+        super().__init__(problem, equal=True)
+        assert problem.settings.step is not None
+        self._start, self._step = problem.t, problem.settings.step
         # A step that would be shorter than a millionth of the others is not taken.
-        self._total = max(1, math.ceil((end - t) / step - 1e-6))
+        self._total = max(1, math.ceil((self._end - self._start) / self._step - 1e-6))
         self._made: tuple[float, tuple[Factors, Factors]] | None = None  # for a step
 
     def step(self) -> bool:

@@ -1,0 +1,203 @@
+"""Shared by all tests: a cache of their own, scenes as dictionaries, ways to run rodgen."""
+
+from __future__ import annotations
+
+import copy
+import io
+import os
+import shutil
+import subprocess
+import sys
+import time
+import warnings
+from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout, suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rodgen.loading.cache import PACKAGES, source_hash
+from rodgen.model.terms import TERMS
+from rodgen.native.library import FLAGS
+from rodgen.scene import Scene
+from tests.palette import MOST_COMPILED
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--update", action="store_true", help="rewrite reference modules and tables of the docs"
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "compiler: needs a C compiler")
+    config.addinivalue_line("markers", "long: takes long; `make test-all` alone runs it")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Where there is no C compiler, what needs one is skipped and says so."""
+    if any(map(shutil.which, ("cc", "gcc", "clang"))):
+        return
+    skip = pytest.mark.skip(reason="no C compiler on PATH")
+    for item in items:
+        if item.get_closest_marker("compiler") or "compiled" in item.path.parts:
+            item.add_marker(skip)
+
+
+# What tests derive and compile is kept from one run to the next, for as long as the generator is
+# what it was; of other generators, those of the last day stay, for who goes to and fro.
+CACHES = Path(__file__).parent / "build" / "test-cache"
+DAY = 86400.0
+
+
+def _cache() -> Path:
+    return CACHES / source_hash(*PACKAGES, "rodgen.check")[:16]
+
+
+# A compilation takes a third of the time; `make test-all` and tests of what the compiler makes of
+# the loops (`flags_of_users`) have all that users have.
+QUICK = " ".join(("-O1", *FLAGS[1:]))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _own_cache(pytestconfig: pytest.Config) -> None:
+    """Tests neither read nor fill the cache of whoever runs them; all runs of tests share one."""
+    if _ordinary(pytestconfig):
+        os.environ.setdefault("RODGEN_CFLAGS", QUICK)
+    folder = _cache()
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    os.utime(folder)
+    for other in CACHES.iterdir():
+        with suppress(OSError):
+            if time.time() - other.stat().st_mtime > DAY:
+                shutil.rmtree(other)
+    os.environ["RODGEN_CACHE"] = str(folder)
+
+
+def _ordinary(config: pytest.Config) -> bool:
+    """Whether no long test runs."""
+    return bool(config.getoption("markexpr") == "not long")
+
+
+@pytest.fixture
+def flags_of_users(monkeypatch: pytest.MonkeyPatch) -> None:
+    """C is compiled as it is for users."""
+    monkeypatch.delenv("RODGEN_CFLAGS", raising=False)
+
+
+START = time.time()
+
+
+def _compiled() -> set[str]:
+    """Names of the structures that were compiled in this run, in whatever parts."""
+    return {path.stem for path in _cache().rglob("*.so") if path.stat().st_mtime >= START}
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    terminalreporter.write_line(f"{len(_compiled())} structures compiled (of {MOST_COMPILED})")
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Compiling costs most: a run that compiles more than there should be fails, so that tests
+    share the structures of the palette. `make test-all` has more."""
+    worker = os.environ.get("PYTEST_XDIST_WORKER")
+    if _ordinary(session.config) and not worker and len(_compiled()) > MOST_COMPILED:
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+LOADS: dict[str, Any] = {
+    "follower": {"force": 40.0, "angle": 0.1},
+    "gravity": {"g": 9.81},
+    "internal_damping": {"coefficient": 0.2},
+    "external_damping": {"coefficient": 0.7, "fin_factor": {"tail": 5.0}},
+    "tip_load": {"x": 6.0, "y": "-4*cos(3*t)"},
+    "distributed_follower": {"force_per_length": "3*(1 + s)"},
+    "material_damping": {"time": 0.005},
+    "foundation": {"stiffness": "2*(1 + s)", "damping": 0.3},
+    "drag": {"normal": 0.5, "tangential": 0.1, "wind": [2.0, "sin(t)"]},
+    "supports": [{"at": 1.0, "stiffness": [3.0, 1.0], "damping": [0.2, 0.1], "rotation": 0.5}],
+}
+
+
+@pytest.fixture
+def make_scene() -> Callable[..., Scene]:
+    """Scene of a short run; terms: which loads; other keywords: tables or keys of [rod]."""
+
+    def make(
+        links: int = 5,
+        boundary: str = "free",
+        terms: tuple[str, ...] = (),
+        rod: dict[str, Any] | None = None,
+        initial: dict[str, Any] | None = None,
+        **integrate: Any,
+    ) -> Scene:
+        table: dict[str, Any] = {
+            "name": "test",
+            "rod": {
+                "links": links,
+                "length": 2.0,
+                "bending_stiffness": 30.0,
+                "mass": 3.0,
+                "boundary": boundary,
+                **(rod or {}),
+            },
+            "loads": {
+                TERMS[term].table: copy.deepcopy(LOADS[term]) for term in terms if TERMS[term].loads
+            },
+            **{
+                TERMS[term].table: copy.deepcopy(LOADS[term])
+                for term in terms
+                if not TERMS[term].loads
+            },
+            "initial": {"phi": "0.4*cos(pi*s)", "omega": "0.5*s", **(initial or {})},
+            "integrate": {"span": [0.0, 1.0], "rtol": 1e-10, "atol": 1e-12, **integrate},
+        }
+        return Scene.from_dict(table)
+
+    return make
+
+
+Done = subprocess.CompletedProcess[str]
+
+
+@pytest.fixture
+def rodgen(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Done]:
+    """Run the command line in this process: rodgen(*arguments, cwd=..., env=...). What it writes
+    and its exit status come back; an exception that it does not explain is raised."""
+    from rodgen.cli import console, main
+
+    def run(*arguments: object, cwd: Path | None = None, env: dict[str, str] | None = None) -> Done:
+        out, err = io.StringIO(), io.StringIO()
+        with monkeypatch.context() as patch, warnings.catch_warnings():
+            warnings.simplefilter("default")
+            for name, value in {"COLUMNS": "100", **(env or {})}.items():
+                patch.setenv(name, value)
+            for printed in (console.out, console.err):
+                printed.width = int(os.environ["COLUMNS"])
+            patch.setattr(sys, "argv", ["rodgen", *map(str, arguments)])
+            patch.chdir(cwd or Path.cwd())
+            with redirect_stdout(out), redirect_stderr(err), pytest.raises(SystemExit) as end:
+                main()
+        status = int(end.value.code or 0)
+        return subprocess.CompletedProcess(sys.argv, status, out.getvalue(), err.getvalue())
+
+    return run
+
+
+@pytest.fixture
+def process() -> Callable[..., Done]:
+    """Run the command line in a process of its own, where it is the process that is looked at."""
+
+    def run(*arguments: object, **options: Any) -> Done:
+        return subprocess.run(
+            [sys.executable, "-m", "rodgen", *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            env={**os.environ, "COLUMNS": "100", **options.pop("env", {})},
+            check=False,
+            **options,
+        )
+
+    return run

@@ -1,0 +1,140 @@
+"""Masses that change with time: what the links have of them at present, and the energy that leaves.
+
+What leaves a link has the velocity of its place. It takes no momentum from what stays, so that the
+equations keep their form, with the masses of the present. It takes its energy along: that of the
+rod is linear in its masses, so that its loss is the energy of the mass that leaves in a second.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from sympy import Add, Eq, Expr, IndexedBase, Piecewise, Rational, S, Sum, Symbol
+
+from .general import Equations
+from .quantities import Quantities
+from .rod import centre, link_mass, spread
+from .symbols import HALF, PARAMETERS, i
+
+# Of every link, without bodies: its mass and what it gains in a second.
+own_mass, own_rate = (IndexedBase(name, real=True) for name in ("own_mass", "own_mass_rate"))
+
+
+@dataclass(frozen=True)
+class Tank:
+    """A body whose mass changes with time, by the names of its numbers, and its link."""
+
+    name: str
+    link: int
+
+    def number(self, what: str) -> Symbol:
+        """One of its numbers: mass, mass_rate, along, across or spread (that of its inertia, as a
+        mass at a mean square of one)."""
+        return Symbol(f"{self.name}_{what}", real=True)
+
+
+# Mass, centre along and across, and the mean squares along and across and the mean product about
+# that, times the mass.
+Part = tuple[Expr, Expr, Expr, Expr, Expr, Expr]
+
+
+@dataclass(frozen=True)
+class Emptying:
+    """Masses of a rod of which some change with time. own: whether those of the links do; tanks:
+    the bodies that do."""
+
+    equations: Equations
+    own: bool
+    tanks: Sequence[Tank]
+
+    @property
+    def _bodies(self) -> bool:
+        """Whether links have more than their own mass."""
+        return not {"bodies", "points"}.isdisjoint(self.equations.uneven)
+
+    @cached_property
+    def masses(self) -> dict[IndexedBase, Expr]:
+        """The parameters of link i, of what it has at present."""
+        if not self._bodies:
+            return {link_mass: own_mass[i]}
+        always = [self._steady, *([self._link] if self.own else [])]
+        cases = [(at, [t for t in self.tanks if t.link == at]) for at in self._links]
+        found = {}
+        for place, base in enumerate((link_mass, *centre, *spread)):
+            with_tanks = [
+                (self._of(place, [*always, *map(self._tank, tanks)]), Eq(i, at))
+                for at, tanks in cases
+            ]
+            whole = self._of(place, always)
+            found[base] = Piecewise(*with_tanks, (whole, True)) if with_tanks else whole
+        if "points" in self.equations.uneven:
+            found = {base: found[base] for base in (link_mass, centre[0])}
+        return found
+
+    @property
+    def _links(self) -> list[int]:
+        return sorted({tank.link for tank in self.tanks})
+
+    @property
+    def _steady(self) -> Part:
+        """What does not change on link i."""
+        names = ("mass", "centre_along", "centre_across", *(f"spread_{way}" for way in SPREADS))
+        if "points" in self.equations.uneven:
+            mass, along = (PARAMETERS[f"steady_{name}"][i] for name in names[:2])
+            return mass, along, S.Zero, S.Zero, S.Zero, S.Zero
+        mass, a, b, *squares = (PARAMETERS[f"steady_{name}"][i] for name in names)
+        return mass, a, b, *(mass * square for square in squares)
+
+    @property
+    def _link(self) -> Part:
+        """Link i itself."""
+        own = own_mass[i]
+        return own, HALF, S.Zero, own * Rational(1, 12), S.Zero, S.Zero
+
+    def _tank(self, tank: Tank) -> Part:
+        spread = tank.number("spread")
+        mass, a, b = map(tank.number, ("mass", "along", "across"))
+        return mass, a, b, spread, spread, S.Zero
+
+    def _of(self, place: int, parts: Sequence[Part]) -> Expr:
+        """A parameter of a link that has these parts (Steiner)."""
+        if place == 0:
+            return Add(*(part[0] for part in parts))
+        mass = link_mass[i]
+        if place < 3:
+            return Add(*(part[0] * part[place] for part in parts)) / mass
+        one, two = ((1, 1), (2, 2), (1, 2))[place - 3]
+        about = [base[i] for base in centre]
+        ways = [
+            part[place] + part[0] * (part[one] - about[one - 1]) * (part[two] - about[two - 1])
+            for part in parts
+        ]
+        return Add(*ways) / mass
+
+    @cached_property
+    def power(self) -> Expr:
+        """Energy that the rod gains in a second by what its masses gain [W]."""
+        quantities = Quantities(self.equations)
+        energies = Add.make_args(quantities.kinetic_energy + quantities.load_energy)
+        total = S.Zero
+        for energy in energies:
+            (_, low, high), of = energy.limits[0], energy.function
+            if self.own:
+                total += Sum(_with(of, own_rate[i], HALF, S.Zero, Rational(1, 12)), (i, low, high))
+            for tank in self.tanks:
+                if tank.link >= low:
+                    mass, a, b = map(tank.number, ("mass_rate", "along", "across"))
+                    total += _with(of, mass, a, b, S.Zero).subs(i, tank.link)
+        return total
+
+
+SPREADS = ("along", "across", "mixed")
+
+
+def _with(of: Expr, mass: Expr, along: Expr, across: Expr, square: Expr) -> Expr:
+    """What belongs to link i, for another mass at another place."""
+    values = (mass, along, across, square, S.Zero, S.Zero)
+    bases = (link_mass, *centre, *spread)
+    return of.xreplace({base[i]: value for base, value in zip(bases, values, strict=True)})

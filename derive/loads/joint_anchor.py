@@ -1,0 +1,60 @@
+"""Springs and dampers between the joints and places that do not move."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from sympy import Expr, Sum
+
+from ..chain import Vector
+from ..closed_form import Pair
+from ..symbols import joint, joint_vx, joint_vy, n
+from .joint_drag import JointDrag, JointMotion
+from .kinds import Value
+
+if TYPE_CHECKING:
+    from ..general import Equations
+
+
+class JointAnchor(JointDrag):
+    """A force on every joint that moves, by its position and velocity: of springs, by the energy
+    that they hold, and of dampers."""
+
+    by_position = True
+
+    def stored(self, joint: JointMotion) -> Expr:
+        """Energy of the springs of a joint [J]."""
+        raise NotImplementedError
+
+    def damper(self, joint: JointMotion) -> Vector:
+        """Force of the dampers of a joint [N]."""
+        raise NotImplementedError
+
+    def force(self, joint: JointMotion) -> Vector:
+        energy, (x, y) = self.stored(joint), self.damper(joint)
+        return x - energy.diff(joint.x), y - energy.diff(joint.y)
+
+    def power(self, chain: Equations) -> Expr:
+        x, y = self.damper(self.motion(chain))
+        power = x * joint_vx[joint] + y * joint_vy[joint]
+        return Sum(power, (joint, chain.hold.first_joint, n))
+
+    def energy(self, chain: Equations) -> Expr:
+        return Sum(self.stored(self.motion(chain)), (joint, chain.hold.first_joint, n))
+
+    def force_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
+        spring = self.spring_by_hand(joint, value, functions)
+        damper = self.damper_by_hand(joint, value, functions)
+        return spring[0] + damper[0], spring[1] + damper[1]
+
+    def spring_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
+        """Force of the springs of a joint."""
+        raise NotImplementedError
+
+    def damper_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
+        """Force of its dampers."""
+        raise NotImplementedError
+
+    def rest_by_hand(self, joint: JointMotion, value: Value) -> Pair:
+        """Where its springs have no force."""
+        raise NotImplementedError

@@ -1,0 +1,147 @@
+"""Forces on the joints by their velocities."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from sympy import Expr, IndexedBase, Piecewise, Sum, sqrt
+from sympy.polys.rings import PolyElement
+
+from ..chain import Vector
+from ..closed_form import ClosedForm, Num, Pair
+from ..symbols import i, joint, joint_vx, joint_vy, joint_x, joint_y, l, m, n, phi
+from .kinds import NOTHING, JointForces, Value, Work
+
+if TYPE_CHECKING:
+    from ..explicit import ExplicitDerivation
+    from ..general import Equations
+
+# At a joint: angle of the rod, mass and length gathered there, and the speed to divide by.
+rod_angle, mass_at = IndexedBase("rod_angle", real=True), IndexedBase("joint_mass", positive=True)
+length_at = IndexedBase("joint_length", positive=True)
+divisor = IndexedBase("drag_divisor", positive=True)
+
+
+@dataclass(frozen=True)
+class JointMotion:
+    """What drag needs to know of a joint: its velocity, the speed to divide by, the angle of the
+    rod there (mean of the links that meet), the mass gathered there, its per_joint parameters;
+    its position, and the length gathered there (half of each link)."""
+
+    vx: Any
+    vy: Any
+    divisor: Any
+    angle: Any
+    mass: Any
+    factors: tuple[Any, ...] = ()
+    x: Any = None
+    y: Any = None
+    length: Any = None
+
+    @property
+    def place(self) -> tuple[Any, Any]:
+        """Its position."""
+        return self.x, self.y
+
+    @property
+    def velocity(self) -> tuple[Any, Any]:
+        """Its velocity."""
+        return self.vx, self.vy
+
+
+def drag_divisor(vx: Expr, vy: Expr) -> Expr:
+    """Speed of a joint; one at rest, where nothing goes across and any divisor gives no force."""
+    speed = sqrt(vx**2 + vy**2)
+    return Piecewise((speed, speed > 0), (1, True))
+
+
+def joint_mass(links: int) -> Expr:
+    """Mass gathered at a joint where this many links meet: half of each."""
+    return links * m / 2
+
+
+def joint_angle(angles: list[Expr]) -> Expr:
+    """Angle of the rod at a joint: mean of the links that meet there."""
+    return sum(angles[1:], angles[0]) / len(angles)
+
+
+class JointDrag(JointForces):
+    """A force on every joint that moves, by its velocity."""
+
+    by_velocity = True
+
+    @property
+    def opaque(self) -> tuple[IndexedBase, ...]:
+        return self.bases
+
+    @property
+    def wind(self) -> Vector:
+        """Velocity of the medium."""
+        return NOTHING
+
+    def force(self, joint: JointMotion) -> Vector:
+        """The force on a joint [N]."""
+        raise NotImplementedError
+
+    def constants(self, first_joint: int, links: int) -> list[Expr]:
+        return [base[at] for at in range(first_joint, links + 1) for base in self.bases]
+
+    def rows(self, chain: ExplicitDerivation) -> list[list[PolyElement]]:
+        x, y = self.bases
+        generator = chain.calculus.generator
+        return [
+            chain.virtual_work(chain.joint(at), (generator[x[at]], generator[y[at]]))
+            for at in range(chain.first_joint, chain.n + 1)
+        ]
+
+    def work(self, chain: Equations) -> Work:
+        def total(low: Expr) -> Vector:
+            x, y = (Sum(base[joint], (joint, low, n)) for base in self.bases)
+            return x, y
+
+        base, after = total(chain.hold.first_joint), total(i + 1)
+        return Work(base, chain.reach * chain.lean(after))
+
+    def motion(self, chain: Equations) -> JointMotion:
+        """What is known of every joint."""
+        return JointMotion(
+            *(joint_vx[joint], joint_vy[joint]),
+            *(divisor[joint], rod_angle[joint], mass_at[joint]),
+            tuple(base[joint] for base in self.per_joint),
+            *(joint_x[joint], joint_y[joint], length_at[joint]),
+        )
+
+    def arrays(self, chain: Equations) -> dict[IndexedBase, Expr]:
+        force = self.force(self.motion(chain))
+        start, end = joint_angle([phi[0]]), joint_angle([phi[n - 1]])
+        inner = joint_angle([phi[joint - 1], phi[joint]])
+        half, whole = joint_mass(1), joint_mass(2)
+        return {
+            divisor: drag_divisor(joint_vx[joint], joint_vy[joint]),
+            mass_at: chain.at_ends(half, half, whole),
+            length_at: chain.at_ends(l / 2, l / 2, l),
+            rod_angle: chain.at_ends(start, end, inner),
+            **dict(zip(self.bases, force, strict=True)),
+        }
+
+    def near(
+        self, at: Expr, before: Expr | None, after: Expr | None, chain: Equations
+    ) -> dict[Expr, Expr]:
+        angle = joint_angle([a for a in (before, after) if a is not None])
+        laws = {base: chain.arrays[base].value.subs(joint, at) for base in self.bases}
+        return {base[at]: law.xreplace({rod_angle[at]: angle}) for base, law in laws.items()}
+
+    def force_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
+        """The force on a joint that is not at rest, in the arithmetic of ``functions``."""
+        raise NotImplementedError
+
+    def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
+        """Sum of the forces on all joints that move (thesis 2.60)."""
+        x, y = (rod.total(value(base), rod.hold.first_joint, rod.n) for base in self.bases)
+        return x, y
+
+    def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
+        """l (cos phi_i sum F_y - sin phi_i sum F_x) over the joints after link i (thesis 2.60)."""
+        x, y = (rod.total(value(base), i + 1, rod.n) for base in self.bases)
+        return rod.turning(i, (x, y))

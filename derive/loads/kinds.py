@@ -1,0 +1,295 @@
+"""What a load may be, and what follows from its law in every derivation.
+
+    PointForce    a force on a point of a link, dead or turning with the link (point_force.py)
+    LinkForce     a force on every link, at one share of each (link_force.py)
+    MassForce     a force on all mass, which has a potential
+    JointMoment   a moment across every joint, by the rates of the links that meet there
+    JointDrag     a force on every joint that moves, by its velocity (joint_drag.py)
+    JointAnchor   springs and dampers from every joint that moves to the ground (joint_anchor.py)
+    LinkAnchor    springs and dampers from a point of every link to the ground (link_anchor.py)
+
+A load is an object of one of these classes: it says its law, and its kind the generalised forces
+by virtual work with n links (derivation 1) and for any n (derivation 2), the forces on joints and
+links that derivation 3 asks for, power or potential, and the generalised forces assembled by hand,
+which proofs and the check of a module compare with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import copy
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Self
+
+from sympy import Expr, IndexedBase, Integer, S, Sum, Symbol
+from sympy.polys.rings import PolyElement
+
+from rodgen.model.parameter import JOINTS, LINKS, Parameter
+from rodgen.model.rod import Boundary
+from rodgen.model.terms import TERMS
+
+from ..calculus import TIME
+from ..chain import Vector
+from ..closed_form import ClosedForm, Num, Pair
+from ..rod import Joint
+from ..symbols import PARAMETERS, joint, joint_vx, joint_vy, n, omega, s
+
+if TYPE_CHECKING:
+    from ..explicit import ExplicitDerivation
+    from ..general import Equations
+
+# Number of a symbol, an array or an expression in the arithmetic of a proof.
+Value = Callable[[Any], Any]
+NOTHING: Vector = (S.Zero, S.Zero)
+
+
+@dataclass(frozen=True)
+class Work:
+    """Generalised forces of a load: on x0 and y0, and on the angle of link i."""
+
+    base: Vector
+    link: Expr
+
+
+@dataclass(frozen=True)
+class Acting:
+    """A load as forces [N] on the joints from ``low`` to ``high``; on one joint where these are the
+    same."""
+
+    low: Expr
+    high: Expr
+    force: Vector
+
+
+class Load:
+    """A load or a kind of damping; what is not said of a kind below does not act.
+
+    letter: of its generalised forces, in proofs; conservative: it has a potential; by_velocity,
+    by_position: it follows those of the joints.
+    """
+
+    letter: str
+    conservative = False
+    by_velocity = False
+    by_position = False
+
+    _name = ""
+
+    @property
+    def term(self) -> str:
+        """Its name in scenes and modules: that of its file, and a number where it is not the first
+        of a scene."""
+        return self._name or type(self).__module__.rpartition(".")[2]
+
+    def placed(self, name: str, place: str) -> Self:
+        """The load by another name and at a place as `named` has it."""
+        found = copy(self)
+        found._name = name
+        return found
+
+    @property
+    def _rows(self) -> tuple[Parameter, ...]:
+        return TERMS[self.term].parameters
+
+    @property
+    def parameters(self) -> tuple[Symbol, ...]:
+        """The numbers in its law."""
+        return tuple(PARAMETERS[row.name] for row in self._rows if not row.several)
+
+    @property
+    def angles(self) -> tuple[Symbol, ...]:
+        """Those of them that cosine and sine are taken of."""
+        return tuple(PARAMETERS[row.name] for row in self._rows if row.angle)
+
+    @property
+    def opaque(self) -> tuple[IndexedBase, ...]:
+        """Arrays of its forces and moments, where their laws are not looked into by the proofs of
+        their work."""
+        return ()
+
+    @property
+    def per_joint(self) -> tuple[IndexedBase, ...]:
+        """Parameters with a number for every joint."""
+        return tuple(PARAMETERS[row.name] for row in self._rows if row.each == JOINTS)
+
+    @property
+    def per_link(self) -> tuple[IndexedBase, ...]:
+        """Parameters with a number for every link."""
+        return tuple(PARAMETERS[row.name] for row in self._rows if row.each == LINKS)
+
+    # Derivation 1 -----------------------------------------------------------------------------
+
+    def constants(self, first_joint: int, links: int) -> list[Expr]:
+        """What its generalised forces are polynomials in, besides coordinates and rates."""
+        single = [p for p in self.parameters if p not in self.angles]
+        return [*single, *(base[link] for base in self.per_link for link in range(links))]
+
+    def rows(self, chain: ExplicitDerivation) -> list[list[PolyElement]]:
+        """Generalised forces by virtual work, in parts to be added up."""
+        raise NotImplementedError
+
+    # Derivations 2 and 3 ----------------------------------------------------------------------
+
+    def work(self, chain: Equations) -> Work | None:
+        """Generalised forces for any n; None of what acts across the joints."""
+        return None
+
+    def weight(self, mass: Expr) -> Vector:
+        """Force on a mass [N]."""
+        return NOTHING
+
+    def on_joint(self, at: Expr, hold: Boundary) -> Vector:
+        """Force on a joint [N], without what pulls at the tail alone."""
+        return NOTHING
+
+    def on_link(self, link: Expr) -> Expr:
+        """Moment on a link [N m], beside those across its joints."""
+        return S.Zero
+
+    def on_tail(self) -> Vector:
+        """Force that acts on the tail alone [N]."""
+        return NOTHING
+
+    def arrays(self, chain: Equations) -> dict[IndexedBase, Expr]:
+        """What on_joint refers to: values over the joints that move."""
+        return {}
+
+    def on_links(self) -> dict[IndexedBase, Expr]:
+        """What forces and moments refer to: values over the links that move."""
+        return {}
+
+    def near_link(self) -> dict[Expr, Expr]:
+        """Moments on link i by what follows the state, and their law."""
+        return {}
+
+    def near(
+        self, at: Expr, before: Expr | None, after: Expr | None, chain: Equations
+    ) -> dict[Expr, Expr]:
+        """Forces on a joint by what follows the state: elements of arrays, and their law in the
+        angles of the links before and after it (None where there is no link)."""
+        return {}
+
+    # What a run is looked at by -----------------------------------------------------------------
+
+    def acting(self, hold: Boundary) -> Acting | None:
+        """What is shown as forces on joints."""
+        return None
+
+    def power(self, chain: Equations) -> Expr:
+        """Power [W] of what has no potential."""
+        raise NotImplementedError
+
+    def energy(self, chain: Equations) -> Expr:
+        """Energy of its springs [J]."""
+        return S.Zero
+
+    # Assembled by hand ------------------------------------------------------------------------
+
+    def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
+        """Generalised forces on x0 and y0."""
+        raise NotImplementedError
+
+    def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
+        """Generalised force on the angle of link i."""
+        raise NotImplementedError
+
+    def column_by_hand(self, rod: ClosedForm, value: Value) -> list[Num]:
+        """Generalised forces on all coordinates, of a given number of links."""
+        base = self.base_by_hand(rod, value) if rod.hold.translates else ()
+        return [*base, *(self.link_by_hand(rod, i, value) for i in rod.links)]
+
+
+class MassForce(Load):
+    """A force on all mass that depends on nothing else."""
+
+    conservative = True
+
+    def rows(self, chain: ExplicitDerivation) -> list[list[PolyElement]]:
+        fx, fy = (chain.calculus.poly(f) for f in self.weight(S.One))
+        rows = [chain.virtual_work(point, (fx, fy)) for point in chain.link_points]
+        return [[chain.over_link(e, link) for e in row] for link, row in enumerate(rows)]
+
+    def work(self, chain: Equations) -> Work:
+        force = self.weight(S.One)
+        x, y = (chain.lever_mass([], []) * f for f in force)
+        return Work((x, y), chain.lean_of_mass(force))
+
+    def potential(self, mass: Expr, x: Expr, y: Expr) -> Expr:
+        """Minus the work on a mass on its way from the origin [J]."""
+        force = self.weight(mass)
+        return -force[0] * x - force[1] * y
+
+    def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
+        x, y = (rod.total_mass * value(f) for f in self.weight(S.One))
+        return x, y
+
+    def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
+        x, y = map(value, self.weight(S.One))
+        along, across = rod.first(i)
+        return along * rod.turning(i, (x, y)) + across * rod.turning(i, (y, -x))
+
+
+class JointMoment(Load):
+    """A moment across every joint with a spring, in proportion to the rate at which it opens and
+    to how large the spring is: by the size or the stiffness of the joint."""
+
+    def moment(self, before: Expr, after: Expr, joint: Joint) -> Expr:
+        """Moment across a joint [N m] on the link after it, at the rates of both links; the link
+        before it, or the clamp, gets the opposite."""
+        raise NotImplementedError
+
+    def rows(self, chain: ExplicitDerivation) -> list[list[PolyElement]]:
+        poly, rows = chain.calculus.poly, []
+        for spring, before, after in chain.springs:
+            moment = poly(self.moment(before.diff(TIME), after.diff(TIME), spring))
+            opening = poly(after - before)
+            rows.append([moment * chain.calculus.diff(opening, q) for q in chain.coordinates])
+        return rows
+
+    def inner(self, chain: Equations) -> Expr:
+        """Moment in joint s between two links."""
+        return self.moment(omega[s - 1], omega[s], chain.rod.joint(s))
+
+    def root(self, chain: Equations) -> Expr:
+        """Moment in the root on link 0, whose clamp does not turn; zero without a spring."""
+        return self.moment(S.Zero, omega[0], chain.rod.joint(0, chain.hold.root))
+
+    def tail(self, chain: Equations) -> Expr:
+        """Moment in the tail on what holds it, which does not turn; zero without a spring."""
+        return self.moment(omega[n - 1], S.Zero, chain.rod.joint(n, chain.hold.tail))
+
+    def power(self, chain: Equations) -> Expr:
+        opening = omega[s] - omega[s - 1]
+        inner = Sum(self.inner(chain) * opening, (s, 1, n - 1))
+        ends = self.root(chain) * omega[0] - self.tail(chain) * omega[n - 1]
+        return ends + inner
+
+    def factor_by_hand(self, rod: ClosedForm, value: Value, at: Num, size: int) -> Num:
+        """Minus the moment of a joint of a size that opens at the rate of one."""
+        raise NotImplementedError
+
+
+class JointForces(Load):
+    """A load that is felt as a force on every joint that moves; name: what the arrays of the forces
+    are called after, by default its term."""
+
+    name = ""
+
+    @property
+    def bases(self) -> tuple[IndexedBase, IndexedBase]:
+        """Components of the forces on the joints."""
+        name = self.name or f"joint_{self.term}"
+        x, y = (IndexedBase(f"{name}_{axis}", real=True) for axis in "xy")
+        return x, y
+
+    def on_joint(self, at: Expr, hold: Boundary) -> Vector:
+        x, y = self.bases
+        return x[at], y[at]
+
+    def acting(self, hold: Boundary) -> Acting:
+        return Acting(Integer(hold.first_joint), n, self.on_joint(joint, hold))
+
+    def power(self, chain: Equations) -> Expr:
+        x, y = self.bases
+        power = x[joint] * joint_vx[joint] + y[joint] * joint_vy[joint]
+        return Sum(power, (joint, chain.hold.first_joint, n))

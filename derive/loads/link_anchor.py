@@ -1,0 +1,165 @@
+"""Springs and dampers between a point of every link and the ground."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from sympy import Expr, IndexedBase, S, Sum, symbols
+from sympy.physics.mechanics import dynamicsymbols
+from sympy.polys.rings import PolyElement
+
+from ..calculus import TIME
+from ..chain import OWN, Vector, combine, lever
+from ..closed_form import ClosedForm, Num, Pair
+from ..symbols import i, joint, joint_vx, joint_vy, joint_x, joint_y, n, omega, other, phi
+from .kinds import JointForces, Value, Work
+
+if TYPE_CHECKING:
+    from ..explicit import ExplicitDerivation
+    from ..general import Equations
+
+PLACE = symbols("x y angle", real=True)  # of a link, of which energies are differentiated
+
+
+@dataclass(frozen=True)
+class LinkMotion:
+    """What an anchor needs to know of a link: where its point is and the angle it has, how fast
+    they change, and its per_link parameters."""
+
+    place: tuple[Any, ...]
+    velocity: tuple[Any, ...]
+    factors: tuple[Any, ...]
+
+
+class LinkAnchor(JointForces):
+    """A force on a point of every link and a moment on it, by its place and velocity: of springs,
+    by the energy that they hold, and of dampers. The first parameter of every link is the share of
+    it before the point; on the joints at both ends of a rigid link the parts of the force do what
+    the whole does there."""
+
+    by_velocity = by_position = True
+
+    def stored(self, link: LinkMotion) -> Expr:
+        """Energy of the springs of a link [J]."""
+        raise NotImplementedError
+
+    def damper(self, link: LinkMotion) -> tuple[Expr, ...]:
+        """Force of the dampers of a link [N] and their moment [N m]."""
+        raise NotImplementedError
+
+    @property
+    def share(self) -> IndexedBase:
+        """How much of a link is before its point."""
+        return self.per_link[0]
+
+    @property
+    def opaque(self) -> tuple[IndexedBase, ...]:
+        names = ("pull_x", "pull_y", "turn")
+        return tuple(IndexedBase(f"{self.term}_{name}", real=True) for name in names)
+
+    def _motion(self, link: Expr, at: Expr, way: Expr) -> LinkMotion:
+        """Of a link: its point is a share ``way`` of it behind joint ``at``."""
+        time_angle = dynamicsymbols("phi", real=True)
+        ends = combine((S.Zero, S.Zero), [lever(OWN, way)], [time_angle])
+        known = {time_angle.diff(TIME): omega[link]}
+        rates = [e.diff(TIME).subs(known).subs(time_angle, phi[link]) for e in ends]
+        x, y = (e.subs(time_angle, phi[link]) for e in ends)
+        return LinkMotion(
+            (joint_x[at] + x, joint_y[at] + y, phi[link]),
+            (joint_vx[at] + rates[0], joint_vy[at] + rates[1], omega[link]),
+            tuple(base[link] for base in self.per_link),
+        )
+
+    def _law(self, motion: LinkMotion) -> list[Expr]:
+        energy = self.stored(LinkMotion(PLACE, motion.velocity, motion.factors))
+        there = dict(zip(PLACE, motion.place, strict=True))
+        forces = zip(self.damper(motion), PLACE, strict=True)
+        return [damped - energy.diff(x).xreplace(there) for damped, x in forces]
+
+    def constants(self, first_joint: int, links: int) -> list[Expr]:
+        pulls = [base[link] for base in self.opaque for link in range(links)]
+        return [*super().constants(first_joint, links), *pulls]
+
+    def rows(self, chain: ExplicitDerivation) -> list[list[PolyElement]]:
+        calculus, rows = chain.calculus, []
+        for link in range(chain.n - len(chain.moving), chain.n):
+            fx, fy, turn = (calculus.poly(base[link]) for base in self.opaque)
+            rows.append(chain.virtual_work(chain.point(link, self.share[link]), (fx, fy)))
+            angle = calculus.poly(chain.angles[link])
+            rows.append([turn * calculus.diff(angle, q) for q in chain.coordinates])
+        return rows
+
+    def work(self, chain: Equations) -> Work:
+        x, y, turn = self.opaque
+
+        def behind(low: Expr) -> Vector:
+            return Sum(x[other], (other, low, n - 1)), Sum(y[other], (other, low, n - 1))
+
+        lean = chain.lean(behind(i + 1)) + self.share[i] * chain.lean((x[i], y[i]))
+        return Work(behind(chain.hold.first), chain.reach * lean + turn[i])
+
+    def on_link(self, link: Expr) -> Expr:
+        return self.opaque[2][link]
+
+    def on_links(self) -> dict[IndexedBase, Expr]:
+        laws = self._law(self._motion(i, i, self.share[i]))
+        return dict(zip(self.opaque, laws, strict=True))
+
+    def arrays(self, chain: Equations) -> dict[IndexedBase, Expr]:
+        found = {}
+        for base, pull in zip(self.bases, self.opaque, strict=False):
+            start = (1 - self.share[joint]) * pull[joint]
+            end = self.share[joint - 1] * pull[joint - 1]
+            found[base] = chain.at_ends(start, end, start + end)
+        return found
+
+    def near(
+        self, at: Expr, before: Expr | None, after: Expr | None, chain: Equations
+    ) -> dict[Expr, Expr]:
+        laws = []
+        if after is not None:
+            share = self.share[at]
+            laws.append((1 - share, self._law(self._motion(at, at, share))))
+        if before is not None:
+            share = self.share[at - 1]
+            laws.append((share, self._law(self._motion(at - 1, at, share - 1))))
+        totals = (sum((share * law[axis] for share, law in laws), S.Zero) for axis in (0, 1))
+        return {base[at]: total for base, total in zip(self.bases, totals, strict=True)}
+
+    def near_link(self) -> dict[Expr, Expr]:
+        turn = self._law(self._motion(i, i, self.share[i]))[2]
+        return {self.opaque[2][i]: turn}
+
+    def power(self, chain: Equations) -> Expr:
+        motion = self._motion(i, i, self.share[i])
+        pairs = zip(self.damper(motion), motion.velocity, strict=True)
+        return Sum(sum(f * v for f, v in pairs), (i, chain.hold.first, n - 1))
+
+    def energy(self, chain: Equations) -> Expr:
+        stored = self.stored(self._motion(i, i, self.share[i]))
+        return Sum(stored, (i, chain.hold.first, n - 1))
+
+    # Assembled by hand ------------------------------------------------------------------------
+
+    def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
+        x, y, _ = (rod.total(value(base), rod.hold.first, rod.n - 1) for base in self.opaque)
+        return x, y
+
+    def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
+        x, y, turn = map(value, self.opaque)
+        behind = rod.total(x, i + 1, rod.n - 1), rod.total(y, i + 1, rod.n - 1)
+        own = value(self.share)[i] * rod.turning(i, (x[i], y[i]))
+        return rod.turning(i, behind) + own + turn[i]
+
+    def spring_by_hand(self, link: LinkMotion, value: Value, functions: Any) -> tuple[Num, ...]:
+        """Force of the springs of a link, and their moment."""
+        raise NotImplementedError
+
+    def damper_by_hand(self, link: LinkMotion, value: Value, functions: Any) -> tuple[Num, ...]:
+        """Force of its dampers, and their moment."""
+        raise NotImplementedError
+
+    def rest_by_hand(self, link: LinkMotion, value: Value) -> tuple[Num, ...]:
+        """Where its springs have no force, and the angle without a moment."""
+        raise NotImplementedError

@@ -1,0 +1,162 @@
+"""A force on a point of a link: as forces on the joints at both ends of the link, for any n."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self
+
+from sympy import Eq, Expr, IndexedBase, Integer, Piecewise, Rational, S
+from sympy.polys.rings import PolyElement
+
+from rodgen.model.rod import Boundary
+
+from ..chain import Vector
+from ..closed_form import ClosedForm, Num, Pair
+from ..symbols import i, joint, joint_vx, joint_vy, n, phi
+from .kinds import NOTHING, Acting, Load, Value, Work
+
+if TYPE_CHECKING:
+    from ..explicit import ExplicitDerivation
+    from ..general import Equations
+
+
+@dataclass(frozen=True)
+class Point:
+    """The point at the fraction ``share`` of a link; links are counted from either end."""
+
+    link: Expr
+    share: Expr = S.One
+
+    @property
+    def parts(self) -> list[tuple[Expr, Expr]]:
+        """Joints on which a force at the point is felt, with its shares there: on a rigid link
+        those two forces do what the one does."""
+        ends = ((self.link, 1 - self.share), (self.link + 1, self.share))
+        return [(at, share) for at, share in ends if share != 0]
+
+    @classmethod
+    def at(cls, place: str) -> Point:
+        """The point of a place: a link by its number, and the share before it, as in 6+1/10; the
+        tail, if it is empty."""
+        link, _, share = place.partition("+")
+        return cls(Integer(link), Rational(share or 0)) if place else TAIL
+
+
+TAIL = Point(n - 1)
+
+
+class PointForce(Load):
+    """A force on a point of a link. A dead one does not depend on the angle of the link."""
+
+    point = TAIL
+
+    def placed(self, name: str, place: str) -> Self:
+        found = super().placed(name, place)
+        found.point = Point.at(place)
+        return found
+
+    def force(self, angle: Expr) -> Vector:
+        """The force [N], where its link has this angle."""
+        raise NotImplementedError
+
+    @property
+    def _force(self) -> Vector:
+        return self.force(phi[self.point.link])
+
+    @property
+    def _follows(self) -> bool:
+        return any(f.has(phi) for f in self._force)
+
+    @property
+    def inside(self) -> bool:
+        """Whether it acts elsewhere than on the tail alone."""
+        return self.point != TAIL
+
+    def _moved(self, hold: Boundary) -> list[tuple[Expr, Expr]]:
+        """Its parts on joints that are not held."""
+        low = hold.first_joint
+        return [(at, x) for at, x in self.point.parts if not (at.is_Integer and at < low)]
+
+    @property
+    def _bases(self) -> tuple[IndexedBase, IndexedBase]:
+        x, y = (IndexedBase(f"joint_{self.term}_{axis}", real=True) for axis in "xy")
+        return x, y
+
+    def rows(self, chain: ExplicitDerivation) -> list[list[PolyElement]]:
+        link = int(self.point.link.subs(n, chain.n))
+        fx, fy = (chain.calculus.poly(f) for f in self.force(chain.angles[link]))
+        return [chain.virtual_work(chain.point(link, self.point.share), (fx, fy))]
+
+    def work(self, chain: Equations) -> Work:
+        if not self.inside:
+            return Work(self._force, chain.reach * chain.lean(self._force))
+        link, share = self.point.link, self.point.share
+        passed = (S.One, i <= link) if share == 1 else (S.One, i < link)
+        arm = Piecewise(passed, (share, i <= link), (S.Zero, True))
+        return Work(self._force, chain.reach * arm * chain.lean(self._force))
+
+    def on_joint(self, at: Expr, hold: Boundary) -> Vector:
+        if not self.inside or not self._moved(hold):
+            return NOTHING
+        x, y = (b[at] if f != 0 else S.Zero for b, f in zip(self._bases, self._force, strict=True))
+        return x, y
+
+    def on_tail(self) -> Vector:
+        return NOTHING if self.inside else self._force
+
+    def arrays(self, chain: Equations) -> dict[IndexedBase, Expr]:
+        parts = self._moved(chain.hold) if self.inside else []
+
+        def spread(value: Expr) -> Expr:
+            return Piecewise(
+                *((share * value, Eq(joint, at)) for at, share in parts), (S.Zero, True)
+            )
+
+        if not parts:
+            return {}
+        arrays = {b: spread(f) for b, f in zip(self._bases, self._force, strict=True) if f != 0}
+        if self._follows:
+            for base, (at, share) in zip(self._shares, self.point.parts, strict=True):
+                arrays[base] = Piecewise((share, Eq(joint, at)), (S.Zero, True))
+        return arrays
+
+    @property
+    def _shares(self) -> list[IndexedBase]:
+        """Its shares on joints as arrays, by the link that ends or begins there."""
+        return [
+            IndexedBase(f"{self.term}_{'start' if at == self.point.link else 'end'}", real=True)
+            for at, _ in self.point.parts
+        ]
+
+    def near(
+        self, at: Expr, before: Expr | None, after: Expr | None, chain: Equations
+    ) -> dict[Expr, Expr]:
+        if not (self.inside and self._follows and self._moved(chain.hold)):
+            return {}
+        law = [S.Zero, S.Zero]
+        for share, (joint_, _) in zip(self._shares, self.point.parts, strict=True):
+            angle = after if joint_ == self.point.link else before
+            if angle is not None:
+                law = [e + share[at] * f for e, f in zip(law, self.force(angle), strict=True)]
+        return {base[at]: e for base, e in zip(self._bases, law, strict=True)}
+
+    def acting(self, hold: Boundary) -> Acting:
+        (low, first), (high, second) = self.point.parts[0], self.point.parts[-1]
+        if low == high:
+            return Acting(low, low, self._force)
+        x, y = (Piecewise((first * f, Eq(joint, low)), (second * f, True)) for f in self._force)
+        return Acting(low, high, (x, y))
+
+    def power(self, chain: Equations) -> Expr:
+        parts, (fx, fy) = self._moved(chain.hold), self._force
+        return sum((x * (fx * joint_vx[at] + fy * joint_vy[at]) for at, x in parts), start=S.Zero)
+
+    def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
+        x, y = map(value, self._force)
+        return x, y
+
+    def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
+        turning = rod.turning(i, self.base_by_hand(rod, value))
+        if not self.inside:
+            return turning
+        return rod.arm(i, self.point.link.subs(n, rod.n), value(self.point.share)) * turning

@@ -1,0 +1,222 @@
+"""Derivation 2 against the closed form, for symbolic n, i and j."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any
+
+import sympy
+from sympy import Add, Expr, IndexedBase, Integer, S, Sum, Symbol, expand, expand_trig, symbols
+
+from ..closed_form import Arithmetic, ClosedForm, differing_links, link_sizes
+from ..general import Equations
+from ..loads import TERMS
+from ..loads.joint_drag import JointDrag, JointMotion, divisor, length_at, mass_at, rod_angle
+from ..loads.kinds import JointMoment, Load
+from ..loads.point_force import PointForce
+from ..rod import joint_stiffness
+from ..symbols import (
+    ALPHA,
+    HALF,
+    PARAMETERS,
+    discretisation,
+    i,
+    j,
+    joint,
+    joint_moment,
+    joint_vx,
+    joint_vy,
+    joint_x,
+    joint_y,
+    k,
+    l,
+    later,
+    m,
+    n,
+    omega,
+    phi,
+    s,
+)
+from .comparison import ANY_N, Comparison, DisagreementError
+
+Pairs = list[tuple[Expr, Expr]]
+_q = Symbol("q", integer=True)
+
+SYMBOLIC = Arithmetic(
+    sympy.cos, sympy.sin, HALF, lambda term, low, high: Sum(term(_q), (_q, low, high))
+)
+
+
+def prove_any_n(
+    boundary: str, inertia: str, terms: Sequence[str] = TERMS, uneven: Sequence[str] = ()
+) -> Iterator[Comparison]:
+    """Sizes of a link, every kind of entry of M, Q, K and the loads; raises DisagreementError."""
+    yield _same("sizes", _sizes())
+    derived = Equations(boundary, inertia, tuple(terms), tuple(uneven))
+    differing = joint_stiffness if "stiffness" in uneven else None
+    lumped = inertia == "lumped"
+    links = differing_links(uneven, PARAMETERS.__getitem__, lumped, HALF)
+    sizes = (n, m, l, k, phi, derived.hold, SYMBOLIC, lumped, differing, links)
+    closed = ClosedForm(*sizes)
+    for name, pairs in _matrices(derived, closed).items():
+        yield _same(name, pairs)
+    for load in derived.loads.values():
+        yield _same(load.letter, _load(derived, closed, load))
+        if isinstance(load, JointDrag):
+            yield _drag_law(derived, load)
+
+
+def _sizes() -> Pairs:
+    M, L, EI = (PARAMETERS[name] for name in ("mass", "length", "bending_stiffness"))
+    derived = discretisation()
+    return list(zip((derived[m], derived[l], derived[k]), link_sizes(M, L, EI, n), strict=True))
+
+
+def _matrices(derived: Equations, closed: ClosedForm) -> dict[str, Pairs]:
+    base = derived.hold.translates
+    pair = (i, j, j if derived.rod.heavy else later)  # entries of links i < j, where they differ
+    M: Pairs = [
+        (derived.mass_link, closed.M_link(i)),
+        (derived.mass_link_link, closed.M_link_link(*pair)),
+    ]
+    Q: Pairs = [(derived.velocity_link_link, closed.Q_link_link(*pair))]
+    if base:
+        M.append((derived.mass_base, closed.M_base()))
+        M += zip(derived.mass_base_link, closed.M_base_link(i), strict=True)
+        Q += zip(derived.velocity_base_link, closed.Q_base_link(i), strict=True)
+    K = _bending(
+        derived,
+        (derived.spring, derived.root_spring, derived.tail_spring),
+        phi,
+        closed,
+        closed.spring,
+        ALPHA,
+    )
+    steps: Pairs = []
+    by_hand = (*closed.joint_step(i), *closed.velocity_step(i, omega[i]))
+    for quantity, hand in zip((joint_x, joint_y, joint_vx, joint_vy), by_hand, strict=True):
+        (total,) = derived.arrays[quantity].value.atoms(Sum)
+        steps.append((total.function, hand))
+    return {"M": M, "Q": Q, "K": K, "joints": steps}
+
+
+def _load(derived: Equations, closed: ClosedForm, load: Load) -> Pairs:
+    """Generalised forces of a load; of one that does not act alike on all links, on the link of its
+    point and on those next to it."""
+    if isinstance(load, JointMoment):
+        moments = load.inner(derived), load.root(derived), load.tail(derived)
+        factor = partial(load.factor_by_hand, closed, _same_symbol)
+        return _bending(derived, moments, omega, closed, factor, S.Zero)
+    work = load.work(derived)
+    assert work is not None
+    links = [i]
+    if isinstance(load, PointForce) and load.inside:
+        near = (load.point.link + d for d in (-1, 0, 1))
+        links = [link for link in near if not (link.is_Integer and link < derived.hold.first)]
+    pairs = [(work.link.subs(i, at), load.link_by_hand(closed, at, _same_symbol)) for at in links]
+    if derived.hold.translates:
+        pairs += zip(work.base, load.base_by_hand(closed, _same_symbol), strict=True)
+    return pairs
+
+
+def _same_symbol(of: Expr) -> Expr:
+    """Numbers of a load are its symbols here."""
+    return of
+
+
+def _bending(
+    derived: Equations,
+    moments: tuple[Expr, Expr, Expr],
+    of: IndexedBase,
+    closed: ClosedForm,
+    factor: Callable[[Any, int], Any],
+    clamp: Expr,
+) -> Pairs:
+    """What the joints at its ends do to a link, against its row of K or D_i: for a link inside,
+    for the first of all, and for the last. moments: of an inner joint, the root and the tail;
+    factor: what a joint of a size has in the closed form; clamp: what stands before the first link
+    and behind the last."""
+    pairs = []
+    inner, root, tail = moments
+    places = {"inside": (1, 1), "tail": (1, closed.tail), "start": (closed.root, 1)}
+    for where, ends in places.items():
+        if where == "start" and derived.hold.first:
+            continue
+        work = _case(derived.link_moment, i, where)
+        acting = {joint_moment[at]: inner.subs(s, at) for at in (i, i + 1)}
+        if where == "start":
+            acting[joint_moment[i]] = root.xreplace({of[0]: of[i]})
+        if where == "tail":
+            acting[joint_moment[i + 1]] = tail.subs(n, i + 1)
+        before = clamp if where == "start" else of[i - 1]
+        links = (before, of[i], clamp if where == "tail" else of[i + 1])
+        first = Integer(0) if where == "start" else i
+        row = closed.bending_row(factor(first, ends[0]), factor(i + 1, ends[1]))
+        by_hand = sum(c * at for c, at in zip(row, links, strict=True))
+        pairs.append((work.xreplace(acting), -by_hand))
+    return pairs
+
+
+def _case(value: Expr, index: Symbol, where: str) -> Expr:
+    """An expression that differs at the ends of its index, at one of the places."""
+    ends = {0: where == "start", n: where == "tail", n - 1: where == "tail"}
+    return value.subs({sympy.Eq(index, end): holds for end, holds in ends.items()})
+
+
+def _same(name: str, pairs: Pairs) -> Comparison:
+    for at, (derived, closed) in enumerate(pairs):
+        if expand(_flat(derived) - _flat(closed)) != 0:
+            raise DisagreementError(ANY_N, f"{name}, identity {at}", derived, closed)
+    return Comparison(name, ANY_N, len(pairs))
+
+
+def _flat(expression: Expr) -> Expr:
+    """Angle sums expanded, sums taken apart and given one name for their index."""
+
+    def rename(total: Sum) -> Expr:
+        index, low, high = total.limits[0]
+        summand = expand(expand_trig(total.function.subs(index, _q)))
+        parts = (e.as_independent(_q, as_Add=False) for e in Add.make_args(summand))
+        return Add(*(outside * Sum(inside, (_q, low, high)) for outside, inside in parts))
+
+    renamed = expression.replace(lambda e: isinstance(e, Sum), rename)
+    return expand(expand_trig(expand(renamed)))
+
+
+def _drag_law(derived: Equations, load: JointDrag) -> Comparison:
+    """The force on a joint at the start, inside and at the tail, against the law by hand."""
+    arrays = derived.arrays
+    places: dict[str, tuple[Expr, Expr, Expr]] = {
+        "inside": (S.One, (phi[joint - 1] + phi[joint]) / 2, joint),
+        "tail": (S.Half, phi[n - 1], n),
+        "start": (S.Half, phi[0], Integer(0)),
+    }
+    if not derived.hold.translates:
+        del places["start"]
+    # At rest both forms have no force; in motion the divisor is the speed.
+    (speed, _), _ = arrays[divisor].value.args
+    factors = tuple(base[joint] for base in load.per_joint)
+    # By the velocity against the medium, which SymPy can take an angle of.
+    against = symbols("vx_against vy_against", real=True)
+    joints = joint_vx[joint], joint_vy[joint]
+    vx, vy = (a + wind for a, wind in zip(against, load.wind, strict=True))
+    moving = dict(zip(joints, (vx, vy), strict=True))
+    speed = speed.subs(moving)
+    entries = 0
+    for where, (share, angle, index) in places.items():
+        rod = _case(arrays[rod_angle].value, joint, where)
+        if expand(rod.subs(joint, index) - angle.subs(joint, index)) != 0:
+            raise DisagreementError(ANY_N, f"rod angle {where}", rod, angle)
+        place = joint_x[joint], joint_y[joint], share * l
+        motion = JointMotion(vx, vy, speed, rod_angle[joint], share * m, factors, *place)
+        by_hand = load.force_by_hand(motion, _same_symbol, sympy)
+        bases = mass_at, length_at
+        gathered = {base[joint]: _case(arrays[base].value, joint, where) for base in bases}
+        for base, hand in zip(load.bases, by_hand, strict=True):
+            force = arrays[base].value.subs(gathered | {divisor[joint]: speed} | moving)
+            off = expand(expand_trig(hand) - force)
+            if off != 0 and sympy.simplify(off) != 0:
+                raise DisagreementError(ANY_N, f"{load.letter} force {where}", force, hand)
+            entries += 1
+    return Comparison(f"{load.letter} force law", ANY_N, entries)

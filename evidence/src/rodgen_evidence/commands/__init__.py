@@ -1,0 +1,1 @@
+"""The commands report, thesis and audit."""

@@ -1,0 +1,93 @@
+"""rodgen report: error against run time, costs, stability, extremes."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rodgen.cli.console import out, working
+from rodgen.cli.errors import FAILED_RUN, fail
+from rodgen.cli.results import writable
+from rodgen.scene import Scene, SceneError
+
+if TYPE_CHECKING:
+    from rodgen_evidence.report.cases import Case
+
+
+def report(
+    scene_files: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="[SCENE]...", help="Scenes, in TOML; if not given, a fixed set."),
+    ] = None,
+    only: Annotated[
+        list[str] | None, typer.Option(help="A section to measure; can be given several times.")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer scenes, settings, cases.")] = False,
+    resumed: Annotated[
+        bool, typer.Option("--resume", help="Take what the folder has measured already.")
+    ] = False,
+    out_folder: Annotated[
+        Path, typer.Option("--out", help="Folder for the page, tables and pictures.")
+    ] = Path("results/report"),
+) -> None:
+    """Measure methods, steps and forms against each other; how far the numbers can be trusted.
+
+    Without a SCENE: the fixed set, costs, stability and extreme cases, in half an hour
+    on two cores, with --quick in three. Peers take part as far as they are installed.
+    """
+    from rodgen_evidence.pages.report_page import write_report
+    from rodgen_evidence.report.report import OF_SCENES, SECTIONS, measure, needed
+    from rodgen_evidence.report.surroundings import machine, versions
+    from rodgen_evidence.report.unit import Measured
+
+    cases = _cases(scene_files or [], quick)
+    chosen = only or list(OF_SCENES if scene_files else SECTIONS)
+    if unknown := [name for name in chosen if name not in SECTIONS]:
+        raise SceneError("--only", unknown[0], f"one of {', '.join(SECTIONS)}")
+    folder = writable(out_folder)
+    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
+    begin = time.perf_counter()
+    failures: Counter[str] = Counter()
+    with working("measuring") as step:
+
+        def done(one: Measured) -> None:
+            failures[one.section] += bool(one.failed)
+            step(f"{one.name}{f': {one.failed}' if one.failed else ''}")
+
+        found = measure(cases, folder, chosen, quick=quick, resume=resumed, done=done)
+    made = {
+        "versions": versions(),
+        "machine": machine(),
+        "seconds": time.perf_counter() - begin,
+        "quick": quick,
+        "scenes": {case.name: case.why for case in cases},
+    }
+    page = write_report(folder, found, made)
+    for section in needed(chosen):
+        failed = failures[section]
+        count = sum(len(one.rows) for one in found[section])
+        out.print(f"{section:14} {count:5d} rows{f', {failed} units failed' if failed else ''}")
+    out.print(f"written: {page}")
+    rows = (row for one in found.get("references", []) for row in one.rows)
+    if lost := [str(row["scene"]) for row in rows if row["failed"]]:
+        fail(f"without a reference nothing can be judged: {', '.join(lost)}", FAILED_RUN)
+
+
+def _cases(files: list[Path], quick: bool) -> list[Case]:
+    """Those of files, or the fixed set."""
+    from rodgen_evidence.report import cases
+
+    if not files:
+        return cases.cases(quick)
+    scenes = [Scene.from_toml(file) for file in files]
+    names = Counter(scene.name for scene in scenes)
+    for scene in scenes:
+        if names[scene.name] > 1:
+            raise SceneError("name", scene.name, "another name for every scene of a report")
+    found = zip(scenes, files, strict=True)
+    return [cases.Case(scene.model_dump(exclude_none=True), file.name) for scene, file in found]

@@ -1,0 +1,1 @@
+"""The drawings of the model in the documentation, from the derivation itself."""

@@ -1,0 +1,1 @@
+"""The pages that the report, the thesis and the audit write."""

@@ -1,0 +1,187 @@
+"""Pictures of the report and of docs/which-method.md beside the work-precision diagrams."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from pandas import DataFrame
+
+from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.rows import fine, number, setting
+from rodgen.show.precision_pictures import INK, OURS, axes, legend, logarithmic, look
+from rodgen_evidence.report.contents import Contents, of
+from rodgen_evidence.report.precision.growth import curve, growth_line
+from rodgen_evidence.report.precision.orders import finest
+
+WIDTH, HEIGHT = 4.6, 3.5
+SAVED = {
+    "operations": "operations",
+    "object_bytes": "bytes of object code",
+    "compile": "compile time",
+    "rhs": "time of rhs",
+    "run": "run time, rk4",
+    "run_dop853": "run time, dop853",
+}
+OF_RODGEN = "#d1495b"  # in C; its other targets and forms have colours of their own
+# "from" C; of a "batch".
+OF_FORM = {
+    "from": ("#12a5b8", "s"),
+    "batch": ("#1f9e62", "D"),
+    "dense": ("#d9830f", "^"),
+    "numpy": ("#2a78d6", "v"),
+}
+LINES = ("-", (0, (5, 1.5)), (0, (1.5, 1.5)))
+SHADES = ("#2a78d6", "#12a5b8", "#1f9e62", "#d9830f", "#9455c8", "#d1495b")
+MIDDLE: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 7, "color": INK}
+# What a group of extreme cases came to with a method, from its worst outcome on.
+COLOURS = {
+    "wrong": "#f4a9a3",
+    "unseen": "#f7c8d8",
+    "lost": "#fadcbc",
+    "warned": "#fbeebb",
+    "unfinished": "#e2e2e2",
+    "refused": "#e6def6",
+    "stopped": "#d3e4f8",
+    "right": "#d0ecd5",
+}
+ORDERS_OF = "free_n20"  # the scene on which orders are looked at
+
+
+def growth(rows: Sequence[Row]) -> Figure | None:
+    """How errors grow in time, with the exponential fitted to them."""
+    shown = [row for row in rows if fine(row) and len(curve(row, "t"))]
+    if not shown:
+        return None
+    figure, frame = axes(WIDTH, HEIGHT, "t [s]", "largest error of an angle [rad]")
+    frame.set_yscale("log")
+    for at, row in enumerate(shown):
+        style, error = look(row), curve(row, "error")
+        line = style.line | {"marker": "", "linestyle": LINES[at % len(LINES)]}
+        name = ", ".join(filter(None, (style.label, setting(row))))
+        frame.plot(curve(row, "t"), np.where(error == 0, math.nan, error), label=name, **line)
+        fitted = growth_line(row)
+        if fitted:
+            name = f"exp({number(row, 'rate'):.3g} t)"
+            frame.plot(*fitted, "--", color=INK, linewidth=1.0, zorder=4, label=name)
+    logarithmic(frame, x=False)
+    return legend(figure, 2)
+
+
+def against_n(rows: DataFrame) -> Figure | None:
+    """What one kind of work costs against the number of links."""
+    shown = rows[(rows["failed"] == "") & (rows["seconds"] > 0)].sort_values("n", kind="stable")
+    if shown.empty:
+        return None
+    figure, frame = axes(4.2, 3.4, "links n", "time [s]")
+    frame.set(xscale="log", yscale="log")
+    for name in rows.loc[shown.index.sort_values(), "who"].unique():
+        line = shown[shown["who"] == name]
+        frame.plot(line["n"], line["seconds"], label=name, **_look_of_who(name))
+    logarithmic(frame)
+    return legend(figure, 2)
+
+
+def saved(ratios: DataFrame) -> Figure | None:
+    """How many times as much every term at zero costs, by scene."""
+    if ratios.empty:
+        return None
+    figure, frame = axes(WIDTH, 1.1 + 0.62 * len(ratios), "times as much", "")
+    thick = 0.8 / len(SAVED)
+    for at, (key, name) in enumerate(SAVED.items()):
+        places = np.arange(len(ratios)) + (at - (len(SAVED) - 1) / 2) * thick
+        frame.barh(places, ratios[key].fillna(0.0), thick * 0.9, color=SHADES[at], label=name)
+    frame.set_yticks(range(len(ratios)), list(ratios.index), fontsize=8)
+    frame.axvline(1, color=INK, linewidth=0.8)
+    frame.invert_yaxis()
+    frame.grid(visible=False, axis="y")
+    return legend(figure)
+
+
+def largest_steps(rows: DataFrame) -> Figure | None:
+    """Largest stable steps against the number of links: found as dots, theory as lines."""
+    shown = rows[(rows["failed"] == "") & (rows["found"] > 0)]
+    if shown.empty:
+        return None
+    figure, frame = axes(4.2, 3.4, "links n", "largest stable step [s]")
+    frame.set(xscale="log", yscale="log")
+    for name, some in shown.groupby("method", sort=False):
+        line = some.sort_values("n", kind="stable")
+        colour = look({"method": name}).line["color"]
+        # A variant of a method lies on the method itself: a ring around the dot.
+        ring = {"markerfacecolor": "none", "markersize": 8} if "," in name else {"markersize": 4.5}
+        frame.plot(line["n"], line["found"], "o", color=colour, label=name, **ring)
+        theory = line["theory"].replace(0.0, math.nan)
+        frame.plot(line["n"], theory, "-", color=colour, linewidth=1.0, alpha=0.8)
+    logarithmic(frame)
+    return legend(figure, 2)
+
+
+def fixed_steps(contents: Contents) -> dict[str, list[Row]]:
+    """Runs in C with fixed steps, by method."""
+    rows = of(contents, "precision", scene=ORDERS_OF, kind="step", who="rodgen", target="c")
+    by: dict[str, list[Row]] = {}
+    for row in filter(fine, rows):
+        by.setdefault(str(row["method"]), []).append(row)
+    return by
+
+
+def orders(contents: Contents) -> Figure | None:
+    """Errors of fixed steps against the step, with the slopes between the two smallest."""
+    by_method = fixed_steps(contents)
+    if not by_method:
+        return None
+    figure, frame = axes(5.6, 4.0, "step [s]", "error of the angles at the end [rad]")
+    frame.set(xscale="log", yscale="log")
+    for method, some in by_method.items():
+        shown = sorted((number(r, "setting"), number(r, "error_phi")) for r in some)
+        shown = [(step, error) for step, error in shown if 0 < error < 10]
+        slope, found = finest(some), method
+        if slope is not None:
+            order = number(some[0], "order")
+            found = f"{method}: slope of the last two {slope:.2f} (order {order:g})"
+        steps, errors = zip(*shown, strict=True) if shown else ((), ())
+        frame.plot(steps, errors, label=found, **look(some[0]).line)
+    logarithmic(frame)
+    return legend(figure, 1)
+
+
+def extremes(rows: DataFrame) -> Figure | None:
+    """By group and method: how many cases are right, coloured by the worst outcome."""
+    # What cannot be computed at all is no matter of methods.
+    rows = rows[(rows["outcome"] != "") & (rows["group"] != "invalid")]
+    if rows.empty:
+        return None
+    groups, methods = (list(rows[key].unique()) for key in ("group", "label"))
+    figure, frame = axes(1.9 + 0.62 * len(methods), 1.6 + 0.27 * len(groups), "", "")
+    frame.grid(visible=False)
+    for (group, method), some in rows.groupby(["group", "label"], sort=False)["outcome"]:
+        at, across = groups.index(group), methods.index(method)
+        worst = next((name for name in COLOURS if (some == name).any()), "warned")
+        frame.fill_between([across, across + 1], at, at + 1, color=COLOURS[worst], ec="white")
+        words = f"{(some == 'right').sum()}/{len(some)}"
+        frame.text(across + 0.5, at + 0.5, words, **MIDDLE)
+    frame.set(xlim=(0, len(methods)), ylim=(len(groups), 0))
+    places = [at + 0.5 for at in range(len(methods))]
+    frame.set_xticks(places, methods, rotation=40, ha="left", fontsize=7)
+    frame.xaxis.tick_top()
+    frame.set_yticks([at + 0.5 for at in range(len(groups))], groups, fontsize=7)
+    frame.tick_params(length=0)
+    for name, colour in COLOURS.items():
+        frame.fill_between([], [], [], color=colour, label=name)
+    return legend(figure, 6)
+
+
+def _look_of_who(name: str) -> dict[str, Any]:
+    """Ours in colour, by method, form or target; others as everywhere."""
+    words = re.split(r"[^a-z0-9_]+", name.lower())
+    if words[0] not in ("rodgen", "c", "numpy"):
+        return look({"who": re.split(r"[ ,]", name)[0], "method": name}).line
+    looks = {**{method: (colour, "o") for method, colour in OURS.items()}, **OF_FORM}
+    shown = [one for word, one in looks.items() if word in words]
+    colour, mark = shown[0] if shown else (OF_RODGEN, "o")
+    return {"color": colour, "marker": mark, "markersize": 4, "linewidth": 1.4}

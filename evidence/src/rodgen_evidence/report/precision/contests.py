@@ -1,0 +1,102 @@
+"""Units of the work-precision sets: rodgen's methods and everyone else's on every scene."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rodgen.analyse.precision import methods
+from rodgen.analyse.precision.contestant import Limits, Row, blank, in_a_row, sweep, words
+from rodgen.analyse.precision.job import Job
+from rodgen.analyse.precision.methods import Named
+from rodgen.analyse.precision.work_precision import Reference
+from rodgen_evidence.report import peers
+from rodgen_evidence.report.cases import Case
+from rodgen_evidence.report.costs.cold import setups
+from rodgen_evidence.report.precision.references import NO_REFERENCE, NoReferenceError, load
+from rodgen_evidence.report.unit import Unit
+
+LIMIT = 180.0  # seconds of all of rodgen's methods, with their set-up
+MISSING = "not installed: make report installs it"
+
+
+def rodgens(name: str, table: dict[str, Any], folder: str, quick: bool) -> list[Row]:
+    """All of rodgen's own methods on a scene."""
+    try:
+        job, held = prepared(name, table, folder)
+    except NoReferenceError as error:
+        return [without(name, table, "rodgen", error)]
+    rows: list[Row] = []
+    # From cold they take longer than all runs of a short set.
+    taken = {} if quick else setups(table)
+    for family in methods.families(job, quick, taken):
+        measures = held.measures(job, family.method)
+        rows += sweep(family.make(), label(job, family), measures, Limits.of(quick))
+    return rows
+
+
+def of_peer(
+    name: str, table: dict[str, Any], folder: str, quick: bool, names: list[str]
+) -> list[Row]:
+    """Methods of a peer on a scene, by their names in rodgen_evidence.report.peers.FAMILIES."""
+    try:
+        job, held = prepared(name, table, folder)
+    except NoReferenceError as error:
+        return [without(name, table, names[0].split()[0], error)]
+    return [row for one in names for row in _of_method(job, held, quick, one)]
+
+
+def _of_method(job: Job, held: Reference, quick: bool, name: str) -> list[Row]:
+    who, _, method = name.partition(" ")
+    nothing = known(job.name, job.scene.rod.links, who, name, method)
+    try:
+        measures = held.measures(job, method)
+        return in_a_row(peers.family(name, job, quick), nothing, measures, Limits.of(quick))
+    except ModuleNotFoundError as error:
+        own = error.name == peers.LIBRARIES[who].package
+        return [blank(nothing) | {"failed": MISSING if own else words(error)}]
+    except Exception as error:  # another's library may fail in any way
+        return [blank(nothing) | {"failed": words(error)}]
+
+
+def known(
+    scene: str, links: int, who: str, family: str = "", method: str = "", target: str = ""
+) -> Row:
+    """What all rows of a family have in common; family: of a peer's, its name."""
+    start: Row = {"scene": scene, "n": links, "family": family}
+    return start | {"who": who, "method": method, "target": target}
+
+
+def prepared(name: str, table: dict[str, Any], folder: str) -> tuple[Job, Reference]:
+    """A job with its reference solution. Raises NoReferenceError."""
+    job = Job.of(name, table)
+    return job, load(folder, name, table)
+
+
+def without(name: str, table: dict[str, Any], who: str, why: NoReferenceError) -> Row:
+    """The row of a scene that has no reference solution."""
+    row = blank(known(name, table["rod"]["links"], who))
+    return row | {"failed": words(f"{NO_REFERENCE}{why}")}
+
+
+def label(job: Job, family: Named) -> Row:
+    """What all rows of a family of ours have in common."""
+    links, taken = job.scene.rod.links, family.setup.items()
+    start = known(job.name, links, family.who, method=family.method, target=family.target)
+    return start | {f"setup_{kind}": seconds for kind, seconds in taken}
+
+
+def units(cases: Sequence[Case], quick: bool, folder: str | Path, *_: object) -> list[Unit]:
+    """Of every scene, one for rodgen's methods and one for every peer's."""
+    planned: list[Unit] = []
+    for case in cases:
+        known = case.given(folder, quick=quick)
+        name = f"precision-{case.name}"
+        mine = Unit("precision", f"{name}-rodgen", f"{__name__}:rodgens", known, limit=LIMIT)
+        planned.append(mine)
+        for who, library in peers.LIBRARIES.items():
+            if library.methods:  # what crashes ends those of its library alone
+                arguments = known | {"names": [f"{who} {method}" for method in library.methods]}
+                planned.append(Unit("precision", f"{name}-{who}", f"{__name__}:of_peer", arguments))
+    return planned

@@ -1,0 +1,49 @@
+"""Every benchmark starts, with sizes that take no time."""
+
+from __future__ import annotations
+
+import shutil
+
+import pytest
+
+from rodgen_evidence.benchmarks import Times
+from rodgen_evidence.benchmarks.analyse import analyse
+from rodgen_evidence.benchmarks.main_job import main_job
+from rodgen_evidence.benchmarks.many import many
+from rodgen_evidence.benchmarks.rhs import rhs
+
+pytestmark = [pytest.mark.long, pytest.mark.compiler]
+
+
+def check(times: Times, capsys: pytest.CaptureFixture[str]) -> None:
+    """All times are there, and the table is printed."""
+    assert times.rows
+    assert all(its > 0 for *_, its in times.rows)
+    times.show()
+    assert times.rows[-1][0].split(",")[0] in capsys.readouterr().out
+
+
+def test_main_job(capsys: pytest.CaptureFixture[str]) -> None:
+    check(main_job(((2, 1),), runs=1), capsys)
+
+
+def test_rhs(capsys: pytest.CaptureFixture[str]) -> None:
+    check(rhs((5,), peers=False), capsys)
+
+
+def test_many_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    check(many((5,), 40, rounds=1), capsys)
+
+
+def test_analyses(capsys: pytest.CaptureFixture[str]) -> None:
+    check(analyse((5,), (5,), 100, rounds=1), capsys)
+
+
+def test_live(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("playwright.sync_api")
+    from rodgen_evidence.benchmarks.live import BROWSERS, live
+
+    if not any(map(shutil.which, BROWSERS)):
+        pytest.skip("no browser is installed")
+    live(2.0, (5,))
+    assert "frames/s" in capsys.readouterr().out

@@ -1,0 +1,226 @@
+"""Equations of rest: what is unknown, what is not in balance yet, and Newton's correction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
+
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.pencil import SINGULAR, Cells, Dense, sparse
+from rodgen.analyse.system import System, Unknowns
+from rodgen.integrate.stepper import Array
+
+MOST_DENSE = 200  # links up to which all eigenvalues are looked at for stability
+NUDGE = 1e-7  # rad, of differences of the mass matrix: Newton's method corrects their error
+LOOSE = 1e-12  # of the largest effect of a shift of the rod: one that has none, but for rounding
+
+
+@dataclass(frozen=True)
+class ChainBalance:
+    """Of a rod whose joint 0 is held and whose loads follow no motion: joint forces are unknowns,
+    so that a correction costs O(n). residual (cells, 3)."""
+
+    cells: Cells
+    bend: Array | float
+
+    @property
+    def residual(self) -> Array:
+        """What is not in balance, less what is to remain."""
+        return np.asarray(self.cells.residual - self.bend)
+
+    @property
+    def rates(self) -> Array:
+        """What is not in balance, as accelerations [rad/s^2]."""
+        return self.cells.residual
+
+    def solved(self, right: Array, shift: float = 0.0) -> Unknowns:
+        """What changes the residual by so much; shift: 1/tau^2 of a step in time with inertia
+        [1/s^2]."""
+        z = self.cells.solved(right, shift)
+        return Unknowns(z[:, 0], z[:, 1:], np.zeros(0), np.zeros(0))
+
+    @property
+    def tail_moment(self) -> Array:
+        """A residual of the last link's angle alone."""
+        return np.pad([[1.0, 0.0, 0.0]], ((len(self.residual) - 1, 0), (0, 0)))
+
+    def dense(self) -> Dense:
+        """The matrices of small motions about it, without damping."""
+        dense = self.cells.reduced()
+        return Dense(dense.K, np.zeros_like(dense.K), dense.M)
+
+    def signature(self) -> int:
+        """How many motions are unstable without damping; beyond MOST_DENSE links the sign of the
+        determinant of the stiffness, which tells odd changes alone."""
+        if len(self.residual) <= MOST_DENSE:
+            dense = self.cells.reduced()
+            return int((np.linalg.eigvals(np.linalg.solve(dense.M, -dense.K)).real > 0).sum())
+        if self.cells.ways is not None:
+            return int(np.linalg.slogdet(self.cells.reduced().K)[0])
+        factors = splu(sparse(self.cells.statics))
+        signs = np.sign(factors.U.diagonal()).prod()
+        return int(signs * _parity(factors.perm_r) * _parity(factors.perm_c))
+
+
+@dataclass(frozen=True)
+class WholeBalance:
+    """Of a rod whose joint 0 is free, or whose loads follow the motion: generalised forces and the
+    rates of added states are to vanish, by the Jacobian of the module."""
+
+    system: System
+    y: Array
+    p: Array
+    bend: Array | float
+
+    @cached_property
+    def _half(self) -> int:
+        return self.system.base + self.system.cells
+
+    @cached_property
+    def rates(self) -> Array:
+        """Accelerations of joint 0 and of the angles, rates of added states."""
+        rates = self.system.model.rhs(self.system.t, self.y, self.p)[self._half :]
+        if not np.isfinite(rates).all():
+            raise AnalysisError("the equations of rest are not finite")
+        return np.asarray(rates)
+
+    @cached_property
+    def _mass(self) -> Array:
+        return np.asarray(self.system.model.mass_matrix(self.y, self.p))
+
+    def _forced(self, rates: Array) -> Array:
+        """Rows of accelerations as generalised forces."""
+        half = self._half
+        return np.concatenate((self._mass @ rates[:half], rates[half:]))
+
+    @cached_property
+    def residual(self) -> Array:
+        """Generalised forces and rates of added states, less what is to remain."""
+        return np.asarray(self._forced(self.rates) - self.bend)
+
+    @cached_property
+    def _jacobian(self) -> Array:
+        return np.asarray(self.system.model.jac(self.system.t, self.y, self.p)[self._half :])
+
+    @cached_property
+    def _by_place(self) -> Array:
+        """Derivatives of the rates by position, angles and added states."""
+        at_rest = np.r_[: self._half, 2 * self._half : len(self.y)]
+        return self._jacobian[:, at_rest]
+
+    @cached_property
+    def slope(self) -> Array:
+        """Derivatives of the residual by position, angles and added states."""
+        slope: Array = self._forced(self._by_place)
+        if np.any(self.bend):  # else what follows the mass vanishes with the rates
+            base, half = self.system.base, self._half
+            for at in range(base, half):
+                y = self.y.copy()
+                y[at] += NUDGE
+                change = self.system.model.mass_matrix(y, self.p) - self._mass
+                slope[:half, at] += change @ self.rates[:half] / NUDGE
+        return slope
+
+    @cached_property
+    def free(self) -> Array:
+        """Directions (k, 2) in which joint 0 moves the whole rod without any effect."""
+        base = self.system.base
+        _, sizes, ways = np.linalg.svd(self._by_place[:, :base])
+        return np.asarray(ways[sizes <= LOOSE * max(sizes, default=0.0)])
+
+    @cached_property
+    def _basis(self) -> Array:
+        """Columns of changes that have an effect."""
+        base, size = self.system.base, len(self.residual)
+        if not len(self.free):
+            return np.eye(size)
+        ways = np.linalg.svd(self.free)[2][len(self.free) :]
+        basis = np.zeros((size, size - len(self.free)))
+        basis[:base, : len(ways)] = ways.T
+        basis[base:, len(ways) :] = np.eye(size - base)
+        return basis
+
+    def solved(self, right: Array, shift: float = 0.0) -> Unknowns:
+        """What changes the residual by so much; shift: 1/tau^2 of a step in time with inertia
+        [1/s^2]."""
+        slope = self.slope
+        if shift:
+            slope = slope - shift * self._forced(np.eye(len(slope)))
+        matrix = slope @ self._basis
+        try:
+            if matrix.shape[0] == matrix.shape[1]:
+                found = np.linalg.solve(matrix, right)
+            else:
+                found = np.linalg.lstsq(matrix, right, rcond=0.0)[0]
+        except np.linalg.LinAlgError:
+            raise AnalysisError(SINGULAR) from None
+        if not np.isfinite(found).all():
+            raise AnalysisError(SINGULAR)
+        base, cells = self.system.base, self.system.cells
+        change: Array = self._basis @ found
+        position, phi, added = np.split(change, [base, base + cells])
+        return Unknowns(phi, np.zeros((cells, 2)), position, added)
+
+    @property
+    def tail_moment(self) -> Array:
+        """A residual of the last link's angle alone."""
+        return np.asarray(np.eye(len(self.residual))[self._half - 1])
+
+    def push(self) -> Array:
+        """Force of all loads on the whole rod in the directions that are free (k,) [N]."""
+        return np.asarray(self.free @ self.residual[: self.system.base])
+
+    def hold(self) -> float:
+        """How the whole rod is held against being moved by its own length [N]."""
+        base = self.system.base
+        return float(np.abs(self.slope[:base, :base]).max()) * self.system.scene.rod.length
+
+    def dense(self) -> Dense:
+        """The matrices of small motions about it; what follows rates counts only where loads follow
+        the motion."""
+        half, size = self._half, len(self.rates)
+        inertia, by_rate = np.zeros((2, size, size))
+        inertia[:half, :half] = self._mass
+        if self.system.steered:
+            by_rate[:, :half] = -self._forced(self._jacobian[:, half : 2 * half])
+            by_rate[half:, half:] = np.eye(size - half)
+        parts = -self.slope, by_rate, inertia
+        K, C, M = (self._basis.T @ part @ self._basis for part in parts)
+        return Dense(K, C, M, size - half)
+
+    def signature(self) -> int:
+        """How many motions are unstable without damping; with added states, and beyond MOST_DENSE
+        links, the sign of the determinant, which tells odd changes alone."""
+        slope = self._basis.T @ self.slope @ self._basis
+        if self.system.scene.states or self.system.cells > MOST_DENSE:
+            return int(np.linalg.slogdet(slope)[0])
+        mass = self._basis.T @ self._mass @ self._basis
+        return int((np.linalg.eigvals(np.linalg.solve(mass, slope)).real > 0).sum())
+
+
+Balance = ChainBalance | WholeBalance
+
+
+def balance(system: System, at: Unknowns, p: Array, bend: Array | float = 0.0) -> Balance:
+    """The equations of rest of a system; bend: what is to remain of them instead of zero."""
+    if system.base or system.steered:
+        return WholeBalance(system, system.at_rest(at), p, bend)
+    return ChainBalance(Cells.at(system, at, p), bend)
+
+
+def free_ways(system: System, at: Unknowns, p: Array) -> Array:
+    """Directions (k, 2) in which nothing holds a free rod, nor follows its place."""
+    return WholeBalance(system, system.at_rest(at), p, 0.0).free
+
+
+def _parity(order: Array) -> int:
+    """1 for an even permutation, -1 for an odd one."""
+    size = len(order)
+    moves = csc_array((np.ones(size), (np.arange(size), order)), shape=(size, size))
+    cycles = connected_components(moves)[0]
+    return 1 if (size - cycles) % 2 == 0 else -1

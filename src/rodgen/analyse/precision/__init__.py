@@ -1,0 +1,1 @@
+"""Work-precision sets: errors of methods against their run time, beside a reference solution."""

@@ -1,0 +1,226 @@
+"""Contestants: settings of a method, rodgen's or another's, measured within a budget of seconds.
+
+A family is one method's settings from loose to tight; every setting becomes a row of a table.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from itertools import groupby
+
+import numpy as np
+
+from rodgen.analyse.precision.job import MEASURES, Measures
+from rodgen.integrate.stepper import Array as Array
+
+COUNTS = ("steps", "rejected", "rhs", "jacobian", "factorisations")
+SETUP = ("generate", "compile")
+SHORT, ROUNDS = 0.1, 3  # seconds of a run that is measured so often, and the median taken
+LONGEST = 200  # letters of a reason
+MOST_FACTOR = 4.0  # by which costs are expected to grow from one setting to the next
+USELESS = 3  # settings in a row that fail alike before the rest is left out
+# A line of a table: numbers, texts, None for what there is not, lists for curves. Infinite and
+# not-a-number are kept as JSON of Python has them.
+Value = str | float | int | bool | None | list[float]
+Row = dict[str, Value]
+
+
+class TooSlowError(RuntimeError):
+    """A run that was stopped at the deadline."""
+
+
+class NotModelledError(ValueError):
+    """What a peer cannot model, or not in any sensible time: a refusal, not a failure."""
+
+    def __init__(self, why: str):
+        super().__init__(f"not modelled: {why}")
+
+
+class Deadline:
+    """When the run that is on its way is stopped: what can look at it now and then, does."""
+
+    at = np.inf  # on time.perf_counter()
+
+    @classmethod
+    def look(cls) -> None:
+        """Raise TooSlowError where it is over."""
+        if time.perf_counter() > cls.at:
+            raise TooSlowError("stopped, as it took too long")
+
+
+@dataclass(frozen=True)
+class Finish:
+    """What a run came to: y (samples, states) in rodgen's order at the job's sample times, and
+    its counts, as far as they are known: steps, rejected, rhs, jacobian, factorisations.
+
+    balance: gives the largest error of the run's own energy balance [J]; called after the clock
+    has been read.
+    """
+
+    y: Array
+    counts: dict[str, int] = field(default_factory=dict)
+    inside: float | None = None  # seconds that it counted itself, without the calls around it
+    balance: Callable[[], float] | None = None
+
+
+@dataclass(frozen=True)
+class Contestant:
+    """A whole integration.
+
+    setting: the step [s] or relative tolerance; kind: "step" or "rtol"; setup: seconds of
+    generation or compilation before it, by what it consists of ("generate", "compile"); agreed:
+    how far another's formulation is from ours in the rates, relative.
+    """
+
+    who: str  # "rodgen", "SciPy", "CVODE", "heyoka", ...
+    method: str
+    target: str  # what evaluates the equations: "c", "numpy", or the peer's own formulation
+    kind: str
+    setting: float
+    integrate: Callable[[], Finish]
+    order: float | None = None  # nominal, where it has one
+    setup: dict[str, float] = field(default_factory=dict)
+    agreed: float | None = None
+
+
+Family = Iterator[Contestant]  # one method's settings from loose to tight, each made when asked for
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Seconds of a run and of all of a family."""
+
+    run: float
+    family: float
+
+    @classmethod
+    def of(cls, quick: bool) -> Limits:
+        """Of the short report or of the whole one."""
+        return cls(0.15, 0.35) if quick else cls(0.6, 1.2)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What came of a setting. seconds: the median of so many rounds, of which finish
+    is that one; spent: on all of them."""
+
+    seconds: float
+    rounds: int
+    spent: float
+    finish: Finish | None
+    failed: str = ""
+    slow: bool = False
+
+
+def attempt(who: Contestant, limits: Limits) -> Tried:
+    """Runs of a setting: one, or some where they are short. Whatever it raises is its failure."""
+    ended: list[tuple[float, Finish]] = []
+    begun = time.perf_counter()
+    for _ in range(ROUNDS):
+        start = time.perf_counter()
+        Deadline.at = start + limits.run
+        try:
+            finish = who.integrate()
+        except Exception as error:  # another's library may fail in any way
+            taken = time.perf_counter() - start
+            slow = isinstance(error, TooSlowError)
+            reason = f"stopped after {limits.run:g} s" if slow else words(error)
+            return Tried(taken, len(ended) + 1, time.perf_counter() - begun, None, reason, slow)
+        finally:
+            Deadline.at = float("inf")
+        ended.append((time.perf_counter() - start, finish))
+        if ended[0][0] > SHORT:
+            break
+    spent = time.perf_counter() - begun
+    # An odd number: the median is one of them, and what it counted goes with it.
+    seconds, finish = sorted(ended, key=lambda one: one[0])[len(ended) // 2]
+    return Tried(seconds, len(ended), spent, finish)
+
+
+def sweep(family: Family, label: Row, measures: Measures, limits: Limits) -> list[Row]:
+    """A row for every setting, from loose to tight, until the seconds are spent.
+
+    label: scene, n, who, method, target, and setup of every row. Settings that fail are rows with
+    the reason; those that are left out are one row with failed = "not tried: ...".
+    """
+    rows: list[Row] = []
+    spent, before, failures = 0.0, 0.0, 0
+    try:
+        for who in family:
+            tried = attempt(who, limits)
+            rows.append(row_of(who, tried, label, measures))
+            spent += tried.spent
+            failures = failures + 1 if tried.finish is None else 0
+            growth = min(MOST_FACTOR, max(1.0, tried.seconds / before)) if before else 2.0
+            before = tried.seconds
+            expected = tried.seconds * growth
+            why = _enough(tried, expected, spent, failures, limits)
+            if why and (following := next(iter(family), None)) is not None:
+                rows.append(left_out(following, label, why))
+            if why:
+                break
+    except Exception as error:  # what makes settings may fail too
+        rows.append(blank(label) | {"failed": words(error)})
+    return rows or [blank(label) | {"failed": "not tried: it has no settings"}]
+
+
+def _enough(tried: Tried, expected: float, spent: float, failures: int, limits: Limits) -> str:
+    """Why tighter settings are not tried, or nothing."""
+    if tried.slow or expected > limits.run:
+        return f"would take more than {limits.run:g} s"
+    if spent + expected > limits.family:
+        return f"the {limits.family:g} s of this method are spent"
+    if failures >= USELESS and tried.seconds > limits.run / 10:
+        return "failed so often before"
+    return ""
+
+
+def row_of(who: Contestant, tried: Tried, label: Row, measures: Measures) -> Row:
+    row = blank(label) | {"kind": who.kind, "setting": who.setting, "order": who.order}
+    row |= {"agreed": who.agreed, "failed": tried.failed}
+    row |= {f"setup_{kind}": seconds for kind, seconds in who.setup.items() if kind in SETUP}
+    row |= {"seconds": tried.seconds, "rounds": tried.rounds}
+    if tried.finish is None:
+        return row
+    row["inside"] = tried.finish.inside
+    row |= {name: tried.finish.counts.get(name) for name in COUNTS}
+    try:
+        errors = measures.errors(tried.finish.y)
+        balance = tried.finish.balance
+        row["balance"] = balance() / measures.scale if balance else None
+    except Exception as error:  # a peer's states may have the wrong shape
+        return row | {"failed": f"its states cannot be compared: {words(error)}"}
+    return row | dict(errors)
+
+
+def left_out(who: Contestant, label: Row, why: str) -> Row:
+    row = blank(label) | {"kind": who.kind, "setting": who.setting, "order": who.order}
+    return row | {"failed": f"not tried: {why}, from {who.kind} {who.setting:.3g} on"}
+
+
+def blank(label: Row) -> Row:
+    """All columns, with what is known of a family."""
+    nothing = ("kind", "setting", "order", "seconds", "inside", *MEASURES, "balance", *COUNTS)
+    row: Row = dict.fromkeys((*nothing, *(f"setup_{kind}" for kind in SETUP), "agreed"))
+    return row | {"rounds": 0, "failed": ""} | label
+
+
+def words(error: BaseException | str) -> str:
+    return " ".join(str(error).split())[:LONGEST] or repr(error)
+
+
+def in_a_row(
+    family: Iterable[Contestant], known: Row, measures: Measures, limits: Limits
+) -> list[Row]:
+    """Settings of several methods in a row, each method with limits of its own."""
+    rows: list[Row] = []
+    for (who, method, target, _), settings in groupby(family, _name):
+        one = known | {"who": who, "method": method, "target": target}
+        rows += sweep(settings, one, measures, limits)
+    return rows or [blank(known) | {"failed": "not tried: it has no settings"}]
+
+
+def _name(one: Contestant) -> tuple[str, str, str, str]:
+    return one.who, one.method, one.target, one.kind

@@ -1,0 +1,246 @@
+"""A scene as something to be integrated by anyone, and how far states are from the exact ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.modes import natural_modes
+from rodgen.integrate.stepper import Array
+from rodgen.loading import build
+from rodgen.loading.module import asked
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.overrides import with_masses_at
+
+PARTS = "rhs", "jac", "mass", "power", "quantities", "flow", "newton"  # of the module
+SAMPLES = 100  # intervals between the states that are compared
+SAME = 1e-12  # of the span: times closer than that are one
+EDGE = 1e-12  # by which a time is held inside a stretch [s]: at its ends loads may jump
+MODES = 3  # the lowest, whose amplitudes are compared
+MEASURES = ("error_phi", "error_tail", "error_modes", "error_energy")
+
+Errors = dict[str, float | None]
+
+
+def without_events(table: dict[str, Any]) -> dict[str, Any]:
+    """A scene's tables as they are integrated by everyone: peers know nothing of its events, and
+    states can be compared only where all of them reach the end."""
+    return {name: value for name, value in table.items() if name != "events"}
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """A scene, of which every contestant gives the states at the same times."""
+
+    name: str
+    scene: Scene
+
+    @classmethod
+    def of(cls, name: str, table: dict[str, Any]) -> Job:
+        """From the scene's tables; its samples are a hundredth of the span apart."""
+        scene = Scene.from_dict(without_events(table))
+        first, last = scene.integrate.span
+        return cls(name, scene.with_integrate(output_every=(last - first) / SAMPLES))
+
+    @cached_property
+    def model(self) -> ModuleType:
+        """The module in C, by which states are judged, with all that any method asks it for: no
+        run is to wait for a compiler."""
+        return build(self.scene, "c", parts=PARTS)
+
+    @cached_property
+    def p(self) -> Array:
+        """Its parameters."""
+        p: Array = self.model.parameters(**self.scene.parameters)
+        return p
+
+    @cached_property
+    def start(self) -> Array:
+        """The state at the start (states,)."""
+        y0: Array = self.scene.initial_state()
+        return y0
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """From when to when [s]."""
+        first, last = self.scene.integrate.span
+        return first, last
+
+    @cached_property
+    def times(self) -> Array:
+        """When the states are compared [s] (samples,), start and end among them."""
+        times: Array = np.asarray(self.scene.integrate.samples)
+        return times
+
+    @property
+    def stretches(self) -> list[tuple[float, float]]:
+        """The span, parted where a load is not smooth: every method steps onto these times."""
+        first, last = self.span
+        return list(pairwise([first, *self.scene.breaks(), last]))
+
+    @cached_property
+    def shapes(self) -> Array | None:
+        """Rows that give the amplitudes of the lowest modes from angles (modes, moving links).
+
+        Projections in the mass matrix of the straight rod whose translation follows its angles;
+        of modes whose largest angle is one.
+        """
+        shapes = self._lowest()
+        if shapes is None:
+            return None
+        weighted = shapes @ self._mass()
+        rows: Array = weighted / np.einsum("ij,ij->i", weighted, shapes)[:, None]
+        return rows
+
+    def _lowest(self) -> Array | None:
+        """The lowest modes of the rod without its loads (modes, moving links)."""
+        try:
+            found = natural_modes(unloaded(self.scene), MODES)
+        except (AnalysisError, SceneError):
+            return None
+        shapes = np.real(found.phi)[:, self.scene.held :]
+        if not len(shapes):
+            return None
+        largest = np.abs(shapes).max(axis=1, keepdims=True)
+        return np.asarray(shapes / largest)
+
+    def _mass(self) -> Array:
+        """Mass matrix of the angles of the straight rod (links, links), its translation
+        eliminated."""
+        t, y = self.scene.integrate.span[0], np.zeros_like(self.start)
+        mass: Array = asked(self.model, "mass_matrix", t, y, self.p)
+        base = 2 * self.scene.hold.translates
+        across, rest = mass[:base, base:], mass[base:, base:]
+        return rest - across.T @ np.linalg.solve(mass[:base, :base], across)
+
+
+class Stretch(NamedTuple):
+    """Where loads are smooth: from first to last [s]; times: after first, the samples there and
+    last; samples: how many of them are samples, all or all but the last."""
+
+    first: float
+    last: float
+    times: Array
+    samples: int
+
+    @property
+    def middle(self) -> float:
+        """A time at which it is told what loads are in it."""
+        return 0.5 * (self.first + self.last)
+
+    def inside(self, t: float) -> float:
+        """The time, not beyond the ends, of which the next stretch may have another load."""
+        return min(max(t, self.first + EDGE), self.last - EDGE)
+
+
+def stretches(job: Job) -> list[Stretch]:
+    """All of them, with their samples; the start of the job is in none."""
+    first, last = job.span
+    same, found = SAME * (last - first), []
+    for begin, end in job.stretches:
+        inner = job.times[(job.times > begin + same) & (job.times < end - same)]
+        sampled = bool((np.abs(job.times - end) <= same).any())
+        found.append(Stretch(begin, end, np.append(inner, end), len(inner) + sampled))
+    return found
+
+
+def integrated(job: Job, over: Callable[[Stretch, Array], Array]) -> Array:
+    """States at the samples (samples, states); over: from a stretch and the state at its start
+    to the states at its times."""
+    y, rows = job.start, [job.start[None]]
+    for stretch in stretches(job):
+        states = over(stretch, y)
+        if len(states) != len(stretch.times):
+            raise ArithmeticError(f"ended after {len(states)} of {len(stretch.times)} samples")
+        rows.append(states[: stretch.samples])
+        y = np.array(states[-1])
+    return np.concatenate(rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Measures:
+    """Of the states of a job against the exact ones (samples, states), of which it is told."""
+
+    job: Job
+    exact: Array
+
+    def errors(self, y: Array) -> Errors:
+        """All measures of states (samples, states); infinite where they are not finite.
+
+        error_phi: largest difference of an angle at the end [rad]; error_tail: largest distance of
+        the tail over the samples [m]; error_modes: largest difference over the samples of an
+        amplitude of the lowest modes [rad], None where the rod has none; error_energy: largest
+        difference of the energy over the samples, relative to the largest energy.
+        """
+        modes = None if self.job.shapes is None else self.modes(y)
+        found = (self.over_time(y)[-1], self.tail(y), modes, self.energy(y))
+        return {
+            name: value if value is None or np.isfinite(value) else np.inf
+            for name, value in zip(MEASURES, map(_number, found), strict=True)
+        }
+
+    def over_time(self, y: Array) -> Array:
+        """Largest difference of an angle at every sample [rad] (samples,)."""
+        worst: Array = np.abs(self._angles(y) - self._angles(self.exact)).max(axis=1)
+        return worst
+
+    def tail(self, y: Array) -> float:
+        """Largest distance between the tails [m]."""
+        off = self._tail(y) - self._exact_tail
+        return float(np.hypot(off[:, 0], off[:, 1]).max())
+
+    def modes(self, y: Array) -> float:
+        """Largest difference of an amplitude of the lowest modes [rad]."""
+        assert self.job.shapes is not None
+        off = self._angles(y) - self._angles(self.exact)
+        return float(np.abs(off @ self.job.shapes.T).max())
+
+    def energy(self, y: Array) -> float:
+        """Largest difference of the energy, relative to `scale`."""
+        total = sum(self._energies(y))
+        return float(np.abs(total - self._exact_energy).max() / self.scale)
+
+    @cached_property
+    def scale(self) -> float:
+        """The largest energy [J]: kinetic, of the springs, and change of that of gravity."""
+        kinetic, spring, gravity = self._energies(self.exact)
+        return float((kinetic + spring + np.abs(gravity - gravity[0])).max()) or 1.0
+
+    def _angles(self, y: Array) -> Array:
+        base = 2 * self.job.scene.hold.translates
+        return y[:, base : y.shape[1] // 2]
+
+    def _tail(self, y: Array) -> Array:
+        joints: Array = self.job.model.joints(y, self.job.p)
+        return joints[:, -1]
+
+    def _energies(self, y: Array) -> tuple[Array, Array, Array]:
+        t = self.job.scene.integrate.samples
+        kinetic, spring, gravity = asked(self.job.model, "energy", t, y, self.job.p)
+        return kinetic, spring, gravity
+
+    @cached_property
+    def _exact_tail(self) -> Array:
+        return self._tail(self.exact)
+
+    @cached_property
+    def _exact_energy(self) -> Array:
+        return np.asarray(sum(self._energies(self.exact)))
+
+
+def unloaded(scene: Scene) -> Scene:
+    """The rod of a scene with its bodies at the start, held as it is, without its loads."""
+    table = with_masses_at(scene, scene.integrate.span[0]).model_dump(exclude_none=True)
+    kept = ("name", "parameters", "rod", "bodies")
+    return Scene.from_dict({key: value for key, value in table.items() if key in kept})
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None else float(value)

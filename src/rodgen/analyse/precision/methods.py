@@ -1,0 +1,248 @@
+"""Contestants: methods of rodgen, and SciPy's on rodgen's rates and exact Jacobian in C."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from math import ceil
+from typing import Any
+
+import numpy as np
+from scipy.integrate import odeint, solve_ivp
+
+from rodgen.analyse.precision.contestant import (
+    Array,
+    Contestant,
+    Deadline,
+    Family,
+    Finish,
+    NotModelledError,
+)
+from rodgen.analyse.precision.job import SAMPLES, Job, Stretch, integrated
+from rodgen.integrate.endings import StepWarning
+from rodgen.integrate.simulate import simulate
+from rodgen.integrate.stability import LIMITS, dominant, limit
+from rodgen.loading import build
+from rodgen.model.methods import ADAPTIVE, FIXED_STEP, METHODS
+from rodgen.scene.integration import LEAST_RTOL
+
+VARIABLE_ORDER = ("bdf", "lsoda", "cvode")  # of which errors follow no single power of the step
+NUMPY = ("rk4", "dop853", "gauss", "radau")  # in Python: some of each kind
+MOST_LINKS = 50  # up to which they are run in Python
+HALVINGS = 14  # of a fixed step
+NEAR = 0.99  # of the stability limit, where a fixed step begins
+# Of a method without a limit, steps by which the fastest motion grows e-fold in the span.
+GROWTH = 1.0
+ORDERS = {"RK45": 5.0, "DOP853": 8.0, "Radau": 5.0}
+EXPLICIT = ("RK45", "DOP853")
+LOOSEST, TIGHTEST = 2, 12  # negative powers of ten of a tolerance
+SHARE = 0.01  # absolute tolerance over the relative one, as a scene of rodgen has it by default
+EVERY = 256  # calls between two looks at the deadline
+LARGEST = 600  # links with a dense Jacobian: beyond, a factorisation takes a second
+
+
+@dataclass(frozen=True)
+class Named:
+    """A family before anything of it is run."""
+
+    who: str
+    method: str
+    target: str
+    make: Callable[[], Family]
+    setup: dict[str, float] = field(default_factory=dict)
+
+
+def families(job: Job, quick: bool, setup: dict[str, float], numpy: bool = True) -> list[Named]:
+    """All methods in C, and some in Python where `numpy` says so; setup: seconds of making both,
+    by target and kind."""
+    found = [(method, "c") for method in (*FIXED_STEP, *ADAPTIVE)]
+    if numpy and job.scene.rod.links <= MOST_LINKS:
+        found += [(method, "numpy") for method in NUMPY]
+    return [_named(job, method, target, quick, setup) for method, target in found]
+
+
+def _named(job: Job, method: str, target: str, quick: bool, setup: dict[str, float]) -> Named:
+    taken = {k.split("_", 1)[1]: v for k, v in setup.items() if k.startswith(f"{target}_")}
+    fixed = method in FIXED_STEP
+
+    def make() -> Family:
+        if fixed:
+            return (contestant(job, method, target, step=h) for h in steps(job, method, quick))
+        return (contestant(job, method, target, rtol=rtol) for rtol in decades(quick))
+
+    return Named("rodgen", method, target, make, taken)
+
+
+def contestant(job: Job, method: str, target: str, **setting: float) -> Contestant:
+    """One step [s] or rtol of a method, as a user calls it, with all samples of the job."""
+    (kind, value), *_ = setting.items()
+    given: dict[str, Any] = {"method": method, **setting}
+    if kind == "rtol":
+        given["atol"] = SHARE * value
+    model = job.model if target == "c" else build(job.scene, target)
+
+    def integrate() -> Finish:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", StepWarning)  # the limit is among what is tried
+            run = simulate(job.scene, model=model, progress=lambda _: Deadline.look(), **given)
+        names = ("steps", "rejected", "rhs", "jacobian", "factorisations")
+        counts = {k: getattr(run.stats, k) for k in names if getattr(run.stats, k) is not None}
+        return Finish(run.y, counts, run.stats.wall_seconds, lambda: run.energy_error)
+
+    order = None if method in VARIABLE_ORDER else METHODS[method].order
+    return Contestant("rodgen", method, target, kind, value, integrate, order)
+
+
+def decades(quick: bool) -> Iterator[float]:
+    """From 1e-2 to 1e-13, one a decade; quick: every other."""
+    for decade in range(2, 14, 2 if quick else 1):
+        yield max(10.0**-decade, LEAST_RTOL)
+
+
+def steps(job: Job, method: str, quick: bool) -> Iterator[float]:
+    """From the stability limit down, each half of the one before (quick: a quarter), so that
+    samples fall on steps."""
+    first, last = job.span
+    count = SAMPLES * max(1, ceil((last - first) / (SAMPLES * NEAR * longest(job, method))))
+    for halving in range(0, HALVINGS, 2 if quick else 1):
+        yield (last - first) / (count * 2**halving)
+
+
+def longest(job: Job, method: str) -> float:
+    """The largest step [s] that is worth trying: that of the stability limit."""
+    fastest = dominant(job.model, job.span[0], job.start, job.p)
+    span = job.span[1] - job.span[0]
+    most = limit(method, fastest.value, fastest.partner) if method in LIMITS else span
+    if most == 0:  # the modulus of 1 + i h omega is 1 + (h omega)^2/2
+        most = 2 * GROWTH / (fastest.rate**2 * span)
+    return min(most, span / SAMPLES)
+
+
+def tolerances(quick: bool, tightest: int = TIGHTEST) -> Iterator[float]:
+    """Relative ones, two a decade; one a decade in short."""
+    for half in range(2 * LOOSEST, 2 * tightest + 1, 2 if quick else 1):
+        yield 10.0 ** (-half / 2)
+
+
+class CountedRates:
+    """Rates and exact Jacobian of a job in C, and how often they were asked for."""
+
+    def __init__(self, job: Job):
+        self.model, self.p = job.model, job.p
+        self.rates = self.jacobians = 0
+        self.stretch = Stretch(*job.span, job.times, 0)
+
+    def begin(self) -> None:
+        """Count from here."""
+        self.rates = self.jacobians = 0
+
+    def rhs(self, t: float, y: Array, out: Array | None = None) -> Array:
+        """New rates each time, or in an array that is given."""
+        self.rates += 1
+        if self.rates % EVERY == 0:
+            Deadline.look()
+        rates: Array = self.model.rhs(self.stretch.inside(t), y, self.p, out)
+        return rates
+
+    def jac(self, t: float, y: Array) -> Array:
+        """The exact Jacobian, dense."""
+        self.jacobians += 1
+        Deadline.look()
+        jacobian: Array = self.model.jac(self.stretch.inside(t), y, self.p)
+        return jacobian
+
+
+def lsoda(job: Job, quick: bool) -> Iterator[Contestant]:
+    """Adams and backward differences in turn, by odeint, which steps outside Python."""
+    check(job, "SciPy")
+    return (_lsoda(job, rtol) for rtol in tolerances(quick))
+
+
+def check(job: Job, who: str) -> None:
+    """Raise NotModelledError for more links than a dense Jacobian can be factorised for in time."""
+    if job.scene.rod.links > LARGEST:
+        raise NotModelledError(
+            f"{who}: a dense Jacobian, which {job.scene.rod.links} links make large"
+        )
+
+
+def _family(method: str) -> Callable[[Job, bool], Iterator[Contestant]]:
+    """Settings of a method of solve_ivp for a job, in short or not."""
+
+    def family(job: Job, quick: bool) -> Iterator[Contestant]:
+        if method not in EXPLICIT:
+            check(job, "SciPy")
+        return (_solve_ivp(job, method, rtol) for rtol in tolerances(quick))
+
+    return family
+
+
+# Dormand and Prince of orders 5 and 8, Radau IIA, and backward differences of orders 1 to 5.
+rk45, dop853, radau, bdf = map(_family, ("RK45", "DOP853", "Radau", "BDF"))
+
+
+def _contestant(method: str, rtol: float, integrate: Any) -> Contestant:
+    return Contestant(
+        "SciPy", method, "rodgen's c", "rtol", rtol, integrate, order=ORDERS.get(method)
+    )
+
+
+def _solve_ivp(job: Job, method: str, rtol: float) -> Contestant:
+    asked = CountedRates(job)
+    # SciPy keeps the arrays that it is given, so there is a new one each time.
+    settings = {} if method in EXPLICIT else {"jac": asked.jac}
+
+    def integrate() -> Finish:
+        asked.begin()
+        factorised = 0
+
+        def over(stretch: Stretch, y: Array) -> Array:
+            nonlocal factorised
+            asked.stretch = stretch
+            span = stretch.first, stretch.last
+            tolerance = {"rtol": rtol, "atol": SHARE * rtol}
+            with np.errstate(all="ignore"):
+                found = solve_ivp(
+                    asked.rhs, span, y, method, stretch.times, **tolerance, **settings
+                )
+            if not found.success:
+                raise ArithmeticError(found.message)
+            factorised += found.nlu
+            states: Array = found.y.T
+            return states
+
+        y = integrated(job, over)
+        counts = {"rhs": asked.rates, "jacobian": asked.jacobians, "factorisations": factorised}
+        return Finish(y, counts)
+
+    return _contestant(method, rtol, integrate)
+
+
+def _lsoda(job: Job, rtol: float) -> Contestant:
+    asked, rates = CountedRates(job), np.empty_like(job.start)
+    settings = {"tfirst": True, "mxstep": 10**8, "rtol": rtol, "atol": SHARE * rtol}
+
+    def rhs(t: float, y: Array) -> Array:
+        return asked.rhs(t, y, rates)
+
+    def integrate() -> Finish:
+        asked.begin()
+        steps = 0
+
+        def over(stretch: Stretch, y: Array) -> Array:
+            nonlocal steps
+            asked.stretch = stretch
+            times, stop = np.array([stretch.first, *stretch.times]), [stretch.last]
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")  # that it failed is told by a warning
+                y, said = odeint(
+                    rhs, y, times, Dfun=asked.jac, tcrit=stop, full_output=True, **settings
+                )
+            steps += int(said["nst"][-1])
+            return y[1:]
+
+        y = integrated(job, over)
+        return Finish(y, {"steps": steps, "rhs": asked.rates, "jacobian": asked.jacobians})
+
+    return _contestant("LSODA", rtol, integrate)

@@ -1,0 +1,179 @@
+"""A generated module against the hand-assembled form in 50-digit arithmetic.
+
+The closed form is assembled entry by entry and solved by mpmath, so nothing is shared with the
+module but its parameters and states.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import mpmath
+import numpy as np
+from mpmath import mpf
+
+from rodgen.check.by_hand import ByHand
+from rodgen.loading.module import asked, structure_of
+from rodgen.scene.errors import SceneError
+from rodgen.scene.law import POINTS, WEIGHTS
+from rodgen.scene.link_parts import present
+
+DIGITS = 50
+DRAWS = 100  # of parameters, until loads are finite
+LIMIT = 1e-10  # relative; about a thousand times what n = 50 reaches
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """Largest relative error of one quantity over the states of one kind."""
+
+    quantity: str
+    states: str
+    error: float
+
+
+def check_module(module: ModuleType, states: int = 3, seed: int = 1) -> Iterator[Deviation]:
+    """Compare all that a module computes at random states near to and far from straight.
+
+    The error of a vector is its largest absolute error over its largest magnitude; that of
+    energies or powers is taken relative to the largest among them.
+    """
+    draw = np.random.default_rng(seed)
+    for kind, spread, speed in (("near straight", 1e-3, 1e-2), ("far from straight", 3.0, 3.0)):
+        worst: dict[str, float] = {}
+        for _ in range(states):
+            t = float(draw.uniform(0.0, 1.0))
+            values, y = _drawn(module, t, draw, spread, speed)
+            for quantity, error in _compare(module, values, t, y):
+                worst[quantity] = max(worst.get(quantity, 0.0), error)
+        for quantity, error in worst.items():
+            yield Deviation(quantity, kind, error)
+
+
+def _drawn(
+    module: ModuleType, t: float, draw: np.random.Generator, spread: float, speed: float
+) -> tuple[dict[str, Any], np.ndarray]:
+    """Parameters and a state with which laws of the motion are finite, too."""
+    for _ in range(DRAWS):
+        values, y = _parameters(module, t, draw), _state(module, draw, spread, speed)
+        if np.isfinite(module.rhs(t, y, module.parameters(**values))).all():
+            return values, y
+    allowed = f"one whose loads are finite in one of {DRAWS} random states"
+    raise SceneError("module", module.__name__, allowed)
+
+
+def _parameters(module: ModuleType, t: float, draw: np.random.Generator) -> dict[str, Any]:
+    """Random values with which all loads are finite at a time."""
+    structure = structure_of(module)
+    for _ in range(DRAWS):
+        values: dict[str, Any] = {
+            name: draw.uniform(0.5, 5.0, len(structure.spans[name]))
+            if name in structure.spans
+            else float(draw.uniform(0.5, 5.0))
+            for name in structure.parameters
+        }
+        for name in values:  # of masses at both ends of a link, between them
+            if name.endswith("_along"):
+                values[name] /= 5.1
+        for name in values.keys() & {"bending_stiffness", "joint_stiffness"}:
+            values[name] *= 20.0
+        every = [*structure.open_expressions.values(), *structure.open_rates.values()]
+        every += (*structure.open_masses.values(), *structure.open_along.values())
+        for knots in (knots for e in every for knots in e.knot_names):
+            values |= zip(knots, sorted(values[name] for name in knots), strict=True)
+        if all(map(math.isfinite, _loads(module, values, t).values())):
+            return values
+    allowed = f"one whose loads are finite for one of {DRAWS} random sets of parameters"
+    raise SceneError("module", module.__name__, allowed)
+
+
+def _state(
+    module: ModuleType, draw: np.random.Generator, spread: float, speed: float
+) -> np.ndarray:
+    added = len(getattr(module, "STATES", ()))
+    half = (len(module.STATE) - added) // 2
+    angle = draw.uniform(-3, 3)
+    y = np.empty(2 * half + added)
+    y[:half] = angle + spread * draw.standard_normal(half)
+    y[half:] = speed * draw.standard_normal(half + added)
+    return y
+
+
+def _loads(module: ModuleType, values: dict[str, Any], t: float) -> dict[str, float]:
+    """Values at a time of the loads that are expressions; 1 of those that follow the motion."""
+    expressions = structure_of(module).open_expressions
+    return {
+        name: 1.0 if e.signals else float(e.with_values(values)(t))
+        for name, e in expressions.items()
+    }
+
+
+def _along(module: ModuleType, values: dict[str, Any], t: float) -> dict[str, Any]:
+    """Means over every link at a time of the loads that are functions of place too."""
+    links = structure_of(module).links
+    places = (np.arange(links)[:, None] + POINTS) / links
+    found = {}
+    for name, e in structure_of(module).open_along.items():
+        density = e.with_values(values).value(np.float64(t), {"s": places})
+        found[name] = np.broadcast_to(density, places.shape) @ WEIGHTS
+    return found
+
+
+def assembled(module: ModuleType, values: dict[str, Any], t: float, y: np.ndarray) -> ByHand:
+    """The hand-assembled equations with parameters of the module, at a time and a state."""
+    structure, given = structure_of(module), values | _loads(module, values, t)
+    given |= _along(module, values, t)
+    if structure.masses:
+        exact = ByHand(module, given | present(structure, values, t), y)
+        gained = ByHand(module, given | present(structure, values, t, rates=True), y).energy()
+        exact.emptying = gained[0] + gained[2]
+    else:
+        exact = ByHand(module, given, y)
+    exact.follow({name: law.with_values(values) for name, law in structure.laws.items()}, t)
+    return exact
+
+
+def _compare(
+    module: ModuleType, values: dict[str, Any], t: float, y: np.ndarray
+) -> Iterator[tuple[str, float]]:
+    """Every quantity of a module at one state, with its relative error."""
+    p = module.parameters(**values)
+    with mpmath.workdps(DIGITS):
+        exact = assembled(module, values, t, y)
+        yield "rhs", _vector_error(module.rhs(t, y, p), exact.rhs())
+        mass = [entry for row in exact.closed.M() for entry in row]
+        yield "mass matrix", _vector_error(asked(module, "mass_matrix", t, y, p).ravel(), mass)
+        yield "energy", _vector_error(asked(module, "energy", t, y, p), exact.energy())
+        if hasattr(module, "power"):
+            power, by_hand = module.power(t, y, p), exact.power()
+            yield "power", _vector_error([power[x] for x in power], [by_hand[x] for x in power])
+        joints = [c for joint in exact.joints() for c in joint]
+        yield "joints", _vector_error(module.joints(y, p).ravel(), joints)
+        centre = exact.centre_of_gravity()
+        found = asked(module, "centre_of_gravity", t, y, p)
+        yield "centre of gravity", _vector_error(found, centre)
+        yield "inertia", _vector_error(asked(module, "inertia", t, y, p), exact.inertia())
+        yield "bending moments", _vector_error(module.bending_moments(y, p), exact.moments())
+        acting = exact.forces()
+        if acting:
+            forces, order = module.forces(t, y, p), sorted(acting)
+            got = np.concatenate([forces[term].ravel() for term in order])
+            yield "forces", _vector_error(got, [c for x in order for f in acting[x] for c in f])
+        errors = []
+        for link, share in ((0, 0.25), (module.N // 2, 0.0), (module.N - 1, 1.0)):
+            force = values["mass"], -values["length"]  # any two numbers
+            got = module.generalised_force(y, p, link, share, force)
+            errors.append(_vector_error(got, exact.point_force(link, share, force)))
+        yield "generalised force", max(errors)
+
+
+def _vector_error(got: Sequence[Any] | np.ndarray, exact: Sequence[Any]) -> float:
+    largest = max(abs(e) for e in exact)
+    if not all(np.isfinite(float(g)) for g in got):
+        return float("inf")
+    off = max(abs(mpf(float(g)) - e) for g, e in zip(got, exact, strict=True))
+    return float(off / largest) if largest else float(off)

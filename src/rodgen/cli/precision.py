@@ -1,0 +1,73 @@
+"""rodgen precision: error against run time of methods on a scene."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.table import Table
+
+from rodgen.cli.console import out, print_json, working, write_picture
+from rodgen.cli.options import AsJson, OutFolder, SceneFile
+from rodgen.cli.results import promised
+from rodgen.scene import Scene
+
+if TYPE_CHECKING:
+    from rodgen.analyse.precision.work_precision import WorkPrecision
+
+ASKED = (1e-3, 1e-6, 1e-9)  # rad
+
+
+def precision(
+    scene_file: SceneFile,
+    seconds: Annotated[
+        float, typer.Option(help="About how long it takes, besides making the module [s].")
+    ] = 40.0,
+    out_folder: OutFolder = Path("results"),
+    as_json: AsJson = False,
+) -> None:
+    """Measure error against run time on SCENE, of rodgen's methods and SciPy's; draw it."""
+    from rodgen.analyse.precision.work_precision import work_precision
+
+    scene = Scene.from_toml(scene_file)
+    with promised(None if as_json else out_folder / scene.name) as folder:
+        with working("measuring") as step:
+            found = work_precision(scene, seconds=seconds, progress=step)
+        if as_json:
+            print_json(found.to_dict())
+            return
+        estimate = found.trusted["error_phi"] or 0.0
+        made = found.reference
+        method = f"{made['method']}, order {made['order']}, checked by {made['checked_by']}"
+        out.print(f"reference: {method}; good to {estimate:.1e} rad")
+        out.print(_table(found))
+        from rodgen.show.precision_pictures import work_precision as diagram
+
+        figure = diagram(found.rows, "error_phi", estimate)
+        if figure is not None:
+            write_picture(lambda: figure, folder, "precision")
+
+
+def _table(found: WorkPrecision) -> Table:
+    """A line for every method: its cheapest settings, least error and largest stable step."""
+    from rodgen.analyse.precision.rows import duration, grouped, number, setting, short
+
+    table = Table(title=f"{found.scene.name}: run time for an error of the angles at the end")
+    titles = [f"{short(error, '.0e')} rad" for error in ASKED]
+    for title in ("method", *titles, "least error", "stable up to"):
+        table.add_column(title)
+    for name, some in grouped(found.rows, lambda row: f"{row['who']}\0{row['method']}").items():
+        who, method = name.split("\0")
+        own = who == "rodgen"
+        best = [found.cheapest(error, who=who, method=method) for error in ASKED]
+        cells = [
+            f"{duration(number(row, 'seconds'))}\n{setting(row)}" if row else "-" for row in best
+        ]
+        least = min((e for row in some if (e := number(row, "error_phi")) >= 0), default=math.inf)
+        limit = found.limits.get(method, math.inf) if own else math.inf
+        step = f"{limit:.3g} s" if 0 < limit < math.inf else "none" if limit == 0 else "-"
+        shown = f"{least:.1e} rad" if least < math.inf else "-"
+        table.add_row(method if own else f"{who} {method}", *cells, shown, step)
+    return table

@@ -1,0 +1,67 @@
+"""Masses that are functions of time, as code: those of bodies, and those of links in a function of
+their own, by Gauss points; loads that are functions of time and place likewise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rodgen.scene.grammar import Language
+from rodgen.scene.law import POINTS, WEIGHTS
+from rodgen.scene.numbers import mass_of
+from rodgen.scene.structure import Structure
+
+OWN, RATE = "own_mass", "_rate"
+WEIGHT = {"np.": "_weight", "": "weight"}  # a mass that is above zero, by the prefix of a language
+WORDS = {OWN: "Mass of every link [kg]", OWN + RATE: "What every link gains of mass [kg/s]"}
+# Functions of a module that need the time where masses are functions of it.
+IN_TIME = ("mass_matrix", "energy", "centre_of_gravity", "inertia")
+
+
+@dataclass(frozen=True)
+class Masses:
+    """The masses of a structure that are functions of time."""
+
+    structure: Structure
+
+    def of_bodies(self, language: Language, start: str = "", clock: str = "t") -> dict[str, str]:
+        """Code of the masses of bodies and of their rates, by name; start: of p; clock: of the
+        time."""
+        masses = self.structure.open_masses.items()
+        bodies = {name: e for name, e in masses if name != mass_of("")}
+        positions, found = self.structure.positions, dict[str, str]()
+        for name, e in bodies.items():
+            at = {"t": clock}
+            found[name] = f"{WEIGHT[language.prefix]}({e.source(language, positions, start, at)})"
+            found[name + RATE] = e.slope_source("t", language, positions, start, at)
+        return found
+
+    def of_links(self, language: Language) -> dict[str, str]:
+        """Code of the mass per length and of its rate at s, and of loads at s, by the names of what
+        links have."""
+        place, positions = {"s": "s"}, self.structure.positions
+        loads = self.structure.open_along.items()
+        found = {name: e.source(language, positions, "", place) for name, e in loads}
+        e = self.structure.open_masses.get(mass_of(""))
+        if e is not None:
+            found[OWN] = e.source(language, positions, "", place)
+            found[OWN + RATE] = e.slope_source("t", language, positions, "", place)
+        return found
+
+    def context(self, language: Language) -> dict[str, object]:
+        """What templates know of them."""
+        bodies, links = self.of_bodies(language), self.of_links(language)
+        return {
+            "emptying": bool(self.structure.masses),
+            "in_time": IN_TIME if self.structure.masses else (),
+            "body_masses": bodies,
+            "link_masses": links,
+            "clocked": [*bodies, *links],
+            "link_words": {
+                name: WORDS.get(name, f"Mean of {name} over every link") for name in links
+            },
+            "own_masses": [name for name in links if name in WORDS],
+            "gauss": np.stack((POINTS, WEIGHTS), axis=1).tolist(),
+            "masses": self.structure.masses,
+        }

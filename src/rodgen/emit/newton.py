@@ -1,0 +1,93 @@
+"""The Newton matrix of an implicit step: its blocks, what couples them, and its border."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from rodgen.derive.general import Equations
+from rodgen.derive.implicit_form import ImplicitForm
+from rodgen.derive.sensors import AXES
+from rodgen.derive.symbols import i, n
+from rodgen.emit.laws import Laws
+from rodgen.emit.statements import SCALAR, Domain, Outputs
+
+
+@dataclass(frozen=True)
+class NewtonMatrix:
+    """Derivatives of equations in which accelerations and joint forces are unknowns.
+
+    laws: those that border the matrix; link: the links that move, of so many.
+    """
+
+    form: ImplicitForm
+    equations: Equations
+    laws: Laws
+    link: Domain
+    links: int
+
+    @property
+    def outputs(self) -> Outputs:
+        """All of it."""
+        return self.cells | self.motion | self.border
+
+    @cached_property
+    def cells(self) -> Outputs:
+        """What implicit gives, by the names that the templates put together."""
+        form, link = self.form, self.link
+        outputs: Outputs = {f"residual_{r}": (link, e) for r, e in enumerate(form.residual)}
+        blocks = {
+            "angle": form.by_angle,
+            "rate": form.by_rate,
+            "unknown": form.by_unknown,
+            "velocity": form.by_velocity,
+            "position": form.by_position,
+        }
+        for name, matrices in blocks.items():
+            for at, matrix in enumerate(matrices.values()):
+                for r in range(matrix.rows):
+                    for c in range(matrix.cols):
+                        value = matrix[r, c].subs(n, self.links)
+                        if value != 0:
+                            outputs[f"by_{name}_{at}_{r}_{c}"] = link, value
+        return outputs
+
+    @cached_property
+    def motion(self) -> Outputs:
+        """What takes the place of prefix sums in a Newton matrix: derivatives of the velocity that
+        a link adds (by its rate also of the position by its angle), and of the acceleration of
+        joint 0 where it moves."""
+        form, out = self.form, Outputs()
+        if self.equations.dragged:
+            for kind, gained in zip(("angle", "rate"), form.lever_by, strict=True):
+                for r in range(2):
+                    out[f"lever_{kind}_{r}"] = self.link, gained[r]
+        moved = ("velocity", "position")  # of joints, of which there is one more than links
+        if self.equations.hold.translates:
+            for kind, matrices in form.base_by(self.links).items():
+                for at, matrix in matrices.items():
+                    for r in range(matrix.rows):
+                        for c in range(matrix.cols):
+                            value = matrix[r, c].subs({i: 0, n: self.links})
+                            if value != 0 and (at == 0 or self.links > 1 or kind in moved):
+                                out[f"base_{kind}_{at}_{r}_{c}"] = SCALAR, value
+        return out
+
+    @cached_property
+    def border(self) -> Outputs:
+        """What borders a Newton matrix: derivatives of the equations by parameters that follow the
+        motion, of laws by what they follow, and of sensors by the state."""
+        form, link, out = self.form, self.link, Outputs()
+        for at, number in enumerate(self.laws.inputs):
+            for r, e in enumerate(form.by_number(number)):
+                out[f"by_input_{at}_{r}"] = link, e.subs(n, self.links)
+            if self.equations.hold.translates:
+                for r, e in enumerate(form.base_by_number(number, self.links)):
+                    out[f"base_input_{at}_{r}"] = SCALAR, e.subs({i: 0, n: self.links})
+        out |= {str(gain): (SCALAR, e) for gain, (_, _, e) in self.laws.gains.items()}
+        for at, (sensor, point) in enumerate(self.laws.points):
+            if sensor.what in AXES and not point.held:
+                along = replace(link, high=point.link)
+                for kind, e in zip(("angle", "rate"), point.followed(sensor.what), strict=True):
+                    out[f"sensed_{kind}_{at}"] = along, e
+        return {name: (domain, e) for name, (domain, e) in out.items() if e != 0}

@@ -1,0 +1,96 @@
+"""Targets, and the parts of their modules that can be had without the rest.
+
+Every folder beside this file is a target, known everywhere by the name of the folder.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
+from typing import Any
+
+from rodgen.scene.errors import SceneError
+from rodgen.scene.structure import choose
+
+# The names that a part brings into the Python module; flow and newton are for compiled steps,
+# lanes are for those of many rods side by side.
+PARTS = {
+    "rhs": ("rhs",),
+    "batch": ("rhs_batch",),
+    "jac": ("jac",),
+    "mass": ("mass_matrix",),
+    "implicit": ("implicit",),
+    "power": ("power",),
+    "quantities": (
+        *("energy", "joints", "centre_of_gravity", "inertia"),
+        *("bending_moments", "forces", "generalised_force", "signals"),
+    ),
+    "flow": ("Run", "WORKS"),
+    "newton": ("NEWTON",),
+    "lanes": ("LANES",),
+}
+COMMON = ("mass", "implicit", "power", "quantities")  # written for NumPy, whatever the target
+STEPS = ("flow", "newton")
+ASKED = (*STEPS, "lanes")  # what nobody has who does not ask for it
+PART_OF = {name: part for part, names in PARTS.items() for name in names}
+FORMS = ("chain", "dense")
+
+
+@dataclass(frozen=True)
+class Target:
+    """What modules are written in: the object TARGET of a folder.
+
+    templates: by form, then by ending of the file, the Python module's first; parts: what it has
+    besides COMMON; programs: from Functions, form and parts, its functions by name and what else
+    its templates need; compiled: whether native/ builds its modules and takes their steps.
+    """
+
+    templates: Mapping[str, Mapping[str, str]]
+    parts: tuple[str, ...]
+    programs: Callable[..., tuple[Mapping[str, Any], Mapping[str, Any]]]
+    compiled: bool = False
+
+
+_FOLDERS = [found.name for found in iter_modules([str(Path(__file__).parent)]) if found.ispkg]
+TARGETS = tuple(sorted(_FOLDERS, key=lambda name: (name != "numpy", name)))
+
+
+def target_of(name: str) -> Target:
+    """A target by its name. Raises SceneError where there is none."""
+    choose("target", name, TARGETS)
+    target: Target = import_module(f"rodgen.emit.{name}").TARGET
+    return target
+
+
+def check_output(target: str, form: str) -> None:
+    """Raise SceneError unless a module can be written for this target in this form."""
+    forms = target_of(target).templates
+    choose("form", form, FORMS)
+    if form not in forms:
+        allowed = f"{', '.join(forms)} for target {target} (target numpy has both)"
+        raise SceneError("form", form, allowed)
+
+
+def offered(target: str) -> tuple[str, ...]:
+    """Parts that a target has."""
+    return tuple(part for part in PARTS if part in (*target_of(target).parts, *COMMON))
+
+
+def closed(target: str, parts: Iterable[str] | None = None, steps: bool = False) -> tuple[str, ...]:
+    """Parts with all that they need, in the order of PARTS; all but those of ASKED, if none are
+    given. Raises SceneError for a part that the target does not have."""
+    allowed = offered(target)
+    wanted = {part for part in allowed if part not in ASKED} if parts is None else set(parts)
+    for part in wanted:
+        if part not in allowed:
+            raise SceneError("parts", part, f"of {', '.join(allowed)}")
+    if steps and not target_of(target).compiled:
+        raise SceneError("with_steps", True, "given with target c: NumPy modules take no steps")
+    if "batch" in wanted:
+        wanted.add("rhs")
+    if steps:
+        wanted |= set(STEPS)
+    return tuple(part for part in allowed if part in wanted)

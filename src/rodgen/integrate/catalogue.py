@@ -1,0 +1,314 @@
+"""The quantities that follow from a motion: how each is computed, from functions of the generated
+module and from others of the quantities.
+
+What they are called, and who shows them, stands in model/quantities.py, by the same names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rodgen.integrate.stepper import Array
+from rodgen.loading.module import asked, structure_of
+from rodgen.model.quantities import WORKS, Quantity
+from rodgen.model.rod import BOUNDARIES, Boundary
+from rodgen.model.terms import PARAMETERS, words_of
+from rodgen.scene import Scene
+
+TURN = 1e-5  # rad, by which the links turn in a difference: errors are its square, and eps over it
+
+
+class PrincipalAxes(NamedTuple):
+    """angle: from the x axis to the axis of the smaller moment [rad], in (-pi/2, pi/2], (T,);
+    moments: the smaller and the larger principal moment of inertia [kg m^2], (T, 2)."""
+
+    angle: Array
+    moments: Array
+
+
+def principal_axes(x: Array, y: Array, xy: Array) -> PrincipalAxes:
+    """Principal axes of moments about x and y and the product of inertia [kg m^2], each (...)."""
+    tensor = np.stack((np.stack((x, -xy), -1), np.stack((-xy, y), -1)), -2)
+    moments, axes = np.linalg.eigh(tensor)
+    angle = np.arctan2(axes[..., 1, 0], axes[..., 0, 0])
+    # An axis has no direction: of its two angles the one in (-pi/2, pi/2].
+    angle = np.where(angle > np.pi / 2, angle - np.pi, angle)
+    angle = np.where(angle <= -np.pi / 2, angle + np.pi, angle)
+    return PrincipalAxes(angle, moments)
+
+
+class Motion:
+    """States over time, and the quantities that follow from them.
+
+    t: times [s], (...); y: states, (..., states); work: of each load without potential since the
+    start [J], by term, each (...). Subclasses say what else is asked for.
+    """
+
+    t: Array
+    y: Array
+    work: Mapping[str, Array]
+
+    @cached_property
+    def hold(self) -> Boundary:
+        """How the start of the rod is held."""
+        raise NotImplementedError
+
+    @cached_property
+    def added(self) -> tuple[str, ...]:
+        """Names of the states that are neither positions nor velocities."""
+        raise NotImplementedError
+
+    @cached_property
+    def timed(self) -> Mapping[str, Callable[[Any], Any]]:
+        """Loads that change with time, by the names of their parameters."""
+        raise NotImplementedError
+
+    @cached_property
+    def follows(self) -> bool:
+        """Whether the module has sensors or loads that follow the motion."""
+        raise NotImplementedError
+
+    @cached_property
+    def given(self) -> Array | float:
+        """Energy that changes and kicks have put in since the start [J], (...) or a number."""
+        raise NotImplementedError
+
+    @cached_property
+    def start_energy(self) -> float:
+        """Energy at the start [J]."""
+        raise NotImplementedError
+
+    def parameter(self, name: str) -> Array | float:
+        """A parameter of the module that is a number, (...) or one for all samples."""
+        raise NotImplementedError
+
+    def called(self, function: str, *arrays: Array) -> Any:
+        """What a function of the module makes of arrays over the samples and of the parameters: an
+        array, (..., parts) where it makes several, or a dictionary of arrays by term."""
+        raise NotImplementedError
+
+    def values(self, name: str) -> Any:
+        """A quantity by its name in model/quantities.py, (..., *dimensions); computed once."""
+        found = self._computed.get(name)
+        if found is None:
+            found = self._computed[name] = _formula(name)(self)
+        return found
+
+    @cached_property
+    def _computed(self) -> dict[str, Any]:
+        return {}
+
+    def names(self, quantity: Quantity) -> Iterator[tuple[str, str]]:
+        """What a row stands for, by name and in words: a quantity for each load, or itself."""
+        if not quantity.each:
+            yield quantity.name, quantity.words
+            return
+        for term in self.work if quantity.each == WORKS else self.values("forces"):
+            yield quantity.name.format(term), quantity.words.format(words_of(term))
+
+
+class Piece(Motion):
+    """A motion whose parameters p hold all along; y may have any leading axes. What only some
+    quantities need can be left out."""
+
+    def __init__(
+        self,
+        model: ModuleType,
+        p: Array,
+        y: Array,
+        t: Array | None = None,
+        work: Mapping[str, Array] | None = None,
+        given: float = 0.0,
+        start_energy: float = 0.0,
+        timed: Mapping[str, Callable[[Any], Any]] | None = None,
+    ):
+        self.model, self.hold, self.p, self.y = model, BOUNDARIES[model.BOUNDARY], p, y
+        self.added = tuple(getattr(model, "STATES", ()))
+        self.t = np.zeros(y.shape[:-1]) if t is None else t
+        self.work, self.timed = work or {}, timed or {}
+        self.given, self.start_energy = given, start_energy
+
+    @cached_property
+    def follows(self) -> bool:
+        return structure_of(self.model).follows
+
+    def parameter(self, name: str) -> float:
+        """A parameter of the module that is a number; 0 for one that it does not have."""
+        names = self.model.PARAMETERS
+        return float(self.p[names.index(name)]) if name in names else 0.0
+
+    def called(self, function: str, *arrays: Array) -> Any:
+        return joined(asked(self.model, function, self.t, *arrays, self.p))
+
+
+def joined(found: Any) -> Any:
+    """What a function of a module has given: an array, several ones side by side along a last axis,
+    or a dictionary of arrays by term."""
+    if isinstance(found, tuple):
+        return np.stack(np.broadcast_arrays(*found), -1)
+    return found
+
+
+def loads_at_work(scene: Scene, model: ModuleType) -> tuple[str, ...]:
+    """Names of the loads without potential in a scene, whose work is integrated."""
+    if not hasattr(model, "power"):
+        return ()
+    start, p = scene.integrate.span[0], model.parameters(**scene.parameters)
+    with np.errstate(all="ignore"):  # of a state that cannot be integrated
+        return tuple(model.power(start, scene.initial_state(), p))
+
+
+def _formula(name: str) -> Callable[[Motion], Any]:
+    formula = FORMULAS.get(name)
+    if formula is not None:
+        return formula
+    if name in PARAMETERS:
+        return lambda motion: _load(motion, name)
+    prefix, _, term = name.partition("_")
+    if prefix not in OF_A_LOAD:  # a state that is added
+        return lambda motion: motion.values("signals")[name]
+    of = OF_A_LOAD[prefix]
+    return lambda motion: of(motion, term)
+
+
+def _module(function: str) -> Callable[[Motion], Any]:
+    """What a function of the module says of the states."""
+    return lambda motion: motion.called(function, motion.y)
+
+
+def _part(group: str, at: int) -> Callable[[Motion], Array]:
+    """A part of what a function of the module gives."""
+    return lambda motion: motion.values(group)[..., at]
+
+
+def _links(motion: Motion, half: int, before: Array | float) -> Array:
+    """Angles or rates of all links, (..., n), with these of links that are held."""
+    y, hold = motion.y, motion.hold
+    size = _positions(motion)
+    moving: Array = y[..., half * size + 2 * hold.translates : (half + 1) * size]
+    if not hold.first:
+        return moving
+    held = np.broadcast_to(np.asarray(before)[..., None], (*y.shape[:-1], hold.first))
+    return np.concatenate((held, moving), axis=-1)
+
+
+def _positions(motion: Motion) -> int:
+    """How many of the states are positions."""
+    return (int(motion.y.shape[-1]) - len(motion.added)) // 2
+
+
+def _clamp(motion: Motion) -> Array | float:
+    """The angle of the clamp [rad], if there is one."""
+    return motion.parameter("clamp_angle") if motion.hold.clamped else 0.0
+
+
+def _opened(motion: Motion, links: str, clamp: Array | float) -> Array:
+    """What neighbouring links differ by; at a spring in the root or the tail, a link and what the
+    spring holds it at."""
+    values = motion.values(links)
+    held = np.broadcast_to(np.asarray(clamp)[..., None], (*values.shape[:-1], 1))
+    root, tail = ([held] if size else [] for size in (motion.hold.root, motion.hold.tail))
+    return np.diff(np.concatenate((*root, values, *tail), axis=-1), axis=-1)
+
+
+def _velocity(motion: Motion, function: str, *at: int) -> Array:
+    """Velocity of a point, (..., 2): what its positions, which a function of the module gives,
+    differ by a little before and after. Relative to joint 0, lest a rod far away lose its digits.
+    """
+    y, base = motion.y, 2 * motion.hold.translates
+    half = _positions(motion)
+    rates = y[..., half + base : 2 * half]
+    fastest = np.abs(rates).max(axis=-1, initial=0.0)
+    h = np.where(fastest > 0, TURN / np.where(fastest > 0, fastest, 1.0), 1.0)[..., None]
+    points = []
+    for turn in (h * rates, -h * rates):
+        there = y.copy()
+        there[..., :base] = 0.0
+        there[..., base:half] += turn
+        points.append(motion.called(function, there)[(..., *at, slice(None))])
+    found: Array = (points[0] - points[1]) / (2 * h)
+    return found + y[..., half : half + 2] if base else found
+
+
+def _principal(motion: Motion) -> PrincipalAxes:
+    return principal_axes(*np.moveaxis(motion.values("inertia"), -1, 0))
+
+
+def _total_work(motion: Motion) -> Array:
+    total: Array = sum(motion.work.values(), start=np.zeros(motion.y.shape[:-1]))
+    return total
+
+
+def _balance(motion: Motion) -> Array:
+    gained = motion.values("total_energy") - motion.start_energy
+    balance: Array = gained - motion.values("total_work") - motion.given
+    return balance
+
+
+def _total_energy(motion: Motion) -> Array:
+    kinetic, spring, gravity = np.moveaxis(motion.values("energy"), -1, 0)
+    total: Array = kinetic + spring + gravity
+    return total
+
+
+def _load(motion: Motion, name: str) -> Array:
+    """A load that may change with time, at the times of the samples."""
+    if name in motion.timed:
+        value = motion.timed[name](motion.t)
+    elif name in motion.values("signals"):
+        value = motion.values("signals")[name]
+    else:
+        value = motion.parameter(name)
+    return np.broadcast_to(np.asarray(value, dtype=float), motion.t.shape)
+
+
+def _signals(motion: Motion) -> dict[str, Array]:
+    """Sensors, loads that follow the motion, and states that are added."""
+    found = motion.called("signals", motion.t, motion.y) if motion.follows else {}
+    first = 2 * _positions(motion)
+    return found | {name: motion.y[..., first + at] for at, name in enumerate(motion.added)}
+
+
+FORMULAS: dict[str, Callable[[Motion], Any]] = {
+    "t": lambda motion: motion.t,
+    "phi": lambda motion: _links(motion, 0, _clamp(motion)),
+    "omega": lambda motion: _links(motion, 1, 0.0),
+    "bend": lambda motion: _opened(motion, "phi", _clamp(motion)),
+    "bend_rate": lambda motion: _opened(motion, "omega", 0.0),
+    "base": lambda motion: motion.y[..., :2],
+    "base_velocity": lambda motion: motion.y[..., _positions(motion) :][..., :2],
+    "joints": _module("joints"),
+    "tip": lambda motion: motion.values("joints")[..., -1, :],
+    "tip_velocity": lambda motion: _velocity(motion, "joints", -1),
+    "centre_of_gravity": _module("centre_of_gravity"),
+    "centre_velocity": lambda motion: _velocity(motion, "centre_of_gravity"),
+    "bending_moments": _module("bending_moments"),
+    "energy": _module("energy"),  # of its parts, (..., 3)
+    "kinetic_energy": _part("energy", 0),
+    "spring_energy": _part("energy", 1),
+    "gravity_energy": _part("energy", 2),
+    "total_energy": _total_energy,
+    "total_work": _total_work,
+    "energy_balance": _balance,
+    "inertia": _module("inertia"),  # of its parts, (..., 3)
+    "inertia_x": _part("inertia", 0),
+    "inertia_y": _part("inertia", 1),
+    "product_xy": _part("inertia", 2),
+    "principal_axes": _principal,
+    "principal_angle": lambda motion: motion.values("principal_axes").angle,
+    "principal_moments": lambda motion: motion.values("principal_axes").moments,
+    "signals": _signals,  # by name
+    "forces": lambda motion: motion.called("forces", motion.t, motion.y),  # by term
+    "power": lambda motion: motion.called("power", motion.t, motion.y),  # by term
+}
+# What there is one of for each load, by what comes before the name of its term.
+OF_A_LOAD: dict[str, Callable[[Motion, str], Array]] = {
+    "work": lambda motion, term: motion.work[term],
+    "power": lambda motion, term: np.broadcast_to(motion.values("power")[term], motion.t.shape),
+    "force": lambda motion, term: motion.values("forces")[term],
+}

@@ -1,0 +1,142 @@
+"""What is said of a run: what it is warned of before its first step, what stopped it, and what to
+try."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import ModuleType
+
+import numpy as np
+
+from rodgen.integrate.methods.choose import warn_of_tolerance
+from rodgen.integrate.stability import warn_of_step
+from rodgen.integrate.stepper import Array, Machine
+from rodgen.integrate.stretches import Pole
+from rodgen.model.methods import COLLOCATION
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene
+from rodgen.scene.course import MOST_FRONTS
+from rodgen.scene.errors import short
+from rodgen.scene.integration import Integrate
+
+PULSE = 4  # steps that a pulse takes at least to be felt
+MANY = 10**4  # steps over which a method that does not keep energy feeds what nothing damps
+SWING = 3  # steps that a period takes at least, not to be taken for a longer one
+MOST_TURNED = 1e15  # rad, where neighbouring doubles are an eighth of a radian apart
+NEAR = 1e-3  # share of the way to a pole within which it is what stops a run
+
+
+def step_warnings(scene: Scene, model: ModuleType, p: Array) -> Iterator[str]:
+    """What is wrong with step or tolerance of a scene, in sentences; its method is chosen."""
+    settings = scene.integrate
+    for load in scene.course.loads:
+        if not load.followed(*settings.span):
+            yield (
+                f"{load.field} = {short(load.text)}: changes more often in the span than can be "
+                "looked at, and may be taken for another load; give it a shorter span"
+            )
+    for law in scene.course.crowded():
+        yield (
+            f"{law.field} = {short(law.text)}: it is not smooth at places that pass more points of "
+            f"the links than the {MOST_FRONTS} times that steps end at; they are passed over, and "
+            "digits are lost there: give it a shorter span, or tighten rtol"
+        )
+    if not settings.fixed:
+        text = warn_of_tolerance(scene, model)
+        if text:
+            yield text
+    if settings.step is None or not settings.fixed:
+        return
+    (start, end), y0 = settings.span, scene.initial_state()
+    text = warn_of_step(settings.method, settings.step, end - start, model, start, y0, p)
+    if text:
+        yield text
+    yield from _passed_over(scene, settings.step)
+    half = scene.course.swing()
+    if 2 * half < SWING * settings.step:
+        yield (
+            f"a load swings with a period of {2 * half:.2g} s, for which the step of "
+            f"{settings.step:g} s is too long; take a smaller step, or dop853"
+        )
+
+
+def drift_warning(scene: Scene) -> str | None:
+    """That a method will not keep the energy of a scene in which nothing is damped, in a sentence,
+    or None."""
+    settings = scene.integrate
+    damped = any(TERMS[term].damps for term in scene.loads.terms)
+    if settings.method != "semi_implicit_euler" or damped:
+        return None
+    assert settings.step is not None
+    steps = (settings.span[1] - settings.span[0]) / settings.step
+    if steps < MANY:
+        return None
+    return (
+        f"semi_implicit_euler over {steps:.2g} steps: nothing damps this rod, and the method does "
+        "not keep its energy (its mass matrix changes with the angles); take gauss with a step, or "
+        "dop853"
+    )
+
+
+def _passed_over(scene: Scene, step: float) -> Iterator[str]:
+    """The first pulse of a load that is too short for a fixed step [s]."""
+    course = scene.course
+    breaks = course.breaks()
+    for begin, peak, over in () if course.pole() else course.pulses():
+        met = any(begin <= at <= over for at in breaks)  # and stepped onto
+        if begin < peak < over < begin + PULSE * step and not met:
+            yield (
+                f"a load changes within {over - begin:.2g} s at t = {begin:.6g} s, for which "
+                f"the step of {step:g} s is too long; take a smaller step, or dop853"
+            )
+            return
+
+
+def failure(error: ArithmeticError, scene: Scene, machine: Machine, pole: Pole) -> str:
+    """What stopped a run, where, why, and what to try; scene: with the span that it was in."""
+    why = _cause(scene, machine, pole)
+    tip = advice(str(error), scene.integrate, bool(why))
+    why = why or _turned(scene, machine)
+    return f"stopped at t = {machine.t:.9g} s: {error}{why}; {tip}"
+
+
+def _cause(scene: Scene, machine: Machine, pole: Pole) -> str:
+    """The load, if any, that is not finite where a run stopped, and when."""
+    asked = machine.asked
+    for force in scene.course.loads:
+        broken = [at for at in asked if not np.isfinite(force(at))]
+        if broken:
+            return f"; {force.not_finite(min(broken))} s"
+    if pole:
+        at, force = pole
+        near = at - machine.t <= NEAR * (at - scene.integrate.span[0])
+        if near or max(asked, default=at) >= at:
+            return f"; {force.not_finite(at)} s"
+    return ""
+
+
+def _turned(scene: Scene, machine: Machine) -> str:
+    """Whether it is an angle of so many turns that it has no sine."""
+    half = (len(machine.y) - len(scene.states)) // 2
+    angles = machine.y[2 * scene.hold.translates : half]
+    beyond = np.abs(angles).max(initial=0.0) > MOST_TURNED
+    return f"; an angle is beyond {MOST_TURNED:g} rad, where it has no sine" if beyond else ""
+
+
+def advice(reason: str, settings: Integrate, load: bool) -> str:
+    """What to try, for a reason why a run stopped; load: a load was the cause."""
+    if load:
+        return "end the span before that time, or give the load another expression"
+    if "budget" in reason:
+        other = "dop853" if settings.method in COLLOCATION else "radau or gauss"
+        return f"raise max_steps, loosen the tolerance, or try {other}; the motion may be growing"
+    if settings.fixed:
+        return (
+            "try a smaller step, or a method with error control (auto); if it stops there too, the "
+            "motion itself grows without bound"
+        )
+    if "Newton" in reason:
+        return "try a looser tolerance, or the explicit dop853"
+    if "too small" in reason or "no further" in reason or "gave up" in reason:
+        return "try a looser tolerance, another method (auto, radau, dop853), or a shorter span"
+    return "look at the last samples: the motion itself may grow without bound; check the loads"

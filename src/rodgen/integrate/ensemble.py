@@ -1,0 +1,46 @@
+"""What came out of many runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.integrate.stepper import Array
+
+
+@dataclass(repr=False)
+class Ensemble:
+    """What is kept of many runs, one after the other in arrays of their number.
+
+    values: reductions by their texts, each (rods,), not-a-number for runs that failed; t: times
+    [s] that the runs reached, (rods,); y: states there, (rods, states), in the order of the
+    module's STATE; work: work done by each load without potential until then [J], by term, each
+    (rods,); status: "finished" or "failed", (rods,); message: what there is to say of those that
+    failed, by rod; steps, rejected, rhs: of each, (rods,), -1 where the method does not tell;
+    energy_error: largest error of the energy balance at the samples [J], (rods,), not-a-number for
+    runs that failed.
+    """
+
+    values: dict[str, Array]
+    t: Array
+    y: Array
+    work: dict[str, Array]
+    status: NDArray[np.str_]
+    message: dict[int, str]
+    steps: NDArray[np.int64]
+    rejected: NDArray[np.int64]
+    rhs: NDArray[np.int64]
+    energy_error: Array
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __getitem__(self, text: str) -> Array:
+        """A reduction by its text."""
+        return self.values[text]
+
+    def __repr__(self) -> str:
+        kept = f"; {', '.join(self.values)}" if self.values else ""
+        return f"<Ensemble of {len(self)} runs, {len(self.message)} failed{kept}>"

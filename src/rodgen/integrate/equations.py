@@ -1,0 +1,252 @@
+"""What many runs of a module ask of it: found once, and kept as long as it is in use."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property, lru_cache
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.integrate.lanes import Courses, Plan, Rows, explicit
+from rodgen.integrate.reductions import Numbers, Reduction, checked
+from rodgen.integrate.stepper import Array
+from rodgen.integrate.stretches import Stretches
+from rodgen.loading.module import structure_of
+from rodgen.model.parameter import ANY, NOT_NEGATIVE, POSITIVE
+from rodgen.model.rod import BOUNDARIES
+from rodgen.native.many import Lanes
+from rodgen.scene.along import Distribution
+from rodgen.scene.course import Course
+from rodgen.scene.errors import Missing, SceneError
+from rodgen.scene.expression import Expression
+from rodgen.scene.integration import Integrate
+from rodgen.scene.tables import Rod
+
+KEPT = 256  # plans and stretches that are remembered
+
+
+class Equations:
+    """A module, its structure, and what follows from these for many runs."""
+
+    def __init__(self, model: ModuleType):
+        self.model, self.structure = model, structure_of(model)
+        self.states = len(model.STATE)
+        self._plans: dict[Any, Plan | None] = {}
+        self._reductions: dict[tuple[str, ...], tuple[Reduction, ...]] = {}
+        self._courses: dict[Any, tuple[Courses, dict[int, str]]] = {}
+
+    @cached_property
+    def works(self) -> tuple[str, ...]:
+        """Names of the loads without potential."""
+        if not hasattr(self.model, "power"):
+            return ()
+        with np.errstate(all="ignore"):
+            return tuple(self.model.power(0.0, np.zeros(self.states), np.ones(self.width)))
+
+    @cached_property
+    def lanes(self) -> Lanes:
+        """The equations side by side, which are compiled when they are first asked for."""
+        made: Lanes = self.model.LANES
+        return made
+
+    @cached_property
+    def numbers(self) -> Numbers:
+        """All numbers of its quantities."""
+        of = self.structure
+        hold = BOUNDARIES[of.boundary]
+        return Numbers.of(hold, of.links, self.works, of.open_expressions, of.state_names)
+
+    def reductions(self, texts: tuple[str, ...]) -> tuple[Reduction, ...]:
+        """Reductions of these numbers from their texts. Raises SceneError."""
+        found = self._reductions.get(texts)
+        if found is None:
+            found = checked(texts, self.numbers.places)
+            _remember(self._reductions, texts, found)
+        return found
+
+    def plan(self, settings: Integrate, reductions: tuple[Reduction, ...]) -> Plan | None:
+        """How runs go side by side; None where they cannot."""
+        key = settings.method, settings.fixed, reductions
+        if key not in self._plans:
+            _remember(self._plans, key, self._planned(settings, reductions))
+        return self._plans[key]
+
+    def _planned(self, settings: Integrate, reductions: Sequence[Reduction]) -> Plan | None:
+        switches = self._switching and not settings.fixed
+        if switches or not explicit(settings.method) or not hasattr(self.model, "LANES"):
+            return None
+        return Plan.of(Rows(self.lanes, self.model.STATE, self.structure.links), reductions)
+
+    # What changes with time ---------------------------------------------------------------------
+
+    @cached_property
+    def _open(self) -> list[Expression]:
+        of = self.structure
+        groups = of.open_expressions, of.open_along, of.open_rates, of.open_masses
+        return [e for group in groups for e in group.values()]
+
+    @cached_property
+    def _switching(self) -> bool:
+        """Whether a law of the motion switches at what it follows."""
+        return self._cornered or any(e.switches() for e in self.structure.laws.values())
+
+    @cached_property
+    def _cornered(self) -> bool:
+        """Whether the law of the springs is not smooth."""
+        return bool(self.structure.spring and self.structure.spring_law.corners())
+
+    @cached_property
+    def _timed(self) -> dict[str, int]:
+        """Where in p the numbers of its expressions lie."""
+        positions = self.structure.positions
+        return {name: positions[name] for e in self._open for name in e.names}
+
+    def course(self, span: Sequence[float], p: Array) -> Course:
+        """What changes with time within a span [s], for one rod. Raises SceneError."""
+        return Course.of(self.structure, self._values(p), span[0], span[1], self._stiffness(p))
+
+    def timed(self, p: Array) -> dict[str, Expression]:
+        """Loads that change with time alone, by the names of their parameters, for one rod."""
+        values, loads = self._values(p), self.structure.open_expressions.items()
+        return {name: e.with_values(values) for name, e in loads if not e.signals}
+
+    def _values(self, p: Array) -> dict[str, float]:
+        """The numbers in its expressions, by name."""
+        positions = self.structure.positions
+        return {name: float(p[positions[name]]) for name in self.structure.numbers}
+
+    def _stiffness(self, p: Array) -> tuple[float, ...]:
+        """Of the springs, where their law has corners: those of an even rod follow from EI."""
+        if not self._cornered:
+            return ()
+        places = self.structure.places
+        if "joint_stiffness" in places:
+            return tuple(p[places["joint_stiffness"]].tolist())
+        of = self.structure
+        length, stiffness = (
+            float(p[places[name].start]) for name in ("length", "bending_stiffness")
+        )
+        rod = Rod(
+            links=of.links,
+            length=length,
+            bending_stiffness=stiffness,
+            mass=1.0,
+            boundary=of.boundary,
+        )
+        return tuple(Distribution(rod, [], (), 0.0).joint_stiffness)
+
+    def courses(
+        self, settings: Integrate, p: Array, rods: int
+    ) -> tuple[Courses, NDArray[np.int64] | None, dict[int, str]]:
+        """Stretches of the runs, which of them each rod has (None: all the first), and why rods
+        have none."""
+        numbers = p[:, list(self._timed.values())]
+        if not self._timed or len(p) == 1:
+            key = settings.span[0], settings.span[1], settings.fixed, numbers[:1].tobytes()
+            known = self._courses.get(key)
+            if known is None:
+                known = self._found(settings, numbers[:1])
+                _remember(self._courses, key, known)
+            courses, refused = known
+            return courses, None, dict.fromkeys(range(rods), refused[0]) if refused else {}
+        distinct, which = np.unique(numbers, axis=0, return_inverse=True)
+        courses, refused = self._found(settings, distinct)
+        which = which.reshape(-1).astype(np.int64)
+        return (
+            courses,
+            which,
+            {
+                rod: said
+                for number, said in refused.items()
+                for rod in np.flatnonzero(which == number).tolist()
+            },
+        )
+
+    def _found(self, settings: Integrate, numbers: Array) -> tuple[Courses, dict[int, str]]:
+        """Stretches for several sets of numbers, and why some have none."""
+        found, refused = list[Stretches](), dict[int, str]()
+        for at, values in enumerate(numbers):
+            try:
+                found.append(self._stretches(settings, values))
+            except SceneError as error:
+                found.append(Stretches([]))
+                refused[at] = str(error)
+        return Courses.of(settings.span[0], found), refused
+
+    def _stretches(self, settings: Integrate, values: Array) -> Stretches:
+        """Stretches for one set of numbers. Raises SceneError."""
+        start, end = settings.span
+        by_name = dict(zip(self._timed, values.tolist(), strict=True))
+        course = Course.of(self.structure, by_name, start, end)
+        found = Stretches.of(course, settings.fixed)
+        if not found.ends:
+            _, load = course.pole() or (start, None)
+            allowed = f"finite from {start!r} s on"
+            raise SceneError(load.field if load else "span", load and load.text, allowed)
+        return found
+
+    # Parameters ---------------------------------------------------------------------------------
+
+    @cached_property
+    def width(self) -> int:
+        """How many numbers p holds."""
+        return self.structure.width
+
+    def packed(self, given: Mapping[str, Any]) -> Array:
+        """Parameters (rods, parameters) from values by name. Raises SceneError."""
+        rows = {row.name: row for row in self.structure.rows}
+        places = self.structure.places
+        for name in given:
+            if name not in rows:
+                raise SceneError("p", name, f"one of {', '.join(rows)}")
+        made: dict[str, Array] = {}
+        for name, row in rows.items():
+            value = given.get(name, row.default)
+            if value is None:
+                raise SceneError(f"p.{name}", Missing(), "given")
+            count = places[name].stop - places[name].start if row.several else 0
+            made[name] = _column(f"p.{name}", value, count, row.rule)
+        rods = {len(column) for column in made.values() if len(column) != 1}
+        if len(rods) > 1:
+            shown = ", ".join(f"{n}: {len(c)}" for n, c in made.items() if len(c) != 1)
+            raise SceneError("p", shown, "as many values of every parameter as there are rods")
+        p = np.empty((rods.pop() if rods else 1, self.width))
+        for name, column in made.items():
+            p[:, places[name]] = column
+        return p
+
+
+def _column(name: str, value: Any, count: int, rule: str) -> Array:
+    """Values (rods or 1, numbers) of a parameter that is one number (count 0) or several."""
+    array = np.asarray(value)
+    if isinstance(value, np.ma.MaskedArray) or array.dtype.kind not in "iuf":
+        raise SceneError(name, value, "real numbers")
+    if count and array.ndim == 0:
+        array = np.full(count, array)
+    if count and (array.ndim > 2 or array.shape[-1] != count):
+        raise SceneError(name, value, f"{count} numbers, or (rods, {count})")
+    if not count and array.ndim > 1:
+        raise SceneError(name, value, "a number, or (rods,)")
+    column = array.reshape(-1, count or 1).astype(float)
+    allowed = {ANY: column == column, NOT_NEGATIVE: column >= 0, POSITIVE: column > 0}
+    wrong = ~(np.isfinite(column) & allowed[rule])
+    if wrong.any():
+        what = "" if rule == ANY else f", {rule}"
+        raise SceneError(name, float(column[wrong][0]), f"finite{what}")
+    return column
+
+
+def _remember(kept: dict[Any, Any], key: Any, value: Any) -> None:
+    """Keep a value by its key, and not too many."""
+    if len(kept) >= KEPT:
+        kept.clear()
+    kept[key] = value
+
+
+@lru_cache(maxsize=16)
+def equations_of(model: ModuleType) -> Equations:
+    """Those of a module."""
+    return Equations(model)

@@ -1,0 +1,122 @@
+"""How a result file tells that it is as it was written (CRC-32), and how its run goes (a text).
+
+One checksum is of all that is written once: header, scene, labels. It is in the text of the run,
+which has one of itself; each sample and each event has its own. Those begin from the first and the
+number of the sample, so that what belongs to another file, or to another place, is not taken for
+it.
+"""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.integrate.files.netcdf import NUMRECS, PAGE, Header
+from rodgen.integrate.solution import Stats
+from rodgen.integrate.stepper import Counts
+from rodgen.scene import SceneError
+
+CHECKSUM = "checksum"  # last in a record
+EVENT = "event_number", "event_time", "event_y", "event_checksum"
+RUN = "run"  # the variable with the text
+SEAL = b'{"checksum": "', 8  # how a sealed text begins, and digits that follow
+RUNNING = "running"  # status in a file whose run has not ended
+NO_STATS = Stats.of(Counts(), 0.0)
+
+
+def of_fixed(header: Header, read: Callable[[int, int], bytes]) -> int:
+    """A checksum of all before the records that does not change; read: bytes from here, so many."""
+    changing = [header.variables[name] for name in (RUN, *EVENT) if name in header.variables]
+    left_out = [(NUMRECS, NUMRECS + 4), *((v.begin, v.begin + v.size) for v in changing)]
+    found = at = 0
+    for begin, end in [*sorted(left_out), (header.start, header.start)]:
+        found = zlib.crc32(read(at, begin - at), found)
+        at = end
+    return found
+
+
+def of_records(records: NDArray[Any], first: int, fixed: int) -> NDArray[np.int32]:
+    """Checksums of records (K,), which end in room for them; first: the number of the first."""
+    content, size = memoryview(records.tobytes()), records.dtype.itemsize
+    found = [
+        zlib.crc32(content[at : at + size - 4], fixed + first + k & 0xFFFFFFFF)
+        for k, at in enumerate(range(0, len(content), size))
+    ]
+    return np.array(found, np.uint32).view(np.int32)
+
+
+def of_event(at: int, number: int, t: Any, y: Any, fixed: int) -> np.int32:
+    """The checksum of the event in this place of the file."""
+    content = b"".join(np.asarray(v, ">f8").tobytes() for v in (number, t, y))
+    return np.uint32(zlib.crc32(content, fixed + at & 0xFFFFFFFF)).view(np.int32)
+
+
+def unused(number: NDArray[Any], t: NDArray[Any], y: NDArray[Any], found: NDArray[Any]) -> bool:
+    """Whether places for events are as they are left where there is none."""
+    nothing = np.array(np.nan, ">f8").view(">i8")
+    numbers = (number == -1).all() and not found.any()
+    return bool(numbers and all((v.view(">i8") == nothing).all() for v in (t, y)))
+
+
+def sealed(text: bytes) -> bytes:
+    """A text of JSON that begins as SEAL does, with its own checksum."""
+    head, digits = SEAL
+    assert text.startswith(head)
+    rest = text[len(head) + digits :]
+    return head + b"%08x" % zlib.crc32(rest) + rest
+
+
+def unharmed(text: bytes) -> bool:
+    """Whether a text is as `sealed` made it."""
+    return text.startswith(SEAL[0]) and text == sealed(text)
+
+
+class Run(NamedTuple):
+    """How a run goes; lost: events for which the file had no room; samples, events: how many of
+    them count; fixed: checksum of what in the file does not change."""
+
+    status: str = RUNNING
+    message: str = ""
+    stats: Stats | None = None
+    lost: int = 0
+    samples: int = 0
+    events: int = 0
+    fixed: int = 0
+
+    def text(self) -> bytes:
+        """PAGE bytes of JSON with a checksum; a message that is too long is cut."""
+        run = {"checksum": "0" * SEAL[1], **self._asdict()}
+        run["stats"] = self.stats and asdict(self.stats)
+        message = self.message
+        while len(text := json.dumps({**run, "message": message}).encode()) > PAGE:
+            if not message:
+                raise ValueError(f"{len(text)} bytes of status and stats, more than {PAGE}")
+            # In JSON a character needs 12 bytes at most.
+            message = message[: -max(1, (len(text) - PAGE) // 12)]
+        return sealed(text.ljust(PAGE))
+
+    @classmethod
+    def of(cls, text: bytes, path: Path) -> Run:
+        """What `text` made; raises SceneError for other text, in the file at path."""
+        if not unharmed(text):
+            raise SceneError("file", str(path), "as it was written (damaged: how the run went)")
+        return cls._of(text)
+
+    @classmethod
+    def of_former(cls, text: bytes, samples: int, events: int) -> Run:
+        """How a run goes whose file has no checksums, and counts samples and events elsewhere."""
+        return cls._of(text)._replace(samples=samples, events=events)
+
+    @classmethod
+    def _of(cls, text: bytes) -> Run:
+        run = json.loads(text)
+        stats = run["stats"] and Stats(**run["stats"])
+        numbers = (int(run.get(name, 0)) for name in ("lost", "samples", "events", "fixed"))
+        return cls(str(run["status"]), str(run["message"]), stats, *numbers)

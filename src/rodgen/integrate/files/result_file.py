@@ -1,0 +1,241 @@
+"""A result file that is read: whether it is one, and whether it is as it was written."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.integrate.endings import INTERRUPTED
+from rodgen.integrate.files import checksums
+from rodgen.integrate.files.checksums import RUNNING, Run
+from rodgen.integrate.files.layout import FORMAT, plain
+from rodgen.integrate.files.netcdf import Header, RecordFile, read_header
+from rodgen.integrate.solution import Event
+from rodgen.scene import Scene, SceneError
+
+BEFORE = "rodgen 2"  # the format without checksums
+BLOCK = 2**20  # bytes of records that are checked at once
+NAMED = 3  # stretches of damaged samples that are named one by one
+# What contents that are none of ours end in.
+STRANGE = LookupError, TypeError, ValueError, ArithmeticError, AttributeError, RecursionError
+
+
+class FileWarning(UserWarning):
+    """A result file that could not be checked, or of which not all could be read."""
+
+
+class ResultFile:
+    """A result file, open to be read. scene: that of its run; run: how that went; checked: whether
+    it has checksums; notes: what is to be said of it.
+
+    strict: raise SceneError for any damage that is found. Otherwise samples, events and the text
+    of the run are left out where they are damaged, and notes say so; what says what they mean, the
+    header with the scene, has to be as it was written in any case.
+    """
+
+    def __init__(self, path: Path, strict: bool = True):
+        self.path, self.strict = path, strict
+        self.notes: list[str] = []
+        self._guessed = False
+        self.header = header_of(path)
+        self.checked = self.header.attributes["format"] == FORMAT
+        if self.checked != (checksums.CHECKSUM in self.header.variables):
+            raise self._refused("its header")
+        with as_rodgens(path):
+            self._file = RecordFile(path, self.header, "r")
+        try:
+            with as_rodgens(path):
+                self.run = self._checked_run() if self.checked else self._former_run()
+                self.scene = scene_of(self.header, path)
+        except BaseException:
+            self._file.close()
+            raise
+        self._file.count = self.run.samples
+
+    def _former_run(self) -> Run:
+        self.notes.append(f"{self.path} is of the format {BEFORE!r}: damage to it goes unseen")
+        text = self._file.fixed(checksums.RUN).tobytes()
+        return Run.of_former(text, self.header.records, self._numbered())
+
+    def _checked_run(self) -> Run:
+        """How the run went, in a header that is as it was written."""
+        fixed = checksums.of_fixed(self.header, self._file.read)
+        text = self._file.fixed(checksums.RUN).tobytes()
+        if not checksums.unharmed(text):
+            self._damaged("how the run went")
+            self._guessed = True
+            return self._guess(fixed)
+        run = Run.of(text, self.path)
+        if run.fixed != fixed:
+            raise self._refused("its header, its scene or its labels")
+        # The number is written after the text: what it says now, the text says, or more.
+        ended = run.status != RUNNING
+        if self.header.records > run.samples or (ended and self._file.counted() != run.samples):
+            self._damaged("the number of its samples")
+        return run
+
+    def _guess(self, fixed: int) -> Run:
+        """What can still be told of a run where its text is lost."""
+        self._file.count = 0
+        samples = max(0, self._file.surplus()) // self.header.record.itemsize
+        why = "how the run went is lost"
+        return Run(INTERRUPTED, why, samples=samples, events=self._numbered(), fixed=fixed)
+
+    def _numbered(self) -> int:
+        """Events that have a number."""
+        if "event_number" not in self.header.variables:
+            return 0
+        return int((self._file.fixed("event_number") >= 0).sum())
+
+    def samples(self, most: int | None = None) -> tuple[NDArray[Any], NDArray[np.intp]]:
+        """Its records (R,), read from the disk as they are asked for, and the numbers of those
+        that are good, ascending.
+
+        most: how many from the first on are looked at; what is behind does not matter.
+        """
+        size = self.header.record.itemsize
+        due = self.run.samples if most is None else min(most, self.run.samples)
+        self._file.count = due
+        surplus = self._file.surplus()
+        self._file.count = there = due + min(0, surplus // size)
+        if there < 0:
+            raise self._refused("it is cut short before its first sample")
+        with as_rodgens(self.path):
+            records = self._file.records()
+        good = np.zeros(due, bool)
+        good[:there] = self._good(records)
+        if self._guessed and not good.any():  # then it may be the header that is not as it was
+            raise self._refused("how the run went, and all of its samples")
+        if not good.all():
+            self._damaged(_named(good, plain(records["time"])))
+        elif most is None and surplus and self.run.status != RUNNING and self.checked:
+            self._damaged("bytes behind its samples")
+        return records, np.flatnonzero(good)
+
+    def just_written(self) -> tuple[NDArray[Any], NDArray[np.intp]]:
+        """The records of a file that was written just now, all of them good, and their numbers."""
+        return self._file.records(), np.arange(self.run.samples)
+
+    def _good(self, records: NDArray[Any]) -> NDArray[np.bool_]:
+        """Which records are as they were written."""
+        if not self.checked:
+            return np.ones(len(records), bool)
+        step = max(1, BLOCK // records.dtype.itemsize)
+        parts = [np.empty(0, bool)]
+        for at in range(0, len(records), step):
+            some = records[at : at + step]
+            parts.append(checksums.of_records(some, at, self.run.fixed) == some[checksums.CHECKSUM])
+        return np.concatenate(parts)
+
+    def events(self) -> tuple[Event, ...]:
+        """Its events, those that are good."""
+        if "event_number" not in self.header.variables:
+            return ()
+        number, t, y = (self._file.fixed(name) for name in checksums.EVENT[:3])
+        kept = np.flatnonzero(number >= 0)
+        if self.checked:
+            kept = self._good_events(number, t, y, self._file.fixed(checksums.EVENT[3]))
+        with as_rodgens(self.path):
+            names = [self.scene.events[k].name for k in number[kept]]
+        return tuple(map(Event, names, map(float, t[kept]), plain(y[kept])))
+
+    def _good_events(
+        self, number: NDArray[Any], t: NDArray[Any], y: NDArray[Any], found: NDArray[Any]
+    ) -> NDArray[np.intp]:
+        count = self.run.events
+        good = np.zeros(count, bool)
+        for k in range(min(count, len(number))):
+            good[k] = checksums.of_event(k, number[k], t[k], y[k], self.run.fixed) == found[k]
+        if not good.all():
+            self._damaged(f"{count - good.sum()} of its {count} events")
+        # The one behind them may have been half written when the run was killed.
+        empty = count + (self.run.status == RUNNING)
+        if not checksums.unused(*(values[empty:] for values in (number, t, y, found))):
+            self._damaged("what lies behind its events")
+        return np.flatnonzero(good)
+
+    def _damaged(self, what: str) -> None:
+        """Refuse the file, or note what is left out."""
+        if self.strict:
+            rest = "load(..., strict=False) and rodgen animate --damaged take the rest"
+            raise self._refused(f"{what}; {rest}")
+        self.notes.append(f"{self.path} is damaged, and what is left out is: {what}")
+
+    def _refused(self, what: str) -> SceneError:
+        return SceneError("file", str(self.path), f"as it was written (damaged: {what})")
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def _named(good: NDArray[np.bool_], t: NDArray[np.float64]) -> str:
+    """Samples that are not good, by the times [s] of those beside them; t: of those in the file."""
+    bad = np.flatnonzero(~good)
+    stretches = np.split(bad, np.flatnonzero(np.diff(bad) > 1) + 1)
+    named = []
+    for some in stretches[:NAMED]:
+        before, after = int(some[0]) - 1, int(some[-1]) + 1
+        sides = [f"after t = {t[before]:.9g} s"] if before >= 0 else []
+        sides += [f"before t = {t[after]:.9g} s"] if after < len(good) else []
+        which = f"{len(some)} sample{'s' * (len(some) > 1)}"
+        named.append(f"{which} {' and '.join(sides)}".rstrip())
+    more = len(stretches) - NAMED
+    return ", ".join(named) + (f" and {more} more such places" if more > 0 else "")
+
+
+def warn(notes: list[str]) -> None:
+    """Notes of a file as warnings of whoever reads it."""
+    for note in notes:
+        warnings.warn(note, FileWarning, stacklevel=3)
+
+
+def open_header(path: Path) -> tuple[Header, Scene]:
+    """Header of a result file, and its scene; raises SceneError for other files."""
+    header = header_of(path)
+    return header, scene_of(header, path)
+
+
+def header_of(path: Path) -> Header:
+    """Header of a result file; raises SceneError for other files."""
+    try:
+        with open(path, "rb") as file:
+            if file.read(4) == b"\x89HDF":
+                raise ValueError("HDF5: from rodgen before 'rodgen 2'")
+            header = read_header(file)
+    except (OSError, ValueError) as error:
+        reason = str(error).splitlines()[0]
+        raise SceneError("file", str(path), f"a NetCDF file that can be read ({reason})") from None
+    if header.attributes.get("format") not in (FORMAT, BEFORE):
+        raise SceneError("file", str(path), f"written by rodgen (format {FORMAT!r})")
+    return header
+
+
+def scene_of(header: Header, path: Path) -> Scene:
+    """The scene in the header of a result file; raises SceneError where there is none."""
+    with as_rodgens(path):
+        return Scene.from_dict(json.loads(header.attributes["scene"]))
+
+
+@contextmanager
+def as_rodgens(path: Path) -> Iterator[None]:
+    """What NumPy and others say of the contents of a file that is no result, as a SceneError."""
+    try:
+        yield
+    except (*STRANGE, OSError) as error:
+        if isinstance(error, SceneError) and error.field == "file":
+            raise
+        raise SceneError("file", str(path), f"written by rodgen ({error!r})") from None

@@ -1,0 +1,274 @@
+"""Many runs of one module: parameters and initial states in, what is kept of every run out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import ValidationError
+
+from rodgen.integrate import lanes
+from rodgen.integrate.catalogue import Piece
+from rodgen.integrate.diagnosis import advice
+from rodgen.integrate.endings import FAILED, FINISHED
+from rodgen.integrate.ensemble import Ensemble
+from rodgen.integrate.equations import Equations, equations_of
+from rodgen.integrate.events import Watch
+from rodgen.integrate.methods.choose import machine
+from rodgen.integrate.reductions import Reduction
+from rodgen.integrate.samples import Recorder
+from rodgen.integrate.stepper import Array, Machine, StepError
+from rodgen.integrate.stretches import UNBOUNDED, Stretches, inside, step_to
+from rodgen.model.methods import METHODS
+from rodgen.native.run import STATUSES
+from rodgen.scene.errors import SceneError, check_type, explain
+from rodgen.scene.integration import AUTO, Integrate
+from rodgen.scene.overrides import check_used
+from rodgen.scene.plain import plain
+
+MOST_WORKERS = 1024
+
+
+def simulate_many(
+    model: ModuleType,
+    p: ArrayLike | Mapping[str, ArrayLike],
+    y0: ArrayLike,
+    *,
+    keep: Sequence[str] = (),
+    workers: int = 1,
+    **settings: Any,
+) -> Ensemble:
+    """Integrate many rods of one structure, each with parameters and an initial state of its own.
+
+    p: parameters (rods, parameters), as the module's `parameters` packs them, or by name, each a
+    number or (rods,), of several numbers (K,) or (rods, K); y0: states (rods, states) at the start,
+    in the order of the module's STATE. Either may be one for all rods, without the first axis.
+    keep: reductions such as "max(phi_19)" or "rms(tip_y, from=5)": last, min, max, mean, rms, std
+    or time_of_max of a number of any quantity, over the samples of a run (between two times [s]).
+    workers: threads that share the work. settings: as those of [integrate] in a scene, such as
+    span, method (by default dop853), step, rtol, atol, output_every, t_eval, max_steps.
+
+    Explicit methods of C modules take their steps in C, as many rods side by side as a vector has
+    lanes, each with a step of its own; samples are not stored, but taken into what is kept as runs
+    go. Where laws of the motion switch at a sensor or a state, with methods that are implicit or
+    not compiled, and for quantities that C does not have, runs are made one after the other. What
+    comes out of a run does not depend on the others, their order or number, nor on the workers, to
+    the bit. A run that fails does not stop the others.
+
+    Raises SceneError for arrays of other shapes, values that are not finite or not allowed, names
+    that the module does not have, reductions that are none, and settings that cannot be used;
+    TypeError for what is no module.
+    """
+    check_type("model", model, ModuleType, see="rodgen.build")
+    equations = equations_of(model)
+    used, times = _settings(tuple((name, _plain(name, v)) for name, v in settings.items()))
+    whole = isinstance(workers, int) and not isinstance(workers, bool)
+    if not (whole and 0 < workers <= MOST_WORKERS):
+        raise SceneError("workers", workers, f"a whole number from 1 to {MOST_WORKERS}")
+    width, states = equations.width, equations.states
+    packed = equations.packed(p) if isinstance(p, Mapping) else _rows("p", p, width)
+    y = _rows("y0", y0, states)
+    if len(packed) != len(y) and 1 not in (len(packed), len(y)):
+        allowed = f"({len(packed)}, {states}), a state for every row of p, or one state ({states},)"
+        raise SceneError("y0", _Shape(y.shape), allowed)
+    rods = min(len(packed), len(y)) and max(len(packed), len(y))
+    reductions = equations.reductions((keep,) if isinstance(keep, str) else tuple(keep))
+    plan = equations.plan(used, reductions)
+    if plan is None:
+        return _one_by_one(equations, reductions, used, times, packed, y, rods)
+    return _side_by_side(equations, plan, reductions, used, times, packed, y, rods, workers)
+
+
+class _Shape(tuple[int, ...]):
+    """The shape of an array that was given, as messages show it."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return f"(an array of shape {tuple(self)})"
+
+
+def _rows(name: str, values: Any, width: int) -> Array:
+    """Rows of doubles, one after the other, (rods, width). Raises SceneError."""
+    array = np.asarray(values)
+    if isinstance(values, np.ma.MaskedArray) or array.dtype.kind not in "iuf":
+        raise SceneError(name, values, "real numbers")
+    if array.ndim not in (1, 2) or array.shape[-1] != width:
+        raise SceneError(name, _Shape(array.shape), f"of shape ({width},) or (rods, {width})")
+    rows = np.ascontiguousarray(array.reshape(-1, width), dtype=float)
+    if not np.isfinite(rows).all():
+        rod, at = (int(place) for place in np.argwhere(~np.isfinite(rows))[0])
+        where = f"{name}[{rod}, {at}]" if array.ndim == 2 else f"{name}[{at}]"
+        raise SceneError(where, float(rows[rod, at]), "a finite number")
+    return rows
+
+
+def _plain(name: str, value: Any) -> Any:
+    """A setting as it can be looked up."""
+    value = plain(value, name)
+    return tuple(value) if isinstance(value, list) else value
+
+
+@lru_cache(maxsize=64)
+def _settings(given: tuple[tuple[str, Any], ...]) -> tuple[Integrate, Array]:
+    """Settings, checked as a scene's are, and the times of the samples."""
+    table = {name: list(v) if isinstance(v, tuple) else v for name, v in given if v is not None}
+    try:
+        settings = Integrate.model_validate({"method": "dop853"} | table)
+    except ValidationError as error:
+        raise explain(error, table, Integrate) from None
+    if settings.method == AUTO:
+        raise SceneError("method", AUTO, f"one of {', '.join(METHODS)}: auto looks at one scene")
+    check_used(settings, table)
+    return settings, settings.samples
+
+
+# Side by side ----------------------------------------------------------------------------------
+
+
+def _side_by_side(
+    equations: Equations,
+    plan: lanes.Plan,
+    reductions: Sequence[Reduction],
+    settings: Integrate,
+    times: Array,
+    p: Array,
+    y: Array,
+    rods: int,
+    workers: int,
+) -> Ensemble:
+    """Runs in the lanes of C."""
+    courses, which, refused = equations.courses(settings, p, rods)
+    jobs = list(_between(sorted(refused), rods))
+    block = lanes.run(
+        equations.lanes, plan, settings, times, p, y, courses, which, rods, jobs, workers
+    )
+    outcome, works = block.outcome, equations.lanes.works
+    ended = outcome["status"] == STATUSES["REACHED"]
+    message = {}
+    for rod in np.flatnonzero(~ended).tolist():
+        status, t = int(outcome["status"][rod]), float(outcome["t"][rod])
+        message[rod] = refused.get(rod) or _said(lanes.why(status, settings, t), t, settings)
+    for rod in refused:
+        block.values[rod], block.state[rod], outcome["t"][rod] = np.nan, np.nan, settings.span[0]
+    least, most = block.values[:, -2], block.values[:, -1]
+    return Ensemble(
+        values={one.text: block.values[:, at] for at, one in enumerate(reductions)},
+        t=outcome["t"],
+        y=block.state[:, : equations.states],
+        work={term: block.state[:, equations.states + at] for at, term in enumerate(works)},
+        status=np.where(ended, FINISHED, FAILED),
+        message=message,
+        steps=outcome["steps"],
+        rejected=outcome["rejected"],
+        rhs=outcome["rhs"],
+        energy_error=np.maximum(most, -least),
+    )
+
+
+def _between(gaps: Sequence[int], count: int) -> Iterator[tuple[int, int]]:
+    """Ranges of whole numbers below a count, without gaps."""
+    begin = 0
+    for gap in (*gaps, count):
+        if gap > begin:
+            yield begin, gap
+        begin = gap + 1
+
+
+def _said(why: str, t: float, settings: Integrate) -> str:
+    return f"stopped at t = {t:.9g} s: {why}; {advice(why, settings, False)}"
+
+
+# One by one ------------------------------------------------------------------------------------
+
+
+def _one_by_one(
+    equations: Equations,
+    reductions: Sequence[Reduction],
+    settings: Integrate,
+    times: Array,
+    p: Array,
+    y: Array,
+    rods: int,
+) -> Ensemble:
+    """Runs one after the other, by whatever method."""
+    works = equations.works
+    made = Ensemble(
+        values={one.text: np.full(rods, np.nan) for one in reductions},
+        t=np.full(rods, settings.span[0]),
+        y=np.full((rods, equations.states), np.nan),
+        work={term: np.full(rods, np.nan) for term in works},
+        status=np.full(rods, FINISHED),
+        message={},
+        steps=np.zeros(rods, dtype=np.int64),
+        rejected=np.zeros(rods, dtype=np.int64),
+        rhs=np.zeros(rods, dtype=np.int64),
+        energy_error=np.full(rods, np.nan),
+    )
+    for rod in range(rods):
+        of_rod, start = p[rod % len(p)], y[rod % len(y)]
+        recorder = Recorder(times, equations.states, works)
+        with np.errstate(all="ignore"):  # of a state that cannot be integrated
+            taken = machine(equations.model, of_rod, settings, settings.span[0], start)
+            try:
+                _run(equations, of_rod, settings, taken, recorder)
+                _keep(equations, of_rod, start, settings, recorder, reductions, made, rod)
+            except (StepError, OverflowError, SceneError) as error:
+                made.status[rod] = FAILED
+                why = str(error)
+                made.message[rod] = (
+                    why if isinstance(error, SceneError) else _said(why, taken.t, settings)
+                )
+            made.t[rod], made.y[rod] = taken.t, taken.y
+            for term, work in zip(works, taken.works(recorder), strict=True):
+                made.work[term][rod] = work
+            counts = taken.counts
+            made.steps[rod], made.rhs[rod] = counts.steps, counts.rhs
+            made.rejected[rod] = -1 if counts.rejected is None else counts.rejected
+    return made
+
+
+def _run(
+    equations: Equations, p: Array, settings: Integrate, machine: Machine, recorder: Recorder
+) -> None:
+    """A run to its end. Raises StepError."""
+    course = equations.course(settings.span, p)
+    watch = Watch((), equations.model, p, () if settings.fixed else course.switches())
+    stretches = Stretches.of(course, settings.fixed)
+    times, rows = recorder.room()
+    if times[0] == machine.t:
+        rows[0] = 0.0
+        rows[0, : recorder.states] = machine.y
+        recorder.took(1)
+    for end in stretches.ends:
+        machine.begin(end, *inside(machine.t, end), stretches.swing)
+        step_to(end, machine, recorder, watch, settings.budget, lambda: None)
+    if stretches.pole:
+        raise StepError(UNBOUNDED)
+
+
+def _keep(
+    equations: Equations,
+    p: Array,
+    start: Array,
+    settings: Integrate,
+    recorder: Recorder,
+    reductions: Sequence[Reduction],
+    made: Ensemble,
+    rod: int,
+) -> None:
+    """Reductions of the samples of a run."""
+    t, y, work = recorder.kept()
+    at_start = Piece(equations.model, p, start[None], np.array(settings.span[:1]))
+    motion = Piece(
+        *(equations.model, p, y, t, work),
+        start_energy=float(at_start.values("total_energy")[0]),
+        timed=equations.timed(p),
+    )
+    for one in reductions:
+        made.values[one.text][rod] = one.of(t, equations.numbers.values(motion, one.number))
+    made.energy_error[rod] = np.abs(motion.values("energy_balance")).max(initial=0.0)

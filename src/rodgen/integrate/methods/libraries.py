@@ -1,0 +1,156 @@
+"""Methods of other libraries, step by step: SciPy's with error control, and CVODE's."""
+
+from __future__ import annotations
+
+import warnings
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+import scipy.integrate
+from scipy.integrate import OdeSolver
+
+from rodgen.integrate.stepper import Array, Counts, Interpolant, Problem, StepError
+from rodgen.model.methods import METHODS
+from rodgen.scene import SceneError
+
+LOOKS = 500  # steps between two looks at the stability limit, which cost as much as 30
+PATIENCE = 1000  # evaluations in a row that are not finite, before a method is stopped
+PACKAGE = "sksundae.cvode"
+
+
+class ScipyStep:
+    """A SciPy method between two break points (see stepper.Stepper).
+
+    An explicit method takes steps of at most the largest stable one. Error control alone lets the
+    fastest motions grow up to the tolerance, and at loose tolerances of smooth motions some steps
+    beyond it, unnoticed.
+    """
+
+    def __init__(self, problem: Problem):
+        t, y, settings = problem.t, problem.y, problem.settings
+        method = METHODS[settings.method]
+        solver = getattr(scipy.integrate, method.scipy)
+        self._problem, self._broken, self._broken_in_a_row = problem, False, 0
+        # Evaluations of one try of an explicit method, of which all tries cost as many.
+        self._stages: int | None = None if method.implicit else solver.n_stages
+        self._rejected = 0
+        self._steps = 0
+        self.t, self.y = t, y
+        self._watched(t, y)
+        if self._broken:  # SciPy would look for a first step for ever
+            raise self._failure("")
+        # A first step into infinity is judged by the run, not by a warning.
+        given = {"rtol": settings.rtol, "atol": settings.atol, "max_step": problem.longest(t, y)}
+        exact = {"jac": problem.jac} if method.implicit else {}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            self._solver: OdeSolver = solver(self._watched, t, y, problem.end, **given, **exact)
+
+    def _watched(self, t: float, y: Array) -> Array:
+        rate = self._problem.rhs(t, y)
+        if np.isfinite(rate).all():
+            self._broken_in_a_row = 0
+            return rate
+        self._broken = True
+        self._broken_in_a_row += 1
+        if self._broken_in_a_row > PATIENCE:
+            raise self._failure("")
+        return rate
+
+    @property
+    def counts(self) -> Counts:
+        solver = self._solver
+        rejected = self._rejected if self._stages else None
+        # LSODA counts in NumPy's integers, which JSON does not know.
+        return Counts(self._steps, rejected, *map(int, (solver.nfev, solver.njev, solver.nlu)))
+
+    def step(self) -> bool:
+        """Take a step; True when the end is reached. Raises StepError."""
+        solver, before = self._solver, self._solver.nfev
+        self._broken = False
+        if self._stages and self._steps and self._steps % LOOKS == 0:
+            solver.max_step = self._problem.longest(self.t, self.y)
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                message = solver.step()
+        except (ValueError, np.linalg.LinAlgError) as error:
+            raise self._failure(str(error)) from error
+        if solver.status == "failed":
+            raise self._failure(message)
+        self._steps += 1
+        if self._stages:
+            self._rejected += (solver.nfev - before) // self._stages - 1
+        self.t, self.y = float(solver.t), solver.y
+        return bool(solver.status == "finished")
+
+    def _failure(self, message: str) -> StepError:
+        if self._broken:
+            return StepError("the rates stop being finite")
+        reason = (message or "no reason given").rstrip(".").lower()
+        return StepError(f"the method gave up ({reason})")
+
+    def interpolant(self) -> Interpolant:
+        """Dense output of the last step."""
+        dense = self._solver.dense_output()
+        return lambda times: dense(times).T
+
+
+class CvodeStep:
+    """CVODE's Adams methods of variable order (A. C. Hindmarsh et al. 2005), by scikit-sundae,
+    between two break points (see stepper.Stepper), with the exact Jacobian."""
+
+    def __init__(self, problem: Problem):
+        try:
+            solver = import_module(PACKAGE).CVODE
+        except ImportError as error:
+            allowed = f'another, or pip install "rodgen[cvode]" ({error})'
+            raise SceneError("integrate.method", "cvode", allowed) from None
+
+        self.counts = Counts()
+
+        def rates(at: float, state: Array, out: Array) -> None:
+            self.counts.rhs += 1
+            out[:] = problem.rhs(at, np.array(state))
+
+        def matrix(at: float, state: Array, _: Array, out: Any) -> None:
+            self.counts.jacobian += 1
+            out[:] = problem.jac(at, np.array(state))
+
+        longest = problem.longest(problem.t, problem.y)
+        self._solver = solver(
+            rates,
+            method="Adams",
+            jacfn=matrix,
+            rtol=problem.settings.rtol,
+            atol=problem.settings.atol,
+            linsolver="dense",
+            max_step=longest if longest < np.inf else 0.0,
+        )
+        self._end = problem.end
+        self._solver.init_step(problem.t, problem.y)
+        self.t, self.y = problem.t, np.array(problem.y)
+
+    def step(self) -> bool:
+        """Take a step; True when the end is reached. Raises StepError."""
+        found = self._solver.step(self._end, method="onestep", tstop=self._end)
+        if found.success and float(found.t) == self.t:  # where it was, after an interpolation
+            found = self._solver.step(self._end, method="onestep", tstop=self._end)
+        if not found.success:
+            raise StepError(f"the method gave up ({str(found.message).rstrip('.').lower()})")
+        self.counts.steps += 1
+        self.t, self.y = float(found.t), np.array(found.y)
+        if abs(self._end - self.t) <= 4 * np.spacing(abs(self._end)):
+            self.t = self._end
+        return self.t >= self._end
+
+    def interpolant(self) -> Interpolant:
+        """CVODE's own, of the order of the step."""
+
+        def at(times: Array) -> Array:
+            # Beyond the end, be it by a rounding, CVODE would take another step.
+            inside = np.minimum(times, self.t)
+            return np.stack([np.array(self._solver.step(time).y) for time in inside])
+
+        return at

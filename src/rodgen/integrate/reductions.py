@@ -1,0 +1,120 @@
+"""What is kept of a run: reductions of the numbers of its quantities over its samples.
+
+last(tip_x)    max(phi_19)    rms(tip_y, from=5)    mean(kinetic_energy, from=1, to=2)
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from rodgen.integrate.catalogue import Motion
+from rodgen.integrate.stepper import Array
+from rodgen.model.quantities import ADDED, LOADS, QUANTITIES, WORKS, Index, numbers
+from rodgen.model.rod import Boundary
+from rodgen.scene.errors import SceneError
+
+# Of times and values at the samples; those in C have the same names.
+REDUCTIONS: dict[str, Callable[[Array, Array], float]] = {
+    "last": lambda t, values: values[-1],
+    "min": lambda t, values: values.min(),
+    "max": lambda t, values: values.max(),
+    "mean": lambda t, values: values.mean(),
+    "rms": lambda t, values: np.sqrt(np.mean(values**2)),
+    "std": lambda t, values: values.std(),
+    "time_of_max": lambda t, values: t[values.argmax()],
+}
+_FORM = re.compile(r"\s*(\w+)\s*\(\s*(\w+)\s*((?:,\s*\w+\s*=\s*[^,()=]+)*)\)\s*")
+_ALLOWED = (
+    "a reduction of a quantity, such as max(phi_0) or rms(tip_y, from=5): {of} of one of {names}, "
+    "with times from and to if need be"
+)
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """A reduction of the samples between two times [s] of a number, by its name."""
+
+    text: str
+    kind: str
+    number: str
+    start: float = -math.inf
+    end: float = math.inf
+
+    def of(self, t: Array, values: Array) -> float:
+        """Its value for samples at times t (T,); not-a-number where none is between its times."""
+        inside = (t >= self.start) & (t <= self.end)
+        return float(REDUCTIONS[self.kind](t[inside], values[inside])) if inside.any() else math.nan
+
+
+@lru_cache(maxsize=1024)
+def parse(text: str) -> Reduction | None:
+    """A reduction from its text; None for what is none."""
+    found = _FORM.fullmatch(text)
+    if not found or found[1] not in REDUCTIONS:
+        return None
+    times = {}
+    for part in found[3].split(",")[1:]:
+        name, _, value = (piece.strip() for piece in part.partition("="))
+        try:
+            times[name] = float(value)
+        except ValueError:
+            return None
+    if {*times} - {"from", "to"} or found[3].count(",") > len(times):
+        return None
+    start, end = times.get("from", -math.inf), times.get("to", math.inf)
+    return Reduction(text, found[1], found[2], start, end) if start <= end else None
+
+
+def checked(texts: Iterable[str], names: Iterable[str]) -> tuple[Reduction, ...]:
+    """Reductions from their texts. Raises SceneError for one of no number by these names."""
+    names = tuple(names)
+    found = []
+    for at, text in enumerate(texts):
+        one = parse(text) if isinstance(text, str) else None
+        if one is None or one.number not in names:
+            shown = dict.fromkeys(re.sub(r"(?<=_)\d+", "{}", name) for name in names)
+            allowed = _ALLOWED.format(of=", ".join(REDUCTIONS), names=", ".join(shown))
+            raise SceneError(f"keep[{at}]", text, allowed)
+        found.append(one)
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """All single numbers of the quantities of a rod, by name: of which quantity, and where."""
+
+    places: Mapping[str, tuple[str, Index]]
+
+    @classmethod
+    def of(
+        cls,
+        hold: Boundary,
+        links: int,
+        works: Iterable[str],
+        loads: Iterable[str],
+        added: Iterable[str],
+    ) -> Numbers:
+        """works, loads, added: names of the loads that do work, of parameters that change, and of
+        states that are added."""
+        each = {WORKS: tuple(works), LOADS: tuple(loads), ADDED: tuple(added)}
+        places: dict[str, tuple[str, Index]] = {"total_work": ("total_work", ())}
+        for quantity in QUANTITIES:
+            if quantity.each:
+                named = (quantity.name.format(term) for term in each.get(quantity.each, ()))
+                places |= {name: (name, ()) for name in named}
+            else:
+                found = numbers(quantity, hold, links)
+                places |= {one.name: (quantity.name, one.at) for one in found}
+        return cls(places)
+
+    def values(self, motion: Motion, name: str) -> Array:
+        """A number at all samples of a motion, (T,)."""
+        quantity, at = self.places[name]
+        found: Array = motion.values(quantity)[(..., *at)]
+        return found

@@ -1,0 +1,198 @@
+"""Samples of a run: in memory, or written to a file block by block, or on an endless grid of times;
+and what was changed between them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.integrate.stepper import Array
+
+if TYPE_CHECKING:
+    from rodgen.integrate.files.stream import Stream
+
+BLOCK = 2**22  # bytes of samples between two writes to a file
+ROOM = 256  # samples that a tape has room for at first
+FARTHEST = 2**53  # beyond which neighbouring whole numbers are no doubles
+
+
+class Recorder:
+    """States and works (T, states + works) at the output times (T,).
+
+    done: samples that the stream has already. The count moves last: an interrupt at any moment
+    leaves only samples that are whole.
+    """
+
+    def __init__(
+        self,
+        times: Array,
+        states: int,
+        works: Sequence[str],
+        stream: Stream | None = None,
+        done: int = 0,
+    ):
+        self.times, self.states, self.works = times, states, tuple(works)
+        self.count = self._first = done
+        self._stream = stream
+        width = states + len(self.works)
+        rows = len(times)
+        if stream is not None:
+            rows = min(rows - done, max(1, BLOCK // (8 * width)))
+        self._rows = np.empty((rows, width))
+        self.before_writing: Callable[[], None] = lambda: None
+
+    def room(self) -> tuple[Array, Array]:
+        """Times that come next, and rows for their samples."""
+        at = self.count - self._first
+        rows = self._rows[at:]
+        return self.times[self.count : self.count + len(rows)], rows
+
+    def row(self, sample: int) -> Array:
+        """The row of a sample that is not written yet."""
+        values: Array = self._rows[sample - self._first]
+        return values
+
+    def took(self, samples: int) -> None:
+        """So many rows of the room are filled."""
+        self.count += samples
+        if self._stream is not None and self.count - self._first == len(self._rows):
+            self.write()
+
+    def end_at(self, t: float, row: Array) -> None:
+        """The run ends at a time [s] that need not be one of the output times."""
+        if self.count == 0 or self.times[self.count - 1] < t:
+            self.times = np.append(self.times[: self.count], t)
+            _, rows = self.room()
+            rows[0] = row
+            self.took(1)
+        self.times = self.times[: self.count]
+
+    def write(self) -> None:
+        """All whole samples to the file."""
+        self.before_writing()
+        if self._stream is not None and self.count > self._first:
+            y, work = self._parts(self.count - self._first)
+            self._stream.append(self.times[self._first : self.count], y, work)
+            self._first = self._stream.count
+
+    def kept(self) -> tuple[Array, Array, dict[str, Array]]:
+        """Times (T,), states (T, states) and works, each (T,), that are in memory."""
+        self.before_writing()
+        y, work = self._parts(self.count - self._first)
+        return self.times[self._first : self.count], y, work
+
+    def _parts(self, rows: int) -> tuple[Array, dict[str, Array]]:
+        y, work = np.split(self._rows[:rows], [self.states], axis=1)
+        return y, {term: work[:, at] for at, term in enumerate(self.works)}
+
+
+class Samples(NamedTuple):
+    """t: times [s], (K,); y: states, (K, states); work: work done by each load without potential
+    since the start of the run [J], (K, works)."""
+
+    t: Array
+    y: Array
+    work: Array
+
+
+class Tape(Recorder):
+    """Samples at the times start + k every [s], k = 0, 1, ..., kept until they are taken.
+
+    count: k of the next one; until: only samples before this k are asked for, None: all.
+    """
+
+    def __init__(self, start: float, every: float, states: int, works: Sequence[str]):
+        super().__init__(np.empty(0), states, works)
+        self.start, self.every = start, every
+        self.until: int | None = 0
+        self._rows = np.empty((ROOM, states + len(works)))
+
+    @property
+    def taken(self) -> int:
+        """k of the next one to be taken."""
+        return self._first
+
+    def time(self, k: int) -> float:
+        """Time of a sample [s]."""
+        return self.start + self.every * k
+
+    def _times(self, first: int, end: int) -> Array:
+        times: Array = self.start + self.every * np.arange(first, end).astype(np.float64)
+        return times
+
+    def up_to(self, t: float) -> int:
+        """How many samples there are up to a time [s]."""
+        share = max(-1.0, (t - self.start) / self.every)
+        if share >= FARTHEST:
+            return FARTHEST
+        k = math.floor(share) + 1
+        # The division may be a rounding beside the times.
+        return k - 1 if k and self.time(k - 1) > t else k + 1 if self.time(k) <= t else k
+
+    def begin(self, y: Array) -> None:
+        """The first sample, of the state at the start."""
+        self._rows[0] = 0.0
+        self._rows[0, : self.states] = y
+        self.took(1)
+
+    def room(self) -> tuple[Array, Array]:
+        at = self.count - self._first
+        if at == len(self._rows):
+            self._rows = np.concatenate((self._rows, np.empty_like(self._rows)))
+        end = self.count + len(self._rows) - at
+        if self.until is not None:
+            end = max(self.count, min(end, self.until))
+        times = self._times(self.count, end)
+        return times, self._rows[at : at + len(times)]
+
+    def take(self, until: int) -> Samples:
+        """Samples before this k that are there and were not taken yet."""
+        many = max(0, min(self.count, until) - self._first)
+        t = self._times(self._first, self._first + many)
+        y, work = (part.copy() for part in np.split(self._rows[:many], [self.states], axis=1))
+        self._keep(self._rows[many : self.count - self._first])
+        self._first += many
+        return Samples(t, y, work)
+
+    def _keep(self, rows: Array) -> None:
+        """Have these rows at the front, and room that does not stay large."""
+        if len(rows) <= ROOM // 2 and len(self._rows) > ROOM:
+            self._rows = np.concatenate((rows, np.empty((ROOM - len(rows), rows.shape[1]))))
+        elif len(rows):
+            self._rows[: len(rows)] = rows.copy()
+
+    def skip(self, t: float) -> None:
+        """Leave out samples up to a time [s], and forget those that were not taken."""
+        self.count = self._first = self.up_to(t)
+        self._keep(self._rows[:0])
+
+
+@dataclass(frozen=True)
+class Changes:
+    """What held at each of T samples. p: parameters of the module, (T, parameters); given: energy
+    [J] that changes and kicks have put in since the start, (T,)."""
+
+    p: Array
+    given: Array
+
+    def taken(self, kept: NDArray[np.intp] | slice) -> Changes:
+        """What held at some of the samples."""
+        return Changes(self.p[kept], self.given[kept])
+
+    def follow(self, made: Callable[..., Any], of: Sequence[Array]) -> Any:
+        """What is made of arrays over the samples and of p, which is one for each call: between
+        two changes of it; an array (T, ...), or several by name."""
+        changed = np.any(self.p[1:] != self.p[:-1], axis=1)
+        edges = [0, *(np.flatnonzero(changed) + 1), len(self.p)]
+        parts = [
+            made(*(values[a:b] for values in of), self.p[a]) for a, b in itertools.pairwise(edges)
+        ]
+        if isinstance(parts[0], dict):
+            return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        return np.concatenate(parts)

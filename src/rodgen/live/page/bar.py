@@ -1,0 +1,170 @@
+"""The bar at the top: run, pause, step, reset, speed, and how it goes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+from nicegui import ui
+from nicegui.events import ValueChangeEventArguments
+
+from rodgen.live.page.elements import Keys
+from rodgen.live.page.fields import IconButton
+from rodgen.live.page.runs import PageRun
+from rodgen.live.run.live_run import PAUSED, RUNNING, STOPPED, LiveRun
+from rodgen.live.run.scenes import Folder
+from rodgen.scene import SceneError
+
+SPEEDS = {
+    0.001: "0.001 ×",
+    0.01: "0.01 ×",
+    0.1: "0.1 ×",
+    0.25: "0.25 ×",
+    0.5: "0.5 ×",
+    1.0: "real time",
+    2.0: "2 ×",
+    5.0: "5 ×",
+    10.0: "10 ×",
+    100.0: "100 ×",
+    math.inf: "as fast as it goes",
+}
+ADVICE = ". Reset it, or change a parameter, the method or its step to go on from there."
+LOST = ". Reset it: from a state this large, no other value leads on."
+OTHER = ""  # in the list of scenes: what is shown is none of the folder's; no file is called so
+AGAIN = "folder_open"
+MOST_COMPARED = 50  # files that the first scene of a page is looked for in
+
+
+class Bar:
+    """Buttons, keys and the state of the run."""
+
+    def __init__(self, page: PageRun, folder: Folder, turn_shade: Callable[[], object]):
+        """folder: scenes to choose from; turn_shade: from light to dark and back."""
+        self.page, self._folder = page, folder
+        self._now: object = None
+        self._keys: dict[str, Callable[[], object]] = {}
+        if page.run.file is None:
+            page.run.file = self._first_file(), page.run.taken
+        with ui.element("header").classes("rg-bar"):
+            ui.label("rodgen").classes("rg-name")
+            self.scenes = ui.select([], on_change=self._chosen, label="Scene")
+            self.scenes.props("dense outlined options-dense").classes("rg-scenes")
+            self.again = IconButton(AGAIN, "Load again", self._again)
+            self.go = self._control("play_arrow", "Run", " ", self._go)
+            self.step = self._control("skip_next", "One step of the method", ".", self._step)
+            self._control("replay", "Reset to the initial state", "r", self._reset)
+            self.speed = ui.select(
+                {str(v): name for v, name in SPEEDS.items()},
+                value=str(page.run.pace.speed),
+                on_change=self._speed,
+                label="Speed",
+            ).props("dense outlined options-dense")
+            self.speed.classes("rg-speed")
+            with ui.element("div").classes("rg-now"):
+                self.state = ui.label().classes("rg-state").props('role="status"')
+                _live("t", "s", "time")
+                _live("ratio", "× real time", "ratio")
+            ui.element("span").classes("rg-lost").props('data-text="connection" role="alert"')
+            self._control("dark_mode", "Light or dark", "d", turn_shade)
+        self.failure = ui.label().classes("rg-failure").props('role="alert"')
+        Keys(self._keys, held=".")
+
+    def _control(self, icon: str, label: str, key: str, act: Callable[[], object]) -> IconButton:
+        """A button, and the key that does what it does."""
+        self._keys[key] = act
+        return IconButton(icon, f"{label} ({'space' if key == ' ' else key})", act)
+
+    def refresh(self) -> None:
+        """Show the run as it is now."""
+        run, scene = self.page.run, self.page.scene
+        now = (run.status, run.message, run.taken, run.file)
+        if now == self._now:
+            return
+        self._now = now
+        running, stopped = run.status == RUNNING, run.status == STOPPED
+        self.go.rename(*(("Pause (space)", "pause") if running else ("Run (space)", "play_arrow")))
+        for button in (self.go, self.step):
+            button.set_enabled(not stopped)
+        self.state.set_text(run.status)
+        self.failure.set_text(_told(run) if stopped else "")
+        self.failure.set_visibility(stopped)
+        self._list(scene.name)
+
+    # Scenes of the folder ----------------------------------------------------------------------
+
+    def _first_file(self) -> str:
+        """The file of the folder that holds the scene of the run, or nothing."""
+        scene, folder = self.page.scene, self._folder
+        names = sorted(folder.names(), key=lambda name: name != scene.name)  # the likely one first
+        for name in names[:MOST_COMPARED]:
+            with suppress(SceneError):
+                if folder.scene(name) == scene:
+                    return name
+        return OTHER
+
+    @property
+    def _file(self) -> str:
+        """The file that was taken up last, or nothing."""
+        return self.page.run.file[0] if self.page.run.file else OTHER
+
+    @property
+    def _shown(self) -> str:
+        """The file that the scene of the run was taken from, or nothing."""
+        run = self.page.run
+        return self._file if run.file == (self._file, run.taken) else OTHER
+
+    def _list(self, present: str) -> None:
+        """Show which scenes can be chosen; present: name of that of the run."""
+        names = {name: name for name in sorted({*self._folder.names(), self._file} - {OTHER})}
+        other = {OTHER: f"{present} (other)"} if self._shown == OTHER else {}
+        self.scenes.set_options(names | other, value=self._shown)
+        self.again.rename(f"Load {self._file} again, as it is in its file", AGAIN)
+        self.again.set_enabled(self._file != OTHER)
+
+    async def _chosen(self, event: ValueChangeEventArguments[Any]) -> None:
+        if event.value not in (None, OTHER, self._shown):
+            await self._load(event.value)
+
+    async def _again(self) -> None:
+        await self._load(self._file)
+
+    async def _load(self, name: str) -> None:
+        """Take up the scene of a file; if it cannot be, what is there stays, in the list too."""
+        try:
+            await self.page.take(self._folder.scene(name))
+            self.page.run.file = name, self.page.run.taken
+        except SceneError as error:
+            self.page.say(str(error))
+        self._now = None
+        self.page.refresh()
+
+    # What is done ------------------------------------------------------------------------------
+
+    def _go(self) -> None:
+        run = self.page.run
+        self.page.soon(run.pause if run.status == RUNNING else run.go)
+
+    def _step(self) -> None:
+        if self.page.run.status in (RUNNING, PAUSED):
+            self.page.soon(self.page.run.one_step)
+
+    def _reset(self) -> None:
+        self.page.soon(self.page.run.restart)
+
+    def _speed(self, event: ValueChangeEventArguments[Any]) -> None:
+        speed = float(event.value)
+        self.page.soon(lambda: self.page.run.set_speed(speed))
+
+
+def _told(run: LiveRun) -> str:
+    """Why the run has stopped, and what can be done."""
+    return run.message[:1].upper() + run.message[1:] + (LOST if run.lost else ADVICE)
+
+
+def _live(key: str, unit: str, label: str) -> None:
+    """A text that the channel keeps up to date."""
+    with ui.element("span").classes("rg-live").props(f'role="group" aria-label="{label}"'):
+        ui.element("b").props(f'data-text="{key}"')
+        ui.label(unit).classes("rg-unit")

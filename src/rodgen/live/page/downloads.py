@@ -1,0 +1,136 @@
+"""What can be taken away: the scene, the run, an animation, a link."""
+
+from __future__ import annotations
+
+import asyncio
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from nicegui import app, ui
+
+from rodgen.integrate.solution import Solution
+from rodgen.live.page.fields import heading
+from rodgen.live.page.runs import PageRun
+from rodgen.live.run.scenes import pack, to_toml
+from rodgen.scene import Scene, SceneError
+
+Progress = Callable[[float], None]  # told the share that is done
+Make = Callable[[Solution, Path, Progress], object]
+
+
+class GoneError(Exception):
+    """Nobody waits for what is made."""
+
+
+class Downloads:
+    """Buttons; what takes long is made in a thread while the run goes on."""
+
+    def __init__(self, page: PageRun):
+        self.page = page
+        heading("Save")
+        with ui.element("div").classes("rg-save"):
+            for text, icon, clicked in (
+                ("Scene as TOML", "description", self._scene),
+                ("Run as NetCDF", "save", self._run),
+                ("Animation as MP4", "movie", lambda: self._animation("mp4")),
+                ("Animation as GIF", "gif_box", lambda: self._animation("gif")),
+                ("Link to this scene", "link", self._link),
+            ):
+                ui.button(text, icon=icon, on_click=clicked).props("flat no-caps align=left")
+        self.progress = ui.linear_progress(0.0, show_value=False).props("instant-feedback")
+        self.progress.set_visibility(False)
+        self.said = ui.label().classes("rg-hint").props('role="status"')
+        self.link = ui.input("link").props("dense outlined readonly").classes("rg-wide")
+        self.link.set_visibility(False)
+        self._linked: Scene | None = None
+        self._busy = False
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
+        page.client.on_delete(self._left)
+
+    def refresh(self) -> None:
+        """Hide a link to another scene than the present one."""
+        if self.page.scene is not self._linked:
+            self.link.set_visibility(False)
+
+    def _scene(self) -> None:
+        scene = self.page.scene
+        ui.download.content(to_toml(scene).encode(), f"{scene.name}.toml", "application/toml")
+
+    def _link(self) -> None:
+        self._linked = self.page.scene
+        place = self.page.client.request.base_url
+        self.link.set_value(f"{place}?scene={pack(self._linked)}")
+        self.link.set_visibility(True)
+        ui.clipboard.write(str(self.link.value))
+        self.said.set_text("The link reproduces the scene with its present parameters.")
+
+    async def _run(self) -> None:
+        await self._made("nc", lambda solution, path, _: solution.save(path))
+
+    async def _animation(self, ending: str) -> None:
+        from rodgen.show.animation.film import animate
+
+        def made(solution: Solution, path: Path, progress: Progress) -> None:
+            start, span = float(solution.t[0]), float(np.ptp(solution.t)) or 1.0
+            animate(solution, path, progress=lambda t: progress((t - start) / span))
+
+        await self._made(ending, made)
+
+    async def _made(self, ending: str, make: Make) -> None:
+        """Make a file from all samples so far, and have it downloaded."""
+        if self._busy:
+            return
+        self._busy = True
+        self.progress.set_value(0.0)
+        self.progress.set_visibility(True)
+        self.said.set_text("writing")
+        said = ""
+        try:
+            said = await self._file(ending, make)
+        except (SceneError, OSError) as error:
+            said = str(error)
+        except GoneError:
+            pass
+        finally:
+            self._busy = False
+            if self.page.client.is_deleted:
+                self._left()
+            else:
+                self.progress.set_visibility(False)
+                self.said.set_text(said)
+
+    async def _file(self, ending: str, make: Make) -> str:
+        """Make a file in a thread; it is kept until the next one, as downloads may be slow."""
+        solution = await self.page.do(self.page.run.solution)
+        self._clear()
+        self._folder = tempfile.TemporaryDirectory(prefix="rodgen-", ignore_cleanup_errors=True)
+        path = Path(self._folder.name, f"{solution.scene.name}.{ending}")
+        progress = self._progress()
+        await asyncio.to_thread(make, solution, path, progress)
+        progress(1.0)
+        ui.download.file(path, path.name)
+        span = f"t = {solution.t[0]:.6g} s to {solution.t[-1]:.6g} s"
+        return f"{path.name}: {len(solution.t)} samples, {span}"
+
+    def _left(self) -> None:
+        """Clear up after a page that is gone; what is being written ends by itself."""
+        if not self._busy:
+            self._clear()
+
+    def _clear(self) -> None:
+        if self._folder is not None:
+            self._folder.cleanup()
+            self._folder = None
+
+    def _progress(self) -> Progress:
+        """A function that tells the page from another thread, and ends the work without a page."""
+        loop = asyncio.get_running_loop()
+
+        def progress(share: float) -> None:
+            if self.page.client.is_deleted or not app.is_started:
+                raise GoneError
+            loop.call_soon_threadsafe(self.progress.set_value, share)
+
+        return progress

@@ -1,0 +1,203 @@
+"""The components of the page: keys, connection, picture of the rod, plots (static/).
+
+Which arrays a message carries: message.py. In the page, window.rodgenLive tells what was drawn:
+{fps, frames, t, state, connected, milliseconds (of script a frame), plots: {id: {rows, draws}}}.
+Every element of the page with data-text="key" shows the text of that key; the connection itself
+writes the key "connection", empty while it stands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import nicegui.elements.echart  # noqa: F401  ECharts into the import map of the page
+from nicegui.element import Element
+from nicegui.events import GenericEventArguments
+
+from rodgen.model.term import DRAG, FORCE, SPREAD, WEIGHT
+from rodgen.model.terms import TERMS
+
+STATIC = Path(__file__).parents[1] / "static"
+View = Literal["fixed", "centre", "axes"]
+
+
+class Layer(NamedTuple):
+    """Something that the picture can show: in words, whether it does at first, and the term that a
+    scene must have for it."""
+
+    label: str
+    shown: bool = True
+    term: str | None = None
+
+
+# How the picture draws a load, by what it acts on.
+ARROWS = {FORCE: "point", WEIGHT: "mass", DRAG: "joints", SPREAD: "joints"}
+LOADS = {name: term for name, term in TERMS.items() if term.kind in ARROWS}
+LAYERS = {
+    "moment": Layer("bending moment, as colour"),
+    "joints": Layer("joints"),
+    "cg": Layer("centre of gravity"),
+    "axes": Layer("principal axes of inertia", shown=False),
+    **{name: Layer(term.label, not term.damps, name) for name, term in LOADS.items()},
+    "trail": Layer("trail of tail and centre of gravity"),
+    "grid": Layer("grid"),
+}
+
+Handler = Callable[[dict[str, Any]], object]
+
+
+def _listen(element: Element, event: str, keys: list[str], handler: Handler) -> None:
+    def handle(arguments: GenericEventArguments) -> None:
+        handler({key: arguments.args.get(key) for key in keys})
+
+    element.on(event, handle, keys)
+
+
+class Keys(Element, component=STATIC / "keys.js"):
+    """Keys of the whole page, by name as in KeyboardEvent.key, and what each of them does.
+    Controls keep the keys that they use themselves, and the browser its shortcuts.
+
+    Props: keys, and held: those that count again while they are held down.
+    Events: "key" {key}.
+    """
+
+    def __init__(self, does: Mapping[str, Callable[[], object]], held: str = "") -> None:
+        super().__init__()
+        self._props.update(keys=list(does), held=list(held))
+        _listen(self, "key", ["key"], lambda e: does[e["key"]]())
+
+
+class Channel(Element, component=STATIC / "channel.js", esm={"rodgen-live": str(STATIC)}):
+    """The WebSocket of the page at `address`, relative to the page's own host ("/live?id=..."),
+    opened again after 1 s to 5 s where it is lost. It shows nothing. One a page.
+
+    Props: address.
+    """
+
+    def __init__(self, address: str) -> None:
+        super().__init__()
+        self._props["address"] = address
+
+
+def _arrows(names: Iterable[str]) -> list[dict[str, Any]]:
+    """How loads are drawn, as the page has it; layer: by which they are switched on and off."""
+    loads = ((name, TERMS[name]) for name in names)
+    return [
+        {
+            "term": name,
+            "layer": load.kind_name,
+            "label": load.label,
+            "kind": ARROWS[load.kind],
+            "colours": load.colours,
+        }
+        for name, load in loads
+        if load.kind in ARROWS
+    ]
+
+
+class RodCanvas(Element, component=STATIC / "rod.js"):
+    """The rod as the newest state has it; fills the box that it is given (a height is needed).
+
+    Arrays of a state: "joints", "moment", "forces:<term>" (of a load that acts on joints),
+    and "point": [x, y of the centre of gravity from the origin [m], angle of a principal axis
+    [rad], gravity [m/s^2] (left out, or 0, where there is none)]. What a state does not have is
+    not drawn. "trail" are places of the tail and the centre of gravity since the message before,
+    "trail!" all of them: [x, y of either in the world [m]] of every sample.
+
+    Props: show {name: bool} (see LAYERS), loads (those that are drawn, as the vocabulary has them),
+    bodies [{name, link, along, across, size}] (see scene.along.Mark), ties [{link, share, x, y}]
+    (see scene.anchors.Tie), bed [[x, y], [x, y]] of a foundation, view ("fixed", "centre": the
+    centre of gravity stays where it is, "axes": and the principal axes as well), support ("none",
+    "wall", "pin"), clampAngle [rad], kick (links can be kicked), perMetre (of a kick, [N s] for a
+    metre dragged), label (for screen readers), rod (any number: another one fits the picture anew
+    and clears the scales; another number of links does so too).
+    Events, both while `kick` is on: "link" {link, share}: a link was clicked, at `share` (0 start,
+    1 end); "kick" {link, share, dx, dy}: what was dragged from there, in metres.
+    Methods in the page: fit(), reset_scale(), png(name).
+    """
+
+    def __init__(self, view: View = "fixed") -> None:
+        super().__init__()
+        shown = {name: layer.shown for name, layer in LAYERS.items()}
+        self._props.update(show=shown, loads=_arrows(LOADS), view=view, kick=False)
+        self._props.update(bodies=[], ties=[], bed=[], clampAngle=0.0, perMetre=0.0)
+
+    def set(self, **props: Any) -> None:
+        """Set props by name: bodies, ties, bed, view, kick, perMetre, clampAngle."""
+        self._props.update(props)
+
+    def show(self, **shown: bool) -> None:
+        """Switch what is drawn: show(trail=False)."""
+        self.set(show={**self._props["show"], **shown})
+
+    def rod(self, number: int, support: str, label: str, loads: Iterable[str]) -> None:
+        """Show another rod, with loads of these names; `number` is other than that of the one
+        before."""
+        self.set(rod=number, support=support, label=label, loads=_arrows(loads))
+
+    def fit(self) -> None:
+        self.run_method("fit")
+
+    def reset_scale(self) -> None:
+        """Scale colours and arrows by the present state, not by what came before."""
+        self.run_method("reset_scale")
+
+    def png(self, name: str = "rod.png") -> None:
+        """Have the browser download the picture."""
+        self.run_method("png", name)
+
+    def on_link(self, handler: Handler) -> None:
+        """Call handler({"link": int, "share": float}) when a link is clicked."""
+        _listen(self, "link", ["link", "share"], handler)
+
+    def on_kick(self, handler: Handler) -> None:
+        """Call handler({"link": int, "share": float, "dx": m, "dy": m}) after a drag."""
+        _listen(self, "kick", ["link", "share", "dx", "dy"], handler)
+
+
+class Plots(Element, component=STATIC / "plots.js"):
+    """Plots in a grid of one to three columns, each with buttons: pause, reset zoom, PNG, CSV,
+    move left, move right, remove; and dragged by its head. The page keeps at most 20000 rows of
+    each.
+
+    A plot is zoomed by dragging over it, by the wheel with Ctrl or once it was clicked, by + - and
+    arrows; double click or 0 resets. While zoomed or paused, rows are kept and not shown.
+
+    Props: specs, a list of plots as JSON, in the order shown: {"id", "kind" ("time", "phase",
+    "profile", "spectrum", "poincare"), "title", "x": {"label", "unit"}, "y": {"label", "unit"},
+    "series": [{"name", "label"}], "window": s}.
+    Events: "removed" {id}, "moved" {ids} (all, in the new order). Removing and moving is taken up
+    in specs before a handler is called.
+    Rows that come before their plot are kept for it.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.put([])
+        _listen(self, "removed", ["id"], lambda e: self.drop(str(e["id"])))
+        _listen(self, "moved", ["ids"], lambda e: self._arrange(e["ids"]))
+
+    @property
+    def specs(self) -> list[dict[str, Any]]:
+        return list(self._props["specs"])
+
+    def put(self, specs: list[dict[str, Any]]) -> None:
+        """Show these plots, in their order."""
+        self._props["specs"] = specs
+        self.update()
+
+    def drop(self, plot: str) -> None:
+        """Remove the plot of this id, if it is there."""
+        self.put([spec for spec in self.specs if spec["id"] != plot])
+
+    def _arrange(self, ids: Any) -> None:
+        place = {plot: k for k, plot in enumerate(ids)} if isinstance(ids, list) else {}
+        self.put(sorted(self.specs, key=lambda spec: place.get(spec["id"], len(place))))
+
+    def on_removed(self, handler: Callable[[str], None]) -> None:
+        _listen(self, "removed", ["id"], lambda e: handler(str(e["id"])))
+
+    def on_moved(self, handler: Callable[[list[str]], None]) -> None:
+        _listen(self, "moved", ["ids"], lambda e: handler([str(plot) for plot in e["ids"]]))

@@ -1,0 +1,132 @@
+"""What panels are built of: headings, icons, dialogs, and fields that say why they refuse."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Awaitable, Callable, Iterator, Mapping
+from contextlib import contextmanager
+
+from nicegui import ui
+
+from rodgen.scene import SceneError
+
+Put = Callable[[str], Awaitable[None]]
+Field = ui.input | ui.select
+
+
+def heading(text: str) -> None:
+    """The title of a part of a panel."""
+    ui.label(text).classes("rg-title").props("role=heading aria-level=2")
+
+
+class IconButton(ui.button):
+    """A round button with an icon, and its label for who does not see it."""
+
+    def __init__(self, icon: str, label: str, clicked: Callable[[], object] | None = None):
+        super().__init__(icon=icon, on_click=clicked)
+        self.props("flat round dense")
+        with self:
+            self._hint = ui.tooltip("")
+        self.rename(label, icon)
+
+    def rename(self, label: str, icon: str) -> None:
+        """Give it another label and icon."""
+        self.props.update({"icon": icon, "aria-label": label})
+        self._hint.set_text(label)
+
+
+@contextmanager
+def dialog(title: str, verb: str, act: Callable[[], object]) -> Iterator[ui.dialog]:
+    """A dialog that opens with what is built meanwhile, above buttons to act and to cancel."""
+    with ui.dialog() as made, ui.card().classes("rg-dialog"):
+        heading(title)
+        yield made
+        with ui.row():
+            ui.button(verb, on_click=act).props("no-caps")
+            ui.button("Cancel", on_click=made.close).props("flat no-caps")
+    made.on("hide", made.delete)
+    made.open()
+
+
+def refuse(fields: Mapping[str, Field], refusals: Mapping[str, str]) -> str:
+    """Say beside each field why it is refused, beside the others nothing; returns what is to be
+    said of names that have no field."""
+    for name, field in fields.items():
+        field.error = refusals.get(name)
+    return "; ".join(f"{name} {text}" for name, text in refusals.items() if name not in fields)
+
+
+class Entry:
+    """A text field; `put` is given its text when it is left or Enter is pressed, and may raise
+    SceneError: that is said beside it, and the run keeps what it had."""
+
+    def __init__(self, label: str, text: str, put: Put, *, unit: str = "", long: bool = False):
+        """long: in as many lines as the text takes."""
+        self._put, self._taken = put, text
+        self._asked: str | None = None  # what is being put: Enter is followed by leaving the field
+        self.field = ui.input(label, value=text).props("dense outlined no-error-icon")
+        self.field.classes("rg-entry")
+        if unit:
+            self.field.props(f'suffix="{unit}"')
+        if long:
+            self.field.props("autogrow")
+        self.field.on("keydown.enter.prevent", self._leave)
+        self.field.on("blur", self._leave)
+
+    async def _leave(self) -> None:
+        text = str(self.field.value or "").strip()
+        if text == self._asked:
+            return
+        if text == self._taken:
+            self.say("")
+            return
+        self._asked = text
+        try:
+            await self._put(text)
+        except SceneError as error:
+            self.say(f"must be {error.allowed}")
+        else:
+            self._taken = text
+            self.say("")
+        finally:
+            self._asked = None
+
+    def say(self, refusal: str) -> None:
+        """Show why a text is refused; nothing: it is fine."""
+        self.field.error = refusal or None
+
+    def shows(self, text: str) -> bool:
+        """Whether that is the value that was taken last."""
+        return text == self._taken
+
+    def show(self, text: str) -> None:
+        """Another value, that came from elsewhere; what is being typed is left alone."""
+        if text == self._taken:
+            return
+        self._taken = text
+        self.say("")
+        self.field.set_value(text)
+
+
+def number(text: str, field: str) -> float:
+    """A finite number from a text. Raises SceneError."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise SceneError(field, text, "a number, such as 0.25 or 1e-3")
+    return value
+
+
+def whole_number(text: str, field: str) -> int:
+    """A whole number from a text. Raises SceneError."""
+    try:
+        return int(text)
+    except ValueError:
+        raise SceneError(field, text, "a whole number") from None
+
+
+def plain(value: float | None) -> str:
+    """A number as it is typed."""
+    return "" if value is None else f"{value:.10g}"

@@ -1,0 +1,159 @@
+"""The page of a run: which run it is, the panels that it has, light or dark."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from contextlib import suppress
+
+from nicegui import app, ui
+
+from rodgen.live.page.bar import Bar
+from rodgen.live.page.downloads import Downloads
+from rodgen.live.page.elements import STATIC, Channel
+from rodgen.live.page.module_process import Modules, Progress
+from rodgen.live.page.plots import PlotsPanel
+from rodgen.live.page.rod import VIEW, RodPanel
+from rodgen.live.page.runs import PageRun, Panel, Sessions, notify
+from rodgen.live.page.structure import StructurePanel
+from rodgen.live.page.values import Parameters, Values
+from rodgen.live.run.live_run import LiveRun
+from rodgen.live.run.scenes import Folder, unpack
+from rodgen.scene import Scene, SceneError
+
+ADDRESS = "/live/channel/"  # of the WebSocket of a run, before its name
+RUN, PACKED, PANEL = "run", "packed", "panel"  # what a tab of the browser remembers, beside VIEW
+# The token is kept by a cookie: it is not to be copied with the address.
+FORGET_TOKEN = """
+    const url = new URL(location.href);
+    url.searchParams.delete("token");
+    history.replaceState(null, "", url);
+"""
+SHADE = "rodgen_dark"  # a cookie, which the server sees before there is a page
+TURN_SHADE = f"""
+    const dark = !document.body.classList.contains("body--dark");
+    Quasar.Dark.set(dark);
+    document.cookie = "{SHADE}=" + (dark ? 1 : 0) + "; path=/; max-age=31536000; samesite=lax";
+"""
+# Until Quasar marks the body as light or dark.
+BEFORE = "body:not(.body--light, .body--dark) { background: %s; }"
+KEPT = {"0": BEFORE % "#f4f6f8", "1": BEFORE % "#0f1317"}
+UNKNOWN = KEPT["0"] + "@media (prefers-color-scheme: dark) { " + KEPT["1"] + " }"
+TABS: dict[str, Callable[[PageRun], Panel]] = {
+    "Values": Values,
+    "Parameters": Parameters,
+    "Scene": StructurePanel,
+    "Save": Downloads,
+}
+
+
+class Page:
+    """A page that is being built for one of the runs of a server."""
+
+    def __init__(self, sessions: Sessions, modules: Modules, folder: Folder, first: Scene):
+        self._sessions, self._modules = sessions, modules
+        self._folder, self._first = folder, first
+
+    async def show(self, packed: str) -> None:
+        """Build the page: of the run that this tab had, of a scene in the address, or of the first
+        scene."""
+        self._client = client = ui.context.client
+        client.on_exception(lambda error: notify(client, f"rodgen has failed: {error!r}"))
+        ui.add_css((STATIC / "page.css").read_text(encoding="utf-8"))
+        _set_shade()
+        self._root = ui.element("div").classes("rg-page")
+        self._progress = Progress(self._modules)
+        client.on_delete(self._progress.close)
+        await client.connected()
+        if client.is_deleted:  # it was asked for, and never shown
+            return
+        ui.run_javascript(FORGET_TOKEN)
+        tab = app.storage.tab
+        name, run = str(tab.get(RUN)), self._sessions.get(tab.get(RUN))
+        if run is None or packed not in ("", tab.get(PACKED)) or not await _is_left(run):
+            name, run = await self._begin(packed)
+            if run is None:
+                return
+            tab.pop(VIEW, None)  # it was for the run before
+        tab[RUN], tab[PACKED] = name, packed
+        self._build(name, run)
+
+    async def _begin(self, packed: str) -> tuple[str, LiveRun | None]:
+        """A run of the page's own, and its name; None where there is none, which is said."""
+        scene, name = await self._wanted(packed) if packed else self._first, ""
+        try:
+            with self._sessions.room():
+                await self._progress.make(scene)
+                name = await asyncio.to_thread(self._sessions.open, scene)
+        except SceneError as error:
+            if not self._client.is_deleted:
+                with self._root:
+                    ui.label(str(error)).classes("rg-failed")
+        run = self._sessions.get(name)
+        if self._client.is_deleted:  # it has gone meanwhile
+            self._sessions.close(name)
+            run = None
+        return name, run
+
+    async def _wanted(self, packed: str) -> Scene:
+        """The scene in the address, or the first one where that is none."""
+        try:
+            return await asyncio.to_thread(unpack, packed)
+        except SceneError as error:
+            notify(self._client, f"The scene in the address cannot be used: {error}")
+            return self._first
+
+    def _build(self, name: str, run: LiveRun) -> None:
+        page = PageRun(run, self._progress.make, self._client, self._root)
+        with self._root:
+            Channel(ADDRESS + name)
+            bar = Bar(page, self._folder, lambda: ui.run_javascript(TURN_SHADE))
+            with ui.element("div").classes("rg-columns"):
+                with ui.element("div").classes("rg-left"):
+                    rod, plots = RodPanel(page), PlotsPanel(page)
+                with ui.element("aside").classes("rg-right") as aside:
+                    aside.props('aria-label="Values and settings"')
+                    tabs = _tabs(page)
+        page.panels = (bar, rod, plots, *tabs)
+        loop = asyncio.get_running_loop()
+
+        def told() -> None:
+            """Be told by the run, in its thread."""
+            with suppress(RuntimeError):  # the server is ending
+                loop.call_soon_threadsafe(page.refresh)
+
+        run.told = told
+        page.refresh()
+
+
+def _tabs(page: PageRun) -> list[Panel]:
+    with ui.tabs().props("dense no-caps align=justify") as heads:
+        tabs = {title: ui.tab(title) for title in TABS}
+    shown = app.storage.tab.get(PANEL, "Parameters")
+    panels = ui.tab_panels(heads, value=shown, animated=False).props("keep-alive")
+    panels.on_value_change(lambda event: app.storage.tab.update({PANEL: event.value}))
+    made = []
+    with panels.classes("rg-panels"):
+        for title, build in TABS.items():
+            with ui.tab_panel(tabs[title]):
+                made.append(build(page))
+    return made
+
+
+async def _is_left(run: LiveRun) -> bool:
+    """Whether a run's page has gone: on a reload, it may do so a moment late; a tab that was
+    duplicated has the name of a run that is another's."""
+    for _ in range(20):
+        if not run.page.watched:
+            return True
+        await asyncio.sleep(0.1)
+    return False
+
+
+def _set_shade() -> None:
+    """Give the page the shade that was chosen last, from its first moment; else the browser's."""
+    request = ui.context.client.request
+    kept = request.cookies.get(SHADE) if request else None
+    ui.add_css(KEPT.get(kept or "", UNKNOWN))
+    if kept in KEPT:
+        ui.dark_mode(kept == "1")

@@ -1,0 +1,182 @@
+"""The plots of the page, and the dialog that adds one."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Iterator
+from functools import partial
+from typing import Any
+
+from nicegui import ui
+
+from rodgen.live.catalogue import KINDS, Catalogue
+from rodgen.live.page.elements import Plots
+from rodgen.live.page.fields import Field, dialog, number, refuse
+from rodgen.live.page.runs import PageRun
+from rodgen.live.run.curves import DIRECTIONS
+from rodgen.live.run.plot_spec import PLOT_KINDS
+from rodgen.scene import SceneError
+
+ENERGIES = ("kinetic_energy", "spring_energy", "gravity_energy", "total_energy")
+TITLE = {"title": "title (made from what is shown if empty)"}
+# By kind of plot: what is asked, by the key of PlotSpec that it is for.
+FIELDS = {
+    "time": {"y": "quantities", "window": "window", **TITLE},
+    "phase": {"y": "quantity", "x": "over", "window": "window", **TITLE},
+    "poincare": {
+        "y": "quantity",
+        "x": "over",
+        "when": "points where",
+        "value": "reaches the value",
+        "every": "and again after every further (never if empty)",
+        "direction": "while it is",
+        **TITLE,
+    },
+    "profile": {"y": "kind of quantity", **TITLE},
+    "spectrum": {"y": "quantity", "window": "window", **TITLE},
+}
+TYPED = {"window": "10", "value": "0", "every": "", "title": ""}  # and what stands there at first
+
+
+class PlotsPanel:
+    """What is plotted: the plots of the run, in its order."""
+
+    def __init__(self, page: PageRun):
+        self.page = page
+        with ui.element("section").classes("rg-plots").props('aria-label="Plots"'):
+            ui.button("Add plot", icon="add_chart", on_click=self._ask).props("flat dense no-caps")
+            self.grid = Plots()
+        self.grid.on_removed(self._removed)
+        self.grid.on_moved(self._moved)
+        if not page.run.plots and not page.run.greeted:
+            page.run.greeted = True
+            for choice in _first(self.catalogue):
+                page.soon(partial(page.run.add_plot, choice))
+
+    @property
+    def catalogue(self) -> Catalogue:
+        """The quantities of the run."""
+        return self.page.run.catalogue
+
+    def refresh(self) -> None:
+        """Show the plots that the run has now."""
+        specs = [plot.to_json() for plot in list(self.page.run.plots.values())]
+        if specs != self.grid.specs:
+            self.grid.put(specs)
+
+    async def add(self, choice: dict[str, Any]) -> None:
+        """Add a plot. Raises SceneError."""
+        await self.page.do(lambda: self.page.run.add_plot(choice))
+
+    def _removed(self, name: str) -> None:
+        self.page.soon(lambda: self.page.run.remove_plot(name))
+
+    def _moved(self, ids: list[str]) -> None:
+        self.page.soon(lambda: self.page.run.arrange_plots(ids))
+
+    def _ask(self) -> None:
+        with self.page.root:
+            PlotDialog(self.catalogue, self.add)
+
+
+class PlotDialog:
+    """Asks what is to be plotted and has `add` do it; a refusal is said beside its field."""
+
+    def __init__(self, catalogue: Catalogue, add: Callable[[dict[str, Any]], Awaitable[None]]):
+        self.catalogue, self._put = catalogue, add
+        self.fields: dict[str, Field] = {}
+        with dialog("Add a plot", "Add", self._add) as self.dialog:
+            self.kind = ui.select(
+                PLOT_KINDS, value="time", label="kind of plot", on_change=self._switch
+            )
+            self.kind.props("dense outlined").classes("rg-wide")
+            self.box = ui.element("div").classes("rg-knobs")
+            self.refused = ui.label().classes("rg-failed").props('role="alert"')
+        self._switch()
+
+    def _switch(self) -> None:
+        """Show the fields of this kind of plot alone: a long rod has many quantities to send."""
+        before = {field.label: field.value for field in self.fields.values()}
+        self.box.clear()
+        with self.box:
+            fields = FIELDS[self.kind.value]
+            self.fields = {name: self._field(name, label) for name, label in fields.items()}
+        for field in self.fields.values():
+            field.value = before.get(field.label, field.value)
+        if "window" in self.fields:
+            self.fields["window"].props('suffix="s"')
+        if "when" in self.fields:
+            self.fields["when"].on_value_change(self._units)
+            self._units()
+        self._refuse({})
+
+    def _field(self, name: str, label: str) -> Field:
+        field: Field
+        if name in TYPED:
+            field = ui.input(label, value=TYPED[name]).on("keydown.enter", self._add)
+        elif name == "direction":
+            field = ui.select(list(DIRECTIONS), value=DIRECTIONS[0], label=label)
+        else:  # typing narrows the names down
+            many = label == "quantities"
+            field = ui.select(
+                self._options(label), label=label, with_input=True, multiple=many, clearable=True
+            )
+            field.props("input-debounce=0" + " use-chips" * many)
+        return field.props("dense outlined options-dense hide-bottom-space").classes("rg-wide")
+
+    def _options(self, label: str) -> dict[str, str]:
+        """What can be chosen, by name, in words."""
+        if label == "kind of quantity":
+            return {kind: KINDS[kind].title for kind in self.catalogue.along}
+        single = {
+            name: f"{q.label if q.label != name else KINDS[q.kind].title}  ({name})"
+            for name, q in self.catalogue.quantities.items()
+        }
+        kinds = self.catalogue.kinds.items() if label == "quantities" else ()
+        several = {
+            kind: f"{KINDS[kind].title}, all {len(names)}" for kind, names in kinds if names[1:]
+        }
+        return several | single
+
+    def _units(self) -> None:
+        """Give the value that is reached the unit of what reaches it."""
+        when = self.catalogue.quantities.get(self.fields["when"].value)
+        for name in ("value", "every"):
+            self.fields[name].props["suffix"] = when.unit if when else ""
+
+    def _choice(self) -> dict[str, Any]:
+        """What was chosen, for PlotSpec. Raises SceneError for what is no number."""
+        choice = {"kind": self.kind.value}
+        for name, field in self.fields.items():
+            value = field.value
+            if name in TYPED:
+                value = str(value or "").strip()
+                if not value and not TYPED[name]:
+                    continue
+                value = value if name == "title" else number(value, name)
+            choice[name] = value
+        return choice
+
+    async def _add(self) -> None:
+        empty = [name for name, f in self.fields.items() if name not in TYPED and not f.value]
+        self._refuse(dict.fromkeys(empty, "not chosen"))
+        if empty:
+            return
+        try:
+            await self._put(self._choice())
+        except SceneError as error:
+            name = error.field.removeprefix("plot.").partition("[")[0]
+            self._refuse({name: f"must be {error.allowed}"})
+        else:
+            self.dialog.close()
+
+    def _refuse(self, texts: dict[str, str]) -> None:
+        """Say what is refused beside its field, and below them what has none."""
+        self.refused.set_text(refuse(self.fields, texts))
+
+
+def _first(catalogue: Catalogue) -> Iterator[dict[str, Any]]:
+    """Plots that a page shows at first."""
+    phi = catalogue.kinds["phi"]
+    yield {"kind": "time", "y": list(dict.fromkeys((phi[0], phi[-1]))), "window": 10.0}
+    energies = [name for name in ENERGIES if name in catalogue.quantities]
+    yield {"kind": "time", "y": energies, "window": 10.0, "title": "energies"}

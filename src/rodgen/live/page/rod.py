@@ -1,0 +1,194 @@
+"""The picture of the rod, what it shows, and kicks by dragging or in numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from dataclasses import asdict
+from typing import Any
+
+from nicegui import app, ui
+from nicegui.events import ValueChangeEventArguments
+
+from rodgen.live.page.elements import LAYERS, RodCanvas, View
+from rodgen.live.page.fields import (
+    Entry,
+    Field,
+    IconButton,
+    dialog,
+    number,
+    plain,
+    refuse,
+    whole_number,
+)
+from rodgen.live.page.runs import PageRun
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.contents import in_words
+
+VIEW = "view"  # chosen by the tab of a browser, which keeps it over a reload
+VIEWS = {"fixed": "fixed", "centre": "follows the centre of gravity", "axes": "turns with the axes"}
+Kick = Callable[[int, float, tuple[float, float]], Awaitable[None]]
+
+
+class RodPanel:
+    """The canvas with its tools."""
+
+    def __init__(self, page: PageRun):
+        self.page = page
+        self._taken, self._angle = 0, 0.0  # of the run's scenes, and how the rod is clamped [rad]
+        self._drawn: dict[str, Any] = {}
+        with ui.element("section").classes("rg-rod").props('aria-label="The rod"'):
+            with ui.element("div").classes("rg-tools"):
+                self._tools()
+            self.canvas = RodCanvas(self.view.value)
+            self.canvas.classes("rg-canvas")
+        self.canvas.on_kick(self._dragged)
+        self.canvas.on_link(lambda event: self._ask(int(event["link"]), float(event["share"])))
+
+    def _tools(self) -> None:
+        self._first = _first_view(self.page.scene)
+        self.view = ui.select(VIEWS, value=app.storage.tab.get(VIEW, self._first), label="View")
+        self.view.on_value_change(self._view)
+        self.view.props("dense outlined options-dense").classes("rg-view")
+        with IconButton("layers", "What is shown"), ui.menu().props("auto-close=false"):
+            self.switches = {
+                name: ui.switch(layer.label, value=layer.shown, on_change=self._shows(name))
+                for name, layer in LAYERS.items()
+            }
+            for switch in self.switches.values():
+                switch.props("dense").classes("rg-switch")
+        IconButton("fit_screen", "Fit the rod into the picture", lambda: self.canvas.fit())
+        IconButton("palette", "Scale colours anew", lambda: self.canvas.reset_scale())
+        IconButton(
+            "photo_camera",
+            "Save the picture as PNG",
+            lambda: self.canvas.png(f"{self.page.scene.name}.png"),
+        )
+        kick = ui.switch("kick by dragging", on_change=self._kicking).props("dense")
+        with kick:
+            ui.tooltip("Drag from a link to kick it, or click it to type the impulse")
+        self.per_metre = Entry("N s per metre dragged", "", self._strength)
+        self.per_metre.field.classes("rg-strength")
+        self.per_metre.field.set_visibility(False)
+        ui.button("Kick…", on_click=self._ask_tail).props("flat dense no-caps")
+
+    def refresh(self) -> None:
+        """Show the scene as it is now."""
+        run, scene = self.page.run, self.page.scene
+        angle = scene.rod.clamp_angle or 0.0
+        if angle != self._angle:
+            self._angle = angle
+            self.canvas.set(clampAngle=angle)
+        anchors = scene.anchors
+        drawn = {
+            "bodies": [asdict(mark) for mark in scene.distribution.marks],
+            "ties": [asdict(tie) for tie in anchors.ties],
+            "bed": anchors.bed.tolist(),
+        }
+        if drawn != self._drawn:
+            self._drawn = drawn
+            self.canvas.set(**drawn)
+        if run.taken != self._taken:
+            self._taken = run.taken
+            self._another(scene)
+
+    def _another(self, scene: Scene) -> None:
+        """Show another scene."""
+        view = _first_view(scene)
+        if view != self._first:  # what was chosen for a rod that flies is not for one that is held
+            self._first = view
+            self.view.set_value(view)
+        support, terms = scene.hold.support, scene.loads.terms
+        self.canvas.rod(self._taken, support, _description(scene), terms)
+        for name, switch in self.switches.items():
+            term = LAYERS[name].term
+            switch.set_visibility(term is None or term in scene.loads.terms)
+        self._set_strength(scene.mass)
+        self.per_metre.show(plain(self.strength))
+
+    def _view(self, event: ValueChangeEventArguments[Any]) -> None:
+        app.storage.tab[VIEW] = event.value
+        self.canvas.set(view=event.value)
+
+    def _shows(self, name: str) -> Any:
+        return lambda event: self.canvas.show(**{name: bool(event.value)})
+
+    def _kicking(self, event: ValueChangeEventArguments[Any]) -> None:
+        self.canvas.set(kick=bool(event.value))
+        self.per_metre.field.set_visibility(bool(event.value))
+
+    async def _strength(self, text: str) -> None:
+        self._set_strength(number(text, "kick strength"))
+
+    def _set_strength(self, strength: float) -> None:
+        """Set the strength of kicks, N s for a metre that is dragged."""
+        self.strength = strength
+        self.canvas.set(perMetre=strength)
+
+    def _dragged(self, event: dict[str, Any]) -> None:
+        link, share = int(event["link"]), float(event["share"])
+        impulse = (float(event["dx"]) * self.strength, float(event["dy"]) * self.strength)
+        self.page.soon(lambda: self.page.run.kick(link, share, impulse))
+
+    async def _kick(self, link: int, share: float, impulse: tuple[float, float]) -> None:
+        await self.page.do(lambda: self.page.run.kick(link, share, impulse))
+
+    def _ask(self, link: int, share: float) -> None:
+        """Ask for a kick in numbers; link, share: where it is, if nothing else is typed."""
+        links, strength = self.page.scene.rod.links, self.strength / 10
+        with self.page.root:
+            KickDialog(links, link, share, strength, self._kick)
+
+    def _ask_tail(self) -> None:
+        self._ask(self.page.scene.rod.links - 1, 1.0)
+
+
+class KickDialog:
+    """Asks for link, place on it and impulse, and has `kick` give it; a refusal is said beside its
+    field."""
+
+    def __init__(self, links: int, link: int, share: float, strength: float, kick: Kick):
+        """links: how many there are; link, share, strength [N s]: what stands there at first."""
+        self._kick = kick
+        with dialog("Kick", "Kick", self._give) as self.dialog:
+            self.fields: dict[str, Field] = {
+                "link": ui.input(f"link, 0 to {links - 1}", value=str(link)),
+                "share": ui.input("place on it, 0 (start) to 1 (end)", value=f"{share:.3g}"),
+                "x": ui.input("impulse along x [N s]", value="0"),
+                "y": ui.input("impulse along y [N s]", value=plain(strength)),
+            }
+            for field in self.fields.values():
+                field.props("dense outlined hide-bottom-space").classes("rg-wide")
+                field.on("keydown.enter", self._give)
+            self.fields["link"].props("autofocus")
+
+    async def _give(self) -> None:
+        refuse(self.fields, {})
+        try:
+            link = whole_number(self._text("link"), "link")
+            share, x, y = (number(self._text(name), name) for name in ("share", "x", "y"))
+            await self._kick(link, share, (x, y))
+        except SceneError as error:
+            name = error.field.rpartition(".")[2]
+            shown = name if name in self.fields else "y"
+            refuse(self.fields, {shown: f"must be {error.allowed}"})
+        else:
+            self.dialog.close()
+
+    def _text(self, name: str) -> str:
+        return str(self.fields[name].value or "")
+
+
+def _first_view(scene: Scene) -> View:
+    """The view in which a rod stays in the picture."""
+    return "centre" if scene.hold.translates else "fixed"
+
+
+def _description(scene: Scene) -> str:
+    """The picture in words, for who does not see it."""
+    carried = [f"carrying {body.name}" for body in scene.bodies]
+    terms = in_words(scene) or ["no loads"]
+    what = ", ".join((scene.rod.boundary, *carried, *terms))
+    return (
+        f"{scene.name}: rod of {scene.rod.links} links, {what}, drawn live; "
+        "its numbers are in the panel of values. Arrows move, + and - zoom, 0 fits."
+    )

@@ -1,0 +1,193 @@
+"""The runs of a server, one for every page, and a run as the panels of its page use it."""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+import time
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Protocol, TypeVar
+
+from nicegui import Client, app, background_tasks, ui
+from nicegui.element import Element
+
+from rodgen.live.run.live_run import LiveRun
+from rodgen.live.run.scenes import Place, edit
+from rodgen.scene import Scene, SceneError, Structure
+
+GRACE = 7.0  # seconds that a page may take to come back, as it does on a reload
+FIRST = 30.0  # seconds that it may take to come at first
+MOST = 16  # runs at a time
+
+T = TypeVar("T")
+Edit = Callable[[Scene], Scene]
+Make = Callable[[Scene], Awaitable[None]]
+
+
+@dataclass
+class Session:
+    """A run; until when [s] it is kept without a page; how many pages had come by then."""
+
+    run: LiveRun
+    until: float
+    came: int = 0
+
+
+class Sessions:
+    """Runs by their names, which cannot be guessed."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic):
+        self._clock = clock
+        self._sessions: dict[str, Session] = {}
+        self._coming = 0
+
+    def __len__(self) -> int:
+        return len(self._sessions)
+
+    @contextmanager
+    def room(self) -> Iterator[None]:
+        """Keep a place for a run whose module is being made. Raises SceneError where there is
+        none."""
+        if len(self) + self._coming >= MOST:
+            raise SceneError("runs", len(self) + 1, f"at most {MOST} on one server; close a tab")
+        self._coming += 1
+        try:
+            yield
+        finally:
+            self._coming -= 1
+
+    def open(self, scene: Scene) -> str:
+        """Begin a run, within `room`; returns its name. Raises SceneError."""
+        name = secrets.token_urlsafe(16)
+        self._sessions[name] = Session(LiveRun(scene), self._clock() + FIRST)
+        return name
+
+    def get(self, name: object) -> LiveRun | None:
+        """The run of that name, if it is still there."""
+        session = self._sessions.get(name) if isinstance(name, str) else None
+        return session.run if session else None
+
+    def sweep(self) -> None:
+        """End the runs without a page; to be called about once a second."""
+        now = self._clock()
+        for name, session in list(self._sessions.items()):
+            page = session.run.page
+            if page.watched or page.came > session.came:  # or it came and went since the last look
+                session.until, session.came = now + GRACE, page.came
+            elif now > session.until:
+                self.close(name)
+
+    def close(self, name: str) -> None:
+        """End a run."""
+        session = self._sessions.pop(name, None)
+        if session:
+            session.run.close()
+
+    def close_all(self) -> None:
+        """End all runs."""
+        for name in list(self._sessions):
+            self.close(name)
+
+
+class Panel(Protocol):
+    """A part of the page."""
+
+    def refresh(self) -> None:
+        """Show the run as it is now."""
+
+
+def notify(client: Client, text: str) -> None:
+    """Show a message on a page that goes away by itself."""
+    if client.is_deleted:
+        return
+    with client:
+        ui.notify(text, type="warning", multi_line=True, close_button="Close", timeout=8000)
+
+
+class PageRun:
+    """A run and the page that shows it; when something has changed, all panels are refreshed.
+
+    make: has the module of a scene made; root: the element that dialogs are built in.
+
+    Scenes are changed in the run's own thread, as functions from the scene that is there: what
+    comes between, from elsewhere on the page, is not lost.
+    """
+
+    def __init__(self, run: LiveRun, make: Make, client: Client, root: Element):
+        self.run, self.client, self.root = run, client, root
+        self.panels: tuple[Panel, ...] = ()
+        self._make, self._making = make, asyncio.Lock()
+
+    @property
+    def scene(self) -> Scene:
+        """The scene as it is now."""
+        return self.run.live.scene
+
+    def refresh(self) -> None:
+        """Show all panels anew, as something has changed."""
+        if self.client.is_deleted:
+            return
+        with self.client:
+            try:
+                for panel in self.panels:
+                    panel.refresh()
+            except Exception as error:  # a defect: the page says so, and stays
+                app.handle_exception(error)
+
+    def say(self, text: str) -> None:
+        """Show a message that goes away by itself."""
+        notify(self.client, text)
+
+    async def do(self, work: Callable[[], T]) -> T:
+        """Have the run's thread do something."""
+        return await asyncio.wrap_future(self.run.do(work))
+
+    def soon(self, work: Callable[[], Any]) -> None:
+        """Have the run's thread do something and do not wait for it; what is refused is said."""
+
+        async def doing() -> None:
+            try:
+                await self.do(work)
+            except SceneError as error:
+                self.say(str(error))
+
+        background_tasks.create(doing(), context=self.client)
+
+    async def change(self, changes: Sequence[tuple[Place, Any]], what: str) -> None:
+        """Change values in the scene; what: in words, for the record. Raises SceneError."""
+        await self.alter(
+            lambda scene: edit(scene, changes), lambda scene: self.run.change(scene, what)
+        )
+
+    async def take(self, scene: Scene) -> None:
+        """Run another scene, from its start. Raises SceneError."""
+        await self.alter(lambda _: scene, self.run.take)
+
+    async def alter(self, edit: Edit, act: Callable[[Scene], object]) -> None:
+        """Another scene, made of the one that is there: `act` is given it in the run's thread
+        where its module is that of the run; else that is made first, and the scene begins from
+        its start. Raises SceneError."""
+        if await self._acted(edit, act) is None:
+            return
+        async with self._making:
+            made = None
+            while (wanted := await self._acted(edit, self.run.take, made)) is not None:
+                await self._make(wanted)
+                made = wanted.structure
+
+    async def _acted(
+        self, edit: Edit, act: Callable[[Scene], object], made: Structure | None = None
+    ) -> Scene | None:
+        """Nothing, or the scene whose module is to be made; made: the structure of one that is
+        there, beside that of the run."""
+
+        def work() -> Scene | None:
+            scene = edit(self.scene)
+            if scene.structure not in (made, self.scene.structure):
+                return scene
+            act(scene)
+            return None
+
+        return await self.do(work)

@@ -1,0 +1,210 @@
+"""The server of the live view: its address, its page, and the WebSocket of each run."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import json
+import secrets
+import socket
+import webbrowser
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+import uvicorn
+from fastapi import FastAPI, WebSocket, WebSocketDisconnect
+from nicegui import app, background_tasks, ui
+
+from rodgen.live.page.guard import OWN, TOKEN, Guard
+from rodgen.live.page.module_process import Modules
+from rodgen.live.page.page import ADDRESS, Page
+from rodgen.live.page.runs import Sessions
+from rodgen.live.run.live_run import LiveRun
+from rodgen.live.run.scenes import Folder
+from rodgen.scene import Scene, SceneError
+
+LOOPBACK = "127.0.0.1"
+EVERYWHERE = {"0.0.0.0", "::"}
+ELSEWHERE = ("192.0.2.1", 9)  # of RFC 5737: nobody has it
+SWEEP = 0.5  # seconds
+# Seconds that NiceGUI's own connection of a page may be gone; it is looked at by answers within two
+# fifths of that, which a busy machine needs.
+RECONNECT = 10.0
+PORT_ERRORS = (errno.EADDRINUSE, errno.EACCES)
+LONGEST = 200  # bytes of an acknowledgement
+GONE = 4404  # code of a WebSocket: there is no such run
+
+
+@dataclass(frozen=True)
+class Settings:
+    """scene: shown first; folder: scenes to choose from; host, port: where the server listens,
+    port 0: at any that is free; opens: whether a browser is started; said: told the address,
+    that for other machines where they are let in."""
+
+    scene: Scene
+    folder: Path
+    host: str = LOOPBACK
+    port: int = 0
+    opens: bool = True
+    said: Callable[[str], None] = print
+
+
+def serve(settings: Settings) -> None:
+    """Serve until Ctrl-C. Raises SceneError for a port that is taken or a host that is not here."""
+    with _listen(settings.host, settings.port) as listening:
+        token = None if settings.host in OWN else secrets.token_urlsafe(16)
+        port = listening.getsockname()[1]
+        modules = Modules()
+        site = _site(settings, modules, *_addresses(settings.host, port, token))
+        config = uvicorn.Config(
+            Guard(site, token, port),
+            log_level="warning",
+            ws_per_message_deflate=False,
+            timeout_graceful_shutdown=2,
+        )
+        with suppress(KeyboardInterrupt):  # Ctrl-C: it has ended by then
+            Serving(config, modules).run(sockets=[listening])
+
+
+class Serving(uvicorn.Server):
+    """A server that begins no module once it was told to end."""
+
+    def __init__(self, config: uvicorn.Config, modules: Modules):
+        super().__init__(config)
+        self._modules = modules
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        self._modules.close()
+        super().handle_exit(sig, frame)
+
+
+def _site(settings: Settings, modules: Modules, told: str, opened: str) -> FastAPI:
+    """The site, page and channel; an address is told, and one opened, once they are there."""
+    site, sessions, folder = FastAPI(openapi_url=None), Sessions(), Folder(settings.folder)
+
+    @site.websocket(ADDRESS + "{name}")
+    async def _(ws: WebSocket, name: str) -> None:
+        await channel(ws, name, sessions)
+
+    @ui.page("/", title="rodgen", response_timeout=20)
+    async def _(scene: str = "") -> None:
+        await Page(sessions, modules, folder, settings.scene).show(scene)
+
+    async def begin() -> None:
+        settings.said(told)
+        background_tasks.create(_sweep(sessions))
+        if settings.opens:
+            await asyncio.to_thread(webbrowser.open, opened)
+
+    app.on_startup(begin)
+    app.on_shutdown(sessions.close_all)
+    ui.run_with(
+        site,
+        title="rodgen",
+        dark=None,
+        language="en-US",
+        tailwind=False,
+        reconnect_timeout=RECONNECT,
+        binding_refresh_interval=None,
+        show_welcome_message=False,
+    )
+    return site
+
+
+async def _sweep(sessions: Sessions) -> None:
+    while True:
+        await asyncio.sleep(SWEEP)
+        sessions.sweep()
+
+
+def _addresses(host: str, port: int, token: str | None) -> tuple[str, str]:
+    """What to type into a browser, elsewhere where that is possible, and on this machine."""
+    everywhere = host in EVERYWHERE
+    here = "localhost" if everywhere or host in OWN else host
+    elsewhere = _name() if everywhere else here
+
+    def address(name: str) -> str:
+        place = f"[{name}]" if ":" in name else name
+        return f"http://{place}:{port}/" + (f"?{TOKEN}={token}" if token else "")
+
+    return address(elsewhere), address(here)
+
+
+def _name() -> str:
+    """This machine as others in its network call it: by the address from which it would send
+    (nothing is sent), else by its name."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as outward:
+        try:
+            outward.connect(ELSEWHERE)
+        except OSError:
+            return socket.gethostname()
+        return str(outward.getsockname()[0])
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    """A socket that holds the address from now on."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    found = socket.socket(family, socket.SOCK_STREAM)
+    found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        found.bind((host, port))
+        found.listen(128)  # so that the address answers as soon as it is told
+    except OSError as error:
+        found.close()
+        reason = getattr(error, "strerror", None) or str(error)
+        named, given = ("--port", port) if error.errno in PORT_ERRORS else ("--host", host)
+        raise SceneError(named, given, f"one that can be listened on ({reason})") from None
+    return found
+
+
+async def channel(socket: WebSocket, name: str, sessions: Sessions) -> None:
+    """Send frames to the page and take its acknowledgements, until it goes away."""
+    await socket.accept()
+    run = sessions.get(name)
+    if run is None:
+        await socket.close(GONE, "this run has ended")
+        return
+    loop, waiting = asyncio.get_running_loop(), asyncio.Queue[bytes]()
+
+    def send(message: bytes) -> None:
+        with suppress(RuntimeError):  # the server is ending
+            loop.call_soon_threadsafe(waiting.put_nowait, message)
+
+    run.page.attach(send)
+    run.wake_up()
+    sending = asyncio.create_task(_forward(socket, waiting))
+    try:
+        await _take_answers(socket, run)
+    finally:
+        run.page.detach(send)
+        sending.cancel()
+
+
+async def _forward(socket: WebSocket, waiting: asyncio.Queue[bytes]) -> None:
+    with suppress(WebSocketDisconnect, RuntimeError):  # the page has gone meanwhile
+        while True:
+            await socket.send_bytes(await waiting.get())
+
+
+async def _take_answers(socket: WebSocket, run: LiveRun) -> None:
+    # A RuntimeError: sending has found out first that the page is gone.
+    with suppress(WebSocketDisconnect, RuntimeError):
+        while True:
+            text = await socket.receive_text()
+            frame = _frame(text)
+            if frame is None:
+                await socket.close(1008, "not an acknowledgement")
+                return
+            run.page.acknowledge(frame)
+
+
+def _frame(text: str) -> int | None:
+    """The number of the frame that is acknowledged."""
+    try:
+        found = json.loads(text)["ack"] if len(text) <= LONGEST else None
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return None
+    return found if isinstance(found, int) else None

@@ -1,0 +1,168 @@
+"""What the module is specialised to, and the initial state: changed together, from the start."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from nicegui import events, ui
+
+from rodgen.live.page.fields import Field, heading, number, plain, refuse, whole_number
+from rodgen.live.page.runs import PageRun
+from rodgen.live.run.scenes import (
+    LARGEST,
+    Form,
+    Place,
+    form_of,
+    from_toml_text,
+    reshape,
+    starts_of,
+)
+from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.plain import entry
+
+PAIRS = {"initial.position", "initial.velocity"}
+LIST = "(a list)"  # stands for values that are too many for a field
+
+
+class StructurePanel:
+    """Number of links, boundary, inertia, terms, initial state; and scenes from files.
+
+    Fields are called after where they stand in a scene, in one word.
+    """
+
+    def __init__(self, page: PageRun):
+        self.page = page
+        self._scene: Scene | None = None
+        self._starts: dict[Place, str] = {}  # initial values, as their fields have them
+        heading("Structure")
+        with ui.element("div").classes("rg-knobs"):
+            self.fields: dict[str, Field] = {
+                "rod.links": ui.input("number of links"),
+                "rod.boundary": ui.select(list(BOUNDARIES), label="boundary"),
+                "rod.inertia": ui.select(list(INERTIAS), label="inertia of a link"),
+            }
+            for field in self.fields.values():
+                _styled(field)
+            with ui.element("div").classes("rg-terms").props('role="group" aria-label="Terms"'):
+                self.terms = {
+                    name: ui.checkbox(term.words).props("dense") for name, term in TERMS.items()
+                }
+        heading("Initial state")
+        self._box = ui.element("div").classes("rg-knobs")
+        ui.button("Apply and restart", icon="restart_alt", on_click=self._apply).props("no-caps")
+        ui.label(
+            "Another structure is derived and compiled first; other values need no restart."
+        ).classes("rg-hint")
+        heading("From a file")
+        self.upload = ui.upload(
+            label="A scene in TOML", on_upload=self._uploaded, on_rejected=self._rejected,
+            max_file_size=LARGEST, max_files=1, auto_upload=True,
+        ).props("accept=.toml flat bordered")  # fmt: skip
+        self.upload.classes("rg-wide")
+
+    def refresh(self) -> None:
+        """Show the scene as it is now, where that is another than before."""
+        scene = self.page.scene
+        if self._scene is not None and _shown_of(scene) == _shown_of(self._scene):
+            return
+        self._scene = scene
+        self._have(starts_of(scene))
+        form, texts = _shown_of(scene)
+        for name, text in texts.items():
+            self.fields[name].set_value(text)
+        for term, box in self.terms.items():
+            box.set_value(term in form.terms)
+        refuse(self.fields, {})
+
+    def _have(self, starts: dict[Place, str]) -> None:
+        """Have fields for these initial values."""
+        if starts == self._starts:
+            return
+        for place in self._starts:
+            del self.fields[".".join(place)]
+        self._starts = starts
+        self._box.clear()
+        with self._box:
+            self.fields |= {
+                ".".join(place): _styled(ui.input(text)) for place, text in starts.items()
+            }
+
+    async def _apply(self) -> None:
+        refuse(self.fields, {})
+        try:
+            form, starts = self._form(), self._given()
+            run = self.page.run
+            await self.page.alter(lambda scene: reshape(scene, form, starts), run.restart)
+        except SceneError as error:
+            named = (name for name in self.fields if f"{error.field}.".startswith(f"{name}."))
+            refusals = {next(named, error.field): f"must be {error.allowed}"}
+            if refuse(self.fields, refusals):
+                self.page.say(str(error))
+
+    def _text(self, name: str) -> str:
+        return str(self.fields[name].value or "").strip()
+
+    def _form(self) -> Form:
+        terms = tuple(term for term, box in self.terms.items() if box.value)
+        links = whole_number(self._text("rod.links"), "rod.links")
+        return Form(links, self._text("rod.boundary"), self._text("rod.inertia"), terms)
+
+    def _given(self) -> list[tuple[Place, Any]]:
+        """Initial values; None takes away what the scene has."""
+        texts = {place: self._text(".".join(place)) for place in self._starts}
+        return [
+            (place, _value(text, ".".join(place)))
+            for place, text in texts.items()
+            if not text.startswith(LIST)
+        ]
+
+    async def _uploaded(self, event: events.UploadEventArguments) -> None:
+        self.upload.reset()
+        try:
+            content = await event.file.read()  # the server has refused what is longer than 2 MiB
+            await self.page.take(await asyncio.to_thread(from_toml_text, content))
+        except SceneError as error:
+            self.page.say(str(error))
+
+    def _rejected(self) -> None:
+        self.page.say(f"A scene is a file that ends in .toml, of at most {LARGEST >> 20} MiB")
+
+
+def _styled(field: Field) -> Field:
+    """The field as all of the panel are."""
+    return field.props("dense outlined options-dense").classes("rg-wide")
+
+
+def _value(text: str, field: str) -> Any:
+    """An initial value from its text: nothing, a number, two of them, or an expression, which the
+    scene parses. Raises SceneError."""
+    if not text:
+        return None
+    if field in PAIRS:
+        parts = text.replace(";", ",").split(",")
+        if len(parts) != 2:
+            raise SceneError(field, text, "two numbers: x, y")
+        return [number(part.strip(), field) for part in parts]
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _shown_of(scene: Scene) -> tuple[Form, dict[str, str]]:
+    """The form of a scene, and what fields show of it, by their names."""
+    form = form_of(scene)
+    texts = {"rod.links": str(form.links), "rod.boundary": form.boundary}
+    starts = {".".join(place): entry(scene, *place) for place in starts_of(scene)}
+    shown = {name: _shown(value, name in PAIRS) for name, value in starts.items()}
+    return form, {**texts, "rod.inertia": form.inertia, **shown}
+
+
+def _shown(value: Any, pair: bool) -> str:
+    """An initial value as text."""
+    if isinstance(value, list):
+        return ", ".join(map(plain, value)) if pair else f"{LIST} of {len(value)}"
+    return value if isinstance(value, str) else plain(value)

@@ -1,0 +1,223 @@
+"""Numbers of the run on the page: a panel that shows them, sliders and fields that change them."""
+
+from __future__ import annotations
+
+import math
+
+from nicegui import ui
+from nicegui.events import GenericEventArguments
+
+from rodgen.live.page.fields import Entry, heading, number, plain
+from rodgen.live.page.runs import PageRun
+from rodgen.live.run.scenes import Field, fields_of, scale_of
+from rodgen.live.texts import Row, groups
+from rodgen.model.methods import FIXED_STEP, METHODS
+from rodgen.scene import SceneError
+from rodgen.scene.integration import AUTO
+
+THROTTLE = 0.04  # seconds between two values of a slider that is dragged
+STEPS = 1000  # of a slider
+SETTINGS = {"step": "s", "rtol": "", "atol": "", "output_every": "s"}
+
+
+class Values:
+    """A table for each group of rows; built anew where the scene has other rows."""
+
+    def __init__(self, page: PageRun):
+        self.page = page
+        self._rows: object = None
+        self._box = ui.element("div").classes("rg-values")
+
+    def refresh(self) -> None:
+        """Show the rows that the scene has now."""
+        rows = groups(self.page.scene)
+        if rows == self._rows:
+            return
+        self._rows = rows
+        self._box.clear()
+        with self._box:
+            for title, group in rows.items():
+                with ui.element("table"):
+                    with ui.element("caption"):
+                        ui.label(title)
+                    for row in group:
+                        with ui.element("tr"):
+                            _cells(row)
+        self.page.soon(self.page.run.page.structure_changed)
+        self.page.soon(self.page.run.page.touched)
+
+
+def _cells(row: Row) -> None:
+    """Build a row: label, value and unit, or a text over all of their columns."""
+    if not row.label:
+        ui.element("td").props(f"data-text={row.key} colspan=3").classes("rg-words")
+        return
+    with ui.element("th").props("scope=row"):
+        ui.label(row.label)
+    ui.element("td").props(f"data-text={row.key}")
+    with ui.element("td").classes("rg-unit"):
+        ui.label(row.unit)
+
+
+class Knob:
+    """A slider with its field."""
+
+    def __init__(self, page: PageRun, field: Field):
+        self.page, self.field, self._scale = page, field, scale_of(field)
+        self._waiting: float | None = None  # where the slider is by now
+        text = field.text if field.value is None else plain(field.value)
+        with ui.element("div").classes("rg-knob"):
+            long = field.value is None
+            self.entry = Entry(field.label, text, self._typed, unit=field.unit, long=long)
+            self.slider: ui.slider | None = None
+            if field.value is not None and not field.of.fixed:
+                self.slider = ui.slider(min=0, max=STEPS, step=1, value=self._place(field.value))
+                self.slider.props(f'dense aria-label="{field.label}"')
+                self._spoken(field.value)
+                self.slider.on("update:model-value", self._slid, throttle=THROTTLE)
+                self.slider.on("change", self._released)
+
+    def _place(self, value: float) -> float:
+        """Where on the slider a value is."""
+        low, high = self.field.reach(self._scale)
+        if self.field.decades:
+            share = math.log(max(value, low) / low) / math.log(high / low)
+        else:
+            share = (value - low) / (high - low)
+        return round(STEPS * min(1.0, max(0.0, share)))
+
+    def _value(self, place: float) -> float:
+        """The value at a place of the slider, rounded to what a step of it resolves."""
+        low, high = self.field.reach(self._scale)
+        share = place / STEPS
+        if self.field.decades:
+            return min(high, max(low, float(f"{low * (high / low) ** share:.4g}")))
+        value = float(f"{low + share * (high - low):.4g}")
+        return min(high, max(low, value)) if abs(value) > 1e-9 * self._scale else 0.0
+
+    async def _slid(self, event: GenericEventArguments) -> None:
+        """Take up a place; of those that come meanwhile, the last counts."""
+        busy, self._waiting = self._waiting is not None, float(event.args)
+        if busy:
+            return
+        try:
+            while self._waiting is not None:
+                place = self._waiting
+                value = self._value(place)
+                self.entry.show(plain(value))
+                await self._set(value)
+                if self._waiting == place:
+                    self._waiting = None
+        except SceneError as error:
+            self.entry.say(f"must be {error.allowed}")
+        finally:
+            self._waiting = None
+
+    def _released(self, event: GenericEventArguments) -> None:
+        """Let a slider reach farther that was pushed to its end."""
+        value = self._value(float(event.args))
+        if (
+            float(event.args) in (0, STEPS)
+            and value
+            and not self.field.of.angle
+            and self.slider is not None
+        ):
+            self._scale = abs(value)
+            self.slider.set_value(self._place(value))
+
+    async def _typed(self, text: str) -> None:
+        try:
+            value: float | str = number(text, self.field.key)
+        except SceneError:
+            value = text  # an expression, where the scene may have one there
+        await self._set(value)
+
+    async def _set(self, value: float | str) -> None:
+        shown = plain(value) if isinstance(value, float) else value
+        await self.page.change(self.field.changes(value), f"{self.field.key} = {shown}")
+
+    def _spoken(self, value: float) -> None:
+        """Tell who hears the slider its value, not its place."""
+        if self.slider is not None:
+            self.slider.props(f'aria-valuetext="{plain(value)} {self.field.unit}"')
+
+    def refresh(self, field: Field) -> None:
+        """Show the value that the scene has now."""
+        before, self.field = self.field, field
+        if field.value is None:
+            self.entry.show(field.text)
+            return
+        text = plain(field.value)
+        if text == plain(before.value) and self.entry.shows(text):
+            return
+        self.entry.show(text)
+        if self.slider is None or (self.field.decades and field.value <= 0):
+            return
+        low, high = field.reach(self._scale)
+        if not low <= field.value <= high:
+            self._scale = scale_of(field)
+        self._spoken(field.value)
+        place = self._place(field.value)
+        if self._waiting is None and self.slider.value != place:
+            self.slider.set_value(place)
+
+
+class Parameters:
+    """All knobs, and the settings of the integration; built anew for another structure."""
+
+    def __init__(self, page: PageRun):
+        self.page = page
+        self._kinds: object = None
+        self._knobs: dict[str, Knob] = {}
+        self._settings: dict[str, Entry] = {}
+        heading("Parameters")
+        self._box = ui.element("div").classes("rg-knobs")
+        heading("Integration")
+        with ui.element("div").classes("rg-knobs"):
+            self.method = ui.select([AUTO, *METHODS], label="method", on_change=self._method)
+            self.method.props("dense outlined options-dense")
+            for name, unit in SETTINGS.items():
+                self._setting(name, unit)
+        self.warned = ui.label().classes("rg-warned")
+
+    def _setting(self, name: str, unit: str) -> None:
+        async def put(text: str) -> None:
+            value = number(text, f"integrate.{name}")
+            await self.page.change([(("integrate", name), value)], f"{name} = {text}")
+
+        self._settings[name] = Entry(name.replace("_", " "), "", put, unit=unit)
+
+    async def _method(self) -> None:
+        scene, method = self.page.scene, self.method.value
+        if method == scene.integrate.method:
+            return
+        changes: list[tuple[tuple[str, ...], object]] = [(("integrate", "method"), method)]
+        if method in FIXED_STEP and scene.integrate.step is None:
+            changes.append((("integrate", "step"), 1e-3))
+        try:
+            await self.page.change(changes, f"method {method}")
+        except SceneError as error:
+            self.page.say(str(error))
+            self.refresh()
+
+    def refresh(self) -> None:
+        """Show the values that the scene has now."""
+        scene = self.page.scene
+        fields = {field.key: field for field in fields_of(scene)}
+        kinds = [(key, field.value is None) for key, field in fields.items()]
+        if kinds != self._kinds:
+            self._kinds = kinds
+            self._box.clear()
+            with self._box:
+                self._knobs = {key: Knob(self.page, field) for key, field in fields.items()}
+        for key, field in fields.items():
+            self._knobs[key].refresh(field)
+        settings = scene.integrate
+        if self.method.value != settings.method:
+            self.method.set_value(settings.method)
+        for name, entry in self._settings.items():
+            entry.show(plain(getattr(settings, name)))
+        self._settings["step"].field.set_visibility(settings.fixed)
+        for name in ("rtol", "atol"):
+            self._settings[name].field.set_visibility(not settings.fixed)
+        self.warned.set_text("; ".join(self.page.run.warnings))

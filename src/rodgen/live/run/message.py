@@ -1,0 +1,140 @@
+"""Messages to the page: how they are coded, and what they hold of the rod and of its past.
+
+A message is a header in JSON, then arrays, as static/hub.js reads them.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import struct
+from collections.abc import Iterable, Sequence
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.integrate.catalogue import principal_axes
+from rodgen.integrate.stepper import Array
+from rodgen.live.samples import Chunk, Store
+from rodgen.loading.module import asked
+
+WORD = 8  # bytes to which the arrays are aligned
+TYPES = {np.dtype(np.float32): "f4", np.dtype(np.float64): "f8"}
+
+Named = tuple[str, NDArray[Any]]
+
+
+def encode(header: dict[str, Any], arrays: Iterable[Named]) -> bytes:
+    """Length of the header (uint32, little-endian), the header with [name, type, count] of every
+    array, and the arrays, each from a multiple of 8 bytes on. Raises ValueError for what JSON
+    does not have: not-a-number in the header."""
+    arrays = [(name, np.ascontiguousarray(array)) for name, array in arrays]
+    listed = [[name, TYPES[array.dtype], array.size] for name, array in arrays]
+    text = json.dumps({**header, "arrays": listed}, allow_nan=False, ensure_ascii=False)
+    head = text.encode()
+    head += b" " * (-(4 + len(head)) % WORD)
+    parts = [struct.pack("<I", len(head)), head]
+    for _, array in arrays:
+        content = array.astype(array.dtype.newbyteorder("<"), copy=False).tobytes()
+        parts += [content, bytes(-len(content) % WORD)]
+    return b"".join(parts)
+
+
+LARGEST = 1e30  # of what is drawn: beyond, single precision ends
+
+
+def rod_arrays(model: ModuleType, chunk: Chunk) -> tuple[list[float], list[Named]]:
+    """The origin [m], and arrays for the message, of the last sample: joints and centre of gravity
+    from there on, angle of the principal axis, gravity, moments, forces on the joints by load."""
+    t, y, p = chunk.t[-1], chunk.y[-1], chunk.p
+    gravity = _gravity(model, p)
+    with np.errstate(all="ignore"):  # a state may have stopped being finite
+        joints, centre = model.joints(y, p), asked(model, "centre_of_gravity", t, y, p)
+        origin = np.nan_to_num(joints[0], nan=0.0, posinf=0.0, neginf=0.0)
+        angle = float(principal_axes(*asked(model, "inertia", t, y, p)).angle)
+        arrays: list[Named] = [
+            ("joints", _single(joints - origin)),
+            ("moment", _single(model.bending_moments(y, p))),
+            ("point", _single(np.concatenate((centre - origin, [angle, gravity])))),
+        ]
+        forces = model.forces(t, y, p)
+        arrays += [(f"forces:{term}", _single(force)) for term, force in forces.items()]
+    return origin.tolist(), arrays
+
+
+def _gravity(model: ModuleType, p: Array) -> float:
+    """Acceleration of gravity [m/s^2], 0 where there is none."""
+    names = model.PARAMETERS
+    return float(p[names.index("gravity")]) if "gravity" in names else 0.0
+
+
+def _single(values: np.ndarray) -> np.ndarray:
+    """Values in single precision, one after the other; not-a-number beyond what that holds."""
+    values = np.asarray(values, dtype=float).ravel()
+    return np.where(np.abs(values) < LARGEST, values, np.nan).astype(np.float32)
+
+
+LONGEST_TRAIL = 300  # samples that wait: more between two pictures cannot be told apart
+TRAIL_AT_FIRST = 2000  # samples that a page is told of when it comes
+
+
+class Trail:
+    """Samples that a page has not been told of. `anew`: it is told of all that are kept, not of
+    these alone. To be used from one thread at a time."""
+
+    def __init__(self) -> None:
+        self.restart()
+
+    def restart(self) -> None:
+        """Begin anew: the trail that the page has is of no use."""
+        self._waiting: list[Chunk] = []
+        self.anew = True
+
+    def follow(self, chunk: Chunk) -> None:
+        """Take up samples that have come; of too many, every other one is let go."""
+        self._waiting.append(chunk.some(slice(None, None, max(1, len(chunk) // LONGEST_TRAIL))))
+        while sum(map(len, self._waiting)) > LONGEST_TRAIL:
+            self._waiting = _halved(self._waiting)
+
+    def take(self, model: ModuleType, store: Store) -> Array:
+        """Tail x, y and centre of gravity x, y [m], (K, 4), that the page is to be told of; none
+        of them waits from then on."""
+        chunks = _last(store.chunks(), TRAIL_AT_FIRST) if self.anew else self._waiting
+        self._waiting, self.anew = [], False
+        return _places(model, chunks)
+
+
+def _places(model: ModuleType, chunks: Sequence[Chunk]) -> Array:
+    found = [np.zeros((0, 4))]
+    # In as few calls as there are sets of parameters: most chunks have a sample or two.
+    for _, group in itertools.groupby(chunks, lambda chunk: id(chunk.p)):
+        same = list(group)
+        t, y = (np.concatenate(parts) for parts in zip(*((c.t, c.y) for c in same), strict=True))
+        p = same[0].p
+        with np.errstate(all="ignore"):  # a state may have stopped being finite
+            tail = model.joints(y, p)[:, -1]
+            centre = asked(model, "centre_of_gravity", t, y, p)
+        found.append(np.concatenate((tail, centre), axis=1))
+    return np.concatenate(found)
+
+
+def _halved(chunks: Iterable[Chunk]) -> list[Chunk]:
+    """Every other sample of some chunks."""
+    kept, before = [], 0
+    for chunk in chunks:
+        kept.append(chunk.some(slice(before % 2, None, 2)))
+        before += len(chunk)
+    return [chunk for chunk in kept if len(chunk)]
+
+
+def _last(chunks: Iterable[Chunk], most: int) -> list[Chunk]:
+    """The last samples of some chunks."""
+    found: list[Chunk] = []
+    for chunk in reversed(list(chunks)):
+        if most <= 0:
+            break
+        found.append(chunk.some(slice(-most, None)))
+        most -= len(chunk)
+    return found[::-1]

@@ -1,0 +1,196 @@
+"""What a page has seen of a run, and what is to be sent next."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rodgen.integrate.stepper import Array
+from rodgen.live.run.curves import thin
+from rodgen.live.run.message import Named, Trail, encode, rod_arrays
+from rodgen.live.run.plot import Plot
+from rodgen.live.samples import Chunk
+from rodgen.live.texts import texts
+
+if TYPE_CHECKING:
+    from rodgen.live.run.live_run import LiveRun
+
+AHEAD = 2  # messages that are sent before one is acknowledged
+TEXTS = 0.2  # seconds between two of them
+MOST_WAITING, LEAST = 2**18, 500  # numbers of a plot that wait for a page, rows at least
+Send = Callable[[bytes], None]
+
+
+class Connection:
+    """A page that has come: where its messages go, and the last of them that it has drawn."""
+
+    def __init__(self, send: Send):
+        self.send, self.seen = send, 0
+
+
+class PageState:
+    """One page at most looks at a run. What it has not seen waits here, one message's worth: with
+    a slow page, messages become fewer, not more.
+
+    `attach`, `detach` and `acknowledge` come from one other thread, that of the pages; the rest is
+    the run's own. Either writes attributes of its own, and reads those of the other once.
+    """
+
+    def __init__(self) -> None:
+        self._page: Connection | None = None  # these two: of the thread of the pages
+        self.came = 0  # how many pages have
+        self._told: Connection | None = None  # the page to which the last message went
+        self._frame = self._since = 0  # messages up to now, and before that page came
+        self._trail = Trail()
+        self._rows: dict[str, list[Array]] = {}
+        self._replaced: set[str] = set()
+        self._texts: dict[str, str] = {}
+        self._texts_at = -np.inf
+        self._dirty = True
+
+    # The connection ----------------------------------------------------------------------------
+
+    def attach(self, send: Send) -> None:
+        """Send messages there from now on, the first with everything."""
+        self._page = Connection(send)
+        self.came += 1
+
+    def detach(self, send: Send) -> None:
+        """Send nothing more to a page that is gone."""
+        if self._page is not None and self._page.send == send:
+            self._page = None
+
+    @property
+    def watched(self) -> bool:
+        """Whether anybody looks."""
+        return self._page is not None
+
+    def acknowledge(self, frame: int) -> None:
+        """Note that the page has drawn that message."""
+        page = self._page
+        if page is not None and page.seen < frame <= self._frame:
+            page.seen = frame
+
+    @property
+    def waits(self) -> bool:
+        """Whether something is to be sent as soon as the page has drawn what it has."""
+        page = self._page
+        return page is not None and (self._dirty or page is not self._told)
+
+    # What comes in -----------------------------------------------------------------------------
+
+    def touched(self) -> None:
+        """Note that texts and picture are to be sent as soon as they can."""
+        self._dirty = True
+        self._texts_at = -np.inf
+
+    def moved(self) -> None:
+        """Note that there is another state to draw."""
+        self._dirty = True
+
+    def fed(self, plots: Mapping[str, Plot], chunk: Chunk) -> None:
+        """Take up samples for the trail and the plots."""
+        self._dirty = True
+        self._trail.follow(chunk)
+        for name, plot in plots.items():
+            rows = plot.feed(chunk)
+            if rows is not None:
+                self._keep(name, rows)
+
+    def _keep(self, name: str, rows: Array) -> None:
+        waiting = self._rows.setdefault(name, [])
+        waiting.append(rows)
+        if sum(part.size for part in waiting) > MOST_WAITING:
+            rows = np.concatenate(waiting)
+            self._rows[name] = [thin(rows, max(LEAST, len(rows) // 2))]
+
+    def added(self, plot: Plot, before: Iterable[Chunk]) -> None:
+        """Take up a plot, with what was before it."""
+        name = plot.spec.id
+        self._rows[name], self._dirty = [plot.backlog(before)], True
+        self._replaced.add(name)
+
+    def removed(self, name: str) -> None:
+        self._rows.pop(name, None)
+        self._replaced.discard(name)
+
+    def restarted(self, plots: Mapping[str, Plot]) -> None:
+        """Forget what was before the run began again: these are its plots, and they are empty."""
+        self._rows, self._replaced = {}, set()
+        self._trail.restart()
+        for name, plot in plots.items():
+            plot.reset()
+            self._rows[name] = []
+            self._replaced.add(name)
+        self.touched()
+
+    def structure_changed(self) -> None:
+        """Send all texts anew."""
+        self._texts = {}
+
+    # What goes out -----------------------------------------------------------------------------
+
+    def show(self, run: LiveRun) -> None:
+        """Send a message if there is something to show and the page can take it."""
+        page = self._page
+        if page is not None and page is not self._told:
+            self._begin(run)
+        self._told = page
+        if page is None or not self._dirty:
+            return
+        if self._frame - max(page.seen, self._since) >= AHEAD:
+            return
+        message = self._message(run, self._frame + 1)
+        self._dirty = False
+        self._frame += 1
+        page.send(message)
+
+    def _begin(self, run: LiveRun) -> None:
+        """Begin with another page, which has nothing yet."""
+        self._since, self._texts = self._frame, {}
+        self._replaced.clear()
+        self._trail.restart()
+        for plot in run.plots.values():
+            self.added(plot, run.store.chunks())
+        self.touched()
+
+    def _message(self, run: LiveRun, frame: int) -> bytes:
+        header: dict[str, Any] = {"frame": frame, "state": run.status}
+        arrays: list[Named] = []
+        if np.isfinite(run.shown.y[-1]).all():
+            header["t"] = float(run.shown.t[-1])
+            header["origin"], arrays = rod_arrays(run.model, run.shown)
+            name = "trail!" if self._trail.anew else "trail"
+            arrays.append((name, self._trail.take(run.model, run.store).ravel()))
+        now = time.perf_counter()
+        if now - self._texts_at > TEXTS:
+            self._texts_at = now
+            header["texts"] = self._new_texts(run)
+        arrays += self._plotted(run)
+        return encode(header, arrays)
+
+    def _new_texts(self, run: LiveRun) -> dict[str, str]:
+        """Texts that are other than before."""
+        every = texts(run.live.scene, run.model, run.present())
+        new = {key: text for key, text in every.items() if self._texts.get(key) != text}
+        self._texts |= new
+        return new
+
+    def _plotted(self, run: LiveRun) -> list[Named]:
+        """Rows of plots to send; what a page was not there for is kept until it is."""
+        found: list[Named] = []
+        for name, plot in run.plots.items():
+            waiting = self._rows.pop(name, [])
+            present = plot.present(run.shown) if plot.replaces else None
+            if present is not None:
+                found.append((f"plot!{name}", present.ravel()))
+            elif name in self._replaced:
+                every = np.concatenate(waiting) if waiting else np.zeros(0)
+                found.append((f"plot!{name}", every.ravel()))
+            elif waiting:
+                found.append((f"plot:{name}", np.concatenate(waiting).ravel()))
+            self._replaced.discard(name)
+        return found

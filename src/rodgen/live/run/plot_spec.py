@@ -1,0 +1,159 @@
+"""What a plot shows, as somebody has chosen it, checked; and the same plot of another rod."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any
+
+from rodgen.live.catalogue import KINDS, Catalogue
+from rodgen.live.run.curves import DIRECTIONS
+from rodgen.scene import SceneError
+from rodgen.scene.structure import choose
+from rodgen.scene.tables import LARGEST
+
+PLOT_KINDS = {
+    "time": "over time",
+    "phase": "one over another (phase plot)",
+    "poincare": "Poincaré section",
+    "profile": "all of a kind along the rod",
+    "spectrum": "spectrum",
+}
+SHORTEST, LONGEST = 1e-6, 1e6  # seconds of a window
+MOST_NAMES = 200
+
+
+@dataclass(frozen=True)
+class PlotSpec:
+    """A plot: kind; y: names of quantities or of kinds, which stand for all of their quantities
+    (profile: one kind that goes along the rod; the others but time: one quantity); x: of phase and
+    poincare; window: seconds that are shown, or that a spectrum is of; poincare: points where
+    ``when`` reaches ``value`` (plus whole numbers of ``every``, if not 0), ``direction`` rising,
+    falling or either. title: made where it is empty."""
+
+    id: str
+    kind: str
+    y: tuple[str, ...]
+    x: str = "t"
+    title: str = ""
+    window: float = 20.0
+    when: str = ""
+    value: float = 0.0
+    direction: str = "rising"
+    every: float = 0.0
+
+    @classmethod
+    def from_dict(cls, choice: Mapping[str, Any], catalogue: Catalogue) -> PlotSpec:
+        """Check what a user has chosen. Raises SceneError that names field, value and what is
+        allowed, also for a quantity that this rod does not have."""
+        known = [field.name for field in fields(cls)]
+        for name in choice:
+            if name not in known:
+                raise SceneError("plot", name, f"absent: not a known key (known: {known})")
+        for name in ("id", "kind", "y"):
+            if name not in choice:
+                raise SceneError(f"plot.{name}", None, "given")
+        return _checked(dict(choice), catalogue)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The choice again, for `from_dict`, as JSON has it."""
+        return {**asdict(self), "y": list(self.y)}
+
+
+def _checked(choice: dict[str, Any], catalogue: Catalogue) -> PlotSpec:
+    if not isinstance(choice["id"], str) or not re.fullmatch(r"[A-Za-z0-9_-]{1,32}", choice["id"]):
+        raise SceneError("plot.id", choice["id"], "1 to 32 letters, digits, - and _")
+    choose("plot.kind", choice["kind"], PLOT_KINDS)
+    title = choice.get("title", "")
+    if not (isinstance(title, str) and len(title) <= 80 and (title.isprintable() or not title)):
+        raise SceneError("plot.title", title, "at most 80 printable characters")
+    for name, low, high in (
+        ("window", SHORTEST, LONGEST),
+        ("value", -LARGEST, LARGEST),
+        ("every", 0.0, LARGEST),
+    ):
+        if name in choice:
+            choice[name] = _number(f"plot.{name}", choice[name], low, high)
+    choose("plot.direction", choice.get("direction", "rising"), DIRECTIONS)
+    y = choice["y"]
+    y = (y,) if isinstance(y, str) else y
+    if not (isinstance(y, list | tuple) and 0 < len(y) <= MOST_NAMES):
+        raise SceneError("plot.y", y, f"1 to {MOST_NAMES} names of quantities")
+    spec = PlotSpec(**{**choice, "y": tuple(y)})
+    _check_names(spec, catalogue)
+    return spec
+
+
+def _check_names(spec: PlotSpec, catalogue: Catalogue) -> None:
+    match spec.kind:
+        case "time":
+            for at, name in enumerate(spec.y):
+                catalogue.expand(name, f"plot.y[{at}]")
+            return
+        case "profile":
+            choose("plot.y[0]", spec.y[0], catalogue.along)
+        case _:
+            catalogue.quantity(spec.y[0], "plot.y[0]")
+    if len(spec.y) > 1:
+        raise SceneError("plot.y", list(spec.y), f"one name in a plot of kind {spec.kind}")
+    if spec.kind in ("phase", "poincare"):
+        catalogue.quantity(spec.x, "plot.x")
+    if spec.kind == "poincare":
+        catalogue.quantity(spec.when, "plot.when")
+
+
+def _number(field: str, value: Any, low: float, high: float) -> float:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not (number and low <= value <= high):  # not-a-number is not between
+        raise SceneError(field, value, f"a number from {low:g} to {high:g}")
+    return float(value)
+
+
+def title_of(spec: PlotSpec, catalogue: Catalogue) -> str:
+    """The title that was chosen, or one that says what is shown."""
+    if spec.title:
+        return spec.title
+    labels = [_label(name, catalogue) for name in spec.y]
+    shown = ", ".join(labels[:4]) + (", ..." if len(labels) > 4 else "")
+    match spec.kind:
+        case "phase":
+            return f"{shown} over {_label(spec.x, catalogue)}"
+        case "poincare":
+            value = f"{spec.value:g}" + (f" + k {spec.every:g}" if spec.every else "")
+            return f"{shown} over {_label(spec.x, catalogue)} where " + (
+                f"{_label(spec.when, catalogue)} = {value}, {spec.direction}"
+            )
+        case "profile":
+            return f"{shown} along the rod"
+        case "spectrum":
+            return f"spectrum of {shown}"
+    return shown
+
+
+def _label(name: str, catalogue: Catalogue) -> str:
+    if name in catalogue.quantities:
+        return catalogue.quantities[name].label
+    return KINDS[name].title
+
+
+def transfer(spec: PlotSpec, name: str, before: Catalogue, after: Catalogue) -> PlotSpec | None:
+    """A plot of one rod as a plot of another, under another name, or None where nothing of it is
+    left. What was the last of its kind (the tail's) is so again."""
+
+    def same(quantity: str) -> str | None:
+        if quantity in before.quantities:
+            kind = before.quantities[quantity].kind
+            last, now = before.kinds[kind][-1], after.kinds.get(kind, [])
+            if quantity == last and len(before.kinds[kind]) > 1 and now:
+                return now[-1]
+        return quantity if quantity in after.quantities or quantity in after.kinds else None
+
+    y = tuple(dict.fromkeys(new for old in spec.y if (new := same(old)) is not None))
+    x, when = same(spec.x), same(spec.when) if spec.when else ""
+    if not y or x is None or when is None:
+        return None
+    try:
+        return PlotSpec.from_dict(replace(spec, id=name, y=y, x=x, when=when).to_dict(), after)
+    except SceneError:  # a kind that does not go along this rod
+        return None

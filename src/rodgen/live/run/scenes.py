@@ -1,0 +1,308 @@
+"""Scenes made of scenes, by other values or in another form; scenes as text, to save or link."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import zlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import tomli_w
+
+from rodgen.model.fixtures import (
+    AT_IN_MODULE,
+    BODY,
+    STATE,
+    STATE_AT_START,
+    TANK,
+)
+from rodgen.model.parameter import JOINTS, LINKS, Parameter
+from rodgen.model.rod import BOUNDARIES, CLAMP_ANGLE, MASS_PER_LENGTH, ROD, SPRING
+from rodgen.model.term import Term
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.numbers import row_of
+from rodgen.scene.plain import entry, read_text
+from rodgen.scene.tables import FinFactor
+
+Place = tuple[str, ...]  # keys of tables, from the outermost in
+
+LARGEST = 2**20  # bytes of a scene, unpacked
+MOST_SCENES = 500  # of a folder
+MOST_LISTED = 12  # of the numbers of a list that can be moved one by one
+PI = 3.141592653589793
+SHAPES = ("phi", "omega")  # initial values of which each link may have its own
+
+
+@dataclass(frozen=True)
+class Field:
+    """A value that can be moved: of which parameter, where it stands, what it is in words; value:
+    None where it is an expression of time or place, given as text; whole: all numbers of its key,
+    where the scene leaves that out."""
+
+    of: Parameter
+    path: Place
+    label: str
+    value: float | None
+    text: str = ""
+    whole: tuple[float, ...] = ()
+
+    def changes(self, value: float | str) -> list[tuple[Place, Any]]:
+        """What `edit` is to change for another value."""
+        if not self.whole:
+            return [(self.path, value)]
+        *outer, last = self.path
+        return [(tuple(outer), [value if k == int(last) else v for k, v in enumerate(self.whole)])]
+
+    @property
+    def unit(self) -> str:
+        """The unit, as it is shown."""
+        return self.of.shown_unit
+
+    @property
+    def decades(self) -> bool:
+        """Whether a slider moves over powers of ten."""
+        return self.of.decades and (self.value or 0.0) > 0
+
+    @property
+    def key(self) -> str:
+        """The path as one word."""
+        return ".".join(self.path)
+
+    def reach(self, scale: float) -> tuple[float, float]:
+        """From where to where a slider goes, when the value is of such a size."""
+        if self.of.angle:
+            return -PI, PI
+        if self.of.most is not None:
+            return 0.0, self.of.most
+        if self.decades:
+            return scale / 100, scale * 100
+        return (-3 * scale if self.of.signed else 0.0), 3 * scale
+
+
+class Group(NamedTuple):
+    """Numbers of a table of a scene: where that stands, their rows, what is said after the label of
+    each, and what holds of keys that the table leaves out."""
+
+    path: Place
+    table: Any
+    rows: Iterable[Parameter]
+    suffix: str = ""
+    left_out: Mapping[str, Any] = MappingProxyType({})
+
+
+def groups_of(scene: Scene) -> Iterator[Group]:
+    """All tables whose numbers a run takes up."""
+    straight = {CLAMP_ANGLE.key: 0.0} if scene.hold.clamped else {}
+    rod = (*ROD, MASS_PER_LENGTH, SPRING, CLAMP_ANGLE)
+    yield Group(("rod",), scene.rod, rod, left_out=straight)
+    for at, body in enumerate(scene.bodies):
+        group = Group(("bodies", str(at)), body, BODY, f" of {body.name}")
+        yield group._replace(rows=TANK) if isinstance(body.mass, str) else group
+    for name in scene.loads.terms:
+        term = TERMS[name]
+        one = term.parameters[0]
+        path = scene.place(one.name)[: -len(one.keys)]
+        table = entry(scene, *path)
+        yield Group(path, table, term.parameters)
+        if term.placed:
+            yield Group(path, table, (AT_IN_MODULE,), f" of the {term.label}")
+    if scene.foundation is not None:
+        yield Group(("foundation",), scene.foundation, TERMS["foundation"].given)
+    for at, support in enumerate(scene.supports):
+        rows, place = TERMS["supports"].given, {"to": [*scene.anchors.place(support)]}
+        yield Group(("supports", str(at)), support, rows, f" of support {at + 1}", place)
+    for name, state in scene.states.items():
+        yield Group(("states", name), state, STATE, f" of {name}")
+    yield Group(("parameters",), scene.numbers, map(row_of, scene.numbers))
+
+
+def fields_of(scene: Scene) -> Iterator[Field]:
+    """All numbers that a run takes up, and expressions that stand for them; of a long list the
+    first and the last."""
+    for group in groups_of(scene):
+        for one in group.rows:
+            yield from _fields(group, one, scene.rod.links)
+
+
+def _fields(group: Group, one: Parameter, links: int) -> Iterator[Field]:
+    path, label = (*group.path, *one.keys), f"{one.label} {one.symbol}".strip() + group.suffix
+    value, whole = entry(group.table, one.key), ()
+    if value is None:
+        value = group.left_out.get(one.key)
+        whole = tuple(value) if isinstance(value, list) else ()
+    if one.part is not None:
+        value = value[one.part]
+    if isinstance(value, str):
+        yield Field(one, path, label, None, value)
+    elif isinstance(value, FinFactor):
+        for part in FinFactor.model_fields:
+            yield Field(one, (*path, part), f"{label}, {part}", float(getattr(value, part)))
+    elif isinstance(value, list):
+        last, each = len(value) - 1, LINKS if len(value) == links else JOINTS
+        for number in range(len(value)) if last < MOST_LISTED else (0, last):  # the ends count most
+            at = (*path, str(number))
+            yield Field(one, at, f"{label}, {each} {number}", float(value[number]))
+    elif value is not None:
+        yield Field(one, path, label, float(value), whole=whole)
+
+
+def scale_of(field: Field) -> float:
+    """The size of a value, for its slider; where it is zero, that of a usual one."""
+    return abs(field.value or 0.0) or abs(field.of.beginning or 0.0) or 1.0
+
+
+def edit(scene: Scene, changes: Sequence[tuple[Place, Any]]) -> Scene:
+    """The scene with other values at some places; None takes away what is there. Raises
+    SceneError."""
+    table = scene.model_dump(exclude_none=True)
+    for path, value in changes:
+        _put(table, path, value)
+    return Scene.from_dict(table)
+
+
+def _put(table: Any, path: Place, value: Any) -> None:
+    *outer, last = path
+    for key in outer:
+        table = table[int(key)] if isinstance(table, list) else table.setdefault(key, {})
+    if isinstance(table, list):
+        table[int(last)] = value
+    elif value is None:
+        table.pop(last, None)
+    else:
+        table[last] = value
+
+
+@dataclass(frozen=True)
+class Form:
+    """What the module of a scene is specialised to, as a user chooses it; terms: of TERMS."""
+
+    links: int
+    boundary: str
+    inertia: str
+    terms: tuple[str, ...]
+
+
+def form_of(scene: Scene) -> Form:
+    """The form that a scene has; several loads of a kind are one term."""
+    rod = scene.rod
+    kinds = {TERMS[name].kind_name for name in (*scene.loads.terms, *scene.anchors.terms)}
+    terms = tuple(name for name in TERMS if name in kinds)
+    return Form(rod.links, rod.boundary, rod.inertia, terms)
+
+
+# Values at the start, by where they stand: of the rod, in words, and those of states.
+RIGID: dict[Place, str] = {
+    ("initial", "phi"): "phi: a number, or an expression in s",
+    ("initial", "omega"): "omega: a number, or an expression in s",
+    ("initial", "position"): "position x, y of joint 0 [m]",
+    ("initial", "velocity"): "velocity x, y of joint 0 [m/s]",
+}
+
+
+def starts_of(scene: Scene) -> dict[Place, str]:
+    """All values at the start that a scene may give: where they stand, in words."""
+    key = STATE_AT_START.key
+    states: dict[Place, str] = {
+        ("states", name, key): f"{name} {STATE_AT_START.label}" for name in scene.states
+    }
+    return {**RIGID, **states}
+
+
+def reshape(scene: Scene, form: Form, starts: Sequence[tuple[Place, Any]]) -> Scene:
+    """The scene in another form, with other values at the start (None: left out). Raises
+    SceneError.
+
+    Left out are values that the form has no place for: the clamp's angle, the position of a rod
+    that is held, lists of as many values as the links were.
+    """
+    table = scene.model_dump(exclude_none=True)
+    rod = table["rod"]
+    rod |= {"links": form.links, "boundary": form.boundary, "inertia": form.inertia}
+    other = (form.links, form.boundary) != (scene.rod.links, scene.rod.boundary)
+    hold = BOUNDARIES.get(form.boundary)
+    if hold is not None and not hold.clamped:
+        rod.pop(CLAMP_ANGLE.key, None)
+    for term in TERMS.values():
+        _switch(table["loads"] if term.loads else table, term, term.name in form.terms, other)
+    for place, value in starts:
+        _put(table, place, value)
+    initial = table["initial"]
+    for key in SHAPES if other else ():
+        if isinstance(initial.get(key), list):
+            initial.pop(key)
+    if hold is not None and not hold.translates:
+        for key in ("position", "velocity"):
+            initial.pop(key, None)
+    table["events"] = [] if other else table.get("events", [])
+    return Scene.from_dict(table)
+
+
+def _switch(tables: dict[str, Any], term: Term, on: bool, other: bool) -> None:
+    """Have a term, or not; other: without lists of its numbers, as the joints are others."""
+    if not on:
+        tables.pop(term.table, None)
+        return
+    if not tables.get(term.table):
+        tables[term.table] = [term.beginning] if term.array else term.beginning
+    given = tables[term.table]
+    for one in () if isinstance(given, list) else term.parameters:
+        if other and one.several and isinstance(given.get(one.key), list):
+            given.pop(one.key)
+
+
+def to_toml(scene: Scene) -> str:
+    """The text of a file from which `Scene.from_toml` makes the same scene."""
+    return tomli_w.dumps(scene.model_dump(exclude_none=True))
+
+
+def from_toml_text(text: bytes) -> Scene:
+    """A scene from the bytes of a file, checked as files are. Raises SceneError."""
+    if len(text) > LARGEST:
+        raise SceneError("scene", f"{len(text)} bytes", f"at most {LARGEST} bytes")
+    return Scene.from_dict(read_text(text, "this file"))
+
+
+def pack(scene: Scene) -> str:
+    """A scene in letters, digits, - and _, for an address."""
+    return base64.urlsafe_b64encode(zlib.compress(to_toml(scene).encode(), 9)).decode().rstrip("=")
+
+
+def unpack(text: str) -> Scene:
+    """A scene from `pack`. Raises SceneError for anything else."""
+    try:
+        data = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
+        inflate = zlib.decompressobj()
+        content = inflate.decompress(data, LARGEST + 1)
+    except (binascii.Error, zlib.error, ValueError):
+        raise SceneError("scene", text[:40], "a scene as the link button gives it") from None
+    return from_toml_text(content)
+
+
+class Folder:
+    """The scenes of a folder: nothing outside of it, and nothing but its own files, is opened."""
+
+    def __init__(self, path: Path):
+        self._path = path.resolve()
+
+    def names(self) -> list[str]:
+        """File names of its scenes, without the ending."""
+        try:
+            found = sorted(p.stem for p in self._path.glob("*.toml") if self._inside(p))
+        except OSError:
+            return []
+        return found[:MOST_SCENES]
+
+    def scene(self, name: str) -> Scene:
+        """One of them. Raises SceneError."""
+        if name not in self.names():
+            raise SceneError("scene", name, f"one of the folder: {', '.join(self.names())}")
+        return Scene.from_toml(self._path / f"{name}.toml")
+
+    def _inside(self, path: Path) -> bool:
+        """Whether a file is in the folder itself, not a link that leads out of it."""
+        return path.is_file() and path.resolve().parent == self._path

@@ -1,0 +1,199 @@
+"""The threads of a run: its own, how fast that goes by the clock, and one for critical forces."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+import traceback
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any, TypeVar
+
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene
+
+FRAME = 1 / 60  # seconds
+IDLE = 0.25  # seconds after which a thread that has nothing to do looks up
+T = TypeVar("T")
+
+
+class Worker:
+    """A frame is `slice`, then `show`, then work that others have handed in by `do`.
+
+    busy: whether frames follow each other; else the thread sleeps until something comes.
+    """
+
+    def __init__(self) -> None:
+        self._work: deque[tuple[Callable[[], Any], Future[Any]]] = deque()
+        self._wake, self._closed = threading.Event(), False
+        self._faults: dict[str, str] = {}  # of works, until they go well again
+        self._thread = threading.Thread(target=self._loop, name="rodgen-run", daemon=True)
+
+    def start(self) -> None:
+        """Start the thread, once what is made of the worker is complete."""
+        self._thread.start()
+
+    def slice(self) -> None:
+        """Do the work of one frame."""
+
+    def show(self) -> None:
+        """Show what there is to see of it."""
+
+    @property
+    def busy(self) -> bool:
+        """Whether another frame is due."""
+        return False
+
+    def failed(self, message: str) -> None:
+        """Take note, in words, of a defect in a frame."""
+
+    def do(self, work: Callable[[], T]) -> Future[T]:
+        """Have the thread do something between two frames."""
+        future: Future[T] = Future()
+        if self._closed:
+            future.cancel()
+            return future
+        self._work.append((work, future))
+        self.wake_up()
+        return future
+
+    def close(self) -> None:
+        """End the thread; what waits is cancelled."""
+        self._closed = True
+        self.wake_up()
+
+    def wake_up(self) -> None:
+        """Look up, if it is idle: somebody has come, or something is to be done."""
+        self._wake.set()
+
+    def _loop(self) -> None:
+        due = time.perf_counter()
+        while not self._closed:
+            self._wake.clear()
+            self._do_work()
+            self._guarded(self.slice)
+            self._guarded(self.show)
+            # By the clock, not by what a wait takes: frames are to come evenly.
+            now = time.perf_counter()
+            due = max(due + FRAME, now) if self.busy else now + IDLE
+            if due > now and not self._work:
+                self._wake.wait(due - now)
+        while self._work:
+            self._work.popleft()[1].cancel()
+
+    def _do_work(self) -> None:
+        while self._work:
+            work, future = self._work.popleft()
+            if not future.set_running_or_notify_cancel():
+                continue
+            try:
+                future.set_result(work())
+            except BaseException as error:
+                future.set_exception(error)
+
+    def _guarded(self, work: Callable[[], None]) -> None:
+        """Do work whose defects are told and do not end the thread."""
+        try:
+            work()
+            self._faults.pop(work.__name__, None)
+        except Exception as error:  # whatever it is: the page is to be told, though not every frame
+            if self._faults.get(work.__name__) == repr(error):
+                return
+            self._faults[work.__name__] = repr(error)
+            traceback.print_exc()
+            self.failed(f"rodgen has failed: {error!r}")
+
+
+LAG = 0.1  # seconds behind the clock from which a run that cannot keep up is let off
+OVER = 1.0  # seconds over which the ratio to real time is measured
+
+
+class Pace:
+    """Where a run should be by now, and how fast it has been of late.
+
+    speed: simulated seconds per second; infinite: as fast as it goes.
+    """
+
+    def __init__(self, speed: float = 1.0, clock: Callable[[], float] = time.perf_counter):
+        self._clock = clock
+        self.speed = speed
+        self._anchor = 0.0, clock()
+        self._passed: deque[tuple[float, float]] = deque()
+
+    def start(self, t: float) -> None:
+        """Count from now on, from t [s] of the run."""
+        self._anchor = t, self._clock()
+        self._passed.clear()
+
+    def due(self) -> float:
+        """Where the run should be by now [s]."""
+        t, since = self._anchor
+        return t + self.speed * (self._clock() - since) if math.isfinite(self.speed) else math.inf
+
+    def reached(self, t: float) -> None:
+        """Take note that the run has come to t [s]."""
+        now = self._clock()
+        if math.isfinite(self.speed) and self.due() - t > LAG * self.speed:
+            self._anchor = t, now
+        self._passed.append((now, t))
+        while now - self._passed[0][0] > OVER and len(self._passed) > 2:
+            self._passed.popleft()
+
+    @property
+    def ratio(self) -> float | None:
+        """Simulated seconds per second of late; None where it is not known yet."""
+        if len(self._passed) < 2:
+            return None
+        (before, first), (now, last) = self._passed[0], self._passed[-1]
+        return (last - first) / (now - before) if now > before else None
+
+
+MOST_LINKS = 200  # beyond, it takes seconds
+PATIENCE = 0.4  # seconds without another change, before it is computed
+COMPUTING = "computing"
+
+
+class Critical:
+    """value: critical force [N] of the scene looked at last, or in words why there is none, or
+    None where no force follows the rod. done: called when it is there, from another thread."""
+
+    def __init__(self, done: Callable[[], object]):
+        self._done = done
+        self._timer: threading.Timer | None = None
+        self.value: float | str | None = None
+
+    def look(self, scene: Scene) -> None:
+        """Compute for another scene, where it has a critical force."""
+        self.cancel()
+        if not any(TERMS[name].has_size for name in scene.loads.following[:1]):
+            self.value = None
+        elif scene.rod.links > MOST_LINKS:
+            self.value = f"not computed: more than {MOST_LINKS} links"
+        else:
+            self.value = COMPUTING
+            self._timer = threading.Timer(PATIENCE, self._compute, (scene,))
+            self._timer.daemon = True
+            self._timer.start()
+
+    def cancel(self) -> None:
+        """Do not begin what is not begun, and forget the result of what is."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _compute(self, scene: Scene) -> None:
+        from rodgen.analyse.critical import critical_force
+        from rodgen.analyse.errors import AnalysisError
+        from rodgen.scene import SceneError
+
+        mine = threading.current_thread()
+        found: float | str
+        try:
+            found = critical_force(scene, t=scene.integrate.span[0]).force
+        except (AnalysisError, SceneError) as error:
+            found = str(error)
+        if mine is self._timer:  # else another scene is looked at meanwhile
+            self.value = found
+            self._done()

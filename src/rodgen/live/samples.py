@@ -1,0 +1,125 @@
+"""Samples of a live run: in pieces between changes, in bounded memory, and as a Solution."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import InitVar, dataclass, replace
+
+import numpy as np
+
+from rodgen.integrate.live import Samples
+from rodgen.integrate.samples import Changes
+from rodgen.integrate.solution import Solution
+from rodgen.integrate.stepper import Array
+
+ROOM = 2**25  # bytes of states
+MOST, LEAST = 20_000, 500  # samples, whatever they weigh
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """t: times [s], (K,); y: states, (K, states); work: work of each load without potential since
+    the start [J], (K, works), in the order of `works`; p: parameters that held at all of them;
+    given: energy [J] that changes and kicks have put in since the start; start: total energy at
+    the start [J]."""
+
+    t: Array
+    y: Array
+    work: Array
+    works: tuple[str, ...]
+    p: Array
+    given: float = 0.0
+    start: float = 0.0
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def some(self, which: slice) -> Chunk:
+        """Some of the samples."""
+        return replace(self, t=self.t[which], y=self.y[which], work=self.work[which])
+
+    def last(self) -> Chunk:
+        """The last sample alone."""
+        return self.some(slice(-1, None))
+
+
+class Store:
+    """All samples since the start; when it is full, every other one is dropped, and from then on
+    only every other one is taken up."""
+
+    def __init__(self, states: int, works: tuple[str, ...], start: float):
+        """start: total energy at the start [J]."""
+        self._states = states
+        nothing = np.empty(0)
+        self._blank = Chunk(nothing, nothing, nothing, works, nothing, start=start)
+        width = 1 + states + len(works)
+        rows = int(min(MOST, max(LEAST, ROOM // (8 * width))))
+        self._rows = np.empty((rows, width))
+        self._epoch_of = np.zeros(rows, dtype=np.int64)
+        self._epochs: dict[int, Chunk] = {}  # between two changes: what holds, without samples
+        self._number = self.count = self._seen = 0
+        self._stride = 1
+
+    def change(self, p: Array, given: float) -> None:
+        """Let other parameters hold from the next sample on."""
+        if not (self.count and self._epoch_of[self.count - 1] == self._number):
+            self._epochs.pop(self._number, None)  # no sample of it was kept
+        self._number += 1
+        self._epochs[self._number] = replace(self._blank, p=p.copy(), given=given)
+
+    def add(self, samples: Samples) -> Chunk:
+        """Take up samples; gives them back with what holds of them."""
+        at, count = 0, len(samples.t)
+        while at < count:
+            wanted = np.arange(at + -(self._seen + at) % self._stride, count, self._stride)
+            room = len(self._rows) - self.count
+            self._take(samples, wanted[:room])
+            if len(wanted) <= room:
+                break
+            at = int(wanted[room])
+            self._thin()
+        self._seen += count
+        here = self._epochs[self._number]
+        return replace(here, t=samples.t, y=samples.y, work=samples.work)
+
+    def _take(self, samples: Samples, which: np.ndarray) -> None:
+        rows = self._rows[self.count : self.count + len(which)]
+        rows[:, 0] = samples.t[which]
+        rows[:, 1 : 1 + self._states] = samples.y[which]
+        rows[:, 1 + self._states :] = samples.work[which]
+        self._epoch_of[self.count : self.count + len(which)] = self._number
+        self.count += len(which)
+
+    def _thin(self) -> None:
+        """Keep every other sample, and the epochs that still have one."""
+        kept = (self.count + 1) // 2
+        self._rows[:kept] = self._rows[: self.count : 2]
+        self._epoch_of[:kept] = self._epoch_of[: self.count : 2]
+        self.count, self._stride = kept, 2 * self._stride
+        used = {self._number, *np.unique(self._epoch_of[:kept]).tolist()}
+        self._epochs = {number: self._epochs[number] for number in used}
+
+    def chunks(self) -> Iterator[Chunk]:
+        """All samples that are kept, in chunks cut where parameters changed."""
+        numbers = self._epoch_of[: self.count]
+        edges = [0, *(np.flatnonzero(np.diff(numbers)) + 1), self.count]
+        for first, last in itertools.pairwise(edges):
+            if first == last:
+                continue
+            epoch, rows = self._epochs[int(numbers[first])], self._rows[first:last]
+            y, work = np.split(rows[:, 1:], [self._states], axis=1)
+            yield replace(epoch, t=rows[:, 0].copy(), y=y.copy(), work=work.copy())
+
+
+@dataclass(repr=False)
+class Recorded(Solution):
+    """A Solution whose changes are those between the pieces that it is made from."""
+
+    pieces: InitVar[tuple[Chunk, ...]] = ()
+
+    def __post_init__(self, pieces: tuple[Chunk, ...]) -> None:
+        if pieces:  # else it has some samples of another's, with their changes
+            counts = [len(piece) for piece in pieces]
+            p = np.repeat([piece.p for piece in pieces], counts, axis=0)
+            self.changes = Changes(p, np.repeat([piece.given for piece in pieces], counts))

@@ -1,0 +1,210 @@
+// A plot in its frame: title, buttons, key of its curves, picture; and its files.
+
+import { Chart, colours, entry, MANY } from "./chart.js";
+import { Gestures } from "./chart_pointer.js";
+import { Curves, PLANE } from "./curves.js";
+import { button, make, named, relabel, save } from "./dom.js";
+import { theme } from "./theme.js";
+
+export class Card {
+  dirty = true;
+  seen = false;
+  drawn = -Infinity; // when, in milliseconds
+  draws = 0;
+  cost = 0; // of a drawing, in milliseconds
+
+  // `on`: remove(), move(by), changed().
+  constructor(spec, on) {
+    Object.assign(this, { spec, on });
+    this.curves = new Curves(spec);
+    this.badge = make("span", { class: "rodgen-badge", "aria-live": "polite" });
+    this.title = make("h3", { title: spec.title }, spec.title);
+    this.key = make("div", { class: "rodgen-key" });
+    this.box = make("div", { class: "rodgen-chart" });
+    this.head = make("header", { draggable: "true" }, this.title, this.badge, this.#buttons());
+    this.frame = make(
+      "section",
+      { class: "rodgen-plot", "aria-label": spec.title, "data-plot": spec.id },
+      this.head,
+      this.key,
+      this.box,
+    );
+  }
+
+  #buttons() {
+    const { title } = this.spec;
+    this.hold = button("pause", `Pause ${title}`, () => this.pause(!this.curves.paused));
+    this.reset = button("zoom_out_map", `Reset zoom of ${title}`, () => this.zoom(null));
+    this.reset.disabled = true;
+    return make(
+      "div",
+      { class: "rodgen-buttons" },
+      this.hold,
+      this.reset,
+      button("image", `Save ${title} as PNG`, () => this.png()),
+      button("table_view", `Save ${title} as CSV`, () => this.csv()),
+      button("chevron_left", `Move ${title} left`, () => this.on.move(-1)),
+      button("chevron_right", `Move ${title} right`, () => this.on.move(1)),
+      button("close", `Remove ${title}`, () => this.on.remove()),
+    );
+  }
+
+  // Once it stands in the page: ECharts wants to know its size.
+  open() {
+    this.chart = new Chart(this.box, this.spec);
+    this.gestures = new Gestures(this);
+    this.sizes = new ResizeObserver(() => {
+      this.chart.resize();
+      this.changed();
+    });
+    this.sizes.observe(this.box);
+    this.sight = new IntersectionObserver((entries) => {
+      this.seen = entries.at(-1).isIntersecting;
+      if (this.dirty) this.on.changed();
+    });
+    this.sight.observe(this.box);
+    this.#legend();
+  }
+
+  close() {
+    this.sizes?.disconnect();
+    this.sight?.disconnect();
+    this.chart?.dispose();
+    this.frame.remove();
+  }
+
+  changed() {
+    this.dirty = true;
+    this.on.changed();
+  }
+
+  take(values, replace) {
+    this.curves.take(values, replace);
+    if (!this.curves.still || replace) this.dirty = true;
+  }
+
+  draw(now) {
+    const begin = performance.now();
+    this.chart.draw(this.curves.now(...this.chart.size, now));
+    this.gestures.drawn();
+    Object.assign(this, { dirty: false, drawn: now });
+    this.draws += 1;
+    this.cost += 0.3 * (performance.now() - begin - this.cost);
+  }
+
+  restyle() {
+    this.chart.style();
+    this.#legend();
+    this.dirty = true;
+  }
+
+  // Up to eight curves by name, more by the ends of the colour map.
+  #legend() {
+    const shades = colours(this.spec);
+    const { series, kind } = this.spec;
+    if (kind !== "time" || series.length < 2) return this.key.replaceChildren();
+    const words = series.map((one) => entry(this.spec, one));
+    if (series.length <= MANY) {
+      const line = (colour) => make("i", { style: `background:${colour}`, "aria-hidden": "true" });
+      const entries = words.map((text, k) => make("span", {}, line(shades[k]), text));
+      return this.key.replaceChildren(...entries);
+    }
+    const ramp = make("i", {
+      class: "rodgen-ramp",
+      style: `background:linear-gradient(90deg,${shades})`,
+    });
+    const ends = [words[0], words.at(-1)].map((text) => make("span", {}, text));
+    return this.key.replaceChildren(ends[0], ramp, ends[1]);
+  }
+
+  pause(paused) {
+    this.curves.pause(paused);
+    relabel(
+      this.hold,
+      paused ? "play_arrow" : "pause",
+      `${paused ? "Resume" : "Pause"} ${this.spec.title}`,
+    );
+    this.hold.setAttribute("aria-pressed", String(paused));
+    this.#settled();
+  }
+
+  // view: {x: [low, high], y: [low, high] or null}; null for all.
+  zoom(view) {
+    this.curves.zoom(view);
+    this.reset.disabled = view === null;
+    this.#settled();
+  }
+
+  #settled() {
+    const { paused, view } = this.curves;
+    this.badge.textContent = paused ? "paused" : view ? "zoomed" : "";
+    this.changed();
+  }
+
+  png() {
+    if (this.dirty) this.draw(performance.now());
+    picture(this.spec, this.chart.picture()).toBlob((blob) =>
+      save(blob, named(this.spec.title, "png")),
+    );
+  }
+
+  csv() {
+    const text = csv(this.spec, this.curves.rows, this.curves.end);
+    save(new Blob([text], { type: "text/csv" }), named(this.spec.title, "csv"));
+  }
+}
+
+// Rows of a plot as text: a header with names and units, then every row that is kept, up to `end`.
+const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+const titled = (name, unit) => quoted(unit ? `${name} [${unit}]` : name);
+
+const TIME = { label: "t", unit: "s" };
+
+function csv(spec, rows, end) {
+  const curves = spec.series.map(({ name, unit }) => ({ label: name, unit: unit ?? spec.y.unit }));
+  const plane = PLANE.includes(spec.kind) ? [TIME] : [];
+  const columns = spec.kind === "time" ? [spec.x, ...curves] : [...plane, spec.x, spec.y];
+  const head = columns.map(({ label, unit }) => titled(label, unit));
+  const lines = [head.join(",")];
+  for (let row = rows.first; row < end; row++) {
+    // The shortest text that gives the same double again.
+    lines.push(Array.from({ length: rows.columns }, (_, k) => String(rows.at(row, k))).join(","));
+  }
+  return lines.join("\n") + "\n";
+}
+
+// The picture of a plot with its title and key, as it is saved.
+const DENSE = 2;
+const FONT = "Roboto, system-ui, sans-serif";
+
+// `chart`: a canvas with the picture at twice its size; a canvas.
+function picture(spec, chart) {
+  const listed = spec.series.length > 1 && spec.series.length <= MANY && spec.kind === "time";
+  const top = (listed ? 50 : 30) * DENSE;
+  const canvas = document.createElement("canvas");
+  Object.assign(canvas, { width: chart.width, height: chart.height + top });
+  const context = canvas.getContext("2d");
+  context.fillStyle = theme().background;
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  context.drawImage(chart, 0, top);
+  context.scale(DENSE, DENSE);
+  context.fillStyle = theme().ink;
+  context.font = `500 14px ${FONT}`;
+  context.fillText(spec.title, 12, 20);
+  if (listed) key(context, spec);
+  return canvas;
+}
+
+function key(context, spec) {
+  context.font = `12px ${FONT}`;
+  const shades = colours(spec);
+  let x = 12;
+  spec.series.forEach((one, k) => {
+    const label = entry(spec, one);
+    context.fillStyle = shades[k];
+    context.fillRect(x, 36, 14, 3);
+    context.fillStyle = theme().ink;
+    context.fillText(label, x + 18, 42);
+    x += 32 + context.measureText(label).width;
+  });
+}

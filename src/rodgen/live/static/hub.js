@@ -1,0 +1,165 @@
+// What the channel brings, and when it is drawn: a page has one of it, shared by all components.
+
+import { length, Trail } from "./rod_links.js";
+
+const TEXT = new TextDecoder();
+const SECOND = 1000;
+
+// A message of the server (message.py): a JSON header, then arrays, each padded to 8 bytes.
+// {header, arrays: [[name, typed array], ...]}; the arrays are views of the buffer.
+function decode(buffer) {
+  const size = new DataView(buffer).getUint32(0, true);
+  const header = JSON.parse(TEXT.decode(new Uint8Array(buffer, 4, size)));
+  const arrays = [];
+  let at = 4 + size;
+  for (const [name, type, count] of header.arrays ?? []) {
+    const kind = type === "f8" ? Float64Array : Float32Array;
+    const array = new kind(buffer, at, count);
+    arrays.push([name, array]);
+    at += 8 * Math.ceil(array.byteLength / 8);
+  }
+  return { header, arrays };
+}
+
+// Texts by key, written into every element that has data-text="key".
+class Texts {
+  #texts = new Map();
+  changed = false;
+
+  set(texts) {
+    this.changed = true;
+    for (const [key, text] of Object.entries(texts)) this.#texts.set(key, String(text));
+  }
+
+  // Only what differs is written: elements may come later than their text, or be rendered anew.
+  write() {
+    this.changed = false;
+    for (const element of document.querySelectorAll("[data-text]")) {
+      const text = this.#texts.get(element.dataset.text);
+      if (text !== undefined && element.textContent !== text) put(element, text);
+    }
+  }
+}
+
+function put(element, text) {
+  const only = element.childNodes.length === 1 ? element.firstChild : null;
+  // The node is kept where it can be: Vue, which may have made it, goes on with it.
+  if (only?.nodeType === Node.TEXT_NODE) only.nodeValue = text;
+  else element.textContent = text;
+}
+
+class Hub {
+  rod = {
+    t: null,
+    origin: [0, 0],
+    joints: null,
+    moment: null,
+    point: null,
+    forces: {},
+    trail: new Trail(),
+    frame: 0,
+  };
+  texts = new Texts();
+  // Objects with paint(now, fresh, fully): fresh with a new state, fully where anything else may
+  // have changed. They say by true that they want another frame.
+  painters = new Set();
+  // Called with (id, rows, replace, t) for rows of plots.
+  rows = () => {};
+  send = () => {};
+  shown = { fps: 0, frames: 0, t: null, state: null, connected: false, milliseconds: 0 };
+  #unanswered = [];
+  #drawn = [];
+  #fresh = false;
+  #fully = false;
+  #waiting = false;
+
+  constructor() {
+    window.rodgenLive = this.shown;
+    new MutationObserver(() => this.repaint()).observe(document.body, {
+      attributeFilter: ["class"],
+    });
+    setInterval(() => this.#count(performance.now()), SECOND / 2);
+  }
+
+  receive(buffer) {
+    const { header, arrays } = decode(buffer);
+    if (header.t !== undefined) this.rod.t = this.shown.t = header.t;
+    if (header.state !== undefined) this.shown.state = header.state;
+    if (header.origin !== undefined) this.rod.origin = header.origin;
+    this.#keep(arrays);
+    if (header.texts) this.texts.set(header.texts);
+    if (header.frame !== undefined) this.#unanswered.push(header.frame);
+    this.#wake();
+  }
+
+  #keep(arrays) {
+    const joints = arrays.find(([name]) => name === "joints")?.[1];
+    // A state is whole: a load that it does not have, the rod has no longer.
+    if (joints) Object.assign(this.rod, { moment: null, point: null, forces: {} });
+    for (const [name, array] of arrays) {
+      if (name.startsWith("plot:") || name.startsWith("plot!")) {
+        this.rows(name.slice(5), array, name[4] === "!", this.rod.t);
+      } else if (name.startsWith("forces:")) {
+        this.rod.forces[name.slice(7)] = array;
+      } else if (name === "trail" || name === "trail!") {
+        this.rod.trail.add(array, name === "trail!", length(joints));
+      } else {
+        this.rod[name] = array;
+      }
+    }
+    if (joints) {
+      this.rod.frame += 1;
+      this.#fresh = true;
+    }
+  }
+
+  // Colours, sizes or options have changed.
+  repaint() {
+    this.#fully = true;
+    this.#wake();
+  }
+
+  // One drawing per animation frame, however often it is asked for. A hidden tab draws nothing
+  // and so answers nothing: the server then sends nothing.
+  #wake() {
+    if (this.#waiting) return;
+    this.#waiting = true;
+    requestAnimationFrame((now) => this.#paint(now));
+  }
+
+  #paint(now) {
+    this.#waiting = false;
+    const begin = performance.now();
+    const [fresh, fully] = [this.#fresh, this.#fully];
+    this.#fresh = this.#fully = false;
+    if (this.texts.changed) this.texts.write();
+    let more = false;
+    for (const painter of this.painters) more = painter.paint(now, fresh, fully) || more;
+    for (const frame of this.#unanswered.splice(0)) this.send(JSON.stringify({ ack: frame }));
+    if (fresh) {
+      this.shown.frames += 1;
+      this.#drawn.push(now);
+    }
+    const spent = performance.now() - begin;
+    this.shown.milliseconds += 0.05 * (spent - this.shown.milliseconds);
+    if (more) this.#wake();
+  }
+
+  // Frames with a new state of the rod drawn in the last second.
+  #count(now) {
+    while (this.#drawn.length && this.#drawn[0] < now - SECOND) this.#drawn.shift();
+    this.shown.fps = this.#drawn.length;
+    this.texts.write();
+  }
+
+  // A new connection begins with a whole state; answers to the old one are of no use to it.
+  connected(send) {
+    this.send = send ?? (() => {});
+    this.#unanswered = [];
+    this.shown.connected = Boolean(send);
+    this.texts.set({ connection: send ? "" : "connection lost: trying again" });
+    this.repaint();
+  }
+}
+
+export const hub = new Hub();

@@ -1,0 +1,132 @@
+// Loads as arrows to scale, each kind of them with its length in the legend.
+//
+// A load is {term, layer: what switches it, label, kind, colours: [on white, on black]}, as the page
+// has it from the vocabulary of the server.
+
+import { arrows, atEnd } from "./rod_marks.js";
+import { Scale, short } from "./scales.js";
+import { dark } from "./theme.js";
+
+const APART = 7; // pixels from one arrow to the next
+// By kind: pixels of the longest arrow at the end of its scale, width of a line, unit.
+const KINDS = {
+  point: { longest: 64, width: 3, unit: "N", arrows: atPoint },
+  mass: { longest: 64, width: 2.4, unit: "m/s\u00b2", arrows: atCentre },
+  joints: { longest: 50, width: 1.2, unit: "N", arrows: atJoints },
+};
+
+// Loads that are drawn of a state, whether they are zero by now or not.
+const drawn = (loads, state, show) =>
+  loads.filter(
+    ({ term, layer, kind }) =>
+      show[layer] && (kind === "mass" ? state.point?.[3] : state.forces[term]),
+  );
+
+// What that takes: arrow, the longest at the rod in pixels; names, those that the legend may have.
+export function most(loads, state, show) {
+  const seen = drawn(loads, state, show);
+  const points = seen.some(({ kind }) => kind === "point");
+  return { arrow: points ? KINDS.point.longest + APART : 0, names: seen.map(({ label }) => label) };
+}
+
+export class Loads {
+  #scales = Object.fromEntries(Object.keys(KINDS).map((kind) => [kind, new Scale()]));
+
+  get moving() {
+    return Object.values(this.#scales).some((scale) => scale.moving);
+  }
+
+  reset() {
+    for (const scale of Object.values(this.#scales)) scale.reset();
+  }
+
+  // Draws what `show` names and the state has; rows of the legend.
+  draw(context, camera, loads, state, points, show, now) {
+    const rows = [];
+    const seen = drawn(loads, state, show);
+    for (const [kind, { longest, width, unit, arrows: found }] of Object.entries(KINDS)) {
+      const scale = this.#scales[kind];
+      const those = seen.filter((load) => load.kind === kind);
+      const sizes = those.map(({ term }) => {
+        if (kind === "mass") return largest(weight(state));
+        return largest(kind === "point" ? whole(state.forces[term]) : state.forces[term]);
+      });
+      const limit = scale.follow(Math.max(0, ...sizes), now);
+      those.forEach((load, k) => {
+        if (!(sizes[k] > 0)) return;
+        const arrow = (x, y) => camera.direction(x, y).map((d) => (d * longest) / limit);
+        const colour = load.colours[Number(dark())];
+        arrows(context, found(state, points, arrow, load.term, camera), colour, width);
+        rows.push(row(load.label, colour, scale, longest, unit));
+      });
+    }
+    return rows;
+  }
+}
+
+const weight = (state) => [0, -state.point[3]];
+
+// The size of the largest of some forces x0, y0, x1, ...
+function largest(forces) {
+  let size = 0;
+  for (let at = 0; at < forces.length; at += 2) {
+    size = Math.max(size, Math.hypot(forces[at], forces[at + 1]) || 0);
+  }
+  return size;
+}
+
+// Their sum.
+function whole(forces) {
+  const sum = [0, 0];
+  forces.forEach((force, k) => (sum[k % 2] += force));
+  return sum;
+}
+
+// Arrows [x, y, dx, dy] in pixels: one at the joint upon which the force acts, or between two, ...
+function atPoint(state, points, arrow, term) {
+  const forces = state.forces[term];
+  const place = [0, 0];
+  let [at, most, total] = [points.length - 2, 0, 0];
+  for (let k = 0; k < forces.length; k += 2) {
+    const size = Math.hypot(forces[k], forces[k + 1]);
+    if (size > most) [at, most] = [k, size];
+    total += size;
+    place[0] += size * points[k];
+    place[1] += size * points[k + 1];
+  }
+  const beside = at ? at - 2 : 2;
+  const [x, y] = place.map((sum) => sum / total);
+  return [atEnd([x, y], [points[beside], points[beside + 1]], arrow(...whole(forces)))];
+}
+
+// ... one at the centre of gravity, ...
+function atCentre(state, points, arrow, term, camera) {
+  return [[...camera.screen(state.point[0], state.point[1]), ...arrow(...weight(state))]];
+}
+
+// ... or as many along the rod as can be told apart.
+function atJoints(state, points, arrow, term) {
+  const forces = state.forces[term];
+  const end = points.length - 2;
+  const every = 2 * Math.ceil((APART * end) / 2 / Math.max(across(points), 1));
+  const list = [];
+  for (let k = end; k >= 0; k -= every) {
+    list.push([points[k], points[k + 1], ...arrow(forces[k], forces[k + 1])]);
+  }
+  return list;
+}
+
+// The sum of the sides of the box about the points: about the length of the rod in pixels.
+function across(points) {
+  const [xs, ys] = [0, 1].map((k) =>
+    points.filter((_, at) => at % 2 === k && Number.isFinite(points[at])),
+  );
+  return Math.max(...xs) - Math.min(...xs) + Math.max(...ys) - Math.min(...ys);
+}
+
+// An arrow of a round size, as long as one of that size is drawn.
+function row(name, colour, scale, longest, unit) {
+  const value = scale.value / 2;
+  const length = (value * longest) / scale.shown;
+  return { name, colour, length, text: `${short(value, 3)} ${unit}` };
+}

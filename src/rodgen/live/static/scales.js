@@ -1,0 +1,168 @@
+// Round numbers for axes and how they are written, and scales that follow what is drawn without
+// trembling: up at once, down after a while.
+
+const STEPS = [1, 2, 5, 10];
+const ENDS = [1, 1.5, 2, 3, 4, 5, 6, 8, 10];
+const NONE = 1e-6; // of a step: smaller values are zero but for rounding
+const PATIENCE = 3000; // milliseconds until a scale that is too large becomes smaller
+const ROUNDING = 1e-12; // of its size, by which a constant may seem to move
+const TINIEST = 1e-290; // of a range: below, its steps would be short of digits
+const [LEAST, MOST] = [2, 12]; // decimals of a time
+
+// The smallest of 1, 2, 5 (or of ENDS) times a power of ten that is not below `least`.
+export function above(least, factors = STEPS) {
+  if (!(least > 0) || !Number.isFinite(least)) return 1;
+  const power = 10 ** Math.floor(Math.log10(least));
+  // A hair of room: 0.3 / 0.1 is a bit above 3.
+  const factor = factors.find((f) => f * power >= least * (1 - 1e-9)) ?? 10;
+  return factor * power;
+}
+
+// A round end of a scale that reaches to `least`.
+export const end = (least) => above(least, ENDS);
+
+// The multiples of `step` from low to high, as whole numbers of steps.
+export function multiples(low, high, step) {
+  const first = Math.ceil(low / step - 1e-9);
+  const last = Math.floor(high / step + 1e-9);
+  return Array.from({ length: Math.max(0, Math.min(last - first + 1, 200)) }, (_, k) => first + k);
+}
+
+const power = (size) => Math.floor(Math.log10(size) + 1e-9);
+const places = (step) => Math.min(Math.max(0, -power(step)), 20);
+const tidy = (text) => text.replace("e+", "e").replace("-", "\u2212").replace("e-", "e\u2212");
+
+// A multiple of `step` with the digits that tell it from its neighbours.
+export function written(value, step) {
+  const large = Math.max(Math.abs(value), step);
+  if (large >= 1e6 || step < 1e-4) {
+    if (Math.abs(value) < NONE * step) return "0";
+    const digits = Math.max(0, power(Math.abs(value)) - power(step));
+    return tidy(value.toExponential(Math.min(digits, 15)));
+  }
+  const text = value.toFixed(places(step));
+  return tidy(Number(text) === 0 ? text.replace("-", "") : text);
+}
+
+// A number with `digits` significant digits, for legends and hints.
+export function short(value, digits = 4) {
+  if (!Number.isFinite(value)) return String(value);
+  const size = Math.abs(value);
+  if (size !== 0 && (size >= 1e6 || size < 1e-3)) {
+    return tidy(Number(value.toPrecision(digits)).toExponential());
+  }
+  return tidy(String(Number(value.toPrecision(digits))));
+}
+
+// Labels from low to high would be long and all alike: then a number near to them, to be told
+// apart from the labels; else 0.
+export function base(low, high, step) {
+  const size = Math.max(Math.abs(low), Math.abs(high));
+  if (!(size / step > 1e5)) return 0;
+  const coarse = 100 * above(high - low);
+  return Math.round(low / coarse) * coarse;
+}
+
+// Time that passes while something is drawn, in milliseconds; a pause counts as a frame.
+class Clock {
+  last = null;
+
+  passed(now) {
+    const passed = Math.min(now - (this.last ?? now), 100);
+    this.last = now;
+    return passed;
+  }
+}
+
+// A round number that the largest value seen stays below; `shown` moves to it smoothly.
+export class Scale {
+  clock = new Clock();
+
+  constructor() {
+    this.reset();
+  }
+
+  reset() {
+    this.value = this.shown = this.peak = this.quiet = 0;
+  }
+
+  follow(largest, now) {
+    if (!Number.isFinite(largest)) return this.shown;
+    const passed = this.clock.passed(now);
+    this.peak = Math.max(this.peak, largest);
+    this.quiet += passed;
+    if (largest > 0.35 * this.value) this.quiet = this.peak = 0;
+    if (largest > this.value) this.value = end(largest);
+    else if (this.quiet > PATIENCE && this.peak > 0) this.value = end(this.peak);
+    if (this.shown === 0) this.shown = this.value;
+    this.shown += (this.value - this.shown) * (1 - Math.exp(-passed / 120));
+    if (Math.abs(this.value - this.shown) < 0.01 * this.value) this.shown = this.value;
+    return this.shown;
+  }
+
+  get moving() {
+    return this.shown !== this.value;
+  }
+}
+
+// A time as text: with so many decimals that a step of it is seen.
+export class Written {
+  #last = null;
+  #decimals = LEAST;
+
+  of(t) {
+    const step = Math.abs(t - (this.#last ?? t));
+    this.#last = t;
+    if (step > 0) {
+      const needed = Math.min(Math.max(Math.ceil(-Math.log10(step) - 1e-6), LEAST), MOST);
+      // Steps about a power of ten: one decimal too many is let be.
+      if (needed !== this.#decimals - 1) this.#decimals = needed;
+    }
+    return t.toFixed(this.#decimals);
+  }
+}
+
+const constant = (low, high) =>
+  high - low <= ROUNDING * Math.max(Math.abs(low), Math.abs(high));
+
+// A range of round ends about the data: wider at once, narrower once the data have left more than
+// a third of it empty for a while.
+export class Range {
+  clock = new Clock();
+
+  constructor() {
+    this.reset();
+  }
+
+  reset() {
+    this.low = this.high = this.step = NaN;
+    this.quiet = 0;
+    this.constant = false; // whether the data were, when the ends were chosen
+  }
+
+  get ends() {
+    return Number.isNaN(this.low) ? [0, 1] : [this.low, this.high];
+  }
+
+  follow(low, high, now) {
+    if (!(low <= high)) return;
+    this.quiet += this.clock.passed(now);
+    const inside = this.low <= low && high <= this.high;
+    if (high - low > 0.6 * (this.high - this.low) - this.step) this.quiet = 0;
+    const moves = this.constant && !constant(low, high);
+    if (!inside || moves || this.quiet > PATIENCE) this.#take(low, high);
+  }
+
+  #take(low, high) {
+    const middle = (low + high) / 2;
+    this.constant = constant(low, high);
+    // About a constant, a tenth of it; else a little more than the data: no curve is cut where it
+    // touches the edge.
+    const wanted = this.constant ? Math.abs(middle) / 10 || 1 : 0.515 * (high - low);
+    const half = Math.max(wanted, 1e-9 * Math.abs(middle), TINIEST);
+    this.step = above(half / 5);
+    this.low = Math.floor((middle - half) / this.step + 1e-9) * this.step;
+    this.high = Math.ceil((middle + half) / this.step - 1e-9) * this.step;
+    this.quiet = 0;
+  }
+}

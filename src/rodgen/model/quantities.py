@@ -1,0 +1,285 @@
+"""Quantities that follow from a motion: a row each, with its name, unit, words, and what shows it.
+
+The functions that compute them stand in integrate/catalogue.py, by the names of the rows.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from rodgen.model.parameter import typeset
+from rodgen.model.rod import Boundary
+
+# Who holds a quantity: files and datasets, datasets alone, or none but what is asked for it.
+FILE, DATASET, SHOWN = "file", "dataset", "shown"
+# What there is a quantity for each of.
+WORKS, FORCES, LOADS, ADDED = "works", "forces", "loads", "added states"
+SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+Index = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """Something that follows from states and parameters at every time.
+
+    name: of a variable in a file, with {} for a load; unit: with powers as in "kg m^2"; words: what
+    it is; dimensions: beside the time; numbers: labels in plots of its single numbers by their
+    names, in the order of its last dimension where that is none along the rod, with {} for the
+    number of a link or joint, or for a load; kind: what they can be shown together with, by default
+    their name without {}; kept: who holds it; each: what there is one for each of; watched: whether
+    events can watch it; free: whether only a rod that moves freely has it.
+    """
+
+    name: str
+    unit: str
+    words: str
+    dimensions: tuple[str, ...] = ()
+    numbers: Mapping[str, str] = field(default_factory=dict)
+    kind: str = ""
+    kept: str = FILE
+    each: str = ""
+    watched: bool = False
+    free: bool = False
+
+    def kind_of(self, number: str) -> str:
+        """The kind of one of its numbers."""
+        return self.kind or number.replace("_{}", "")
+
+
+def _point(name: str, of: str, letters: str = "xy") -> dict[str, str]:
+    """Both coordinates of a point, or of its velocity."""
+    return {f"{name}x": f"{letters[0]} of {of}", f"{name}y": f"{letters[1]} of {of}"}
+
+
+def _energy(name: str, words: str, kept: str = FILE) -> Quantity:
+    name, label = f"{name}_energy", f"{name} energy"
+    return Quantity(name, "J", words, (), {name: label}, "energy", kept, watched=True)
+
+
+def _inertia(name: str, words: str, label: str) -> Quantity:
+    return Quantity(name, "kg m^2", words, (), {name: label}, "inertia", watched=True)
+
+
+AXIS, LINK, JOINT, SPRING = ("axis",), ("link",), ("joint",), ("spring",)
+TAIL, CENTRE = "the tail", "the centre of gravity"
+_CENTRE = _point("centre_of_gravity_", CENTRE)
+_CENTRE_SPEED = _point("centre_of_gravity_v", CENTRE, "ẋẏ")
+_JOINTS = {"joint_{}_x": "x{}", "joint_{}_y": "y{}"}
+_PRINCIPAL = {
+    "principal_moment_1": "smaller principal moment I₁",
+    "principal_moment_2": "larger principal moment I₂",
+}
+_ANGLE = {"principal_angle": "angle of the principal axis"}
+_BALANCE = {"energy_balance": "balance error"}
+
+# In the order in which files hold them.
+QUANTITIES = (
+    Quantity("phi", "rad", "angles of the links", LINK, {"phi_{}": "φ{}"}),
+    Quantity("omega", "rad/s", "rates of the links", LINK, {"omega_{}": "ω{}"}),
+    Quantity("joints", "m", "positions of the joints", JOINT + AXIS, _JOINTS, watched=True),
+    Quantity("centre_of_gravity", "m", "centre of gravity", AXIS, _CENTRE, "centre", watched=True),
+    _energy("kinetic", "kinetic energy"),
+    _energy("spring", "energy of the springs"),
+    _energy("gravity", "energy in gravity"),
+    Quantity("energy_balance", "J", "energy gained less work done", (), _BALANCE),
+    _inertia("inertia_x", "moment of inertia about x", "I about x"),
+    _inertia("inertia_y", "moment of inertia about y", "I about y"),
+    _inertia("product_xy", "product of inertia", "product I of x, y"),
+    Quantity("work_{}", "J", "work of {}", (), {"work_{}": "work of {}"}, each=WORKS),
+    Quantity("force_{}", "N", "force of {} on the joints", JOINT + AXIS, kept=DATASET, each=FORCES),
+    Quantity(
+        "bending_moments",
+        "N m",
+        "bending moments in the joints",
+        JOINT,
+        {"bending_moment_{}": "M{}"},
+        kept=DATASET,
+    ),
+    Quantity(
+        "tip", "m", "position of the tail", AXIS, _point("tip_", TAIL), "tip", DATASET, watched=True
+    ),
+    _energy("total", "energy", DATASET),
+    Quantity(
+        "principal_angle",
+        "rad",
+        "axis of the smaller moment of inertia",
+        numbers=_ANGLE,
+        kept=DATASET,
+    ),
+    Quantity(
+        "principal_moments",
+        "kg m^2",
+        "principal moments of inertia",
+        ("principal",),
+        _PRINCIPAL,
+        "principal_moment",
+        DATASET,
+    ),
+    Quantity("t", "s", "time", (), {"t": "t"}, kept=SHOWN),
+    Quantity(
+        "tip_velocity",
+        "m/s",
+        "velocity of the tail",
+        AXIS,
+        _point("tip_v", TAIL, "ẋẏ"),
+        "tip_velocity",
+        SHOWN,
+    ),
+    Quantity(
+        "centre_velocity",
+        "m/s",
+        f"velocity of {CENTRE}",
+        AXIS,
+        _CENTRE_SPEED,
+        "centre_velocity",
+        SHOWN,
+    ),
+    Quantity(
+        "power_{}", "W", "power of {}", (), {"power_{}": "power of {}"}, kept=SHOWN, each=WORKS
+    ),
+    Quantity("{}", "N", "{}", (), {"{}": "{}"}, "load", SHOWN, LOADS),
+    Quantity("{}", "", "{}", (), {"{}": "{}"}, "state", SHOWN, ADDED),
+    Quantity(
+        "base", "m", "position of joint 0", AXIS, {"x0": "x₀", "y0": "y₀"}, "base", SHOWN, free=True
+    ),
+    Quantity(
+        "base_velocity",
+        "m/s",
+        "velocity of joint 0",
+        AXIS,
+        {"vx0": "ẋ₀", "vy0": "ẏ₀"},
+        "base_velocity",
+        SHOWN,
+        free=True,
+    ),
+    Quantity(
+        "bend", "rad", "angles between neighbouring links", SPRING, {"bend_{}": "Δφ{}"}, kept=SHOWN
+    ),
+    Quantity(
+        "bend_rate",
+        "rad/s",
+        "rates between neighbouring links",
+        SPRING,
+        {"bend_rate_{}": "Δω{}"},
+        kept=SHOWN,
+    ),
+)
+
+
+class Kind(NamedTuple):
+    """What can be shown together: what it is, the symbol of its axis, and its unit."""
+
+    title: str
+    symbol: str
+    unit: str
+
+
+def _kind(name: str, symbol: str, title: str = "") -> tuple[str, Kind]:
+    """A kind, by default with the words of the quantity that it consists of."""
+    of = next(row for row in QUANTITIES if name in map(row.kind_of, row.numbers))
+    return name, Kind(title or of.words, symbol, typeset(of.unit))
+
+
+# In the order in which they are offered.
+KINDS = dict(
+    (
+        _kind("t", "t"),
+        _kind("tip", "x, y of the tail"),
+        _kind("tip_velocity", "velocity of the tail"),
+        _kind("centre", "x, y of the centre of gravity"),
+        _kind("centre_velocity", "velocity of the centre of gravity"),
+        _kind("energy", "energy", "energies"),
+        _kind("energy_balance", "balance error", "error of the energy balance"),
+        _kind("inertia", "moment of inertia", "moments and product of inertia"),
+        _kind("principal_moment", "moment of inertia"),
+        _kind("principal_angle", "angle", "angle of the principal axis"),
+        _kind("work", "work", "work of the loads"),
+        _kind("power", "power", "power of the loads"),
+        _kind("load", "force", "loads"),
+        ("state", Kind("states that are added", "state", "")),
+        _kind("base", "x₀, y₀"),
+        _kind("base_velocity", "ẋ₀, ẏ₀"),
+        _kind("phi", "φ"),
+        _kind("omega", "ω"),
+        _kind("bend", "Δφ"),
+        _kind("bend_rate", "Δω"),
+        _kind("bending_moment", "bending moment", "bending moments"),
+        _kind("joint_x", "x", "x of the joints"),
+        _kind("joint_y", "y", "y of the joints"),
+    )
+)
+PERIODS = {"principal_angle": 3.141592653589793}  # an axis has no direction: the angle jumps by it
+
+
+class Number(NamedTuple):
+    """A single number of a quantity: its name, its label in plots, its kind, where it is in the
+    dimensions, and how far along the rod, from 0 at joint 0 to 1 at the tail, if anywhere."""
+
+    name: str
+    label: str
+    kind: str
+    at: Index = ()
+    along: float | None = None
+
+
+def numbers(quantity: Quantity, hold: Boundary, links: int) -> Iterator[Number]:
+    """All numbers of a quantity of a rod."""
+    if quantity.free and not hold.translates:
+        return
+    first, *rest = quantity.dimensions or ("",)
+    ranges = {
+        "link": range(links),
+        "joint": range(links + 1),
+        "spring": hold.springs(links),
+    }
+    middle = 0.0 if first == "joint" else 0.5
+    for last, (name, label) in enumerate(quantity.numbers.items()):
+        kind = quantity.kind_of(name)
+        if first not in ranges:
+            yield Number(name, label, kind, (last,) if first else ())
+            continue
+        for number in ranges[first]:
+            # No spring bends a link that is held, nor does the start of the next one.
+            if kind != "bending_moment" or number >= hold.first:
+                at = (number - ranges[first].start, *((last,) if rest else ()))
+                shown = label.format(str(number).translate(SUBSCRIPTS))
+                yield Number(name.format(number), shown, kind, at, (number + middle) / links)
+
+
+def watched(hold: Boundary, links: int) -> Iterator[tuple[str, range]]:
+    """Names of all quantities that events can watch: those that move, each with the numbers of the
+    links or joints that {} stands for."""
+    once, moving = range(1), range(hold.first, links)
+    yield from ((name, once) for name in ("x0", "y0") if hold.translates)
+    yield "phi_{}", moving
+    yield from ((name, once) for name in ("vx0", "vy0") if hold.translates)
+    yield "omega_{}", moving
+    for quantity in QUANTITIES:
+        if quantity.watched:
+            span = range(hold.first_joint, links + 1) if "joint" in quantity.dimensions else once
+            yield from ((name, span) for name in quantity.numbers)
+
+
+def number_in(name: str, template: str) -> int | None:
+    """The number that a name has in place of {}, 0 for a template without; None if it is none of
+    these names."""
+    found = re.search(r"[0-9]{1,7}", name) if "{}" in template else None
+    number = int(found[0]) if found else 0
+    return number if name == template.format(number) else None
+
+
+def place(name: str) -> tuple[Quantity, Index]:
+    """The quantity that has a number of this name, of a link, a joint or the rod, and where. Raises
+    KeyError."""
+    for quantity in QUANTITIES:
+        others = quantity.each or quantity.dimensions == SPRING
+        for last, template in enumerate(() if others else quantity.numbers):
+            number = number_in(name, template)
+            if number is not None:
+                along = (number,) if "{}" in template else ()
+                beside = len(quantity.dimensions) > len(along)
+                return quantity, (*along, *((last,) if beside else ()))
+    raise KeyError(name)

@@ -1,0 +1,281 @@
+"""The rod itself: its parameters, the ways in which its start is held, and how its mass lies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from rodgen.model.parameter import ANY, LINKS, NOT_NEGATIVE, POSITIVE, SPRINGS, Parameter
+
+ROD = (
+    Parameter(
+        name="mass",
+        key="mass",
+        label="mass",
+        symbol="M",
+        unit="kg",
+        description="of the rod []",
+        rule=POSITIVE,
+        decades=True,
+    ),
+    Parameter(
+        name="length",
+        key="length",
+        label="length",
+        symbol="L",
+        unit="m",
+        description="of the rod []",
+        rule=POSITIVE,
+        decades=True,
+    ),
+    Parameter(
+        name="bending_stiffness",
+        key="bending_stiffness",
+        label="bending stiffness",
+        symbol="EI",
+        unit="N m^2",
+        description="EI []",
+        rule=NOT_NEGATIVE,
+        decades=True,
+    ),
+)
+# Numbers of a scene that reach its module as those of links.
+MASS_PER_LENGTH = Parameter(
+    name="mass_per_length",
+    key="mass_per_length",
+    label="mass per length",
+    unit="kg/m",
+    description="instead of the mass []",
+    rule=POSITIVE,
+    decades=True,
+)
+SPRING = Parameter(
+    name="spring",
+    key="spring",
+    label="moment of a spring",
+    unit="N m",
+    description="by its stiffness k and the angle d that bends it []",
+)
+CLAMP_ANGLE = Parameter(
+    name="clamp_angle",
+    key="clamp_angle",
+    label="clamp angle",
+    unit="rad",
+    description="angle at which the start is held []",
+    default=0.0,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Boundary:
+    """How the start of the rod is held.
+
+    translates: joint 0 moves freely, with coordinates x0, y0.
+    first: the first link that moves; links before it are held at clamp_angle.
+    root: stiffness of a spring in joint 0 that holds link 0 at clamp_angle, in springs between
+    links (half a link bends there: twice as stiff), and internal damping there, in the same way.
+    tail: likewise of a spring in joint n that holds the last link at clamp_angle.
+    title: of a rod that is held so; description: what holds it.
+    """
+
+    translates: bool
+    first: int
+    root: int = 0
+    tail: int = 0
+    title: str = ""
+    description: str = ""
+
+    @property
+    def first_joint(self) -> int:
+        """The first joint that moves."""
+        return 0 if self.translates else self.first + 1
+
+    @property
+    def first_force(self) -> int:
+        """The first joint that passes a force on to a moving link."""
+        return 1 if self.translates else self.first
+
+    @property
+    def first_spring(self) -> int:
+        """The first joint with a spring."""
+        return 0 if self.root else 1
+
+    def springs(self, links: int) -> range:
+        """The joints with a spring."""
+        return range(self.first_spring, links + bool(self.tail))
+
+    @property
+    def least_links(self) -> int:
+        """The fewest links with which something moves."""
+        return self.first + 1
+
+    @property
+    def clamped(self) -> bool:
+        """Whether the rod is held at clamp_angle, by a link that does not move or by a spring."""
+        return bool(self.first or self.root or self.tail)
+
+    @property
+    def support(self) -> str:
+        """What is drawn at joint 0: "none", a "wall" or a "pin"."""
+        if self.translates:
+            return "none"
+        return "wall" if self.clamped else "pin"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Parameters of this boundary."""
+        return (CLAMP_ANGLE,) if self.clamped else ()
+
+
+BOUNDARIES = {
+    "free": Boundary(
+        translates=True,
+        first=0,
+        title="free in space",
+        description="nothing",
+    ),
+    "cantilever": Boundary(
+        translates=False,
+        first=1,
+        title="held at link 0 (the thesis's clamp)",
+        description=("link 0 stays at `clamp_angle` (the thesis's clamp, of first order in 1/n)"),
+    ),
+    "clamped": Boundary(
+        translates=False,
+        first=0,
+        root=2,
+        title="clamped by a root spring",
+        description=(
+            "a spring of 2 EI n/L at joint 0, against `clamp_angle` (of second order in 1/n)"
+        ),
+    ),
+    "pinned": Boundary(
+        translates=False,
+        first=0,
+        title="pinned at joint 0",
+        description="nothing: a chain of n pendulums",
+    ),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Inertia:
+    """How the mass of a link lies along it: in words, and whether a link resists being turned
+    about its own middle other than by masses at its ends."""
+
+    description: str
+    rotary: bool
+
+
+INERTIAS = {
+    "uniform": Inertia("mass spread along each link", rotary=True),
+    "lumped": Inertia("massless links, M/n at inner joints, M/2n at joints 0 and n", rotary=False),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Uneven:
+    """What a rod that differs along its length has other parameters for.
+
+    parameters: what it has; instead: names of parameters of an even rod whose place they take;
+    title: what differs, in words.
+    """
+
+    parameters: tuple[Parameter, ...]
+    title: str
+    instead: tuple[str, ...] = ()
+
+
+def _of_links(
+    name: str, label: str, description: str, rule: str = ANY, unit: str = ""
+) -> Parameter:
+    """A parameter with a number for every link."""
+    return Parameter(
+        name=name, key="", label=label, description=description, rule=rule, unit=unit, each=LINKS
+    )
+
+
+LINK_MASS = _of_links("link_mass", "link mass", "of each link []", POSITIVE, "kg")
+CENTRE_ALONG = _of_links(
+    "link_centre_along", "centre along", "centre of gravity of each link along it, over its length"
+)
+CENTRE_ACROSS = _of_links(
+    "link_centre_across",
+    "centre across",
+    "centre of gravity of each link across it, over its length",
+)
+SPREAD_ALONG = _of_links(
+    "link_spread_along",
+    "spread along",
+    "mean square of the mass of each link along it about its centre, over its length squared",
+    NOT_NEGATIVE,
+)
+SPREAD_ACROSS = _of_links(
+    "link_spread_across",
+    "spread across",
+    "mean square of the mass of each link across it about its centre, over its length squared",
+    NOT_NEGATIVE,
+)
+SPREAD_MIXED = _of_links(
+    "link_spread_mixed",
+    "mixed spread",
+    "mean product of both of the mass of each link about its centre, over its length squared",
+)
+CENTRE = CENTRE_ALONG, CENTRE_ACROSS
+SPREAD = SPREAD_ALONG, SPREAD_ACROSS, SPREAD_MIXED
+
+
+def _steady(one: Parameter) -> Parameter:
+    """A parameter of links of which some masses change with time: that of the others."""
+    return replace(
+        one,
+        name=one.name.replace("link", "steady"),
+        label=f"{one.label}, steady",
+        description=f"{one.description}, of masses that do not change",
+        rule=NOT_NEGATIVE if one is LINK_MASS else one.rule,
+    )
+
+
+# Of a body whose mass changes with time: its place on its link and its inertia.
+TANK = {
+    "along": "place of {} along its link, over its length",
+    "across": "place of {} across its link, over its length",
+    "spread": "half the moment of inertia of {} over the square of the length of a link []",
+}
+
+
+def tank_row(name: str, what: str) -> Parameter:
+    """A number of such a body, of those in TANK; name: what they are called after."""
+    spread = what == "spread"
+    return Parameter(
+        name=f"{name}_{what}",
+        key="",
+        label=f"{name} {what}",
+        description=TANK[what].format(name.removeprefix("body_")),
+        rule=NOT_NEGATIVE if spread else ANY,
+        unit="kg" if spread else "",
+    )
+
+
+STEADY = {one.name: _steady(one) for one in (LINK_MASS, *CENTRE, *SPREAD)}
+
+UNEVEN = {
+    "stiffness": Uneven(
+        (
+            Parameter(
+                name="joint_stiffness",
+                key="bending_stiffness",
+                label="joint stiffness",
+                symbol="k",
+                unit="N m/rad",
+                description="of the spring in each joint that has one []",
+                rule=NOT_NEGATIVE,
+                each=SPRINGS,
+            ),
+        ),
+        instead=("bending_stiffness",),
+        title="stiffness that differs from joint to joint",
+    ),
+    "mass": Uneven((LINK_MASS,), title="mass that differs from link to link"),
+    "bodies": Uneven((LINK_MASS, *CENTRE, *SPREAD), title="bodies fixed to its links"),
+    "points": Uneven((LINK_MASS, CENTRE_ALONG), title="point masses in its joints"),
+}

@@ -1,0 +1,143 @@
+"""A term: a load or a kind of damping, its names, its parameters and how it is drawn."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+from rodgen.model.parameter import JOINTS, Parameter
+
+# Kinds of terms: what they act on.
+FORCE = "force at a point"
+SPREAD = "force along the rod"
+WEIGHT = "force on mass"
+DAMPER = "damping moment across joints"
+DRAG = "damping forces on joints"
+ANCHOR = "springs and dampers from joints to the ground"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Term:
+    """A load, or a kind of damping.
+
+    name: where terms are listed; table: of [loads] in a scene; kind: what it acts on; label: in
+    words; symbol: of its size as a force; description: a phrase for the tables of keys; colours:
+    of its arrows, on white and on black; follows: a force that turns with the rod; thesis: one of
+    the thesis's terms, which a structure has that names none; placed: a scene may have several,
+    each on a point of its own, by default the tail; given: the numbers of its table, where those of
+    the module are others; array: a scene has an array of its tables; kinked: damping without a
+    linear part about a rest that is bent.
+    """
+
+    name: str
+    table: str
+    kind: str
+    label: str
+    description: str
+    parameters: tuple[Parameter, ...]
+    symbol: str = ""
+    colours: tuple[str, str] = ("#475569", "#cbd5e1")
+    follows: bool = False
+    thesis: bool = False
+    placed: bool = False
+    given: tuple[Parameter, ...] = ()
+    array: bool = False
+    kinked: bool = False
+
+    @property
+    def words(self) -> str:
+        """The name as words."""
+        return self.name.replace("_", " ")
+
+    @property
+    def kind_name(self) -> str:
+        """The name without a number."""
+        found = NUMBERED.fullmatch(self.name)
+        return found[1] if found and self.placed else self.name
+
+    @property
+    def damps(self) -> bool:
+        """Whether it takes energy wherever something moves."""
+        return self.kind in (DAMPER, DRAG)
+
+    @property
+    def loads(self) -> bool:
+        """Whether it is a table of [loads]; others follow from tables of their own."""
+        return self.kind != ANCHOR
+
+    @property
+    def sizes(self) -> tuple[Parameter, ...]:
+        """Parameters with which the load grows in proportion; several are its components."""
+        return tuple(one for one in self.parameters if one.scales)
+
+    @property
+    def beginning(self) -> dict[str, Any]:
+        """Its table in a scene in which it was not before; without what has a number for every
+        joint, and what the scene itself has a place for."""
+        found: dict[str, Any] = {}
+        for one in self.given or self.parameters:
+            if one.beginning is None or one.each == JOINTS:
+                continue
+            if one.part is not None:
+                found.setdefault(one.key, []).append(one.beginning)
+            else:
+                found[one.key] = one.beginning
+        return found
+
+    def numbered(self, number: int) -> Term:
+        """The load of this kind that has this number in a scene."""
+        return replace(
+            self,
+            name=f"{self.name}_{number}",
+            label=f"{self.label} {number}",
+            symbol=f"{self.symbol}{number}",
+            parameters=tuple(self._numbered(number, one) for one in self.parameters),
+        )
+
+    def _numbered(self, number: int, one: Parameter) -> Parameter:
+        return replace(
+            one,
+            name=one.name.replace(self.name, f"{self.name}_{number}", 1),
+            label=f"{one.label} {number}",
+            symbol=f"{one.symbol}{number}" if one.symbol else "",
+        )
+
+    @property
+    def spread(self) -> bool:
+        """Whether it is given for every link by itself, per length."""
+        return self.kind == SPREAD
+
+    @property
+    def has_size(self) -> bool:
+        """Whether it grows with one number."""
+        return len(self.sizes) == 1 and not self.spread
+
+
+NUMBERED = re.compile(r"([a-z_]+?)_([2-9]|[1-9][0-9]{1,3})(?:_([a-z_]+))?")
+Row = TypeVar("Row")
+
+
+class Rows(dict[str, Row]):
+    """Rows by name; ``made`` makes those of a placed load that is not the first of a scene, of its
+    name, its number and the rest of the name."""
+
+    def __init__(self, rows: dict[str, Row], made: Callable[[str, int, str], Row | None]):
+        super().__init__(rows)
+        self._made = made
+
+    def __missing__(self, name: str) -> Row:
+        row = self._numbered(name)
+        if row is None:
+            raise KeyError(name)
+        return row
+
+    def __contains__(self, name: object) -> bool:
+        return super().__contains__(name) or (
+            isinstance(name, str) and self._numbered(name) is not None
+        )
+
+    def _numbered(self, name: str) -> Row | None:
+        found = NUMBERED.fullmatch(name)
+        return self._made(found[1], int(found[2]), found[3] or "") if found else None

@@ -1,0 +1,301 @@
+"""Build C files once, and load what they become.
+
+Generated C modules are built by it: here, and beside modules where rodgen is not installed, so
+that it needs Python's own library and cffi, and nothing of rodgen. A library is built in a
+directory of its own, loaded from there, then moved into the user's cache whole. Whatever in the
+cache is not what was stored is built again, and a cache that cannot be used only costs time.
+"""
+
+import hashlib
+import os
+import platform
+import shlex
+import shutil
+import signal
+import subprocess
+import sysconfig
+import tempfile
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from importlib import import_module
+from itertools import takewhile
+from pathlib import Path
+from typing import Any
+
+# Not -ffast-math: NaN, infinity, signed zeros and the order of a sum keep their meaning.
+# Products of complex numbers are not looked at for infinities again: their parts show them.
+_PLAIN = ("-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math")
+FLAGS = (*_PLAIN, "-fcx-limited-range")
+_WIDE = "-mprefer-vector-width=512"  # Else compilers use half of AVX-512's width.
+_PORTABLE = ("-O2",)  # For compilers that refuse FLAGS.
+_SHARED = ("-std=c99", "-fPIC", "-shared")
+# Seconds. A long chain at -O3 on a busy machine takes minutes; what takes longer hangs.
+_BUILD_LIMIT, _VERSION_LIMIT, _STALE = 600.0, 60.0, 86400.0
+_WORK = ".build-"
+_FORMAT = "rodgen C cache 1"
+
+
+class BuildError(RuntimeError):
+    """A C module that cannot be compiled or loaded: why, and what there is instead."""
+
+
+def surroundings() -> tuple[str | None, ...]:
+    """What of the environment a library is built by, and where it is kept."""
+    names = ("CC", "RODGEN_CFLAGS", "RODGEN_CACHE", "XDG_CACHE_HOME", "PATH")
+    return tuple(map(os.environ.get, names))
+
+
+def _failure(problem: str, output: str = "") -> BuildError:
+    last = [f"    {line[:200]}" for line in output.strip().splitlines()[-12:]]
+    advice = (
+        "The NumPy target needs no compiler: --target numpy in rodgen derive and rodgen run, "
+        'rodgen.build(scene, target="numpy") in Python'
+    )
+    return BuildError("\n".join([problem, *last, advice]))
+
+
+def load_library(
+    stem: str, folder: Path, declarations: str, files: Sequence[str] = ()
+) -> tuple[Any, Any]:
+    """Build <folder>/<stem>.c (with <stem>.h beside it) unless the cache has it, and load it.
+
+    declarations: what cffi is told of the library; files: names of all files of a library that is
+    made of others. Returns cffi's FFI object and the library; raises BuildError, and nothing else,
+    where there is none to be had.
+
+    The environment: CC (a command, with arguments if need be), RODGEN_CFLAGS (in place of FLAGS),
+    RODGEN_CACHE or XDG_CACHE_HOME.
+    """
+    ffi = _declare(declarations)
+    sources = _read(stem, Path(folder), files or (f"{stem}.c", f"{stem}.h"))
+    processor = features()
+    flag_sets = flag_choices(processor)
+    wanted = _digest(
+        *(_FORMAT, sysconfig.get_config_var("SOABI"), processor, _SHARED, flag_sets, sources)
+    )
+    compiler = compiler_command()
+    # Whatever it answers, with whatever status: whether it compiles is seen when it does.
+    version = _run([*compiler, "--version"], _VERSION_LIMIT) if compiler else None
+    built_by = _digest(compiler, version) if compiler else "*"
+    cache = _cache()
+    # Without a compiler, what any compiler made of the same source with the same flags will do.
+    for entry in sorted(cache.glob(f"{wanted}-{built_by}")) if cache else ():
+        library = _stored(ffi, entry / f"{stem}.so")
+        if library is not None:
+            return ffi, library
+    if not compiler:
+        raise _failure("no C compiler: none of cc, gcc, clang is on PATH; install one or set CC")
+    # A cache that takes no files, or from which nothing may be run: a temporary directory does.
+    for place in (cache, None) if cache else (None,):
+        try:
+            with tempfile.TemporaryDirectory(
+                prefix=_WORK, dir=place, ignore_cleanup_errors=True
+            ) as work:
+                file = _compile(stem, sources, Path(work), compiler, flag_sets)
+                library = ffi.dlopen(str(file))
+                if place:
+                    _store(file, place / f"{wanted}-{built_by}")
+                return ffi, library
+        except (OSError, UnicodeError) as error:
+            problem = f"{stem}.c cannot be built and loaded by {shlex.join(compiler)}: {error}"
+    raise _failure(f"{problem}; RODGEN_CACHE and TMPDIR say where it is tried")
+
+
+def _declare(declarations: str) -> Any:
+    try:
+        ffi = import_module("cffi").FFI()
+        ffi.cdef(declarations)
+    except ImportError as error:
+        raise _failure(f"cffi is missing ({error}): pip install cffi") from error
+    except Exception as error:  # A backend of another version is a bare Exception to cffi.
+        raise _failure(f"cffi refuses the declarations: {error}") from error
+    return ffi
+
+
+def _read(stem: str, folder: Path, files: Sequence[str]) -> dict[str, bytes]:
+    try:
+        return {name: (folder / name).read_bytes() for name in files}
+    except OSError as error:
+        raise _failure(
+            f"{error.filename}: {error.strerror}; it belongs beside {stem}.py: generate both again"
+        ) from error
+
+
+def _digest(*parts: object) -> str:
+    return hashlib.sha256(repr(parts).encode()).hexdigest()[:32]
+
+
+def features() -> str:
+    """What -march=native depends on; the first processor speaks for all."""
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8", errors="replace") as file:
+            lines = list(takewhile(str.strip, file))
+    except OSError:
+        lines = [platform.processor()]
+    names = ("flags", "Features", "model name")
+    kept = [line for line in lines if line.partition(":")[0].strip() in names]
+    return "".join([platform.machine(), "\n", *(kept or lines)])
+
+
+def _words(variable: str) -> list[str]:
+    """Words of an environment variable; none if it is not set."""
+    given = os.environ.get(variable, "")
+    try:
+        return shlex.split(given)
+    except ValueError as error:
+        raise _failure(f"{variable}={given}: not words as a shell has them ({error})") from error
+
+
+def flag_choices(processor: str) -> list[tuple[str, ...]]:
+    """Flags to try, the first that the compiler takes being used."""
+    given = _words("RODGEN_CFLAGS")
+    if given:
+        return [tuple(given)]
+    wide = [(*FLAGS, _WIDE)] if "avx512f" in processor.split() else []
+    return [*wide, FLAGS, _PLAIN, _PORTABLE]
+
+
+def compiler_command() -> list[str]:
+    """Command of the compiler: CC, else cc, gcc or clang; empty if there is none."""
+    given = _words("CC")
+    for command in [given] if given else [["cc"], ["gcc"], ["clang"]]:
+        program = shutil.which(command[0])
+        if program:
+            return [os.path.abspath(program), *command[1:]]
+    if given:
+        raise _failure(f"CC={shlex.join(given)}: no such program; set CC to a C compiler")
+    return []
+
+
+def _cache() -> Path | None:
+    """The cache's folder of C libraries; None where it cannot be used or trusted."""
+    try:
+        root = _root().absolute()
+        root.mkdir(mode=0o700, parents=True, exist_ok=True)
+        (root / "c").mkdir(mode=0o700, exist_ok=True)
+        # A group may write into the root, where modules lie, but not where libraries do.
+        return root / "c" if _is_ours(root, 0o002) and _is_ours(root / "c") else None
+    except (OSError, RuntimeError):  # RuntimeError: a user without a home.
+        return None
+
+
+def _root() -> Path:
+    """RODGEN_CACHE, else rodgen in XDG_CACHE_HOME, else ~/.cache/rodgen."""
+    override = os.environ.get("RODGEN_CACHE")
+    if override:
+        return Path(override)
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base and Path(base).is_absolute() else Path.home() / ".cache") / "rodgen"
+
+
+def _is_ours(folder: Path, others: int = 0o022) -> bool:
+    """Whether nobody else can have put a library there."""
+    if not hasattr(os, "getuid"):
+        return True
+    status = folder.stat()
+    return status.st_uid == os.getuid() and not status.st_mode & others
+
+
+def _stored(ffi: Any, library: Path) -> Any | None:
+    """A library of the cache, or None: to load half a file can end the process."""
+    try:
+        return ffi.dlopen(str(library)) if _is_whole(library) else None
+    except (OSError, UnicodeError):
+        with suppress(OSError):  # Of another system, say: one that can be loaded takes its place.
+            library.with_suffix(".sha256").unlink()
+        return None
+
+
+def _is_whole(library: Path) -> bool:
+    try:
+        kept = library.with_suffix(".sha256").read_text(encoding="utf-8", errors="replace")
+        return _is_ours(library.parent) and kept == _checksum(library)
+    except OSError:
+        return False
+
+
+def _checksum(library: Path) -> str:
+    """As sha256sum writes it."""
+    return f"{hashlib.sha256(library.read_bytes()).hexdigest()}  {library.name}\n"
+
+
+def _store(library: Path, entry: Path) -> None:
+    """Move a library into the cache; half of it, or of another, is seen to be that and rebuilt."""
+    target, sums = entry / library.name, library.with_suffix(".sha256")
+    with suppress(OSError):
+        for left in entry.parent.glob(f"{_WORK}*"):
+            if time.time() - left.stat().st_mtime > _STALE:
+                shutil.rmtree(left, ignore_errors=True)
+    with suppress(OSError):
+        entry.mkdir(mode=0o700, exist_ok=True)
+        if _is_whole(target):  # Another process was first, and others use its file.
+            return
+        sums.write_text(_checksum(library), encoding="utf-8")
+        os.replace(library, target)
+        os.replace(sums, target.with_suffix(".sha256"))
+
+
+def _compile(
+    stem: str,
+    sources: dict[str, bytes],
+    work: Path,
+    compiler: list[str],
+    flag_sets: list[tuple[str, ...]],
+) -> Path:
+    """Compile a copy of the sources: the very bytes that the cache's key was made of."""
+    for name, content in sources.items():
+        (work / name).parent.mkdir(exist_ok=True)
+        (work / name).write_bytes(content)
+    texts = [name for name in sources if name.endswith(".c")]
+    library = work / f"{stem}.so"
+    for flags in flag_sets:
+        command = [*compiler, *_SHARED, *flags, *texts, "-o", library.name, "-lm"]
+        status, output = _run(command, _BUILD_LIMIT, work)
+        if status == 0 and library.is_file():
+            return library
+    problem = f"exit status {status}" if status else "it wrote no file"
+    raise _failure(f"{shlex.join(command)}: {problem}", output)
+
+
+def _run(command: list[str], limit: float, folder: Path | None = None) -> tuple[int, str]:
+    """Exit status and output; what does not end is killed with all that it started."""
+    try:
+        with subprocess.Popen(
+            command,
+            cwd=folder,
+            env={**os.environ, "LC_ALL": "C"},  # One key and one message in every language.
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        ) as process:
+            _running.add(process.pid)
+            try:
+                output, _ = process.communicate(timeout=limit)
+            except BaseException:
+                _kill(process.pid)
+                raise
+            finally:
+                _running.discard(process.pid)
+    except subprocess.TimeoutExpired as error:
+        raise _failure(f"{shlex.join(command)}: killed after {limit:.0f} s") from error
+    except OSError as error:
+        raise _failure(f"{shlex.join(command)}: {error.strerror}") from error
+    return process.returncode, output.decode(errors="replace")
+
+
+# Compilers that run now, each the leader of a session of its own.
+_running: set[int] = set()
+
+
+def end_compilers() -> None:
+    """Kill all compilers that run for this process: whoever waits for one, in another thread, is
+    told that it failed."""
+    for pid in tuple(_running):
+        _kill(pid)
+
+
+def _kill(pid: int) -> None:
+    with suppress(ProcessLookupError):
+        os.killpg(pid, signal.SIGKILL)

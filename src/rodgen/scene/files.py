@@ -1,0 +1,128 @@
+"""Tables of numbers in files beside a scene: interp(t, 'thrust.csv') becomes a table of numbers.
+
+A file has two columns: CSV with commas, semicolons or blanks and lines of comment after #, or the
+thrust curve of a rocket motor in RASP's format (.eng), whose curve begins at the origin.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import re
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from rodgen.scene.errors import SceneError, short
+from rodgen.scene.grammar import MOST_KNOTS, TABLE, parse
+
+LARGEST = 1_000_000  # bytes
+KINDS = (".csv", ".eng")
+BETWEEN = re.compile(r"[,;\s]+")
+MOTOR_FIELDS = 7  # of a RASP header: name, diameter, length, delays, two masses, maker
+
+
+def with_tables(value: Any, folder: Path, place: str = "") -> Any:
+    """Tables of a scene in which files named in expressions are the numbers that they hold.
+
+    Raises SceneError for a file that cannot be had, is no table, or does not lie in the folder.
+    """
+    if isinstance(value, dict):
+        return {k: with_tables(v, folder, f"{place}.{k}" if place else k) for k, v in value.items()}
+    if isinstance(value, list):
+        return [with_tables(v, folder, f"{place}[{at}]") for at, v in enumerate(value)]
+    if not isinstance(value, str) or f"{TABLE}(" not in value:
+        return value
+    tree = parse(value, place)
+    return value if tree is None else ast.unparse(_Reader(folder, place, value).visit(tree))
+
+
+class _Reader(ast.NodeTransformer):
+    """Puts the numbers of a file in place of its name."""
+
+    def __init__(self, folder: Path, place: str, text: str):
+        self._folder, self._place, self._text = folder, place, text
+
+    def visit_Call(self, node: ast.Call) -> ast.Call:
+        self.generic_visit(node)
+        match node:
+            case ast.Call(
+                func=ast.Name(id="interp"), args=[x, ast.Constant(value=str() as name), *kind]
+            ):
+                columns = zip(*self._rows(name), strict=True)
+                lists = [ast.parse(repr(list(column)), mode="eval").body for column in columns]
+                return ast.Call(node.func, [x, *lists, *kind], [])
+        return node
+
+    def _rows(self, name: str) -> list[tuple[float, float]]:
+        def refused(allowed: str) -> SceneError:
+            return SceneError(self._place, name, allowed)
+
+        path = self._folder / name
+        if Path(name).name != name or path.suffix.lower() not in KINDS:
+            raise refused(f"a file beside the scene whose name ends in {' or '.join(KINDS)}")
+        try:
+            if not path.is_file() or path.stat().st_size > LARGEST:
+                raise refused(f"a file of at most {LARGEST} bytes in the folder of the scene")
+            lines = path.read_text(encoding="utf-8-sig").splitlines()
+        except (OSError, UnicodeDecodeError) as error:
+            raise refused(f"a file that can be read ({error})") from None
+        read = _motor if path.suffix.lower() == ".eng" else _table
+        return read(lines, refused)
+
+
+def _table(lines: list[str], refused: Any) -> list[tuple[float, float]]:
+    """Rows of a CSV file, whose first line may be a header."""
+    rows: list[tuple[float, float]] = []
+    header = True
+    for number, line in enumerate(lines, start=1):
+        text = line.partition("#")[0].strip()
+        if not text:
+            continue
+        row = _numbers(text)
+        if row is None and not (header and not rows):
+            raise refused(
+                f"a table of two columns of numbers (not line {number}: {line.strip()!r})"
+            )
+        header = False
+        if row is not None:
+            rows.append(row)
+    return _checked(rows, refused)
+
+
+def _motor(lines: list[str], refused: Any) -> list[tuple[float, float]]:
+    """Thrust [N] over time [s] of a RASP file of one motor, from the origin on."""
+    rows: list[tuple[float, float]] = []
+    headers = 0
+    for number, line in enumerate(lines, start=1):
+        text = line.partition(";")[0].strip()
+        if not text:
+            continue
+        row = _numbers(text)
+        if row is None and len(text.split()) >= MOTOR_FIELDS:
+            headers += 1
+        elif row is None or headers != 1:
+            raise refused(f"a RASP file of one motor (not line {number}: {short(text)})")
+        else:
+            rows.append(row)
+    if headers != 1:
+        raise refused(f"a RASP file of one motor (this has {headers})")
+    return _checked(rows if rows[:1] and rows[0][0] <= 0 else [(0.0, 0.0), *rows], refused)
+
+
+def _numbers(text: str) -> tuple[float, float] | None:
+    """Two finite numbers, of which a line consists."""
+    try:
+        x, y = map(float, filter(None, BETWEEN.split(text)))
+    except ValueError:
+        return None
+    return (x, y) if math.isfinite(x) and math.isfinite(y) else None
+
+
+def _checked(rows: list[tuple[float, float]], refused: Any) -> list[tuple[float, float]]:
+    if not 2 <= len(rows) <= MOST_KNOTS:
+        raise refused(f"a table of 2 to {MOST_KNOTS} rows (this has {len(rows)})")
+    for (a, _), (b, _) in pairwise(rows):
+        if b <= a:
+            raise refused(f"a table whose first column ascends (not from {a:g} to {b:g})")
+    return rows

@@ -1,0 +1,62 @@
+"""The grammar of expressions: which texts are allowed, what they are worth, and their code.
+
+    numbers, the variable, names of numbers, pi, + - * / **, comparisons, `a if c else b`,
+    sin cos tan exp log sqrt abs min max tanh, interp(x, [knots], [values]) and, as a monotone
+    cubic, interp(x, [knots], [values], 'cubic'), and in expressions that may follow the motion
+    its states and phi(s) omega(s) x(s) y(s) vx(s) vy(s), the sensors at a fixed s in [0, 1]
+
+The text is parsed to a syntax tree (which runs nothing), every node of it is checked against
+the list above, and the tree is walked to compute values, to find break points and to print code.
+"""
+
+from rodgen.scene.grammar.calculus import derivative, divisors, kinks, knots
+from rodgen.scene.grammar.code import NUMPY, Language, source_of
+from rodgen.scene.grammar.substitution import with_names, with_values
+from rodgen.scene.grammar.syntax import (
+    MOST_KNOTS,
+    Sensor,
+    Table,
+    check,
+    children,
+    names_in,
+    parse,
+    sensors_in,
+    signals_in,
+    tables,
+)
+from rodgen.scene.grammar.values import Functions, constants, interpolated, is_whole, value_of
+from rodgen.scene.grammar.vocabulary import ALLOWED, CUBIC, FUNCTIONS, LINEAR, SENSED, SLOPE, TABLE
+
+__all__ = [
+    "ALLOWED",
+    "CUBIC",
+    "FUNCTIONS",
+    "LINEAR",
+    "MOST_KNOTS",
+    "NUMPY",
+    "SENSED",
+    "SLOPE",
+    "TABLE",
+    "Functions",
+    "Language",
+    "Sensor",
+    "Table",
+    "check",
+    "children",
+    "constants",
+    "derivative",
+    "divisors",
+    "interpolated",
+    "is_whole",
+    "kinks",
+    "knots",
+    "names_in",
+    "parse",
+    "sensors_in",
+    "signals_in",
+    "source_of",
+    "tables",
+    "value_of",
+    "with_names",
+    "with_values",
+]

@@ -1,0 +1,109 @@
+"""Trees as code of a language."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from rodgen.scene.grammar.syntax import children, names_in, sensor_of, table_of
+from rodgen.scene.grammar.values import value_of
+from rodgen.scene.grammar.vocabulary import (
+    BINARY,
+    COMPARE,
+    CUBIC,
+    FUNCTIONS,
+    LINEAR,
+    SLOPE,
+    TABLE,
+    UNARY,
+)
+
+
+@dataclass(frozen=True)
+class Language:
+    """How code is written: prefix of functions, those with another name, a choice by condition,
+    value and other value, a power, a list of numbers, a part of p, and a table of an argument,
+    knots, values and how many they are."""
+
+    prefix: str
+    names: dict[str, str]
+    choice: str
+    power: str
+    list: str
+    part: str
+    tables: dict[str, str]
+
+
+NUMPY = Language(
+    "np.",
+    {"min": "np.minimum", "max": "np.maximum"},
+    "np.where({0}, {1}, {2})",
+    "({0} ** {1})",
+    "np.array([{0}])",
+    "p[{first}:{end}]",
+    {
+        LINEAR: "np.interp({0}, {1}, {2})",
+        CUBIC: "_cubic({0}, {1}, {2})",
+        LINEAR + SLOPE: "_linear_slope({0}, {1}, {2})",
+        CUBIC + SLOPE: "_cubic({0}, {1}, {2}, True)",
+    },
+)
+
+
+def source_of(
+    node: ast.AST,
+    language: Language,
+    positions: Mapping[str, int],
+    start: str = "",
+    signals: Mapping[str, str] | None = None,
+) -> str:
+    """Code of a tree; positions: in p of the numbers with names, from ``start`` on; signals: code
+    of the states and sensors."""
+    # Numbers are worked out here: Python's own 1.0/0.0 or (-1.0)**0.5 are not those of NumPy.
+    if not names_in(node) and not isinstance(node, ast.Compare):
+        return repr(float(value_of(node, {})))
+    signals = signals or {}
+    parts = [source_of(child, language, positions, start, signals) for child, _ in children(node)]
+    if (sensor := sensor_of(node)) is not None:
+        return signals[sensor.text]
+    match node:
+        case ast.Name(id=name):
+            return signals.get(name) or (
+                f"p[{start}{positions[name]}]" if name in positions else name
+            )
+        case ast.BinOp(op=ast.Pow()):
+            return language.power.format(*parts)
+        case ast.BinOp(op=op):
+            return f"({parts[0]} {BINARY[type(op)][0]} {parts[1]})"
+        case ast.UnaryOp(op=op):
+            return f"({UNARY[type(op)][0]}{parts[0]})"
+        case ast.Compare(ops=[op]):
+            return f"({parts[0]} {COMPARE[type(op)][0]} {parts[1]})"
+        case ast.IfExp():
+            return language.choice.format(*parts)
+        case ast.Call(func=ast.Name(id=name)) if name == TABLE:
+            table = table_of(node)
+            lists = [_list(part, language, positions, start) for part in table[1:3]]
+            return language.tables[table.kind].format(*parts, *lists, len(table.knots))
+        case ast.Call(func=ast.Name(id=name)):
+            function = language.names.get(name, f"{language.prefix}{name}")
+            total = parts[0]
+            if FUNCTIONS[name][1] == 1:
+                return f"{function}({total})"
+            for part in parts[1:]:
+                total = f"{function}({total}, {part})"
+            return total
+    raise AssertionError(f"unchecked node {node!r}")
+
+
+def _list(
+    elements: list[ast.expr], language: Language, positions: Mapping[str, int], start: str
+) -> str:
+    """Numbers of a table: a part of p where they lie there side by side."""
+    at = [positions.get(e.id, -1) if isinstance(e, ast.Name) else -1 for e in elements]
+    if at[0] >= 0 and at == list(range(at[0], at[0] + len(at))):
+        return language.part.format(first=at[0], end=at[-1] + 1, start=start)
+    return language.list.format(
+        ", ".join(source_of(e, language, positions, start) for e in elements)
+    )

@@ -1,0 +1,228 @@
+"""Texts and their trees: which are allowed, and the parts that a tree is made of."""
+
+from __future__ import annotations
+
+import ast
+import math
+import warnings
+from collections.abc import Callable, Container, Iterator
+from itertools import accumulate, pairwise
+from typing import NamedTuple
+
+from rodgen.scene.errors import SceneError
+from rodgen.scene.grammar.vocabulary import (
+    BINARY,
+    COMPARE,
+    FUNCTIONS,
+    LINEAR,
+    SENSORS,
+    TABLE,
+    UNARY,
+)
+
+LONGEST = 20_000  # characters
+BRACKETS = 50  # in each other
+DEEPEST = 200  # nested operations, of which a sum of as many terms is one
+MOST_KNOTS = 1000  # of a table
+# The error for a part, None for the whole, and what is allowed in its place: "" for the grammar.
+Refusal = Callable[[ast.AST | None, str], SceneError]
+
+
+class Table(NamedTuple):
+    """A table of numbers: of which argument, its knots and values, and how it goes between them."""
+
+    argument: ast.expr
+    knots: list[ast.expr]
+    values: list[ast.expr]
+    kind: str
+
+
+class Sensor(NamedTuple):
+    """What is measured, of SENSORS, and where on the rod, from 0 to 1."""
+
+    what: str
+    at: float
+
+    @property
+    def text(self) -> str:
+        """As an expression names it."""
+        return f"{self.what}({self.at!r})"
+
+
+def parse(text: str, field: str) -> ast.expr | None:
+    """The tree of a text, None for what Python cannot parse; raises SceneError for a text beyond
+    the limits."""
+    if len(text) > LONGEST:
+        raise SceneError(field, text, f"an expression of at most {LONGEST} characters")
+    if max(accumulate((c in "([") - (c in ")]") for c in text), default=0) > BRACKETS:
+        raise SceneError(field, text, f"of parentheses at most {BRACKETS} deep")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Python's opinion of "1if t<1else 2"
+            return ast.parse(text.strip(), mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+
+
+def check(
+    node: ast.AST,
+    variable: str,
+    numbers: Container[str],
+    refuse: Refusal,
+    depth: int = 0,
+    condition: bool = False,
+    states: Container[str] | None = None,
+) -> None:
+    """Raise what ``refuse`` makes of the first part that is not allowed; numbers, states: their
+    names; where there are no states, not even none, sensors are not allowed either."""
+    if depth > DEEPEST:
+        raise refuse(None, f"nested at most {DEEPEST} deep")
+    if condition != isinstance(node, ast.Compare):
+        raise refuse(node, "")
+    match node:
+        case ast.Constant() if is_number(node):
+            pass
+        case ast.Name(id=name) if name in (variable, "pi") or name in numbers:
+            pass
+        case ast.Name(id=name) if states and name in states:
+            pass
+        case ast.BinOp(op=op) if type(op) in BINARY:
+            pass
+        case ast.UnaryOp(op=op) if type(op) in UNARY:
+            pass
+        case ast.Compare(ops=ops) if all(type(op) in COMPARE for op in ops) and len(ops) == 1:
+            pass
+        case ast.IfExp():
+            pass
+        case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
+            least, most, _ = FUNCTIONS[name]
+            if len(args) < least or (most is not None and len(args) > most):
+                raise refuse(node, "")
+        case ast.Call(func=ast.Name(id=name), keywords=[]) if name == TABLE:
+            _check_table(node, numbers, refuse)
+        case ast.Call(func=ast.Name(id=name)) if name in SENSORS and states is not None:
+            if sensor_of(node) is None:
+                raise refuse(node, f"{name}(s) with a number s from 0 to 1")
+        case _:
+            raise refuse(node, "")
+    for child, is_condition in children(node):
+        check(child, variable, numbers, refuse, depth + 1, is_condition, states)
+
+
+def _check_table(node: ast.Call, numbers: Container[str], refuse: Refusal) -> None:
+    shape = "interp(x, [knots], [values]) with as many values as knots, at least 2 and at most "
+    match node.args:
+        case [_, ast.List(), ast.List(), ast.Constant(value="linear" | "cubic")]:
+            pass
+        case [_, ast.List(), ast.List()]:
+            pass
+        case [_, ast.Constant(value=str()), *_]:
+            allowed = "interp(x, [knots], [values]); files are read by Scene.from_toml"
+            raise refuse(node, allowed)
+        case _:
+            raise refuse(node, f"{shape}{MOST_KNOTS}, and 'linear' or 'cubic'")
+    table = table_of(node)
+    if len(table.knots) != len(table.values) or not 2 <= len(table.knots) <= MOST_KNOTS:
+        raise refuse(node, f"{shape}{MOST_KNOTS}")
+    for element in (*table.knots, *table.values):
+        inner = element.operand if isinstance(element, ast.UnaryOp) else element
+        known = isinstance(inner, ast.Name) and inner.id in numbers and inner is element
+        sign = not isinstance(element, ast.UnaryOp) or type(element.op) in UNARY
+        if not (known or (is_number(inner) and sign)):
+            raise refuse(element, "a number, in a table")
+    knots = [number_of(knot) for knot in table.knots]
+    given = [knot for knot in knots if knot is not None]
+    if len(given) == len(knots) and any(b <= a for a, b in pairwise(given)):
+        raise refuse(node, "of knots that ascend")
+
+
+def children(node: ast.AST) -> Iterator[tuple[ast.expr, bool]]:
+    """The parts of a node, and whether each is to be a condition; a table's numbers are none."""
+    match node:
+        case ast.BinOp(left=left, right=right):
+            yield from ((left, False), (right, False))
+        case ast.UnaryOp(operand=operand):
+            yield operand, False
+        case ast.Compare(left=left, comparators=[right]):
+            yield from ((left, False), (right, False))
+        case ast.IfExp(test=test, body=body, orelse=orelse):
+            yield from ((test, True), (body, False), (orelse, False))
+        case ast.Call(args=args) if not is_sensor(node):
+            yield from ((arg, False) for arg in (args[:1] if is_table(node) else args))
+
+
+def names_in(node: ast.AST) -> list[str]:
+    """Names of the variable, of numbers and states, and sensors in a tree, in the order of the
+    text."""
+    found = [inner for inner in ast.walk(node) if isinstance(inner, ast.Name) or is_sensor(inner)]
+    found.sort(key=lambda name: (getattr(name, "lineno", 0), getattr(name, "col_offset", 0)))
+    known = {*FUNCTIONS, *SENSORS, TABLE, "pi"}
+    names = (of.text if (of := sensor_of(one)) else getattr(one, "id", "") for one in found)
+    return list(dict.fromkeys(name for name in names if name and name not in known))
+
+
+def is_number(node: ast.AST) -> bool:
+    """Whether a part is a finite number without a sign."""
+    match node:
+        case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
+            try:
+                return math.isfinite(value)
+            except OverflowError:
+                return False
+    return False
+
+
+def is_table(node: ast.AST) -> bool:
+    """Whether a part is a call of interp."""
+    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == TABLE
+
+
+def table_of(node: ast.Call) -> Table:
+    """The parts of a call of interp."""
+    argument, knots, values, *kind = node.args
+    assert isinstance(knots, ast.List)
+    assert isinstance(values, ast.List)
+    chosen = kind[0].value if kind and isinstance(kind[0], ast.Constant) else LINEAR
+    return Table(argument, knots.elts, values.elts, str(chosen))
+
+
+def tables(node: ast.AST) -> Iterator[Table]:
+    """The tables in a tree."""
+    if is_table(node):
+        assert isinstance(node, ast.Call)
+        yield table_of(node)
+    for child, _ in children(node):
+        yield from tables(child)
+
+
+def number_of(element: ast.expr) -> float | None:
+    """A number of a table; None for one that has a name."""
+    if isinstance(element, ast.Name):
+        return None
+    return float(ast.literal_eval(element))
+
+
+def is_sensor(node: ast.AST) -> bool:
+    """Whether a part names a sensor."""
+    return sensor_of(node) is not None
+
+
+def sensor_of(node: ast.AST) -> Sensor | None:
+    """The sensor that a part names; None for any other part, and for one beside the rod."""
+    match node:
+        case ast.Call(
+            func=ast.Name(id=what), args=[ast.Constant(value=int() | float() as at)], keywords=[]
+        ) if what in SENSORS and not isinstance(at, bool) and 0 <= at <= 1:
+            return Sensor(what, float(at))
+    return None
+
+
+def sensors_in(node: ast.AST) -> list[Sensor]:
+    """The sensors that a tree names."""
+    found = (sensor_of(inner) for inner in ast.walk(node))
+    return list(dict.fromkeys(sensor for sensor in found if sensor is not None))
+
+
+def signals_in(node: ast.AST, states: Container[str]) -> list[str]:
+    """States and sensors that a tree names, in the order of the text."""
+    return [name for name in names_in(node) if name in states or "(" in name]

@@ -1,0 +1,101 @@
+"""What a tree is worth, by the values of its names."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Iterator, Mapping
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from rodgen.scene.grammar.syntax import children, is_number, names_in, sensor_of, table_of
+from rodgen.scene.grammar.vocabulary import (
+    BINARY,
+    COMPARE,
+    CUBIC,
+    FUNCTIONS,
+    LINEAR,
+    SLOPE,
+    TABLE,
+    UNARY,
+)
+
+Functions = Mapping[str, Callable[..., Any]]
+
+
+def value_of(node: ast.AST, names: Mapping[str, Any], functions: Functions | None = None) -> Any:
+    """The value of a tree, by the values of its names; those of sensors are their texts. functions:
+    those of other numbers than doubles."""
+    values = [value_of(child, names, functions) for child, _ in children(node)]
+    if (sensor := sensor_of(node)) is not None:
+        return names[sensor.text]
+    match node:
+        case ast.Constant(value=int() | float() as value):
+            return np.float64(value)
+        case ast.Name(id=name):
+            return np.float64(math.pi) if name == "pi" else names[name]
+        case ast.BinOp(op=op):
+            return BINARY[type(op)][1](*values)
+        case ast.UnaryOp(op=op):
+            return UNARY[type(op)][1](*values)
+        case ast.Compare(ops=[op]):
+            return COMPARE[type(op)][1](*values)
+        case ast.IfExp():
+            return np.where(*values)
+        case ast.Call(func=ast.Name(id=name)) if name == TABLE:
+            table = table_of(node)
+            knots, ordinates = (
+                tuple(float(value_of(e, names)) for e in part)
+                for part in (table.knots, table.values)
+            )
+            made: Callable[..., Any] = (functions or {}).get(TABLE, interpolated)
+            return made(values[0], knots, ordinates, table.kind)
+        case ast.Call(func=ast.Name(id=name)):
+            return (functions or {}).get(name, FUNCTIONS[name][2])(*values)
+    raise AssertionError(f"unchecked node {node!r}")
+
+
+def interpolated(x: Any, knots: tuple[float, ...], values: tuple[float, ...], kind: str) -> Any:
+    """A table at x, which holds its first and last value outside of its knots; or its slope."""
+    if kind.endswith(SLOPE):
+        at = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(knots) - 2)
+        slopes = (np.diff(values) / np.diff(knots))[at]
+        if kind == CUBIC + SLOPE:
+            slopes = _monotone_cubic(knots, values).derivative()(x)
+        return np.where((x > knots[0]) & (x < knots[-1]), slopes, 0.0)
+    if kind == LINEAR:
+        return np.interp(x, knots, values)
+    return _monotone_cubic(knots, values)(np.clip(x, knots[0], knots[-1]))
+
+
+@lru_cache(maxsize=64)
+def _monotone_cubic(knots: tuple[float, ...], values: tuple[float, ...]) -> Any:
+    from scipy.interpolate import PchipInterpolator
+
+    return PchipInterpolator(knots, values)
+
+
+def constants(node: ast.AST, known: set[str]) -> Iterator[ast.AST]:
+    """The largest parts of a tree in which only these names are; comparisons are no numbers."""
+    if known.issuperset(names_in(node)) and not isinstance(node, ast.Compare):
+        yield node
+        return
+    for child, _ in children(node):
+        yield from constants(child, known)
+
+
+def is_whole(node: ast.expr) -> bool:
+    """Whether a tree is a whole number."""
+    if names_in(node) or not all(is_number(part) for part in _leaves(node)):
+        return False
+    return float(value_of(node, {})).is_integer()
+
+
+def _leaves(node: ast.expr) -> Iterator[ast.AST]:
+    inner = [child for child, _ in children(node)]
+    if not inner:
+        yield node
+    for child in inner:
+        yield from _leaves(child)

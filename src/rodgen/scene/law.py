@@ -1,0 +1,190 @@
+"""A value along the rod: a number, one for every joint or link, or an expression in s and t."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.scene.bounds import between, outside, sides
+from rodgen.scene.errors import SceneError
+from rodgen.scene.expression import Difference, Expression, parsed
+
+Array = NDArray[np.float64]
+Along = float | list[float] | str  # a number, values along the rod, or an expression in s
+Numbers = tuple[tuple[str, float], ...]
+GAUSS = 5
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(GAUSS)
+POINTS, WEIGHTS = (POINTS + 1) / 2, WEIGHTS / 2  # of an interval from 0 to 1
+GRID = np.linspace(0.0, 1.0, 1001)  # where an expression is looked at besides
+MOMENTS = 201  # of the span at which one in t is looked at
+CELLS = 40  # at whose points one in s and t is looked at, of a rod that has as many links
+SOME = 0.0, 0.5, 1.0  # s at which a divisor that changes with time is looked at
+
+
+@dataclass(frozen=True)
+class Law:
+    """A value along a rod: a number, one for every joint or link, or an expression; numbers: those
+    that expressions call by names; names: what these may be functions of, of s and t."""
+
+    value: Along
+    field: str
+    numbers: Numbers = ()
+    names: str = "s"
+
+    @property
+    def even(self) -> float | None:
+        """The number that it is all along the rod and at all times; None where it differs."""
+        if isinstance(self.value, str):
+            found = self.expression
+            return float(found(0.0)) if found.constant else None
+        return None if isinstance(self.value, list) else self.value
+
+    @property
+    def changes(self) -> bool:
+        """Whether it is a function of time."""
+        return isinstance(self.value, str) and "t" in self.names and self.expression.changes
+
+    def check(
+        self, links: int, count: int, least: float = 0.0, span: Sequence[float] = (0.0, 0.0)
+    ) -> None:
+        """Raise SceneError for a list that is not of so many values, and for an expression that is
+        not finite or smaller than least at some s and some time of the span."""
+        if isinstance(self.value, list) and len(self.value) != count:
+            what = "joint" if count > links else "link"
+            allowed = f"a list of {count} values, one for every {what}"
+            raise SceneError(self.field, self.value, allowed)
+        if not isinstance(self.value, str):
+            return
+        wrong = _wrong(self, links, (span[0], span[1]), least)
+        if wrong:
+            limit = "above 0" if least else "at least 0"
+            raise SceneError(self.field, self.value, f"finite and {limit} {wrong}")
+
+    def at(self, places: Array, t: float = 0.0) -> Array:
+        """Its values at some s; not of a list."""
+        given: object = self.value
+        if isinstance(self.value, str) and self.names == "s":
+            given = self.expression(places)
+        elif isinstance(self.value, str):
+            given = self.expression.value(np.asarray(t, dtype=float), {"s": places})
+        return np.broadcast_to(np.asarray(given, dtype=float), places.shape)
+
+    def of_links(self, links: int, t: float = 0.0) -> list[float]:
+        """A number for every link: its own, or the mean over it. Raises SceneError where that is
+        not finite."""
+        if isinstance(self.value, list):
+            return self.value
+        places = points(links)
+        values = self.at(places, t)
+        wrong = ~np.isfinite(values)
+        if wrong.any():
+            allowed = f"finite all along the rod (not as at s = {places[wrong][0]:.6g})"
+            raise SceneError(self.field, self.value, allowed)
+        return [float(mean) for mean in means(values)]
+
+    @property
+    def expression(self) -> Expression:
+        """Its expression, where it is one."""
+        assert isinstance(self.value, str)
+        return _expression(self.value, self.field, self.numbers, self.names)
+
+
+def _expression(text: str, field: str, numbers: Numbers, names: str) -> Expression:
+    """An expression in s, in t or in both."""
+    if names == "s":
+        return parsed(text, "s", field, numbers)
+    found = parsed(text, "t", field, numbers, ("s",) if "s" in names else None)
+    if found.sensors:
+        allowed = "an expression that no sensor is in: it does not follow the motion"
+        raise SceneError(field, text, allowed)
+    return found
+
+
+@lru_cache(maxsize=64)
+def _wrong(law: Law, links: int, span: tuple[float, float], least: float) -> str:
+    """Where and when an expression is not finite or smaller than least, in words; empty where it
+    never is."""
+    found = outside(_field(law), _times(law, span), _places(law, links, span), least)
+    found = found or next(_poles(law, span), None)
+    if found is None:
+        return ""
+    t, s, value = found
+    at = f"s = {s:.6g}" if "s" in law.names else ""
+    when = f"t = {t:.6g}" if law.changes else ""
+    where = " and ".join(filter(None, (at, when)))
+    everywhere = "all along the rod" if "s" in law.names else "all the time"
+    return f"{everywhere} (not {value:g}, as at {where})"
+
+
+def _poles(law: Law, span: tuple[float, float]) -> Iterator[tuple[float, ...]]:
+    """Times and places towards which an expression grows beyond all bounds."""
+    e = law.expression
+    if not e.denominators():
+        return
+    if law.names == "s":
+        yield from ((span[0], s, np.inf) for s in e.poles(0.0, 1.0))
+    elif law.changes:
+        for s in SOME:
+            there = replace(e, states=None, numbers=(*e.numbers, ("s", s)))
+            yield from ((t, s, np.inf) for t in there.poles(*span))
+
+
+def _field(law: Law) -> Callable[[Any, Any], Any]:
+    """An expression as a function of times and places."""
+    e = law.expression
+    return (
+        (lambda t, s: e.value(s, {})) if law.names == "s" else (lambda t, s: e.value(t, {"s": s}))
+    )
+
+
+def _times(law: Law, span: tuple[float, float]) -> Array:
+    """Times at which an expression is looked at."""
+    if not law.changes:
+        return np.array(span[:1])
+    e, grid = law.expression, np.linspace(*span, MOMENTS)
+    poles = (partial(_alone, one, s=s) for one in e.denominators() for s in SOME)
+    found = {*e.breaks(*span), *between(poles, grid)}
+    return np.unique(np.concatenate((grid, sides(found, *span))))
+
+
+def _alone(difference: Difference, t: Any, s: Any) -> Any:
+    """What an expression in t compares or divides by, at a time and a place."""
+    return difference(t, {"s": s})
+
+
+def _places(law: Law, links: int, span: tuple[float, float]) -> Array:
+    """Places at which an expression is looked at: those at which links sum it up among them."""
+    if "s" not in law.names:
+        return np.zeros(1)
+    grid, each = (GRID[::10], min(links, CELLS)) if law.changes else (GRID, 2 * links)
+    e = law.expression
+    parts, knots = [*e.corners().values(), *e.denominators()], list[float]()
+    if law.names == "s":
+        knots, alone = e.knots(), [partial(_along, one) for one in parts]
+    else:
+        times = {span[0], sum(span) / 2, span[1]} if law.changes else {span[0]}
+        alone = [partial(_alone, one, t) for one in parts for t in times]
+    found = sides([*between(alone, grid), *knots], 0.0, 1.0)
+    return np.unique(np.concatenate((grid, points(each).ravel(), found)))
+
+
+def _along(difference: Difference, s: Any) -> Any:
+    """What an expression in s compares or divides by, at a place."""
+    return difference(s, {})
+
+
+def points(cells: int) -> Array:
+    """Places s of the Gauss points of equal cells, (cells, GAUSS)."""
+    places: Array = (np.arange(cells)[:, None] + POINTS) / cells
+    return places
+
+
+def means(values: Array) -> Array:
+    """Means over cells from values at their Gauss points."""
+    means: Array = values @ WEIGHTS
+    return means

@@ -1,0 +1,72 @@
+"""Names of numbers in expressions: those that a user may give, and what they must not be."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Iterable
+
+from rodgen.model.parameter import ANY, Parameter
+from rodgen.model.quantities import QUANTITIES, number_in
+from rodgen.model.rod import MASS_PER_LENGTH
+from rodgen.model.terms import PARAMETERS, TERMS
+from rodgen.scene.errors import SceneError
+from rodgen.scene.grammar import FUNCTIONS, TABLE
+
+LONGEST = 64  # characters
+NAME = re.compile(rf"[A-Za-z][A-Za-z0-9_]{{0,{LONGEST - 1}}}")
+# What a generated module calls by these names, and the variables of expressions.
+TAKEN = {"t", "s", "d", "k", "p", "y", "np", "math", "fins", "N", "pi", TABLE, *FUNCTIONS}
+MADE = re.compile(r"(.+?)_(?:knot_|value_)?\d+")  # a number of an expression without a name
+OF_LOADS = ("work_", "power_", "force_")  # before the name of a load, its quantities
+SENSORS = re.compile(r"(phi|omega|x|y|vx|vy)(_?\d+)?")
+
+
+def check_name(name: str, field: str) -> None:
+    """Raise SceneError for what cannot be the name of a number in an expression."""
+    if not NAME.fullmatch(name):
+        raise SceneError(field, name, f"a plain identifier of at most {LONGEST} ASCII characters")
+    taken = name in TAKEN or name in PARAMETERS or keyword.iskeyword(name)
+    if taken or SENSORS.fullmatch(name) or name.startswith("_"):
+        raise SceneError(field, name, "a name that stands for nothing else in a module")
+
+
+def check_states(names: Iterable[str], numbers: Iterable[str]) -> None:
+    """Raise SceneError for names of states that stand for something else, in expressions or where
+    states are listed beside terms and quantities; numbers: names in the table [parameters]."""
+    taken = {name.upper() for term in TERMS.values() for name in (term.name, term.table)}
+    taken |= {name.upper() for name in numbers}
+    known = [name for of in QUANTITIES for name in (of.name, *of.numbers) if name != "{}"]
+    for name in names:
+        shown = any(number_in(name, template) is not None for template in known)
+        shown |= name.startswith(OF_LOADS)
+        if name.upper() in taken or shown:
+            allowed = "unlike the names of terms, quantities and [parameters]"
+            raise SceneError(f"states.{name}", name, allowed)
+
+
+def mass_of(body: str) -> str:
+    """What the mass of a body that changes with time is called in a module; of no body, that of the
+    links."""
+    return f"body_{body}_mass" if body else MASS_PER_LENGTH.name
+
+
+def row_of(name: str, rule: str = ANY) -> Parameter:
+    """The parameter of a module that a number of an expression is."""
+    what = "a number in an expression" + " of t" * (rule == ANY)
+    return Parameter(name=name, key=name, label=name, description=what, rule=rule)
+
+
+def check_names(names: Iterable[str], table: str, also: Iterable[str] = ()) -> None:
+    """Raise SceneError for names of a table that cannot be told from each other, or that other
+    numbers of a module have, after its parameters and what else it has expressions for."""
+    seen: dict[str, str] = {}
+    numbered = {one.lower() for one in also}
+    for name in names:
+        field = f"{table}.{name}"
+        check_name(name, field)
+        if (other := seen.setdefault(name.upper(), name)) != name:
+            raise SceneError(field, name, f"unlike {other} by more than the size of its letters")
+        made = MADE.fullmatch(name.lower())
+        if made and (made[1] in PARAMETERS or made[1] in numbered):
+            raise SceneError(field, name, "unlike the names of numbers in expressions")

@@ -1,0 +1,243 @@
+"""Pictures of an analysis, made for print: mode shapes, an equilibrium, a critical force."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from rodgen.analyse.critical import Critical
+from rodgen.analyse.eigen import Complex
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.family import GROUPS, Family, label_of
+from rodgen.analyse.modes import Modes
+from rodgen.analyse.statics import Equilibrium
+from rodgen.analyse.system import System
+from rodgen.integrate.stepper import Array
+from rodgen.model.parameter import typeset
+from rodgen.model.term import FORCE, SPREAD, WEIGHT
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene
+from rodgen.show.pictures import LINE, canvas, draw_anchors, draw_bodies
+
+PANELS = 6  # modes drawn
+AMPLITUDE = 0.1  # of the length
+PHASES = 8  # of a mode whose joints do not move in step
+SMALL, SEEN = 0.05, 0.2  # of the length: displacements drawn larger, and up to where
+ARROW = 0.14  # of the length
+ASIDE = 0.06  # of the length, by which arrows of gravity stand beside a rod that hangs
+WEIGHTS = 9  # arrows of what acts along the rod
+FORCES = 400  # in the curves of a critical force
+BEYOND = 0.3  # of the critical force, that the curves go on
+NEAR = 0.1  # of the critical force, up to where growth fills the picture
+
+
+def mode_shapes(modes: Modes, scene: Scene) -> Figure:
+    """The shapes of up to six modes, at both ends of their motion, on the steady state."""
+    count = min(PANELS, len(modes.frequencies))
+    size = AMPLITUDE * np.linalg.norm(np.diff(modes.joints, axis=0), axis=1).sum()
+    moved = size * modes.displacements[:count]
+    low = (modes.joints - np.abs(moved)).min(axis=(0, 1)) - size / 3
+    high = (modes.joints + np.abs(moved)).max(axis=(0, 1)) + size / 3
+    width, height = high - low
+    columns = min(count, 2 + (height > 0.7 * width) + 3 * (height > 2 * width))
+    rows = -(-count // columns)
+    across = 6.3 / columns - 0.3
+    figure = canvas(7.0, rows * (min(across * height / width, 5.0) + 0.55) + 0.8)
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    for at, axes in enumerate(panels.flat):
+        if at < count:
+            _mode(axes, modes.joints, moved[at])
+            draw_bodies(axes, scene, modes.joints + moved[at].real, "tab:blue")
+            draw_anchors(axes, scene, modes.joints + moved[at].real, "tab:blue")
+            axes.set_title(_label(modes, at), fontsize="small")
+            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+            axes.tick_params(labelsize="x-small")
+        else:
+            axes.set_visible(False)
+    figure.suptitle(f"{scene.name}: modes about the state: {modes.state}", fontsize="medium")
+    figure.supxlabel("x [m]", fontsize="small")
+    figure.supylabel("y [m]", fontsize="small")
+    return figure
+
+
+def _mode(axes: Axes, joints: Array, moved: Complex | Array) -> None:
+    """One mode: the first phase in full colour, the others behind it."""
+    phases = 2 if np.isrealobj(moved) else PHASES
+    axes.plot(*joints.T, "--", color="grey", linewidth=0.8)
+    for at in range(1, phases):
+        shape = joints + (moved * np.exp(2j * np.pi * at / phases)).real
+        axes.plot(*shape.T, "-", color="tab:blue", alpha=0.3, linewidth=0.8)
+    shape = joints + moved.real
+    axes.plot(*shape.T, "-", color="tab:blue", linewidth=LINE)
+    axes.plot(*shape[0], "o", color="tab:blue", markersize=3)
+    axes.grid(alpha=0.3)
+
+
+def _label(modes: Modes, at: int) -> str:
+    frequency, growth = modes.frequencies[at], modes.growth[at]
+    text = f"{at + 1}: {frequency:.5g} Hz" if frequency else f"{at + 1}: no oscillation"
+    return f"{text}\ngrows" if growth > 0 else text
+
+
+def equilibrium_shape(rest: Equilibrium, system: System) -> Figure:
+    """The deflected rod beside the straight one, with its loads; small displacements enlarged.
+    A rod that turns freely is straight in more than one direction: that of its start is shown."""
+    length, name = system.scene.rod.length, system.scene.name
+    straight = system.model.joints(
+        system.at_rest(system.unsettled(system.straight)), system.parameters()
+    )
+    moved = rest.joints - straight
+    largest = float(np.linalg.norm(moved, axis=1).max()) / length
+    times = 1.0
+    if 1e-12 < largest < SMALL:
+        times = float(10.0 ** np.floor(np.log10(SEEN / largest)))
+    joints = straight + times * moved
+    figure = canvas(6.0, 5.5)
+    axes = figure.add_subplot()
+    axes.grid(alpha=0.3)
+    straight_as = "straight" if system.clamped else "straight, as at the start"
+    axes.plot(*straight.T, "--", color="grey", label=straight_as, linewidth=LINE)
+    dots = "o-" if len(joints) <= 60 else "-"
+    scale = f" (displacements x {times:g})" if times > 1 else ""
+    axes.plot(*joints.T, dots, color="tab:blue", markersize=2.5, label=f"equilibrium{scale}")
+    draw_bodies(axes, system.scene, joints, "tab:blue")
+    draw_anchors(axes, system.scene, joints, "tab:blue")
+    axes.plot(*joints[0], "ks" if system.clamped else "ko", markersize=6)
+    side = -1.0 if straight[-1, 0] > joints[-1, 0] else 1.0  # where the straight rod is not
+    drawn = _loads(axes, system, joints, rest, side)
+    points = np.concatenate((straight, joints, *drawn))
+    low, high = points.min(axis=0), points.max(axis=0)
+    half = np.maximum((high - low) / 2, 0.2 * length) + 0.06 * length
+    middle = (low + high) / 2
+    axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
+    axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
+    axes.set_aspect("equal")
+    figure.set_figheight(min(5.2 * half[1] / half[0] + 1.5, 6.5))
+    state = ", unstable" if rest.stable is False else ""
+    axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{name}: static equilibrium{state}")
+    handles = [*axes.get_legend_handles_labels()[0], *_keys(system, rest)]
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize="small")
+    return figure
+
+
+def _sizes(system: System, rest: Equilibrium) -> dict[str, float]:
+    """Forces and weights that are not zero, by their terms; of what differs from link to link, the
+    largest; of what follows the motion, that at rest."""
+    found, p = {}, system.parameters()
+    given = system.given
+    if system.scene.fed:
+        given = given | system.model.signals(system.t, rest.y, p)
+    for name in system.scene.loads.terms:
+        if TERMS[name].kind in (FORCE, SPREAD, WEIGHT):
+            parts = [max(np.atleast_1d(given[e.name]), key=abs) for e in TERMS[name].sizes]
+            found[name] = float(parts[0] if len(parts) == 1 else np.hypot(*parts))
+    return {name: size for name, size in found.items() if size}
+
+
+def _keys(system: System, rest: Equilibrium) -> list[Line2D]:
+    rows = [(TERMS[name], size) for name, size in _sizes(system, rest).items()]
+    labels = [f"{term.label} {size:.4g} {term.sizes[0].shown_unit}" for term, size in rows]
+    return [
+        Line2D([], [], color=term.colours[0], marker=">", markersize=4, label=label)
+        for (term, _), label in zip(rows, labels, strict=True)
+    ]
+
+
+def _loads(
+    axes: Axes, system: System, joints: Array, rest: Equilibrium, side: float
+) -> list[Array]:
+    """Arrows of the loads; their ends, pairs of points (2, 2). side: +1 or -1, to the right or the
+    left, where gravity stands beside a rod that hangs."""
+    size = ARROW * system.scene.rod.length
+    forces = system.model.forces(system.t, rest.y, system.parameters())
+    ends = []
+    for name, amount in _sizes(system, rest).items():
+        term = TERMS[name]
+        if term.kind == FORCE:
+            shares = np.hypot(*forces[name].T)
+            at, point = int(shares.argmax()), shares @ joints / shares.sum()
+            pull = size * forces[name].sum(axis=0) / shares.sum()
+            # Thrust ends at the rod, lest it hide it.
+            pushes = term.follows and pull @ (joints[at] - joints[at - 1 if at else 1]) < 0
+            start = point - pull if pushes else point
+            ends.append((np.array([start, start + pull]), term))
+        elif term.kind == SPREAD:
+            largest = np.hypot(*forces[name].T).max()
+            for at in _spread(len(joints)):
+                pull = 0.5 * size * forces[name][at] / largest
+                ends.append((np.array([joints[at] - pull, joints[at]]), term))
+        else:
+            down = np.array([0.0, -0.5 * size * np.sign(amount)])
+            width, height = np.ptp(joints, axis=0)
+            aside = side * ASIDE * system.scene.rod.length * (height > 2 * width)
+            for start in joints[_spread(len(joints))] + np.array([aside, 0.0]):
+                ends.append((np.array([start, start + down]), term))
+    for (start, end), term in ends:
+        style = {"arrowstyle": "-|>", "color": term.colours[0], "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", end, start, arrowprops=style)
+    return [pair for pair, _ in ends]
+
+
+def _spread(joints: int) -> NDArray[np.int_]:
+    """The joints at which arrows of what acts all along the rod stand."""
+    return np.unique(np.linspace(0, joints - 1, WEIGHTS).round().astype(int))
+
+
+def stability_curves(found: Critical, family: Family) -> Figure:
+    """Frequencies of the lowest modes and below them growth, against the load that is scaled."""
+    start = min(0.0, found.searched[0])
+    beyond = found.force + BEYOND * max(abs(found.force), family.unit * (not found.force))
+    forces, s = _rates(family, start, beyond, found)
+    # Without damping one eigenvalue of each pair is here, with damping both: the upper half.
+    kept = slice(s.shape[1] // 2 if family.damped else 0, None)
+    frequency = np.sort(np.where(np.isnan(s), -np.inf, s.imag), axis=1)[:, kept] / (2 * np.pi)
+    growth = np.sort(s.real, axis=1)
+    shown = np.isfinite(frequency) & (frequency >= 0)
+    frequency = np.where(shown, frequency, np.nan)
+    first = int(np.argmax(frequency[0] > family.rigid / (2 * np.pi)))  # overdamped motions apart
+    last = min(first + max(*found.modes, 2), frequency.shape[1] - 1)
+    figure = canvas(6.4, 5.6)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    upper.plot(forces, frequency[:, : last + 1], ".", markersize=1.5, color="tab:blue")
+    upper.set_ylim(0, 1.08 * max(float(np.nanmax(frequency[:, : last + 1])), 1e-300))
+    upper.plot(found.force, found.frequency, "o", color="tab:red", clip_on=False, markersize=5)
+    lower.plot(forces, growth, ".", markersize=1.5, color="tab:blue")
+    lower.set_ylim(_limits(forces, growth, found.force, family))
+    lower.plot(found.force, 0.0, "o", color="tab:red", markersize=5)
+    for axes in (upper, lower):
+        axes.axvline(found.force, color="tab:red", linestyle="--", linewidth=0.8)
+        axes.grid(alpha=0.3)
+    at = f" at {found.frequency:.5g} Hz" if found.frequency else ""
+    name = family.system.scene.name
+    upper.set(
+        ylabel="frequency [Hz]",
+        title=f"{name}: {found.kind} from {found.force:.6g} {found.unit}{at}",
+    )
+    label = label_of(found.load) + f" [{typeset(found.unit)}]" * (found.load not in GROUPS)
+    lower.set(xlabel=label, ylabel="growth [1/s]", xlim=(forces[0], forces[-1]))
+    return figure
+
+
+def _limits(forces: Array, growth: Array, force: float, family: Family) -> tuple[float, float]:
+    """Of the growth [1/s]: up to what there is a little beyond the critical force, not to what
+    comes much later, and down to the least damped motion wherever it dies away fastest."""
+    most = np.nan_to_num(growth, nan=-np.inf).max(axis=1)
+    near = forces <= force + NEAR * abs(force)
+    high = max(float(most[near].max()), 1e-6 * family.lowest)
+    low = float(most.min()) if family.damped else -high  # flutter dies away as it grows
+    return 1.1 * min(low, -high / 4), 1.1 * max(high, -low / 4)
+
+
+def _rates(family: Family, low: float, high: float, found: Critical) -> tuple[Array, Complex]:
+    """Forces and eigenvalues at them, what is left out of the search as nan; only up to the
+    critical force where no steady state lies beyond."""
+    for end in (high, found.force * (1 - 1e-6)):
+        forces = np.linspace(low, end, FORCES)
+        try:
+            return forces, family.motions(forces, elastic=found.elastic).s
+        except AnalysisError as error:
+            last = error
+    raise last

@@ -1,0 +1,229 @@
+"""Animations of a run: its rod over time, frame by frame, as MP4 or GIF."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from rodgen.integrate import Solution
+from rodgen.integrate.files import replaced
+from rodgen.integrate.stepper import Array
+from rodgen.scene import Scene, SceneError
+from rodgen.show.animation.files import check_file, writer
+from rodgen.show.animation.motion import Motion, camera, ground, motion
+from rodgen.show.animation.stage import BENDING, BODY, CENTRE, GRID, INK, PALE, TAIL, Arrows, Stage
+from rodgen.show.animation.times import Plan, Settings, plan
+
+LARGEST = 1e15  # of any state: beyond, a double has no digits left for the shape
+PALETTE = 8  # frames from which a GIF has its colours
+Progress = Callable[[float], None]
+TRAIL = 5.0  # seconds of film
+LARGEST_BODY = 26.0  # points across: of a body that is the whole mass
+LEAST_LINK = 8.0  # points: the joints of shorter links would hide the rod
+SUPPORTS = {"none": ("o", 6.5), "pin": ("^", 11.0), "wall": ("s", 10.0)}  # marks, their sizes
+
+
+@dataclass(frozen=True)
+class Film:
+    """What was written: frames, seconds of film, simulated seconds in one of them, the view, and
+    what is to be said of it."""
+
+    frames: int
+    seconds: float
+    speed: float
+    view: str
+    notes: tuple[str, ...]
+
+
+def animate(
+    solution: Solution,
+    path: Path,
+    *,
+    fps: float = 30.0,
+    speed: float | None = None,
+    view: str | None = None,
+    width: int = 1280,
+    height: int = 720,
+    start: float | None = None,
+    end: float | None = None,
+    progress: Progress | None = None,
+) -> Film:
+    """Write an animation of a solution, .mp4 or .gif, whole or not at all; see Settings.
+
+    progress is told the simulated time [s] of every frame; what it raises ends the work. Can be
+    called in any thread. Raises SceneError for what cannot be used.
+    """
+    settings = Settings(fps, speed, view, width, height, start, end)
+    return film(solution.t, solution.taken, path, settings, progress)
+
+
+def film(
+    t: Array,
+    at: Callable[[NDArray[np.intp]], Solution],
+    path: Path,
+    settings: Settings,
+    progress: Progress | None = None,
+) -> Film:
+    """Write an animation of a run with samples at times t [s], (T,), of which `at` gives those that
+    are asked for by their numbers."""
+    path = Path(path)
+    check_file(path, settings)
+    planned = plan(t, settings)
+    solution = at(planned.kept)
+    frames, notes = _drawable(solution, planned)
+    moved = motion(solution.until(int(frames[-1]) + 1))
+    picture = Picture(moved, solution.scene, settings, planned.speed)
+    with (
+        replaced(path, "--out") as part,
+        writer(part, path.suffix.lower(), settings, lambda: _colours(picture, frames)) as add,
+    ):
+        for k, when in zip(frames, planned.times, strict=False):
+            add(picture.pixels(int(k), float(when)))
+            if progress:
+                progress(float(when))
+    count = len(frames)
+    return Film(count, count / settings.fps, planned.speed, picture.camera.view, tuple(notes))
+
+
+def _drawable(solution: Solution, planned: Plan) -> tuple[NDArray[np.intp], list[str]]:
+    """Frames before a run blows up, by number of their sample, and what is to be said of them."""
+    notes = []
+    good = np.all(np.abs(solution.y) <= LARGEST, axis=1)
+    bad = len(good) if good.all() else int(good.argmin())
+    frames = planned.frames[planned.frames < bad]
+    if not len(frames):
+        raise SceneError(
+            "result", "not finite or beyond 1e15", "a run that can be drawn at its start"
+        )
+    if len(frames) < len(planned.frames):
+        notes.append(f"from t = {solution.t[bad]:.9g} s on nothing can be drawn: it blew up")
+    if planned.repeated:
+        share = planned.repeated / max(len(planned.frames) - 1, 1)
+        notes.append(f"samples are coarser than frames: {share:.0%} of them repeat the one before")
+    return frames, notes
+
+
+def _colours(picture: Picture, frames: NDArray[np.intp]) -> NDArray[np.uint8]:
+    """Some frames of a film, one above the other."""
+    some = frames[np.unique(np.linspace(0, len(frames) - 1, PALETTE).round().astype(int))]
+    return np.concatenate([picture.pixels(int(k), 0.0) for k in some])
+
+
+class Picture:
+    """Frames of a film: pixels(k, t) is that of sample k at time t.
+
+    Like all of matplotlib's figures it belongs to one thread; it shares nothing with others.
+    """
+
+    def __init__(self, motion: Motion, scene: Scene, settings: Settings, speed: float):
+        self._stage = stage = Stage(settings)
+        self.camera = camera(motion, settings.view, stage.aspect, scene.rod.length)
+        stage.set_limits(self.camera)
+        self._step = stage.grid_step
+        stage.set_title(scene, speed)
+        stage.add_colours(motion.label, motion.bending_limit, float(np.abs(motion.bending).max()))
+        self._motion, self._trail = motion, TRAIL * speed
+        self._joints = self.camera.seen(motion.joints)
+        self._centre = self.camera.seen(motion.centre)
+        self._arrows = Arrows(motion, self.camera, stage)
+        self._hold = SUPPORTS[scene.hold.support]
+        bodies = bool(scene.bodies)
+        stage.add_legend(self._hold[0], bodies, self._arrows.names, self.camera.view)
+        self._digits = min(max(2, math.ceil(-math.log10(speed / settings.fps))), 12)
+        self._add_moving(scene)
+        self._still = stage.background()
+
+    def _add_moving(self, scene: Scene) -> None:
+        """The artists that are drawn in every frame."""
+        stage, n, limit = self._stage, scene.rod.links, self._motion.bending_limit
+        self._ground = stage.line(**GRID)
+        self._trails = [stage.line(color, linewidth=1.1, alpha=0.75) for color in (TAIL, CENTRE)]
+        self._rod = stage.lines(linewidth=3.6, capstyle="round", cmap=BENDING, clim=(-limit, limit))
+        self._rod.set_snap(False)  # to whole pixels, in which a bent rod has steps
+        # Views of one array are drawn: new paths in every frame would take most of its time.
+        self._halves = np.zeros((2 * n, 2, 2))
+        self._rod.set_segments(list(self._halves))
+        self._bodies = [
+            (mark, stage.mark(("o", LARGEST_BODY * mark.size), BODY, INK))
+            for mark in scene.distribution.marks
+        ]
+        self._anchors = scene.anchors
+        self._bed = stage.line(PALE, linewidth=9.0, alpha=0.4)
+        self._ties = [
+            (tie, stage.line(INK, linewidth=1.2, linestyle=":"), stage.mark(("^", 8.0), PALE, INK))
+            for tie in self._anchors.ties
+        ]
+        self._inner = stage.mark(("o", 3.6), "white", INK)
+        self._start = stage.mark(self._hold, INK, INK)
+        self._tail = stage.mark(("o", 6.0), TAIL, INK)
+        self._middle = stage.mark(("o", 6.5), "white", CENTRE, 2.2)
+        self._clock = stage.clock()
+        link = scene.rod.length / n * stage.pixels_per_metre(self.camera)
+        self._dotted = link * 72 / stage.figure.dpi >= LEAST_LINK
+
+    def pixels(self, k: int, t: float) -> NDArray[np.uint8]:
+        """The frame that shows sample k, with the time t [s] as text: (height, width, 4) of red,
+        green, blue, alpha; overwritten by the next."""
+        stage = self._stage
+        stage.canvas.restore_region(self._still)
+        if self.camera.view != "fixed":
+            self._show_ground(k)
+        self._show_trails(k)
+        self._show_anchors(k)
+        self._show_rod(k)
+        self._arrows.draw(k)
+        self._show(self._middle, self._centre[k, None])
+        self._clock.set_text(f"t = {t:.{self._digits}f} s")
+        stage.axes.draw_artist(self._clock)
+        return np.asarray(stage.canvas.buffer_rgba())
+
+    def _show(self, line: Line2D, points: Array) -> None:
+        line.set_data(points[:, 0], points[:, 1])
+        self._stage.axes.draw_artist(line)
+
+    def _show_ground(self, k: int) -> None:
+        seen = self.camera
+        reach = float(np.hypot(*seen.half))
+        self._show(self._ground, ground(seen.origin[k], seen.angle_of(k), self._step, reach))
+
+    def _show_trails(self, k: int) -> None:
+        t = self._motion.t
+        first = int(np.searchsorted(t, t[k] - self._trail))
+        for line, path in zip(
+            self._trails, (self._motion.joints[:, -1], self._motion.centre), strict=True
+        ):
+            self._show(line, self.camera.seen_at(k, path[first : k + 1]))
+
+    def _show_anchors(self, k: int) -> None:
+        self._show(self._bed, self.camera.seen_at(k, self._anchors.bed))
+        for tie, spring, fixed in self._ties:
+            way = self.camera.seen_at(k, tie.way(self._motion.joints[k]))
+            self._show(spring, way)
+            self._show(fixed, way[1:])
+
+    def _show_rod(self, k: int) -> None:
+        joints, bending = self._joints[k], self._motion.bending[k]
+        self._halves[:] = halves(joints)
+        # The bending of a joint colours the halves of the links that meet there.
+        self._rod.set_array(np.repeat(bending, 2)[1:-1])
+        self._stage.axes.draw_artist(self._rod)
+        if self._dotted:
+            self._show(self._inner, joints[1:-1])
+        self._show(self._start, joints[:1])
+        self._show(self._tail, joints[-1:])
+        for mark, disc in self._bodies:
+            self._show(disc, mark.places(joints)[None])
+
+
+def halves(joints: Array) -> Array:
+    """Halves of the links between joints (n+1, 2): (2n, 2, 2)."""
+    points: Array = np.empty((2 * len(joints) - 1, 2))
+    points[::2] = joints
+    points[1::2] = (joints[:-1] + joints[1:]) / 2
+    return np.stack((points[:-1], points[1:]), axis=1)

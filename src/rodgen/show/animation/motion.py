@@ -1,0 +1,202 @@
+"""What an animation shows of a solution, as arrays over its samples, and from where it is seen."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from rodgen.integrate import Solution
+from rodgen.integrate.stepper import Array
+from rodgen.model.term import FORCE, SPREAD, WEIGHT
+from rodgen.model.terms import TERMS
+
+# Where the largest bending of all is so many times that of nearly all samples, colours end there.
+OUTLIER, COVERED = 3.0, 0.98
+SMALLEST_ROD = 0.25  # of the picture's height: below, the view moves with the rod
+MARGIN = 1.12, 1.28  # round what is seen: without arrows, and with them
+LEAST = 1e-300  # N
+FAR = 1e5  # beyond so many times what is seen, coordinates are told from a point nearby
+
+
+class Load(NamedTuple):
+    """A force [N] and the point on which it acts [m], both (S, 2)."""
+
+    point: Array
+    force: Array
+
+
+@dataclass(frozen=True)
+class Motion:
+    """t: times [s], (S,); joints: positions [m], (S, n+1, 2); centre: of gravity [m], (S, 2);
+    axis: angle of the principal axis of the smaller moment, without jumps [rad], (S,); bending:
+    in every joint, (S, n+1), and what it is called; loads: by their terms."""
+
+    t: Array
+    joints: Array
+    centre: Array
+    axis: Array
+    bending: Array
+    label: str
+    loads: dict[str, Load]
+
+    @property
+    def bending_limit(self) -> float:
+        """The bending at which the colours end: a blow-up at the end is not to hide the rest."""
+        largest = np.abs(self.bending).max(axis=1)
+        most, all_of_it = float(np.quantile(largest, COVERED)), float(largest.max())
+        return most if 0 < most < all_of_it / OUTLIER else all_of_it or 1.0
+
+
+def motion(solution: Solution) -> Motion:
+    """Everything that is drawn, of every sample of a solution."""
+    with np.errstate(all="ignore"):
+        bending, label = _bending(solution)
+        return Motion(
+            solution.t,
+            solution.joints,
+            solution.centre_of_gravity,
+            _axis(solution),
+            np.nan_to_num(bending),
+            label,
+            _loads(solution),
+        )
+
+
+def _bending(solution: Solution) -> tuple[Array, str]:
+    """Bending moments, or the curvature of a rod without stiffness, in every joint, (S, n+1)."""
+    links = solution.scene.rod.links
+    uneven = "stiffness" in solution.scene.structure.uneven
+    if solution.parameter("joint_stiffness" if uneven else "bending_stiffness").any():
+        return solution.bending_moments, "bending moment [N m]"
+    curvature = np.zeros((len(solution.t), links + 1))
+    per_metre = links / solution.parameter("length")
+    curvature[:, 1:-1] = np.diff(solution.phi, axis=1) * per_metre[:, None]
+    return curvature, "curvature [1/m]"
+
+
+def _axis(solution: Solution) -> Array:
+    """An axis has no direction: it is followed from sample to sample, and points from tail to
+    nose at the start."""
+    angle: Array = np.unwrap(solution.principal_axes.angle, period=np.pi)
+    rod = solution.joints[0, 0] - solution.joints[0, -1]
+    along = np.array([np.cos(angle[0]), np.sin(angle[0])]) @ rod
+    return angle if along >= 0 else angle + np.pi
+
+
+def _mass(solution: Solution) -> Array:
+    """Mass of the rod with its bodies at every sample, (T,)."""
+    if "link_mass" in solution.scene.structure.spans:
+        total: Array = solution.parameter("link_mass").sum(axis=1)
+        return total
+    scene = solution.scene
+    if scene.structure.masses:
+        return np.array([scene.distribution_at(t).mass for t in solution.t])
+    return solution.parameter("mass")
+
+
+def _loads(solution: Solution) -> dict[str, Load]:
+    """Weight at the centre of gravity, and forces on joints as a whole, in the middle of them."""
+    found = {}
+    for name in solution.scene.loads.terms:
+        kind = TERMS[name].kind
+        if kind == WEIGHT:
+            force = np.zeros_like(solution.centre_of_gravity)
+            force[:, 1] = -solution.parameter(name) * _mass(solution)
+            found[name] = Load(solution.centre_of_gravity, force)
+        elif kind in (FORCE, SPREAD):
+            forces = solution.forces[name]
+            sizes = np.linalg.norm(forces, axis=-1, keepdims=True)
+            shares = sizes / np.maximum(sizes.sum(axis=1, keepdims=True), LEAST)
+            found[name] = Load((shares * solution.joints).sum(axis=1), forces.sum(axis=1))
+    return found
+
+
+@dataclass(frozen=True)
+class Camera:
+    """origin: the point of the world that is zero in the picture, (S, 2); angle: by which the
+    picture is turned against the world [rad], (S,); middle and half: of what is seen, in the
+    picture's metres, (2,); view: one of VIEWS."""
+
+    view: str
+    origin: Array
+    angle: Array
+    middle: Array
+    half: Array
+
+    def seen(self, points: Array) -> Array:
+        """Points of the world (S, ..., 2) in the picture."""
+        shape = len(points), *(1,) * (points.ndim - 2), 2
+        return self.turned(points - self.origin.reshape(shape))
+
+    def turned(self, vectors: Array) -> Array:
+        """Vectors of the world (S, ..., 2) in the picture."""
+        if self.view != "axes":
+            return vectors
+        shape = len(vectors), *(1,) * (vectors.ndim - 2)
+        cos, sin = np.cos(self.angle).reshape(shape), np.sin(self.angle).reshape(shape)
+        x, y = vectors[..., 0], vectors[..., 1]
+        return np.stack((cos * x + sin * y, cos * y - sin * x), axis=-1)
+
+    def angle_of(self, k: int) -> float:
+        """By how much the picture of sample k is turned against the world [rad]."""
+        return float(self.angle[k]) if self.view == "axes" else 0.0
+
+    def seen_at(self, k: int, points: Array) -> Array:
+        """Points of the world (P, 2) in the picture of sample k."""
+        x, y = (points - self.origin[k]).T
+        cos, sin = math.cos(self.angle_of(k)), math.sin(self.angle_of(k))
+        return np.stack((cos * x + sin * y, cos * y - sin * x), axis=-1)
+
+
+def camera(motion: Motion, view: str | None, aspect: float, length: float) -> Camera:
+    """The camera of a view, which is chosen where it is None; aspect: width over height of what
+    is seen; length: of the rod [m]."""
+    if view is not None:
+        return _camera(motion, view, aspect)
+    fixed = _camera(motion, "fixed", aspect)
+    return (
+        fixed if length >= 2 * SMALLEST_ROD * fixed.half[1] else _camera(motion, "centre", aspect)
+    )
+
+
+def _camera(motion: Motion, view: str, aspect: float) -> Camera:
+    zero = np.zeros(2)
+    origin = motion.centre if view != "fixed" else np.zeros_like(motion.centre)
+    rough = Camera(view, origin, motion.axis, zero, zero)
+    points = rough.seen(motion.joints).reshape(-1, 2)
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle, half = (low + high) / 2, (high - low) / 2
+    if view != "fixed":  # the centre of gravity stays in the middle
+        middle, half = zero, np.maximum(-low, high)
+    height = max(half[1], half[0] / aspect) * MARGIN[bool(motion.loads)]
+    around = np.array([aspect * height, height])
+    if np.abs(middle).max() > FAR * height:
+        near = _short(middle, height)
+        return Camera(view, origin + near, motion.axis, middle - near, around)
+    return Camera(view, origin, motion.axis, middle, around)
+
+
+def _short(point: Array, size: float) -> Array:
+    """A point not far from this one, for what is of this size, in round numbers."""
+    unit = 10.0 ** math.ceil(math.log10(size))
+    near: Array = unit * np.round(point / unit)
+    return near
+
+
+def ground(origin: Array, angle: float, step: float, reach: float) -> Array:
+    """Lines of the ground grid, a step apart, that pass a picture with this origin and angle
+    within its reach [m], as one line with gaps: (3 lines, 2) in the picture's metres."""
+    count = math.ceil(reach / step) + 1
+    at = step * np.arange(-count, count + 1)
+    near = -np.mod(origin, step)
+    ends = np.broadcast_to(step * count * np.array([-1.0, 1.0]), (len(at), 2))
+    upright = np.stack((np.broadcast_to((at + near[0])[:, None], ends.shape), ends), axis=-1)
+    level = np.stack((ends, np.broadcast_to((at + near[1])[:, None], ends.shape)), axis=-1)
+    gapped = np.full((2 * len(at), 3, 2), np.nan)
+    gapped[:, :2] = np.concatenate((upright, level))
+    x, y = gapped.reshape(-1, 2).T
+    cos, sin = math.cos(angle), math.sin(angle)
+    return np.stack((cos * x + sin * y, cos * y - sin * x), axis=-1)

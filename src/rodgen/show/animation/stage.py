@@ -1,0 +1,274 @@
+"""What stands still in an animation, axes, scale, title, colours, legend; and arrows of loads."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.quiver import Quiver
+from matplotlib.text import Text
+from matplotlib.ticker import MultipleLocator
+
+from rodgen.integrate.stepper import Array
+from rodgen.model.term import FORCE
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene
+from rodgen.show.animation.motion import Camera, Load, Motion
+from rodgen.show.animation.times import Settings
+
+INK, PALE = "#30343a", "#b9bec6"
+GRID: dict[str, Any] = {"color": PALE, "alpha": 0.45, "linewidth": 0.7}
+TAIL, CENTRE, BODY = "#d9830f", "#0f766e", "#9aa3b2"
+# Both ends differ from the middle for eyes that see fewer colours, and all from white.
+BENDING = LinearSegmentedColormap.from_list(
+    # Few enough for the palette of a GIF, and one of them is the middle.
+    "bending",
+    ["#0a4fe0", "#4f86d8", "#7d8188", "#d8704f", "#e01a0a"],
+    N=65,
+)
+DOTS_PER_INCH = 100.0  # of a film of 1280 x 720; letters grow with the film
+SMALLEST_LETTERS = 0.62  # of theirs there
+KEY = 0.3  # inches below the legend, for the scale of the arrows
+SPACING = 0.6  # inches between lines of the grid, at least: room for a number
+MARGINS = 0.82, 2.05, 0.62, 0.55  # inches left, right, below and above the axes
+LONGEST = 0.2  # of half of the picture's shorter side: the arrow of the largest force
+LEAST = 0.02  # of the longest: shorter ones are not drawn
+
+
+class Stage:
+    """A figure of just so many pixels; axes: where the rod is drawn, in equal scales; grid_step:
+    metres between two lines of the grid, along both axes."""
+
+    grid_step: float
+
+    def __init__(self, settings: Settings):
+        width, height = settings.width, settings.height
+        self.zoom = max(min(width / 1280, height / 720), SMALLEST_LETTERS)
+        dots = DOTS_PER_INCH * self.zoom
+        # A little more than the pixels, as matplotlib cuts off what is left of a pixel.
+        self.figure = Figure(figsize=((width + 0.01) / dots, (height + 0.01) / dots), dpi=dots)
+        self.canvas: Any = FigureCanvasAgg(self.figure)  # matplotlib's has no types
+        left, right, below, above = (inches * dots for inches in MARGINS)
+        self.size = width - left - right, height - below - above  # of the axes, in pixels
+        self._place = left / width, below / height, self.size[0] / width, self.size[1] / height
+        self.axes = self.figure.add_axes(self._place)
+
+    @property
+    def aspect(self) -> float:
+        """Width over height of what is seen."""
+        return self.size[0] / self.size[1]
+
+    def set_limits(self, camera: Camera) -> None:
+        """Show what the camera sees, with a grid where the camera stands still."""
+        axes = self.axes
+        low, high = camera.middle - camera.half, camera.middle + camera.half
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        self.grid_step = _above(SPACING * self.figure.dpi / self.pixels_per_metre(camera))
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(MultipleLocator(self.grid_step))
+        axes.tick_params(colors=INK, labelsize=9)
+        for spine in axes.spines.values():
+            spine.set_color(PALE)
+        if camera.view == "fixed":
+            axes.grid(**GRID)
+            axes.set_axisbelow(True)
+            names = (_from("x", camera.origin[0, 0]), _from("y", camera.origin[0, 1]))
+        elif camera.view == "centre":
+            names = ("x from the centre of gravity [m]", "y from the centre of gravity [m]")
+        else:
+            names = ("along the principal axis of the smaller moment [m]", "across [m]")
+        axes.set_xlabel(names[0], color=INK, fontsize=10)
+        axes.set_ylabel(names[1], color=INK, fontsize=10)
+
+    def set_title(self, scene: Scene, speed: float) -> None:
+        """Name of the scene, and how fast the film goes."""
+        left, top = self._place[0], self._place[1] + self._place[3]
+        top += 0.12 / self.figure.get_figheight()
+        self.figure.text(left, top, scene.name, color=INK, fontsize=14, weight="bold")
+        if speed != 1:
+            shown = f"{speed:.3g} times real time" if speed > 1 else f"slowed {1 / speed:.3g} times"
+            place: dict[str, Any] = {"transform": self.axes.transAxes, "va": "bottom"}
+            self.axes.text(0.012, 0.02, shown, color=INK, fontsize=9, **place)
+
+    def add_colours(self, label: str, limit: float, largest: float) -> None:
+        """The colour bar; limit: value at its ends; largest: that there is."""
+        colours = ScalarMappable(Normalize(-limit, limit), BENDING)
+        (right, low), height = self.panel, self._place[3]
+        place = right, low + 0.45 * height, 0.16 / self.figure.get_figwidth(), 0.55 * height
+        beyond = "both" if largest > 1.001 * limit else "neither"
+        bar = self.figure.colorbar(colours, cax=self.figure.add_axes(place), extend=beyond)
+        bar.set_label(label, color=INK, fontsize=10)
+        bar.ax.tick_params(colors=INK, labelsize=9)
+        bar.outline.set_edgecolor(PALE)
+
+    def add_legend(self, hold: str, bodies: bool, loads: Sequence[str], view: str) -> None:
+        """What marks, trails and arrows are, and the grid where no numbers stand at its lines."""
+        marks = [
+            Line2D([], [], color=INK, linewidth=0, marker=hold, markersize=6, label="joint 0"),
+            Line2D([], [], color=TAIL, marker="o", markersize=6, label="tail"),
+            Line2D([], [], color=CENTRE, marker="o", markersize=6, label="centre of gravity"),
+        ]
+        marks[-1].set(markerfacecolor="white", markeredgewidth=2)
+        if bodies:
+            disc = Line2D([], [], color=BODY, marker="o", markersize=9, markeredgecolor=INK)
+            disc.set(linewidth=0, label="bodies, by mass")
+            marks.append(disc)
+        for name in loads:
+            load = TERMS[name]
+            line = Line2D([], [], color=load.colours[0], linewidth=0, marker=r"$\rightarrow$")
+            line.set(markersize=16, label=load.label)
+            marks.append(line)
+        if view != "fixed":
+            marks.append(Line2D([], [], color=PALE, label=f"grid of {self.grid_step:g} m"))
+        place = self.panel[0], self.panel[1] + KEY / self.figure.get_figheight()
+        self.figure.legend(
+            handles=marks,
+            loc="lower left",
+            bbox_to_anchor=place,
+            frameon=False,
+            fontsize=9,
+            labelcolor=INK,
+            borderpad=0,
+            borderaxespad=0,
+        )
+
+    def pixels_per_metre(self, camera: Camera) -> float:
+        """Scale of the picture."""
+        return self.size[1] / (2 * float(camera.half[1]))
+
+    def lines(self, **style: Any) -> LineCollection:
+        """Lines that are drawn when they are told to, as are those below."""
+        made = LineCollection([], animated=True, **style)
+        self.axes.add_collection(made, autolim=False)
+        return made
+
+    def line(self, color: str, **style: Any) -> Line2D:
+        """One line through many points."""
+        made = Line2D([], [], color=color, animated=True, **style)
+        self.axes.add_line(made)
+        return made
+
+    def mark(self, shape: tuple[str, float], face: str, edge: str, width: float = 0.9) -> Line2D:
+        """A mark at every point; shape: matplotlib's marker and its size in points."""
+        style = {"marker": shape[0], "markersize": shape[1], "markeredgewidth": width}
+        return self.line(edge, linewidth=0, markerfacecolor=face, **style)
+
+    def clock(self) -> Text:
+        """Text in the upper left corner of the axes."""
+        place: dict[str, Any] = {"transform": self.axes.transAxes, "va": "top", "animated": True}
+        return self.axes.text(0.012, 0.98, "", color=INK, fontsize=12, **place)
+
+    def background(self) -> Any:
+        """Draw all that stands still; what is returned is for canvas.restore_region."""
+        self.canvas.draw()
+        return self.canvas.copy_from_bbox(self.figure.bbox)
+
+    @property
+    def panel(self) -> tuple[float, float]:
+        """Lower left corner of what stands beside the axes, as shares of the figure."""
+        gap = 0.25 / self.figure.get_figwidth()
+        return self._place[0] + self._place[2] + gap, self._place[1]
+
+
+def _above(least: float) -> float:
+    """1, 2 or 5 times a power of ten: the smallest that is not below."""
+    unit = 10.0 ** math.floor(math.log10(least))
+    return unit * next(digit for digit in (1, 2, 5, 10) if digit * unit >= least)
+
+
+def _from(name: str, origin: float) -> str:
+    """Name of an axis whose zero is somewhere else."""
+    if not origin:
+        return f"{name} [m]"
+    return f"{name} {'-' if origin > 0 else '+'} {abs(origin):.15g} m [m]"
+
+
+class Arrows:
+    """The loads of a motion, seen by a camera; names: those that are somewhere not zero."""
+
+    def __init__(self, motion: Motion, camera: Camera, stage: Stage):
+        self._force = {
+            name: camera.turned(load.force) for name, load in motion.loads.items() if _any(load)
+        }
+        self.names = tuple(self._force)
+        self._stage = stage
+        if not self.names:
+            return
+        sizes = {name: np.linalg.norm(force, axis=-1) for name, force in self._force.items()}
+        largest = max(float(size.max()) for size in sizes.values())
+        per_metre = largest / (LONGEST * camera.half.min())
+        self._point = {name: camera.seen(motion.loads[name].point) for name in self.names}
+        before = camera.seen(motion.joints[:, -2])
+        for name in self.names:
+            at, arrow = self._point[name], self._force[name] / per_metre
+            # A force that pushes the tail ends there, so that it does not hide the rod.
+            if TERMS[name].kind == FORCE:
+                pushes = np.sum(arrow * (before - at), axis=-1) > 0
+                self._point[name] = at - pushes[:, None] * arrow
+            hidden = sizes[name][:, None] < LEAST * largest
+            self._force[name] = np.where(hidden, np.nan, self._force[name])
+        self._quiver = self._drawn(per_metre)
+        self._key(largest, per_metre * 2 * camera.half[1] / stage.size[1])
+
+    def _drawn(self, per_metre: float) -> Quiver:
+        point, force = self._at(0)
+        return self._stage.axes.quiver(
+            *point.T,
+            *force.T,
+            color=[TERMS[name].colours[0] for name in self.names],
+            angles="xy",
+            scale_units="xy",
+            scale=per_metre,
+            units="dots",
+            width=3 * self._stage.zoom,
+            animated=True,
+            zorder=6,
+        )
+
+    def _key(self, largest: float, per_pixel: float) -> None:
+        """An arrow of a round number of newtons, with the number."""
+        stage, newtons = self._stage, _round(largest)
+        width, height = stage.canvas.get_width_height()
+        # With its label to the east, a key's place is that of its tip.
+        at = stage.panel[0] + newtons / per_pixel / width, stage.panel[1] + 6 * stage.zoom / height
+        stage.axes.quiverkey(
+            self._quiver,
+            *at,
+            newtons,
+            f"{newtons:g} N",
+            coordinates="figure",
+            labelpos="E",
+            color=INK,
+            labelcolor=INK,
+            fontproperties={"size": 9},
+        )
+
+    def _at(self, k: int) -> tuple[Array, Array]:
+        points = np.array([self._point[name][k] for name in self.names])
+        return points, np.array([self._force[name][k] for name in self.names])
+
+    def draw(self, k: int) -> None:
+        """Draw those of sample k."""
+        if self.names:
+            point, force = self._at(k)
+            self._quiver.set_offsets(point)
+            self._quiver.set_UVC(*force.T)
+            self._stage.axes.draw_artist(self._quiver)
+
+
+def _any(load: Load) -> bool:
+    return bool(np.any(load.force))
+
+
+def _round(largest: float) -> float:
+    """1, 2 or 5 times a power of ten: the largest that is not above."""
+    unit = 10.0 ** math.floor(math.log10(largest))
+    return unit * max(digit for digit in (1, 2, 5) if digit * unit <= largest * (1 + 1e-9))

@@ -1,0 +1,180 @@
+"""Pictures of a run, made for print: shape, trajectories, energies, phase plot."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from rodgen.integrate import Solution
+from rodgen.scene import Scene
+
+SHAPES = 12  # rods drawn in one picture
+DOTS_PER_INCH = 200
+SLIVER = 0.05  # width over length
+LINE = 1.2  # points
+BODY = 16.0  # points across: of a body that is the whole mass
+LARGEST = 1e12  # of any state: beyond, nothing of the picture can be read
+
+
+def save_pictures(solution: Solution, folder: Path) -> list[Path]:
+    """Write every picture of a run as PNG into a folder that exists; returns the files.
+
+    Of a run that blew up only what can be drawn is drawn.
+    """
+    beyond = np.flatnonzero(np.abs(solution.y).max(axis=1) > LARGEST)
+    count = int(beyond[0]) if len(beyond) else len(solution.t)
+    if not count:
+        return []
+    shown = solution.until(count)
+    return save_figures(((name, draw(shown)) for name, draw in PICTURES.items()), folder)
+
+
+def save_figures(figures: Iterable[tuple[str, Figure]], folder: Path) -> list[Path]:
+    """Write figures by name as PNG into a folder that exists: all of them, whole, or none."""
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".pictures") as making:
+        made = []
+        for name, figure in figures:
+            made.append(Path(making) / f"{name}.png")
+            figure.savefig(made[-1], dpi=DOTS_PER_INCH, bbox_inches="tight")
+        return [picture.replace(folder / picture.name) for picture in made]
+
+
+def shapes(solution: Solution) -> Figure:
+    """The rod at several times, coloured by time."""
+    figure, axes = _figure(6.0, 5.0)
+    times = np.unique(np.linspace(0, len(solution.t) - 1, SHAPES).round().astype(int))
+    colours = ScalarMappable(Normalize(solution.t[0], max(solution.t[-1], 1e-300)), "viridis_r")
+    for at in times:
+        x, y = solution.joints[at].T
+        colour = colours.to_rgba(solution.t[at])
+        axes.plot(x, y, "-", color=colour, linewidth=LINE)
+        axes.plot(x[0], y[0], "o", color=colour, markersize=3.5)
+        draw_bodies(axes, solution.scene, solution.joints[at], colour)
+        draw_anchors(axes, solution.scene, solution.joints[at], colour)
+    legend = "dot: joint 0" + "; discs: bodies, by mass" * bool(solution.scene.bodies)
+    axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{solution.scene.name}: shape ({legend})")
+    fixed = [(tie.x, tie.y) for tie in solution.scene.anchors.ties]
+    _frame(
+        axes, np.concatenate((solution.joints[times].reshape(-1, 2), np.reshape(fixed, (-1, 2))))
+    )
+    figure.colorbar(colours, ax=axes, label="t [s]")
+    return figure
+
+
+def draw_anchors(axes: Axes, scene: Scene, joints: np.ndarray, colour: Any) -> None:
+    """Supports as dotted lines to triangles, where they are fixed; a foundation as a broad line."""
+    anchors = scene.anchors
+    axes.plot(*anchors.bed.T, "-", color="0.88", linewidth=6 * LINE, zorder=0)
+    for tie in anchors.ties:
+        axes.plot(*tie.way(joints).T, ":", color=colour, linewidth=LINE)
+        axes.plot(tie.x, tie.y, "^", color="tab:gray", markersize=7)
+
+
+def draw_bodies(axes: Axes, scene: Scene, joints: np.ndarray, colour: Any) -> None:
+    """Bodies as discs, their areas by their masses, on a rod whose joints are at (n+1, 2)."""
+    for mark in scene.distribution.marks:
+        place = mark.places(joints)
+        axes.plot(*place, "o", color=colour, alpha=0.6, markersize=BODY * mark.size)
+
+
+def trajectories(solution: Solution) -> Figure:
+    """Paths of the centre of gravity and of the tail."""
+    figure, axes = _figure(6.0, 5.0)
+    paths = {"centre of gravity": solution.centre_of_gravity, "tail": solution.tip}
+    for (name, path), line in zip(paths.items(), ("-", "--"), strict=True):
+        (drawn,) = axes.plot(*path.T, line, label=name, linewidth=LINE)
+        axes.plot(*path[0], "o", color=drawn.get_color(), markersize=4)
+    axes.set(
+        xlabel="x [m]", ylabel="y [m]", title=f"{solution.scene.name}: trajectories (dot: start)"
+    )
+    _frame(axes, np.concatenate(list(paths.values())))
+    figure.legend(loc="outside lower center", ncols=2)
+    return figure
+
+
+def energies(solution: Solution) -> Figure:
+    """Energies and work over time; below, by how much they do not balance."""
+    figure = canvas(6.0, 6.0)
+    axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    t, energy = solution.t, solution.energy
+    axes.plot(t, energy.kinetic, label="kinetic", linewidth=LINE)
+    axes.plot(t, energy.spring, label="springs", linewidth=LINE)
+    if "gravity" in solution.scene.loads.terms:
+        axes.plot(t, energy.gravity, label="gravity", linewidth=LINE)
+    axes.plot(t, energy.total, "k-", label="total", linewidth=LINE)
+    for term, work in solution.work.items():
+        axes.plot(t, work, "--", label=f"work of {term.replace('_', ' ')}", linewidth=LINE)
+    axes.set(ylabel="energy [J]", title=f"{solution.scene.name}: energies and work")
+    axes.grid(alpha=0.3)
+    figure.legend(fontsize="small", loc="outside lower center", ncols=3)
+    error = np.abs(solution.energy_balance)
+    if np.any(error > 0):
+        below.semilogy(t, np.where(error > 0, error, np.nan), "k-", linewidth=0.8)
+    below.set(xlabel="t [s]", ylabel="|balance error| [J]")
+    below.grid(alpha=0.3)
+    return figure
+
+
+def phase_plot(solution: Solution) -> Figure:
+    """How far the rod is bent against how fast it bends: tail link relative to first link."""
+    figure, axes = _figure(6.0, 5.0)
+    if solution.scene.rod.links > 1:
+        angle = solution.phi[:, -1] - solution.phi[:, 0]
+        rate = solution.omega[:, -1] - solution.omega[:, 0]
+        labels = (r"$\varphi_{n-1}-\varphi_0$ [rad]", r"$\omega_{n-1}-\omega_0$ [rad/s]")
+    else:
+        angle, rate = solution.phi[:, 0], solution.omega[:, 0]
+        labels = (r"$\varphi_0$ [rad]", r"$\omega_0$ [rad/s]")
+    axes.plot(angle, rate, "-", linewidth=0.8)
+    axes.plot(angle[0], rate[0], "o", markersize=4, color="k", label="start")
+    axes.plot(angle[-1], rate[-1], "s", markersize=4, color="tab:red", label="end")
+    axes.set(xlabel=labels[0], ylabel=labels[1], title=f"{solution.scene.name}: phase plot")
+    axes.legend()
+    return figure
+
+
+PICTURES: dict[str, Callable[[Solution], Figure]] = {
+    "shape": shapes,
+    "trajectory": trajectories,
+    "energy": energies,
+    "phase": phase_plot,
+}
+
+
+def canvas(width: float, height: float) -> Figure:
+    """A figure of this size [inches], without a window."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _figure(width: float, height: float) -> tuple[Figure, Axes]:
+    figure = canvas(width, height)
+    axes = figure.add_subplot()
+    axes.grid(alpha=0.3)
+    return figure, axes
+
+
+def _frame(axes: Axes, points: np.ndarray) -> None:
+    """Equal scales, unless the picture would be a sliver in which nothing is seen."""
+    flat = points.reshape(-1, 2)
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    middle, half = (low + high) / 2, (high - low) / 2
+    equal = half.min() > SLIVER * half.max() or half.min() < 1e-9 * half.max()
+    least = half.max() * 0.4 if equal else 0.0
+    half = 1.05 * np.maximum(half, max(least, 1e-9))
+    axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
+    axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
+    if equal:
+        axes.set_aspect("equal")
+    else:
+        axes.set_title(axes.get_title() + ", scales differ")

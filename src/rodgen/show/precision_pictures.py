@@ -1,0 +1,245 @@
+"""How methods look in pictures; and work-precision diagrams in E. Hairer's convention, where errors
+fall to the right and time goes up."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import Formatter, FuncFormatter, NullFormatter
+from scipy.optimize import isotonic_regression
+
+from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.rows import fine, front, grouped, label, number, text
+
+# Colours that stay apart on white and on black, and for most who see fewer of them.
+OURS = {
+    "gauss": "#d1495b",
+    "radau": "#9455c8",
+    "dop853": "#2a78d6",
+    "rk4": "#1f9e62",
+    "semi_implicit_euler": "#d9830f",
+    "euler": "#a06a4c",
+    "thesis_runge_kutta": "#12a5b8",
+    "cvode": "#7d8b12",
+    "rk45": "#5b8def",
+    "rk23": "#8fa9c9",
+    "bdf": "#c774a8",
+    "lsoda": "#b08b35",
+}
+PEERS = {
+    "SciPy": ("s", "#7c7c7c"),
+    "CVODE": ("D", "#808080"),
+    "heyoka": ("^", "#737373"),
+    "MuJoCo": ("v", "#8c8c8c"),
+    "Exudyn": ("P", "#767676"),
+    "CasADi": ("X", "#868686"),
+    "Numba": ("*", "#6f6f6f"),
+    "PyDy": ("<", "#838383"),
+    "Pinocchio": ("p", "#797979"),
+}
+OTHERS = ("<", ">", "d")
+DASHES = ((4, 2), (1.5, 1.5), (6, 2, 1, 2), (3, 1, 1, 1, 1, 1))
+INK, PALE = "#30343a", "#8a8f98"  # text and axes; grids and notes
+LEFT, BELOW = 0.68, 0.48  # inches beside and below a diagram, for its numbers and names
+RAISED = str.maketrans(
+    "-0123456789", "\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"
+)
+GOLD = "#e0b400"  # the front
+MEASURES = {
+    "error_phi": "error of the angles at the end [rad]",
+    "error_tail": "largest error of the tail over time [m]",
+    "error_modes": "largest error of the lowest modes [rad]",
+    "error_energy": "largest error of the energy [of its scale]",
+}
+LARGEST, SMALLEST = 10.0, 1e-17  # errors that are drawn
+LEADER = {"arrowstyle": "-", "linewidth": 0.5, "alpha": 0.55, "relpos": (0, 0.5), "shrinkA": 1}
+LINE = 0.145  # inches that a name takes
+
+
+class Look(NamedTuple):
+    """A line: its name, what makes it, and whether it is ours."""
+
+    label: str
+    line: dict[str, Any]
+    ours: bool
+
+
+def look(row: Row) -> Look:
+    """How a method looks everywhere: those of rodgen in colour, with hollow marks for equations in
+    NumPy; those of others grey and dashed."""
+    method, target, who = (text(row, key) for key in ("method", "target", "who"))
+    ours = who in ("", "rodgen")
+    if ours:
+        colour = OURS.get(re.split(r"[ ,]", method.lower())[0], "#6b7480")
+        style: dict[str, Any] = {"color": colour, "linestyle": "-", "marker": "o", "linewidth": 1.4}
+        style |= {} if target != "numpy" else {"markerfacecolor": "none", "linewidth": 0.9}
+    else:
+        mark, grey = PEERS.get(who, (OTHERS[_code(who) % len(OTHERS)], "#707070"))
+        dashes = (0, DASHES[_code(method + target) % len(DASHES)])
+        style = {"color": grey, "linestyle": dashes, "marker": mark, "linewidth": 1.0}
+    return Look(label(row), style | {"markersize": 3.8, "zorder": 3.0 if ours else 2.5}, ours)
+
+
+def _code(name: str) -> int:
+    """A number for a name, alike in every process, as hash() is not."""
+    return sum(map(ord, name))
+
+
+def axes(width: float, height: float, x: str, y: str, fixed: bool = False) -> tuple[Figure, Axes]:
+    """A picture of one diagram with a pale grid; sizes in inches. fixed: nothing is outside of
+    the diagram, so that its place need not be looked for, which takes half of the time."""
+    figure = Figure(figsize=(width, height), layout=None if fixed else "constrained")
+    FigureCanvasAgg(figure)
+    place = LEFT / width, BELOW / height, 1 - (LEFT + 0.1) / width, 1 - (BELOW + 0.1) / height
+    frame = figure.add_axes(place) if fixed else figure.add_subplot()
+    frame.grid(color=PALE, alpha=0.3, linewidth=0.6)
+    frame.tick_params(colors=INK, labelsize=8)
+    frame.set_xlabel(x, color=INK, fontsize=9)
+    frame.set_ylabel(y, color=INK, fontsize=9)
+    for side, spine in frame.spines.items():
+        spine.set(color=PALE, visible=side in ("left", "bottom"))
+    return figure, frame
+
+
+def logarithmic(frame: Axes, *, x: bool = True, y: bool = True) -> None:
+    """Logarithmic axes, set once their limits are: labels as plain text, as mathematics is slow."""
+    for axis, wanted in ((frame.xaxis, x), (frame.yaxis, y)):
+        if wanted:
+            low, high = sorted(axis.get_view_interval())
+            axis.set_major_formatter(FuncFormatter(lambda value, _: _power(value)))
+            axis.set_minor_formatter(_between(high / low))
+            axis.set_tick_params(which="minor", labelsize=7, labelcolor=INK, color=PALE)
+
+
+def _power(value: float) -> str:
+    """As 10 with its exponent raised."""
+    return "10" + f"{math.log10(value):.0f}".translate(RAISED)
+
+
+def _between(ratio: float) -> Formatter:
+    """Labels between powers of ten, by largest over smallest value: perhaps there is one such power
+    alone, and 2 and 5 have labels too; or none, and everything has."""
+    if ratio > 30:
+        return NullFormatter()
+
+    def words(value: float, _: object = None) -> str:
+        digits, _, power = f"{value:.3e}".partition("e")
+        digits = digits.rstrip("0").rstrip(".")
+        shown = ratio < 3 or digits in ("2", "5")
+        return f"{digits}\u00b7{_power(10.0 ** int(power))}" if shown else ""
+
+    return FuncFormatter(words)
+
+
+def legend(figure: Figure, columns: int = 3) -> Figure:
+    """The names of all lines below the diagram."""
+    figure.legend(
+        loc="outside lower center", ncols=columns, fontsize=8, frameon=False, labelcolor=INK
+    )
+    return figure
+
+
+def work_precision(rows: Sequence[Row], measure: str, trusted: float) -> Figure | None:
+    """Run time against error, with names beside the lines; None where there is nothing to draw."""
+    names = grouped(drawn(rows, measure, "seconds"), label)
+    if not names:
+        return None
+    height = max(4.0, LINE * len(names) + 0.8)
+    figure, frame = axes(7.6, height, MEASURES[measure], "run time [s]")
+    _lines(frame, rows, measure, "seconds", trusted)
+    _front(frame, rows, measure, trusted)
+    _names(frame, names, measure, "seconds", LINE / (height - 0.7))
+    return figure
+
+
+def small(rows: Sequence[Row], measure: str, cost: str, trusted: float) -> Figure | None:
+    """A diagram without names, small. cost: "seconds", or "rhs" for evaluations."""
+    if not drawn(rows, measure, cost):
+        return None
+    title = "run time [s]" if cost == "seconds" else "evaluations of rhs"
+    figure, frame = axes(4.1, 3.0, MEASURES[measure], title, fixed=True)
+    _lines(frame, rows, measure, cost, trusted)
+    if cost == "seconds":
+        _front(frame, rows, measure, trusted)
+    return figure
+
+
+def drawn(rows: Sequence[Row], measure: str, cost: str) -> list[Row]:
+    """What has a place in a diagram with logarithmic axes."""
+    return [
+        row
+        for row in rows
+        if fine(row) and number(row, cost) > 0 and 0 <= number(row, measure) <= LARGEST
+    ]
+
+
+def _error(row: Row, measure: str) -> float:
+    return max(number(row, measure), SMALLEST)
+
+
+def _lines(frame: Axes, rows: Sequence[Row], measure: str, cost: str, trusted: float) -> None:
+    shown = drawn(rows, measure, cost)
+    frame.set(xscale="log", yscale="log")
+    for some in grouped(shown, label).values():
+        ordered = sorted(some, key=lambda row: -number(row, "setting"))
+        errors = [_error(row, measure) for row in ordered]
+        frame.plot(errors, [number(row, cost) for row in ordered], **look(ordered[0]).line)
+    errors = [_error(row, measure) for row in shown]
+    left, right = 2.5 * max(errors), min(errors) / 2.5
+    frame.set_xlim(left, right)  # falls to the right
+    if trusted > right:
+        frame.axvspan(right, min(trusted, left), color=PALE, alpha=0.22, linewidth=0, zorder=1)
+        frame.axvline(min(trusted, left), color=PALE, linewidth=0.8, linestyle=":")
+    costs = [number(row, cost) for row in shown]
+    frame.set_ylim(min(costs) / 2, max(costs) * 2)
+    logarithmic(frame)
+
+
+def _front(frame: Axes, rows: Sequence[Row], measure: str, trusted: float) -> None:
+    points = front(drawn(rows, measure, "seconds"), measure, trusted)
+    errors = [_error(row, measure) for row in points]
+    seconds = [number(row, "seconds") for row in points]
+    frame.plot(errors, seconds, color=GOLD, linewidth=5, alpha=0.35, zorder=2)
+    ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgecolor": INK, "markersize": 7.5}
+    frame.plot(errors, seconds, "o", markeredgewidth=0.8, zorder=4, **ring)
+
+
+def _names(frame: Axes, names: dict[str, list[Row]], measure: str, cost: str, apart: float) -> None:
+    """Beside the most accurate point of every line, one below the other."""
+    low, high = (math.log(limit) for limit in frame.get_ylim())
+    ends = {name: min(some, key=lambda row: _error(row, measure)) for name, some in names.items()}
+    heights = {name: (math.log(number(r, cost)) - low) / (high - low) for name, r in ends.items()}
+    places = spread(list(heights.values()), apart)
+    for (name, row), place in zip(ends.items(), places, strict=True):
+        style = look(row)
+        colour = style.line["color"]
+        frame.annotate(
+            name,
+            (_error(row, measure), number(row, cost)),
+            (1.04, place),
+            textcoords="axes fraction",
+            fontsize=7.5,
+            color=colour,
+            va="center",
+            fontweight="bold" if style.ours else "normal",
+            arrowprops={"color": colour, **LEADER},
+        )
+
+
+def spread(heights: Sequence[float], apart: float) -> list[float]:
+    """Places from 0 to 1 in the order of these heights, at least so far apart, and together as
+    near to them as can be (least squares: those that are too close share their mean)."""
+    count = len(heights)
+    apart = min(apart, 1.0 / max(count - 1, 1))
+    distances, order = apart * np.arange(count), np.argsort(heights, kind="stable")
+    means = isotonic_regression(np.asarray(heights)[order] - distances).x
+    places = np.empty(count)
+    places[order] = np.clip(means, 0.0, max(0.0, 1.0 - (count - 1) * apart)) + distances
+    return [*map(float, places)]

@@ -1,0 +1,104 @@
+"""Modes and critical loads of rods whose loads follow the motion."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.analyse.errors import AnalysisError
+from rodgen.loading import build
+from rodgen.scene import Scene
+
+# (9/4) j^2 EI/L^2 with j the first zero of the Bessel function of order 2/3.
+DIVERGENCE = 25.638181376802
+LEAD = "0.1*phi(0.3) + 0.05*omega(0.3)"
+LAGGING = {"gimbal": {"rate": f"({LEAD} - gimbal)/0.01"}}
+
+
+def _scene(links: int, angle: str, states: dict[str, Any] | None = None, **rod: Any) -> Scene:
+    table = {
+        "name": "steered",
+        "rod": {"links": links, "length": 1.0, "mass": 1.0, "bending_stiffness": 1.0} | rod,
+        "loads": {"follower": {"force": 3.0, "angle": angle}},
+        "states": states or {},
+    }
+    return Scene.from_dict(table)
+
+
+@pytest.mark.parametrize("angle", ["0.01*phi(0.3)", "0.2*phi(0.85)"])
+def test_a_thrust_that_is_fed_back_lets_a_free_rod_diverge(angle: str) -> None:
+    """Whatever the gain, and wherever the sensor."""
+    links = [5, 10, 20, 40]
+    found = [rodgen.critical_force(_scene(n, angle)) for n in links]
+    assert {one.kind for one in found} == {"divergence"}
+    value = rodgen.richardson(links, [one.force for one in found]).value
+    assert value == pytest.approx(DIVERGENCE, rel=1e-6)
+
+
+@pytest.mark.parametrize("links", [20, 40, 80])
+def test_the_error_says_what_a_tiny_gain_leaves(links: int) -> None:
+    """The stiffness is singular beside the turning of the whole rod at one and the same force for
+    every gain; a tiny one leaves that to rounding."""
+    exact = rodgen.critical_force(_scene(links, "0.5*phi(0.3)"), lowest=15.0, highest=35.0)
+    for gain in (1e-2, 1e-4):
+        scene = _scene(links, f"{gain}*phi(0.3)")
+        found = rodgen.critical_force(scene, lowest=15.0, highest=35.0)
+        assert abs(found.force - exact.force) < found.error + exact.error
+        # No blank cheque: known to a thousandth of itself at least.
+        assert found.error < 1e-3
+
+
+def test_a_lag_moves_no_divergence() -> None:
+    """At rest the gimbal stands where it is told to: that of the rod without a lag, and none of
+    its bending modes, which the lead drives."""
+    without, lagging = (
+        rodgen.critical_force(scene, lowest=10.0, highest=40.0)
+        for scene in (_scene(8, "0.1*phi(0.3)"), _scene(8, "gimbal", LAGGING))
+    )
+    assert lagging.kind == "divergence"
+    # Rounding of entries that grow as n^4, and the tolerance of the search.
+    assert lagging.force == pytest.approx(without.force, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("angle", "states"),
+    [
+        (LEAD, {}),
+        ("gimbal", LAGGING),
+        ("0.1*y(0.3) + 0.2*phi(0.2) + 0.1*vy(0)", {}),
+        ("0.1*(gimbal + y(1))", LAGGING),
+    ],
+)
+def test_modes_are_eigenvalues_of_the_jacobian(angle: str, states: dict[str, Any]) -> None:
+    scene = _scene(6, angle, states)
+    modes = rodgen.natural_modes(scene, 4)
+    model = build(scene, "numpy")
+    J = model.jac(0.0, scene.initial_state(), model.parameters(**scene.parameters))
+    s = np.linalg.eigvals(J)
+    for frequency, growth in zip(modes.frequencies, modes.growth, strict=True):
+        there = complex(growth, 2 * np.pi * frequency)
+        assert np.abs(s - there).min() < 1e-6 * max(1.0, abs(there))
+    assert modes.displacements.shape == (4, 7, 2)
+
+
+def test_where_the_gyro_must_not_sit() -> None:
+    """With the slope of the first bending mode of its other sign the same loop drives the mode."""
+    growth = {}
+    for at in (0.1, 0.9):
+        lead = f"0.05*omega({at})"
+        modes = rodgen.natural_modes(_scene(12, lead), 4)
+        bending = modes.frequencies > 1.0
+        growth[at] = modes.growth[bending][0]
+    assert growth[0.1] * growth[0.9] < 0
+
+
+def test_refused() -> None:
+    turned = _scene(4, "0.1 + phi(0.3)")
+    with pytest.raises(AnalysisError):  # nothing holds it, and it turns
+        rodgen.natural_modes(turned)
+    drifts = {"gimbal": {"rate": "1 + gimbal**2"}}
+    with pytest.raises(AnalysisError):
+        rodgen.natural_modes(_scene(4, "gimbal", drifts))

@@ -1,0 +1,271 @@
+"""Work-precision sets of a scene: reference, sweeps, fronts, the function and the command."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from functools import partial
+from itertools import chain
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.special import ellipj, ellipk
+
+import rodgen
+from rodgen.analyse.precision import contestant
+from rodgen.analyse.precision import work_precision as sets
+from rodgen.analyse.precision.contestant import Contestant, Deadline, Finish, Limits, Row
+from rodgen.analyse.precision.job import Job, Measures
+from rodgen.analyse.precision.rows import cheapest, front
+from rodgen.cli import main
+
+PENDULUM: dict[str, Any] = {
+    "name": "pendulum",
+    "rod": {"links": 1, "length": 2.0, "bending_stiffness": 0.0, "mass": 3.0}
+    | {"inertia": "lumped", "boundary": "pinned"},
+    "loads": {"gravity": {"g": 9.81}},
+    "initial": {"phi": 2.0 - np.pi / 2},
+    "integrate": {"span": [0.0, 3.0]},
+}
+
+
+@pytest.fixture(scope="module")
+def job() -> Job:
+    """One lumped link of 2 m that hangs from a pin, released at rest 2 rad from the vertical."""
+    return Job.of("pendulum", PENDULUM)
+
+
+def swung(times: np.ndarray) -> np.ndarray:
+    """Its angle from the x axis, by Jacobi's elliptic functions: 2 asin(k sn(K - w t)) - pi/2."""
+    k, w = np.sin(1.0), np.sqrt(9.81 / 2.0)
+    sine, *_ = ellipj(ellipk(k**2) + w * times, k**2)
+    return np.asarray(2 * np.arcsin(k * sine) - np.pi / 2)
+
+
+# The whole set -----------------------------------------------------------------------------------
+
+
+@pytest.mark.compiler
+@pytest.mark.parametrize("families", [("dop853", "gauss"), ("gauss", "radau")])
+def test_reference_is_as_close_as_it_says(
+    job: Job, families: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a pendulum, to elliptic functions, by an explicit method and by one for stiff scenes."""
+    monkeypatch.setattr(sets, "FAMILIES", families)
+    found = sets.reference(job, 5.0)
+    assert (found.method, found.checked_by.split(",")[0]) == families
+    exact = swung(job.times)
+    errors = [np.abs(states[:, 0] - exact).max() for states in (found.states, found.other)]
+    # The larger error of two is near their difference; elliptic functions are good to some 1e-15.
+    assert max(errors) < 3 * (found.off.max() + 1e-14)
+    assert found.off.max() < 1e-9
+    assert found.estimate["error_modes"] is None
+    # A method is held against the solution that is not its own.
+    assert found.measures(job, families[0]).exact is found.other
+    assert found.measures(job, families[0].upper()).exact is found.other
+    assert found.measures(job, "rk4").exact is found.states
+
+
+@pytest.mark.compiler
+def test_set_of_a_pendulum() -> None:
+    """Errors in the set are those to elliptic functions, and the cheapest setting is within."""
+    told: list[str] = []
+    scene = rodgen.Scene.from_dict(PENDULUM)
+    found = rodgen.work_precision(scene, seconds=3.0, progress=told.append)
+    assert {"reference", "rk4", "dop853", "SciPy radau"} <= set(told)
+    best = found.cheapest(1e-6, method="dop853")
+    assert best is not None
+    run = rodgen.simulate(scene, target="c", rtol=best["setting"], atol=0.01 * best["setting"])  # type: ignore[operator]
+    own = abs(run.y[-1, 0] - swung(run.t[-1:])[0])
+    # Up to the reference's own error.
+    assert best["error_phi"] == pytest.approx(own, abs=2 * found.trusted["error_phi"])  # type: ignore[operator]
+    assert found.trusted["error_phi"] < 1e-9  # type: ignore[operator]
+    points = found.front()
+    assert points
+    assert points[0] in found.rows
+    assert {str(row["who"]) for row in found.rows} == {"rodgen", "SciPy"}
+    assert set(found.limits) >= {"euler", "rk4", "dop853"}
+    assert len(found.table) == len(found.rows)
+    json.dumps(found.to_dict(), allow_nan=False)
+
+
+@pytest.mark.compiler
+def test_command_draws_tells_and_prints_json(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene = tmp_path / "pendulum.toml"
+    scene.write_text(
+        """name = "pendulum"
+[rod]
+links = 1
+length = 2.0
+bending_stiffness = 0.0
+mass = 3.0
+inertia = "lumped"
+boundary = "pinned"
+[loads.gravity]
+g = 9.81
+[initial]
+phi = -1.0
+[integrate]
+span = [0.0, 1.0]
+""",
+        encoding="utf-8",
+    )
+    monkeypatch.chdir(tmp_path)
+
+    def call(*more: str) -> tuple[int, str, str]:
+        monkeypatch.setattr("sys.argv", ["rodgen", "precision", str(scene), *more])
+        with pytest.raises(SystemExit) as end:
+            main()
+        return int(end.value.code or 0), *capsys.readouterr()
+
+    status, said, _ = call("--seconds", "1")
+    assert status == 0
+    assert "dop853" in said
+    assert (tmp_path / "results" / "pendulum" / "precision.png").stat().st_size > 1000
+    status, said, _ = call("--seconds", "1", "--json")
+    assert status == 0
+    found = json.loads(said)
+    assert found["links"] == 1
+    assert {"rk4", "gauss"} <= {row["method"] for row in found["rows"]}
+    assert found["largest_stable_steps"]["rk4"] > 0
+    status, _, said = call("--seconds", "0")
+    assert (status, "seconds" in said, "positive" in said) == (2, True, True)
+
+
+def test_scene_without_a_reference_is_an_error() -> None:
+    """Thrust that grows beyond all bounds: the run blows up whatever the step."""
+    table = PENDULUM | {"loads": {"follower": {"force": "exp(2000*t)"}}}
+    with pytest.raises(rodgen.AnalysisError, match="no reference"):
+        rodgen.work_precision(rodgen.Scene.from_dict(table), seconds=1.0)
+
+
+# Sweeps ------------------------------------------------------------------------------------------
+
+LABEL: Row = {"scene": "pendulum", "n": 1, "who": "nobody", "method": "m", "target": "c"}
+
+
+class Stage:
+    """A pendulum at rest, and a clock that stands still but for what runs take."""
+
+    def __init__(self, job: Job, monkeypatch: pytest.MonkeyPatch):
+        self.states, self.now = np.tile(np.zeros_like(job.start), (len(job.times), 1)), 0.0
+        self.measures = Measures(job, self.states)
+        monkeypatch.setattr(contestant, "time", SimpleNamespace(perf_counter=lambda: self.now))
+
+    def run(self, wanted: float | Exception, states: np.ndarray) -> Finish:
+        """A run that takes so many seconds, or raises."""
+        if isinstance(wanted, Exception):
+            raise wanted
+        self.now += wanted
+        Deadline.look()
+        return Finish(states, {"steps": round(100 * wanted)}, wanted)
+
+    def family(
+        self, *seconds: float | Exception, method: str = "m", states: np.ndarray | None = None
+    ) -> Iterator[Contestant]:
+        """Settings of 1e-1, 1e-2, .. of a method, with what their runs take."""
+        for at, wanted in enumerate(seconds):
+            one = partial(self.run, wanted, self.states if states is None else states)
+            yield Contestant("nobody", method, "c", "rtol", 10.0 ** -(at + 1), one)
+
+    def swept(self, family: Iterator[Contestant], most: float = 0.1) -> list[Row]:
+        return contestant.sweep(family, LABEL, self.measures, Limits(most, 1.0))
+
+
+@pytest.fixture
+def stage(job: Job, monkeypatch: pytest.MonkeyPatch) -> Stage:
+    return Stage(job, monkeypatch)
+
+
+def test_sweep_lists_failures_and_what_is_not_tried(stage: Stage) -> None:
+    rows = stage.swept(stage.family(ArithmeticError("fell over"), 0.001, 0.03, 10.0, 0.0))
+    said = [str(row["failed"]) for row in rows]
+    assert said[:3] == ["fell over", "", ""]
+    assert (rows[1]["error_phi"], rows[2]["rounds"], rows[2]["steps"]) == (0.0, 3, 3)
+    assert rows[2]["seconds"] == pytest.approx(0.03)
+    # 30 times longer than the one before: four times as long is expected of the next.
+    assert said[3:] == ["not tried: would take more than 0.1 s, from rtol 0.0001 on"]
+    assert (rows[3]["seconds"], rows[3]["setting"]) == (None, 1e-4)
+
+
+def test_counts_are_those_of_the_median_round(stage: Stage) -> None:
+    seconds = iter((0.03, 0.01, 0.02))
+    one = Contestant(
+        "nobody", "m", "c", "rtol", 0.1, lambda: stage.run(next(seconds), stage.states)
+    )
+    tried = contestant.attempt(one, Limits(1.0, 1.0))
+    assert tried.finish is not None
+    assert (tried.finish.inside, tried.finish.counts["steps"]) == (0.02, 2)
+    assert tried.seconds == pytest.approx(0.02)
+
+
+def test_family_that_breaks_off_keeps_its_rows(stage: Stage) -> None:
+    def broken() -> Iterator[Contestant]:
+        yield from stage.family(0.0)
+        raise OSError("no compiler")
+
+    assert [row["failed"] for row in stage.swept(broken())] == ["", "no compiler"]
+
+
+def test_methods_in_a_row_have_limits_of_their_own(stage: Stage) -> None:
+    two = chain(stage.family(10.0, 0.0, 0.0), stage.family(0.0, 0.0, method="other"))
+    rows = contestant.in_a_row(two, LABEL, stage.measures, Limits(0.05, 1.0))
+    found = [(row["method"], bool(row["failed"])) for row in rows]
+    assert found == [("m", True), ("m", True), ("other", False), ("other", False)]
+
+
+def test_states_of_the_wrong_shape_are_a_failure(stage: Stage) -> None:
+    (row,) = stage.swept(stage.family(0.0, states=stage.states[:-1]))
+    assert "cannot be compared" in str(row["failed"])
+
+
+def test_slow_contestant_is_stopped_and_told_from_one_that_fails(stage: Stage) -> None:
+    assert [row["failed"] for row in stage.swept(stage.family(10.0))] == ["stopped after 0.1 s"]
+    assert np.isinf(Deadline.at)
+    slow, failing = (
+        contestant.attempt(one, Limits(0.02, 1.0)) for one in stage.family(10.0, ValueError("no"))
+    )
+    assert slow.slow
+    assert (failing.slow, failing.failed) == (False, "no")
+
+
+# Fronts ------------------------------------------------------------------------------------------
+
+
+def row(method: str, setting: float, seconds: float, error: float, **more: Any) -> Row:
+    known = {"scene": "s", "who": "rodgen", "method": method, "target": "c", "kind": "step"}
+    made_up = {"setting": setting, "seconds": seconds, "error_phi": error, "failed": ""}
+    return known | made_up | more
+
+
+def test_front_of_made_up_rows() -> None:
+    fast, close = row("a", 0.1, 1.0, 1e-3), row("b", 0.1, 5.0, 1e-8)
+    beaten = row("b", 0.2, 2.0, 1e-2)
+    failed = row("c", 0.1, 0.1, 1e-9, failed="fell over")
+    rows = [beaten, close, failed, fast]
+    assert front(rows) == [fast, close]
+
+
+def test_errors_below_the_references_own_are_not_on_the_front() -> None:
+    """What is that close beats what is not, but nobody can tell how close it is."""
+    fast, near = row("a", 0.1, 1.0, 1e-3), row("b", 0.1, 3.0, 1e-8)
+    below, slower = row("c", 0.1, 2.0, 1e-12), row("d", 0.1, 4.0, 1e-14)
+    rows = [fast, near, below, slower]
+    assert front(rows) == [fast, below, slower]
+    assert front(rows, trusted=1e-10) == [fast]
+    assert front([fast, near, slower], trusted=1e-10) == [fast, near]
+
+
+def test_cheapest_is_not_by_chance() -> None:
+    lucky, unlucky = row("a", 0.4, 1.0, 1e-7), row("a", 0.2, 2.0, 1e-3)
+    good = row("a", 0.1, 4.0, 1e-7)
+    failed = row("c", 0.1, 0.1, 1e-9, failed="fell over")
+    rows = [failed, unlucky, lucky, good, row("b", 0.1, 5.0, 1e-9)]
+    assert cheapest(rows, 1e-6) is good
+    assert cheapest(rows, 1e-8) is rows[-1]
+    assert cheapest(rows, 1e-10) is None

@@ -1,0 +1,126 @@
+"""Commands that other packages add, and what is said where packages are not installed."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import rodgen as package
+from rodgen.cli import app as module
+from rodgen.cli.errors import BAD_INPUT
+from rodgen.scene import Scene
+
+ROOT = Path(__file__).parents[2]
+Commands = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def commands(monkeypatch: pytest.MonkeyPatch) -> Commands:
+    """Exit status and output of a command line with these entry points alone."""
+
+    def run(installed: dict[str, str], *arguments: str) -> tuple[int, str, str]:
+        entries = [EntryPoint(name, value, module.GROUP) for name, value in installed.items()]
+        monkeypatch.setattr(module, "entry_points", lambda group: entries)
+        done = CliRunner().invoke(module.commands(), list(arguments))
+        return done.exit_code, done.stdout, done.stderr
+
+    return run
+
+
+def test_commands_of_other_packages(commands: Commands) -> None:
+    """None takes the place of one that is there, and one that cannot be loaded spares the rest."""
+    status, out, _ = commands(
+        {"shown": "rodgen.cli.show:show"}, "shown", "scenes/becks_column.toml"
+    )
+    assert status == 0
+    assert "becks_column" in out
+    assert "SCENE" in commands({"run": "no_such_package:run"}, "run", "--help")[1]
+    broken = {"report": "no_such_package:report"}
+    assert commands(broken, "--help")[0] == 0
+    status, _, err = commands(broken, "report", "--quick")
+    assert status == BAD_INPUT
+    assert "no_such_package" in err
+
+
+def test_what_is_not_installed_says_how_to_get_it(commands: Commands) -> None:
+    assert "Not installed: report, thesis, audit" in " ".join(commands({}, "--help")[1].split())
+    present = dict.fromkeys(module.EVIDENCE, "rodgen.cli.show:show")
+    assert "Not installed" not in commands(present, "--help")[1]
+    for name in module.EVIDENCE:
+        status, _, err = commands({}, name, "--quick", "scene.toml")
+        assert status == BAD_INPUT
+        assert f"make {name}" in err
+
+
+# An import of one of the packages in the first argument fails as if it were not there.
+BLOCKED = """
+import importlib.abc, sys
+blocked = sys.argv.pop(1).split(",")
+class Absent(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in blocked:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+sys.meta_path.insert(0, Absent())
+from rodgen.cli import main
+main()
+"""
+VIEW = ("nicegui", "tomli_w", "uvicorn", "fastapi", "starlette")
+EXTRAS = ",".join((*VIEW, "imageio_ffmpeg", "cffi", "sksundae"))
+VIEWED = ("view", ROOT / "scenes" / "missile.toml", "--no-open", "--port", 0)
+
+
+def without(packages: str, *arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", BLOCKED, packages, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+
+
+@pytest.mark.parametrize(
+    ("missing", "arguments", "said"),
+    [
+        (EXTRAS, VIEWED, 'pip install "rodgen[view]"'),
+        (EXTRAS, ("run", "SCENE", "--target", "c"), "pip install cffi"),
+        pytest.param(
+            *(EXTRAS, ("run", "SCENE", "--method", "cvode"), 'pip install "rodgen[cvode]"'),
+            marks=pytest.mark.long,
+        ),
+        *(
+            pytest.param(name, VIEWED, 'pip install "rodgen[view]"', marks=pytest.mark.long)
+            for name in VIEW
+        ),
+    ],
+    ids=lambda x: x.replace(EXTRAS, "all") if isinstance(x, str) else "",
+)
+def test_what_to_install_is_said_in_a_line(
+    short: Callable[..., Path],
+    tmp_path: Path,
+    missing: str,
+    arguments: tuple[object, ...],
+    said: str,
+) -> None:
+    given = [short() if word == "SCENE" else word for word in arguments]
+    out = ("--out", tmp_path) if "run" in arguments else ()
+    done = without(missing, *given, *out)
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert len(done.stderr.splitlines()) == 1 + ("cffi" in said)  # and that NumPy needs none
+
+
+@pytest.mark.long  # runs by NumPy and films are tested where all is installed
+def test_run_and_film_without_extras(short: Callable[..., Path], tmp_path: Path) -> None:
+    """A run by NumPy says why; a film can still be a GIF."""
+    done = without(EXTRAS, "run", short(), "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "target numpy" in done.stdout
+    assert "cannot be built: cffi is missing" in done.stdout
+    result, film = tmp_path / "run.nc", tmp_path / "film.gif"
+    package.simulate(Scene.from_toml(short()), target="numpy").save(result)
+    size = ("--width", 480, "--height", 320, "--speed", 0.2)
+    done = without(EXTRAS, "animate", result, "--out", film, *size)
+    assert done.returncode == 0, done.stderr
+    assert film.is_file()

@@ -1,0 +1,292 @@
+"""rodgen run: what it writes, replaces and says, and how signals end it."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rodgen as package
+from tests.cli.conftest import Run
+
+Write = Callable[..., Path]
+PYTHON_ONLY = {"rod_free_n4_follower_gravity.py"}
+C_ONLY = {f"rod_free_n4_follower_gravity_c.{ending}" for ending in ("py", "c", "h")}
+SPAN = "[0.0, 0.3]"
+
+
+def _without_hash(path: Path) -> str:
+    """Name of a file; of a module with expressions without the letters of its hash."""
+    return re.sub(r"^(rod_.*)_[0-9a-f]{6}\.", r"\1.", path.name)
+
+
+def modules(folder: Path) -> set[str]:
+    return {_without_hash(path) for path in folder.glob("rod_*")}
+
+
+@pytest.fixture
+def pictures() -> set[str]:
+    """Names of the pictures of a run, for tests that have them drawn."""
+    return {"shape.png", "trajectory.png", "energy.png", "phase.png"}
+
+
+@pytest.fixture(autouse=True)
+def _few_pictures(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They take longer than most runs."""
+    if "pictures" not in request.fixturenames:
+        monkeypatch.setattr("rodgen.show.pictures.save_pictures", lambda *_: [])
+
+
+# What is written -------------------------------------------------------------------------------
+
+
+@pytest.mark.compiler
+def test_run_writes_everything_and_says_so(
+    works: Run, short: Write, tmp_path: Path, pictures: set[str]
+) -> None:
+    """And no traces beside it, or where the command was called."""
+    work, folder = tmp_path / "work", tmp_path / "results" / "short"
+    work.mkdir()
+    done = works("run", short(), "--out", folder.parent, cwd=work)
+    assert list(work.iterdir()) == []
+    names = {_without_hash(path) for path in folder.iterdir()}
+    assert names == {"solution.nc", "summary.txt", "rodgen_native", *C_ONLY, *pictures}
+    for picture in pictures:
+        assert (folder / picture).read_bytes().startswith(b"\x89PNG")
+    words = (folder / "summary.txt").read_text(encoding="utf-8")
+    assert words in done.stdout
+    said = ("Finished: 0.3 s", "centre of gravity", "Energy and work balance", "target c,")
+    for part in (*said, "Events: low at t = "):
+        assert part in words
+    assert "cannot be built" not in words
+    sol = package.load(folder / "solution.nc")
+    assert sol.t[-1] == 0.3
+    assert sol.events
+    assert sol.scene.integrate.method == "dop853"
+    assert np.abs(sol.energy_balance).max() < 1e-6
+
+
+def test_run_without_a_compiler(works: Run, refused: Run, short: Write, tmp_path: Path) -> None:
+    """By NumPy, which is said, unless C is wanted."""
+    env = {"CC": "/nonexistent", "RODGEN_CACHE": str(tmp_path / "cache")}
+    folder = tmp_path / "short"
+    command = ("run", short(), "--out", tmp_path)
+    refused(*command, "--target", "c", says="target numpy", lines=2, env=env)
+    assert not folder.exists()
+    assert works(*command, env=env).stderr == ""
+    assert modules(folder) == PYTHON_ONLY
+    words = (folder / "summary.txt").read_text(encoding="utf-8")
+    assert "target numpy" in words
+    assert "cannot be built" in words
+    assert "CC=/nonexistent: no such program" in words
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ("--target numpy --method lsoda --rtol 1e-5", "by lsoda (rtol 1e-05"),
+        ("--method rk4 --step 0.0005", "by rk4 (step 0.0005 s)"),
+    ],
+)
+def test_methods_and_targets_on_the_command_line(
+    works: Run, short: Write, tmp_path: Path, options: str, said: str
+) -> None:
+    done = works("run", short(), *options.split(), "--out", tmp_path)
+    assert said in done.stdout
+    numpy = "numpy" in options
+    assert modules(tmp_path / "short") == (PYTHON_ONLY if numpy else C_ONLY)
+    assert ("target numpy" in done.stdout) == numpy
+    assert "cannot be built" not in done.stdout  # it was not wanted
+    assert package.load(tmp_path / "short" / "solution.nc").stats.steps > 0
+
+
+def test_settings_of_a_run_are_given_on_the_command_line(
+    works: Run, short: Write, tmp_path: Path
+) -> None:
+    given = ("--span", -0.5, 0.5, "--atol", 1e-7, "--rtol", 1e-6, "--output-every", 0.25)
+    works("run", short(), *given, "--out", tmp_path)
+    sol = package.load(tmp_path / "short" / "solution.nc")
+    assert sol.t.tolist() == [-0.5, -0.25, 0.0, 0.25, 0.5]
+    assert (sol.scene.integrate.rtol, sol.scene.integrate.atol) == (1e-6, 1e-7)
+
+
+def test_blow_up_exits_3_with_the_time_and_keeps_samples(
+    rodgen: Run, short: Write, tmp_path: Path
+) -> None:
+    """Warned of before, as the step is beyond what is stable."""
+    far = ("--method", "rk4", "--step", 0.05, "--span", 0, 50)
+    done = rodgen("run", short(), *far, "--out", tmp_path)
+    assert done.returncode == 3
+    warning, failure = done.stderr.splitlines()
+    assert "rodgen: warning: the step of 0.05 s is beyond" in warning
+    assert "stopped at t = " in failure
+    assert "finite; try a smaller step" in failure
+    sol = package.load(tmp_path / "short" / "solution.nc")
+    assert sol.status == "failed"
+    assert 0 < sol.t[-1] < 50.0
+    assert np.isfinite(sol.y).all()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ("length = 1.0", "length = 1e-59"),
+        ("[initial]", "[initial]\nposition = [1e60, -1e60]"),
+    ],
+    ids=lambda change: change[1],
+)
+def test_numbers_at_the_limit_are_no_traceback(
+    rodgen: Run, short: Write, tmp_path: Path, change: tuple[str, str], pictures: set[str]
+) -> None:
+    done = rodgen("run", short(change), "--out", tmp_path)
+    assert "Traceback" not in done.stderr
+    assert done.returncode in (0, 3)
+    assert (tmp_path / "short" / "solution.nc").is_file()
+
+
+# What was there before -------------------------------------------------------------------------
+
+
+def test_what_is_replaced_is_said_where_it_is_another_thing(
+    works: Run, refused: Run, short: Write, tmp_path: Path
+) -> None:
+    """The result of another scene of the name, or a file that is no result; not the result of the
+    scene integrated otherwise."""
+    command = ("run", short(), "--target", "numpy", "--out", tmp_path)
+    file = tmp_path / "short" / "solution.nc"
+    works(*command)
+    refused(*command, "--resume", says="is finished")
+    for change in ((SPAN, "[0.0, 0.2]"), (SPAN, f"{SPAN}\nrtol = 1e-6")):
+        short(change)
+        assert works(*command).stderr == ""
+    short(("length = 1.0", "length = 2.0"))
+    (line,) = works(*command).stderr.splitlines()
+    for words in (str(file), "changed: rod.length", "replaced"):
+        assert words in line
+    file.write_text("notes of mine", encoding="utf-8")
+    (line,) = works(*command).stderr.splitlines()
+    assert "is no result of this version; it is replaced" in line
+
+
+@pytest.mark.compiler
+def test_module_of_an_earlier_run_is_taken_away(works: Run, short: Write, tmp_path: Path) -> None:
+    """Of another structure or target; but not what is another's, by its name or by its text."""
+    folder, numpy = tmp_path / "short", ("--target", "numpy")
+
+    def run(*options: object, links: int = 4) -> set[str]:
+        scene = short(("links = 4", f"links = {links}"))
+        works("run", scene, *options, "--out", tmp_path)
+        return modules(folder)
+
+    assert run() == C_ONLY
+    assert run(*numpy) == PYTHON_ONLY
+    (folder / "rod_free_n9.py").write_text("mine = 1\n", encoding="utf-8")
+    names = [f"rod_free_n{n}_follower_gravity.py" for n in (1, 2)]
+    assert run(*numpy, links=1) == {names[0], "rod_free_n9.py"}
+    for path in folder.glob("rod_free_n1_*"):
+        path.write_text("mine = 1\n", encoding="utf-8")
+    assert run(*numpy, links=2) == {*names, "rod_free_n9.py"}
+
+
+# Signals ---------------------------------------------------------------------------------------
+
+# A signal comes as soon as a second state is kept, whatever the machine does beside.
+STOPPED = """
+import os, signal, sys
+from rodgen.integrate.files import checkpoint
+kept, left, sent = checkpoint.write, [2], getattr(signal, sys.argv.pop(1))
+def write(*given):
+    kept(*given)
+    left[0] -= 1
+    if not left[0]:
+        os.kill(os.getpid(), sent)
+checkpoint.write = write
+from rodgen.cli import main
+main()
+"""
+STEPS = ("--method", "rk4", "--step", "1e-4")
+
+
+@contextmanager
+def _started(program: str, *arguments: object) -> Iterator[subprocess.Popen[str]]:
+    """A command that runs on, with Ctrl-C as in a terminal, and that does not outlive the test."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        # A test runner in the background ignores SIGINT, and its children would too.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+@pytest.mark.compiler
+def test_killed_run_is_resumed_to_the_same_bits(
+    works: Run, refused: Run, short: Write, tmp_path: Path
+) -> None:
+    whole, part, scene = tmp_path / "whole", tmp_path / "part", short()
+    file = part / "short" / "solution.nc"
+    works("run", scene, *STEPS, "--out", whole)
+    given = ("SIGKILL", "run", scene, *STEPS, "--out", part, "--checkpoint", 1e-9)
+    with _started(STOPPED, *given) as process:
+        process.communicate(timeout=120)
+    killed = package.load(file)
+    assert (process.returncode, killed.status) == (-signal.SIGKILL, "interrupted")
+    assert "--resume continues it" in killed.message
+    other = ("run", scene, "--method", "rk4", "--step", "2e-4", "--out", part, "--resume")
+    refused(*other, says="changed")
+    works("run", scene, *STEPS, "--out", part, "--resume")
+    assert not file.with_name("solution.nc.checkpoint").exists()
+    a, b = (package.load(folder / "short" / "solution.nc") for folder in (whole, part))
+    assert a.y.tobytes() == b.y.tobytes()
+    assert [event.t for event in a.events] == [event.t for event in b.events]
+
+
+@pytest.mark.compiler
+@pytest.mark.parametrize("impatient", [False, True])
+def test_ctrl_c_keeps_what_was_computed(short: Write, tmp_path: Path, impatient: bool) -> None:
+    """Also when it comes again, as the states are being written."""
+    given = ("run", short(), *STEPS, "--out", tmp_path, "--output-every", 1e-3)
+    with _started(STOPPED, "SIGINT", *given, "--checkpoint", 1e-9) as process:
+        assert process.stderr is not None
+        said = process.stderr.readline()
+        assert "interrupted at t = " in said
+        assert "writing what was computed" in said
+        if impatient:
+            process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=120)
+    assert process.returncode == 130, errors
+    assert len(errors.splitlines()) == 1
+    sol = package.load(tmp_path / "short" / "solution.nc")
+    assert 1 < len(sol.t) < 301
+    assert sol.energy_error < 1e-6  # J, of some tenths
+
+
+@pytest.mark.parametrize(
+    "after", [0.05, *(pytest.param(t, marks=pytest.mark.long) for t in (1, 2))]
+)
+def test_ctrl_c_at_any_time_ends_in_one_line(tmp_path: Path, after: float) -> None:
+    """While commands are imported, while equations are derived."""
+    program = "import sys, rodgen.cli; print('up', flush=True); rodgen.cli.main()"
+    with _started(program, "derive", 40, "--out", tmp_path) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "up\n"
+        time.sleep(after)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert errors.strip() == "rodgen: interrupted"
+    assert list(tmp_path.glob("*.py")) == []

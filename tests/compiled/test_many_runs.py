@@ -1,0 +1,302 @@
+"""Many runs at once: each bitwise what it is by itself, and what a run of its scene is."""
+
+from __future__ import annotations
+
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen import Scene, SceneError
+from rodgen.integrate import lanes
+from rodgen.integrate.equations import equations_of
+from rodgen.integrate.reductions import REDUCTIONS
+from rodgen.native import many
+from rodgen.native.many import LANES
+from rodgen.native.run import METHODS
+from tests.compiled.conftest import changed
+
+pytestmark = pytest.mark.compiler
+Array = np.ndarray
+FIXED = ("euler", "semi_implicit_euler", "rk4", "thesis_runge_kutta")
+SPAN = {"span": [0.0, 1.0], "output_every": 0.1}
+# At the largest step that is stable for all methods and the stiffest rod, but for Euler's.
+STEPS: dict[str, dict[str, Any]] = {"dop853": {}} | {name: {"step": 2e-3} for name in FIXED}
+STEPS["euler"] = {"step": 2e-4}
+KEEP = [
+    *(f"{kind}(omega_1)" for kind in REDUCTIONS),
+    *("max(tip_x, from=0.25)", "min(tip_y, to=0.5)", "mean(kinetic_energy)", "last(total_energy)"),
+    *("rms(spring_energy)", "std(gravity_energy, from=0.2, to=0.8)", "max(bending_moment_1)"),
+    *("last(work_internal_damping)", "last(total_work)", "max(energy_balance)", "max(bend_1)"),
+    *("min(bend_rate_2)", "last(centre_of_gravity_x)", "time_of_max(joint_2_y)", "max(phi_0)"),
+]
+
+
+def varied(model: ModuleType, scene: Scene, rods: int) -> tuple[Array, Array]:
+    """Parameters and states of so many rods, none of which is another's."""
+    p = np.tile(model.parameters(**scene.parameters), (rods, 1))
+    p[:, model.PARAMETERS.index("bending_stiffness")] *= np.linspace(0.5, 30.0, rods)
+    p[:, model.PARAMETERS.index("internal_damping")] *= np.linspace(1.0, 2.0, rods)
+    y = np.random.default_rng(1).normal(size=(rods, len(model.STATE)))
+    return p, y
+
+
+def same(a: rodgen.Ensemble, b: rodgen.Ensemble, rods: Any = slice(None)) -> None:
+    """Both have the same bits, the second in some of the rods of the first."""
+    for name in ("t", "y", "steps", "rejected", "rhs", "energy_error", "status"):
+        np.testing.assert_array_equal(getattr(a, name)[rods], getattr(b, name), name)
+    for mine, other in ((a.values, b.values), (a.work, b.work)):
+        for name, values in mine.items():
+            np.testing.assert_array_equal(values[rods], other[name], name)
+
+
+@pytest.mark.parametrize("method", STEPS)
+def test_neighbours_order_and_lane_do_not_matter(
+    model: ModuleType, smooth: Scene, method: str
+) -> None:
+    p, y = varied(model, smooth, 2 * LANES + 5)
+    how = SPAN | STEPS[method] | {"method": method, "keep": KEEP}
+    every = rodgen.simulate_many(model, p, y, **how)
+    assert (every.status == "finished").all()
+    if method == "dop853":
+        assert len(set(every.steps.tolist())) > LANES  # so that lanes are filled at all times
+    order = np.random.default_rng(2).permutation(len(p))
+    same(every, rodgen.simulate_many(model, p[order], y[order], **how), order)
+    for rods in (slice(3, 4), slice(1, LANES + 2)):
+        same(every, rodgen.simulate_many(model, p[rods], y[rods], **how), rods)
+    same(every, rodgen.simulate_many(model, p, y, workers=3, **how))
+
+
+@pytest.mark.parametrize("method", STEPS)
+def test_a_run_is_that_of_its_scene(model: ModuleType, smooth: Scene, method: str) -> None:
+    """But for rounding, which the motion of a second does not amplify, nor the choice of steps."""
+    scene = smooth.with_integrate(method=method, **STEPS[method])
+    sol = rodgen.simulate(scene, model=model)
+    p, y0 = model.parameters(**scene.parameters), scene.initial_state()
+    made = rodgen.simulate_many(model, p, y0, method=method, keep=KEEP, **SPAN, **STEPS[method])
+    assert len(made) == 1
+    assert (made.t[0], made.steps[0], made.rhs[0]) == (1.0, sol.stats.steps, sol.stats.rhs)
+    np.testing.assert_allclose(made.y[0], sol.y[-1], rtol=0, atol=1e-10)
+    np.testing.assert_allclose(made.energy_error[0], sol.energy_error, rtol=1e-3, atol=1e-12)
+    omega, t = sol.omega[:, 1], sol.t
+    late, early = t >= 0.25, t <= 0.5
+    expected = {
+        "last(omega_1)": omega[-1],
+        "min(omega_1)": omega.min(),
+        "max(omega_1)": omega.max(),
+        "mean(omega_1)": omega.mean(),
+        "rms(omega_1)": np.sqrt(np.mean(omega**2)),
+        "std(omega_1)": omega.std(),
+        "time_of_max(omega_1)": t[omega.argmax()],
+        "max(tip_x, from=0.25)": sol.tip[late, 0].max(),
+        "min(tip_y, to=0.5)": sol.tip[early, 1].min(),
+        "mean(kinetic_energy)": sol.energy.kinetic.mean(),
+        "last(total_energy)": sol.energy.total[-1],
+        "rms(spring_energy)": np.sqrt(np.mean(sol.energy.spring**2)),
+        "std(gravity_energy, from=0.2, to=0.8)": sol.energy.gravity[2:9].std(),
+        "max(bending_moment_1)": sol.bending_moments[:, 1].max(),
+        "last(work_internal_damping)": sol.work["internal_damping"][-1],
+        "last(total_work)": sol.total_work[-1],
+        "max(energy_balance)": sol.energy_balance.max(),
+        "max(bend_1)": (sol.phi[:, 1] - sol.phi[:, 0]).max(),
+        "min(bend_rate_2)": (sol.omega[:, 2] - sol.omega[:, 1]).min(),
+        "last(centre_of_gravity_x)": sol.centre_of_gravity[-1, 0],
+        "time_of_max(joint_2_y)": t[sol.joints[:, 2, 1].argmax()],
+        "max(phi_0)": sol.phi[:, 0].max(),
+    }
+    assert {*expected} == {*KEEP}
+    for text, value in expected.items():
+        np.testing.assert_allclose(made[text][0], value, rtol=1e-9, atol=1e-9, err_msg=text)
+
+
+@pytest.mark.parametrize("method", ["dop853", "rk4"])
+def test_both_ways_agree(model: ModuleType, smooth: Scene, method: str) -> None:
+    """Side by side, and one by one where the velocity of a point is asked for, which no lane
+    has."""
+    p, y = varied(model, smooth, 3)
+    how = SPAN | STEPS[method] | {"method": method}
+    beside = rodgen.simulate_many(model, p, y, keep=KEEP, **how)
+    single = rodgen.simulate_many(model, p, y, keep=[*KEEP, "last(tip_vx)"], **how)
+    np.testing.assert_array_equal(beside.steps, single.steps)
+    np.testing.assert_allclose(beside.y, single.y, rtol=0, atol=1e-9)
+    for text in KEEP:
+        np.testing.assert_allclose(beside[text], single[text], rtol=1e-8, atol=1e-8, err_msg=text)
+    assert np.isfinite(single["last(tip_vx)"]).all()
+
+
+def test_break_points_of_each(missile: Scene) -> None:
+    """A load that turns at another time for every rod: steps meet that time, as in a run."""
+    model = rodgen.build(missile, "c", parts=("flow", "power", "lanes"))
+    times = np.array([0.3, 0.1234, 0.5, 0.3])
+    p = np.tile(model.parameters(**missile.parameters), (len(times), 1))
+    p[:, model.PARAMETERS.index("follower_force_2")] = times
+    made = rodgen.simulate_many(model, p, missile.initial_state(), keep=["last(tip_x)"], **SPAN)
+    for rod, at in enumerate(times):
+        text = f"300*min(t/{at!r}, 1)".replace("np.float64", "")
+        sol = rodgen.simulate(
+            changed(missile, loads={"follower": {"force": text, "angle": 0.01}}),
+            method="dop853",
+            **SPAN,
+        )
+        assert (made.steps[rod], made.rhs[rod]) == (sol.stats.steps, sol.stats.rhs)
+        np.testing.assert_allclose(made.y[rod], sol.y[-1], rtol=1e-9, atol=1e-9)
+    np.testing.assert_array_equal(made.y[0], made.y[3])
+
+
+# One by one --------------------------------------------------------------------------------------
+
+FOLLOWING = {"tip": {"x": "5*max(phi(0.5), 0.6)"}}
+
+
+@pytest.mark.parametrize("method", ["radau", "gauss", "rk45", "dop853"])
+def test_what_is_not_side_by_side_is_a_run_to_the_bit(smooth: Scene, method: str) -> None:
+    """Implicit methods, methods in Python, and a law that switches at an angle."""
+    scene = changed(smooth, loads=FOLLOWING) if method == "dop853" else smooth
+    model = rodgen.build(scene, "c")
+    p, y0 = model.parameters(**scene.parameters), scene.initial_state()
+    made = rodgen.simulate_many(model, p, y0, method=method, keep=["max(tip_x)"], **SPAN)
+    sol = rodgen.simulate(scene, model=model, method=method)
+    np.testing.assert_array_equal(made.y[0], sol.y[-1])
+    assert made["max(tip_x)"][0] == sol.tip[:, 0].max()
+    assert (made.steps[0], made.energy_error[0]) == (sol.stats.steps, sol.energy_error)
+
+
+def test_modules_of_numpy_run_one_by_one(smooth: Scene) -> None:
+    model = rodgen.build(smooth, "numpy")
+    p, y0 = model.parameters(**smooth.parameters), smooth.initial_state()
+    made = rodgen.simulate_many(model, p, y0, method="rk4", step=0.01, **SPAN)
+    sol = rodgen.simulate(smooth, target="numpy", method="rk4", step=0.01)
+    np.testing.assert_array_equal(made.y[0], sol.y[-1])
+
+
+# Failures ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("more", [[], ["last(tip_vx)"]], ids=["side by side", "one by one"])
+def test_a_run_that_fails_is_alone(model: ModuleType, smooth: Scene, more: list[str]) -> None:
+    p, y = varied(model, smooth, 11)
+    bad = p.copy()
+    bad[4, model.PARAMETERS.index("mass")] = 0.0
+    how = SPAN | {"method": "dop853", "keep": ["max(tip_x)", *more]}
+    fine, made = (rodgen.simulate_many(model, each, y, **how) for each in (p, bad))
+    others = np.arange(11) != 4
+    assert made.status[4] == "failed"
+    assert "stopped at t = 0 s: the rates stop being finite" in made.message[4]
+    assert [*made.message] == [4]
+    assert np.isnan(made["max(tip_x)"][4])
+    assert np.isnan(made.energy_error[4])
+    np.testing.assert_array_equal(made.y[others], fine.y[others])
+    np.testing.assert_array_equal(made["max(tip_x)"][others], fine["max(tip_x)"][others])
+
+
+@pytest.mark.parametrize("more", [[], ["last(tip_vx)"]], ids=["side by side", "one by one"])
+def test_budget(model: ModuleType, smooth: Scene, more: list[str]) -> None:
+    p, y = varied(model, smooth, 5)
+    whole = rodgen.simulate_many(model, p, y, **SPAN)
+    most = int(whole.steps.min())
+    made = rodgen.simulate_many(model, p, y, max_steps=most, keep=more, **SPAN)
+    spent = whole.steps > most
+    assert 0 < spent.sum() < 5
+    np.testing.assert_array_equal(made.status == "failed", spent)
+    assert (made.steps[spent] == most).all()
+    assert (made.t[spent] < 1.0).all()
+    assert all("budget" in said and "max_steps" in said for said in made.message.values())
+
+
+def test_a_load_beyond_all_bounds(smooth: Scene) -> None:
+    scene = changed(smooth, loads={"tip": {"x": "0.01/(t - 0.5)"}})
+    model = rodgen.build(scene, "c", parts=("flow", "power", "lanes"))
+    p = np.tile(model.parameters(**scene.parameters), (2, 1))
+    p[1, model.PARAMETERS.index("tip_force_x_2")] = 7.0  # after the end
+    made = rodgen.simulate_many(model, p, scene.initial_state(), method="dop853", **SPAN)
+    assert made.status.tolist() == ["failed", "finished"]
+    assert made.t[0] == pytest.approx(0.5, abs=1e-6)
+
+
+# What is given -----------------------------------------------------------------------------------
+
+
+def test_parameters_by_name(model: ModuleType, smooth: Scene) -> None:
+    y0, mass = smooth.initial_state(), np.array([1.0, 2.0, 3.0])
+    p = np.array([model.parameters(**smooth.parameters | {"mass": m}) for m in mass])
+    named = rodgen.simulate_many(model, smooth.parameters | {"mass": mass}, y0, **SPAN)
+    same(rodgen.simulate_many(model, p, y0, **SPAN), named)
+    assert len(rodgen.simulate_many(model, p[:0], y0, **SPAN)) == 0
+
+
+BAD: list[tuple[str, dict[str, Any]]] = [
+    ("p", {"p": np.zeros(3)}),
+    ("p", {"p": np.zeros((2, 2, 2))}),
+    ("p", {"p": "thrust"}),
+    ("p", {"p": {"thrust": 3.0}}),
+    ("p.mass", {"p": {"mass": -1.0}}),
+    ("p.mass", {"p": {"mass": [[1.0]]}}),
+    ("p.length", {"p": {"mass": 1.0}}),
+    ("y0", {"y0": np.zeros(5)}),
+    ("y0[2]", {"y0": [0.0, 0.0, np.inf, 0.0, 0.0, 0.0]}),
+    ("y0", {"y0": np.zeros((3, 6))}),
+    ("keep[0]", {"keep": ["largest(phi_0)"]}),
+    ("keep[1]", {"keep": ["max(phi_0)", "max(phi_9)"]}),
+    ("keep[0]", {"keep": "max(phi_0, until=3)"}),
+    ("keep[0]", {"keep": [3]}),
+    ("workers", {"workers": 0}),
+    ("workers", {"workers": 1.5}),
+    ("integrate.method", {"method": "verlet"}),
+    ("method", {"method": "auto"}),
+    ("integrate.step", {"method": "rk4"}),
+    ("step", {"step": 0.1}),
+    ("rtol", {"rtol": -1.0}),
+    ("integrate.span", {"span": [1.0, 0.0]}),
+    ("spam", {"spam": 1.0}),
+]
+
+
+@pytest.mark.parametrize(("field", "given"), BAD, ids=[f"{f}-{n}" for n, (f, _) in enumerate(BAD)])
+def test_bad_input_is_refused(
+    model: ModuleType, smooth: Scene, field: str, given: dict[str, Any]
+) -> None:
+    p = np.tile(model.parameters(**smooth.parameters), (2, 1))
+    call = {"p": p, "y0": smooth.initial_state()} | given
+    with pytest.raises(SceneError) as caught:
+        rodgen.simulate_many(model, **call)
+    assert caught.value.field == field
+    assert caught.value.allowed
+
+
+def test_parameters_that_are_not_finite_are_refused(model: ModuleType, smooth: Scene) -> None:
+    p = np.tile(model.parameters(**smooth.parameters), (2, 1))
+    p[1, 3] = np.nan
+    with pytest.raises(SceneError) as caught:
+        rodgen.simulate_many(model, p, smooth.initial_state())
+    assert caught.value.field == "p[1, 3]"
+
+
+def test_what_is_no_module_is_refused(smooth: Scene) -> None:
+    with pytest.raises(TypeError, match="model"):
+        rodgen.simulate_many(smooth, [], [])  # type: ignore[arg-type]
+
+
+# The loops ---------------------------------------------------------------------------------------
+
+
+def test_structures_are_those_of_the_header() -> None:
+    ffi, _ = many.lane_library()
+    known = {
+        "struct rodgen_kept": many.KEPT,
+        "struct rodgen_stretch": many.STRETCH,
+        "struct rodgen_course": many.COURSE,
+        "struct rodgen_outcome": many.OUTCOME,
+        "struct rodgen_many": many.JOB,
+    }
+    for name, dtype in known.items():
+        assert ffi.sizeof(name) == dtype.itemsize
+        fields = {field: at.offset for field, at in ffi.typeof(name).fields}
+        assert fields == {field: dtype.fields[field][1] for field in dtype.names}
+
+
+def test_every_explicit_method_goes_side_by_side(model: ModuleType) -> None:
+    assert [name for name in METHODS if lanes.explicit(name)] == [*FIXED, "dop853"]
+    assert {*many.KEEPS} == {*REDUCTIONS}
+    assert equations_of(model).lanes.states == len(model.STATE)

@@ -1,0 +1,62 @@
+"""Numbers of expressions in modules: tables, and rods each with numbers of its own."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rodgen import build
+from rodgen.integrate.files.layout import GIVEN, PARAMETERS, changes_in
+from rodgen.scene import Scene
+
+TABLE = "[0, 0.1, 0.6, 1], [0, 310, -290, 5]"
+SCENE = Scene.from_dict(
+    {
+        "name": "test",
+        "rod": {"links": 3, "length": 2.0, "bending_stiffness": 30.0, "mass": 3.0},
+        "parameters": {"P0": 4.0},
+        "loads": {
+            "tip": {"x": f"interp(t, {TABLE}, 'cubic') + P0*t**2", "y": f"interp(t, {TABLE})"}
+        },
+    }
+)
+
+
+@pytest.mark.parametrize("t", [-0.2, 0.0, 0.05, 0.1, 0.3, 0.6, 0.99, 1.0, 2.0, np.nan])
+def test_a_table_is_alike_in_both_targets_and_in_the_scene(t: float) -> None:
+    numpy, c = build(SCENE), build(SCENE, target="c")
+    p = c.parameters(**SCENE.parameters)
+    y = np.random.default_rng(1).normal(size=len(c.STATE))
+    due = [float(e(t)) for e in SCENE.timed.values()]
+    # SciPy's monotone cubic is what the scene asks; the modules have one of their own.
+    np.testing.assert_allclose(numpy.forces(t, y, p)["tip_load"][-1], due, rtol=1e-13, atol=1e-12)
+    # A hundred roundings of accelerations of some thousands.
+    np.testing.assert_allclose(c.rhs(t, y, p), numpy.rhs(t, y, p), rtol=1e-12, atol=1e-9)
+
+
+def test_each_rod_of_a_batch_has_numbers_of_its_own() -> None:
+    c = build(SCENE, target="c")
+    draw = np.random.default_rng(2)
+    y = draw.normal(size=(19, len(c.STATE)))
+    p = np.tile(c.parameters(**SCENE.parameters), (19, 1))
+    for name, at in SCENE.structure.positions.items():
+        if "value" in name or name == "P0":
+            p[:, at] *= draw.uniform(0.5, 2.0, 19)
+    rates = c.rhs_batch(0.3, y, p)
+    one_by_one = [c.rhs(0.3, *rod) for rod in zip(y, p, strict=True)]
+    np.testing.assert_allclose(rates, one_by_one, rtol=1e-12, atol=1e-9)
+    assert np.ptp(rates[:, -1]) > 0
+
+
+def test_changes_of_files_from_before_numbers_were_parameters_are_read() -> None:
+    structure, whole = SCENE.structure, build(SCENE).parameters(**SCENE.parameters)
+    numbers = [structure.positions[name] for name in structure.numbers]
+    assert numbers
+    before = np.delete(whole, numbers)
+    kind = [(PARAMETERS, ">f8", before.shape), (GIVEN, ">f8")]
+    records = np.array([(before, 0.0), (2 * before, 1.0)], dtype=kind)
+    changes = changes_in(records, SCENE)
+    assert changes is not None
+    np.testing.assert_array_equal(changes.p[0], whole)
+    np.testing.assert_array_equal(np.delete(changes.p[1], numbers), 2 * before)
+    np.testing.assert_array_equal(changes.p[1][numbers], whole[numbers])

@@ -1,0 +1,199 @@
+"""A library is built once; what is in the cache and is not what was stored is built again."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sysconfig
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rodgen.loading.cache import cache_root
+from rodgen.native import library
+from tests.generated.library.conftest import ANSWERS, HEADER, REAL, SOURCE, Place
+
+
+def test_library_is_built_once(place: Place) -> None:
+    place.compiler()
+    assert place.works(3)
+    assert len(place.built()) == 1
+    (entry,) = place.cache.iterdir()
+    assert sorted(path.name for path in entry.iterdir()) == ["rod.sha256", "rod.so"]
+    assert place.left() == [entry.name]
+    assert place.cache.stat().st_mode & 0o777 == 0o700
+
+
+CHANGES: dict[str, Callable[[Place], Any]] = {
+    "source": lambda place: place.write(SOURCE.replace("2.0*x", "x + x")),
+    "header": lambda place: place.write(header=HEADER + "\n"),
+    "flags": lambda place: place.patch.setenv("RODGEN_CFLAGS", "-O1"),
+    "version": lambda place: place.compiler(answers=ANSWERS.replace("1.0", "1.1")),
+    "processor": lambda place: place.patch.setattr(library, "features", lambda: "flags: none"),
+    "Python": lambda place: place.patch.setattr(
+        sysconfig, "get_config_var", lambda name: "cpython-399"
+    ),
+    "format": lambda place: place.patch.setattr(library, "_FORMAT", "another"),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_change_is_built_anew(change: str, place: Place) -> None:
+    place.compiler()
+    assert place.works()
+    CHANGES[change](place)
+    assert place.works()
+    assert len(list(place.cache.glob("*/rod.so"))) == 2
+
+
+DAMAGES: dict[str, Callable[[bytes, str], tuple[bytes | None, str | None]]] = {
+    "truncated": lambda so, sums: (so[: len(so) // 2], sums),
+    "empty": lambda so, sums: (b"", sums),
+    "garbage": lambda so, sums: (b"\0garbage" * 500, sums),
+    "wrong digest": lambda so, sums: (so, "0" * 64 + sums[64:]),
+    "no digest": lambda so, sums: (so, None),
+    "no library": lambda so, sums: (None, sums),
+    "unreadable digest": lambda so, sums: (so, "\0\udcff"),
+    # As another architecture's library would be: whole, but nothing to load.
+    "foreign": lambda so, sums: (
+        b"",
+        "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855  rod.so\n",
+    ),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damaged_entry_is_built_anew(damage: str, place: Place) -> None:
+    place.compiler()
+    assert place.works()
+    (library,) = place.cache.glob("*/rod.so")
+    sums = library.with_suffix(".sha256")
+    content, text = DAMAGES[damage](library.read_bytes(), sums.read_text())
+    # New files: this process runs the library that it has loaded from the old one.
+    library.unlink()
+    sums.unlink()
+    if content is not None:
+        library.write_bytes(content)
+    if text is not None:
+        sums.write_bytes(text.encode(errors="surrogateescape"))
+    assert place.works(2)
+    assert len(place.built()) == 2
+
+
+def test_entry_is_a_file(place: Place) -> None:
+    assert place.works()
+    (entry,) = place.cache.iterdir()
+    shutil.rmtree(entry)
+    entry.write_text("not a directory")
+    assert place.works()
+
+
+def _folder(path: Path, mode: int) -> None:
+    path.mkdir(parents=True, exist_ok=True)
+    path.chmod(mode)
+
+
+UNUSABLE: dict[str, Callable[[Path], Any]] = {
+    "root is a file": lambda cache: cache.parent.write_text("not a directory"),
+    "is a file": lambda cache: (cache.parent.mkdir(), cache.write_text("not a directory")),
+    "others may write": lambda cache: _folder(cache, 0o777),
+    "group may write": lambda cache: _folder(cache, 0o770),
+    "root of all": lambda cache: (_folder(cache, 0o700), _folder(cache.parent, 0o777)),
+}
+
+
+@pytest.mark.parametrize("spoilt", UNUSABLE)
+def test_unusable_cache_costs_only_time(spoilt: str, place: Place) -> None:
+    place.compiler()
+    UNUSABLE[spoilt](place.cache)
+    assert place.works(2)
+    assert len(place.built()) == 2
+    assert not any(place.temporary.iterdir())
+    assert not place.cache.is_dir() or not any(place.cache.iterdir())
+
+
+ME = os.getuid()
+STRANGE: dict[str, Callable[[Place], Any]] = {
+    "of another user": lambda place: place.patch.setattr(os, "getuid", lambda: ME + 1),
+    "open to others": lambda place: next(place.cache.iterdir()).chmod(0o777),
+}
+
+
+@pytest.mark.parametrize("strange", STRANGE)
+def test_library_that_others_may_have_written_is_not_loaded(strange: str, place: Place) -> None:
+    place.compiler()
+    assert place.works()
+    STRANGE[strange](place)
+    assert place.works()
+    assert len(place.built()) == 2
+
+
+def _refuses_folders(place: Place) -> None:
+    """As a read-only file system does, to root too."""
+    usual = tempfile.mkdtemp
+
+    def refuse(suffix: str | None = None, prefix: str | None = None, dir: Any = None) -> str:
+        if dir is not None and Path(dir) == place.cache:
+            raise OSError(30, "Read-only file system", str(dir))
+        return usual(suffix, prefix, dir)
+
+    place.patch.setattr(tempfile, "mkdtemp", refuse)
+
+
+def _nothing_runs_from_it(place: Place) -> None:
+    """A library that loads only where it is built outside the cache."""
+    place.compiler(f'case "$PWD" in */cache/*) echo no > rod.so;; *) exec {REAL} "$@";; esac')
+
+
+@pytest.mark.parametrize("refuse", [_refuses_folders, _nothing_runs_from_it])
+def test_cache_that_refuses_a_library(refuse: Callable[[Place], None], place: Place) -> None:
+    refuse(place)
+    assert place.works()
+    assert not any(place.cache.iterdir())
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_read_only_cache(place: Place) -> None:
+    _folder(place.cache, 0o500)
+    assert place.works()
+    assert not any(place.cache.iterdir())
+
+
+def test_user_without_a_home(place: Place) -> None:
+    def home() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    place.patch.setattr(Path, "home", home)
+    place.patch.delenv("RODGEN_CACHE")
+    assert place.works()
+
+
+def test_cache_root(tmp_path: Path, place: Place) -> None:
+    """The rules of loading.cache, of which the library's file must hold a copy."""
+    for override in (str(tmp_path), "relative", "", None):
+        for base in (str(tmp_path / "xdg"), "relative", "", None):
+            for variable, value in (("RODGEN_CACHE", override), ("XDG_CACHE_HOME", base)):
+                if value is None:
+                    place.patch.delenv(variable, raising=False)
+                else:
+                    place.patch.setenv(variable, value)
+            assert library._root() == cache_root()
+
+
+def test_nowhere_to_build(place: Place) -> None:
+    UNUSABLE["root is a file"](place.cache)
+    place.patch.setattr(tempfile, "tempdir", str(place.folder / "rod.c"))
+    assert "RODGEN_CACHE and TMPDIR" in place.fails()
+
+
+@pytest.mark.parametrize("name", ["with some spaces", "Prüfkörper-棒", "quote's $HOME; *"])
+def test_names_of_folders(name: str, tmp_path: Path, place: Place) -> None:
+    place.folder, place.cache = tmp_path / name / "modules", tmp_path / name / "cache" / "c"
+    place.folder.mkdir(parents=True)
+    place.write()
+    place.patch.setenv("RODGEN_CACHE", str(tmp_path / name / "cache"))
+    assert place.works(2)
+    assert len(list(place.cache.glob("*/rod.so"))) == 1

@@ -1,0 +1,157 @@
+"""The page as it is read: colours, names, words, and what lies over what."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.long  # what pixels show
+View = Any  # see conftest.py
+SCENES = Path(__file__).parents[2] / "scenes"
+PICTURE = Path(__file__).parents[2] / "docs" / "pictures" / "live.png"
+SIZES = {"wide": (1280, 800), "narrow": (390, 844)}
+SHOWN = 3.0  # s of the scene
+LEAST = 4.5  # contrast of text that WCAG 2.1 asks for, level AA
+
+CONTRAST = """element => {
+    const canvas = document.createElement('canvas').getContext('2d');
+    const channels = colour => {
+        canvas.clearRect(0, 0, 1, 1);
+        canvas.fillStyle = colour;
+        canvas.fillRect(0, 0, 1, 1);
+        return [...canvas.getImageData(0, 0, 1, 1).data];
+    };
+    const luminance = colour => {
+        const linear = channels(colour).slice(0, 3).map(c => c / 255)
+            .map(c => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
+    };
+    let ground = element;
+    const behind = () => getComputedStyle(ground).backgroundColor;
+    while (channels(behind())[3] < 255) ground = ground.parentElement;
+    const both = [getComputedStyle(element).color, behind()];
+    const [less, more] = both.map(luminance).sort((a, b) => a - b);
+    return (more + 0.05) / (less + 0.05);
+}"""
+NAMELESS = """controls => [...document.querySelectorAll(controls)]
+    .filter(e => e.offsetParent && !(e.getAttribute('aria-label') || e.labels?.length
+        || e.textContent.trim() || e.getAttribute('aria-labelledby')))
+    .map(e => e.outerHTML.slice(0, 200))"""
+
+
+@pytest.mark.parametrize(("size", "shade"), [("wide", "light"), ("narrow", "dark")])
+def test_page_shows_a_rod(
+    serve: Callable[..., Any],
+    blank: Any,
+    size: str,
+    shade: str,
+    pytestconfig: pytest.Config,
+) -> None:
+    """The rod's colours are in the picture, its ground is light or dark, and nothing is beside the
+    page. --update keeps a picture."""
+    width, height = SIZES[size]
+    blank.page.set_viewport_size({"width": width, "height": height})
+    blank.page.emulate_media(color_scheme=shade)
+    served = serve(str(SCENES / "missile.toml"), "--port", "0")
+    blank.open(served.address).pause_after(SHOWN)
+    wide = "document.documentElement.scrollWidth"
+    blank.until(lambda: blank.page.evaluate(wide) <= width, "wider than the window")
+    blank.page.mouse.move(width / 2, 0)
+    blank.page.wait_for_timeout(1500)  # hints go away, plots come up
+    picture = blank.page.screenshot()
+    if pytestconfig.getoption("update") and (size, shade) == ("wide", "light"):
+        PICTURE.write_bytes(picture)
+    pixels = matplotlib.image.imread(io.BytesIO(picture))[..., :3]
+    assert pixels.shape[:2] == (height, width)
+    corner = pixels[-3, 3].mean()
+    assert corner > 0.8 if shade == "light" else corner < 0.3
+    canvas = blank.page.get_by_role("img", name="missile").bounding_box()
+    x, y, w, h = (int(canvas[key]) for key in ("x", "y", "width", "height"))
+    drawn = pixels[y : min(y + h, height), x : x + w]
+    # The thrust's arrow is orange, the gravity's violet, whatever the ground: strong colours.
+    strong = np.ptp(drawn, axis=-1) > 0.4
+    assert strong.sum() > 100
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_colours_can_be_read(view: View, scheme: str) -> None:
+    view.page.emulate_media(color_scheme=scheme)
+    dark = "document.body.classList.contains('body--dark')"
+    view.until(lambda: view.page.evaluate(dark) == (scheme == "dark"), "not the shade")
+    view.fill("mass M", "-3")
+    refused = view.page.locator(".q-field__messages", has_text="greater than").first
+    refused.wait_for()
+    view.until(lambda: refused.evaluate(CONTRAST) > LEAST, "the refusal stays faint")
+    view.tab("Scene")
+    read = {
+        "add": view.button("Add plot"),
+        "kick": view.button("Kick"),
+        "apply": view.button("Apply"),
+        "upload": view.page.locator(".q-uploader__title"),
+    }
+    contrasts = {name: element.evaluate(CONTRAST) for name, element in read.items()}
+    assert min(contrasts.values()) > LEAST, contrasts
+
+
+def test_page_can_be_read_by_who_does_not_see_it(view: View) -> None:
+    """A screen reader is not told the time five times a second, but can ask for it."""
+    assert view.page.evaluate("document.documentElement.lang") == "en-US"
+    assert view.page.get_by_role("main").count() == 1
+    controls = "button, input, [role=slider], [role=switch], [role=tab]"
+    assert view.page.evaluate(NAMELESS, controls) == []
+    statuses = view.page.get_by_role("status")
+    assert statuses.locator("[data-text]").count() == 0
+    assert statuses.filter(has_text="paused").count() == 1
+    for name in ("time", "ratio"):
+        assert view.page.get_by_role("group", name=name).locator("[data-text]").count() == 1
+
+
+def test_why_there_is_no_critical_force_is_wrapped(
+    serve: Callable[..., Any], blank: View, scene_file: Callable[..., Path]
+) -> None:
+    """A rod of one link, which no force makes unstable; where there is one, nothing is said."""
+    path = scene_file("one", "[loads.follower]\nforce = 2.0", links=1)
+    one = blank.open(serve(str(path), "--port", "0").address).tab("Values")
+    why = one.page.locator("[data-text=critical_why]")
+    why.filter(has_text="no mode can become unstable").wait_for()
+    box, table = why.bounding_box(), one.page.locator(".rg-values").bounding_box()
+    assert box["width"] <= table["width"]
+    panel = one.page.locator("aside")
+    assert panel.evaluate("e => e.scrollWidth <= e.clientWidth")
+    number = one.page.locator("td[data-text=follower_force]").first.bounding_box()
+    assert number["width"] < table["width"] / 2  # numbers stand where they stood
+
+
+def test_row_of_words_is_not_there_without_words(view: View) -> None:
+    view.tab("Values").text("critical_force")
+    assert not view.page.locator("[data-text=critical_why]").is_visible()
+
+
+def test_no_tooltip_lies_over_a_menu_and_no_sizes_of_nothing_are_told(view: View) -> None:
+    layers = view.button("What is shown")
+    layers.hover()
+    view.page.locator(".q-tooltip", has_text="What is shown").wait_for()
+    layers.click()
+    view.page.locator(".q-menu").wait_for()
+    assert not view.page.locator(".q-tooltip").is_visible()
+    view.page.keyboard.press("Escape")
+    view.tab("Scene").page.locator(".q-uploader__title").wait_for()
+    assert "0.00%" not in view.page.locator(".q-uploader").inner_text()
+
+
+def test_what_is_being_made_is_told_above_the_plots(view: View) -> None:
+    """And in the singular."""
+    view.tab("Scene").fill("number of links", "1")
+    view.page.get_by_role("checkbox", name="tip load").click()
+    view.button("Apply").click()
+    status = view.page.locator(".rg-making")
+    status.filter(has_text=re.compile("1 link:")).wait_for()
+    told, plots = status.bounding_box(), view.page.locator(".rg-plots").bounding_box()
+    assert told["y"] + told["height"] <= plots["y"]

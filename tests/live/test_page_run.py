@@ -1,0 +1,143 @@
+"""What a page asks of its run, while the run is busy and while a module is being made."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable, Coroutine, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("nicegui", reason="the extra view is not installed")
+
+from nicegui import Client, background_tasks, core, ui
+from starlette.requests import Request
+
+from rodgen.live.page.module_process import Modules
+from rodgen.live.page.page import Page
+from rodgen.live.page.runs import PageRun, Sessions
+from rodgen.live.run import live_run
+from rodgen.live.run.live_run import LiveRun
+from rodgen.live.run.scenes import Folder, edit
+from rodgen.loading import build
+from rodgen.scene import Scene, SceneError
+from tests.live.conftest import ROD, finished
+
+SCENE = Scene.from_dict(ROD)
+MASS, GRAVITY, LINKS = ("rod", "mass"), ("loads", "gravity", "g"), ("rod", "links")
+
+
+class Making:
+    """Stands for what makes modules: what happens meanwhile is up to a test."""
+
+    def __init__(self) -> None:
+        self.made: list[int] = []  # links
+        self.meanwhile: Callable[[], Coroutine[Any, Any, None]] | None = None
+
+    async def make(self, scene: Scene) -> None:
+        self.made.append(scene.rod.links)
+        if self.meanwhile is not None:
+            await self.meanwhile()
+
+
+@pytest.fixture
+def making() -> Making:
+    return Making()
+
+
+@pytest.fixture
+def page(making: Making, monkeypatch: pytest.MonkeyPatch) -> Iterator[PageRun]:
+    """By NumPy: what a test makes another structure of is not compiled."""
+    monkeypatch.setattr(live_run, "build_fastest", lambda scene: build(scene, "numpy"))
+    # Without a page: nothing of it is asked for.
+    nowhere: Any = None
+    run = LiveRun(SCENE)
+    yield PageRun(run, making.make, nowhere, nowhere)
+    run.close()
+
+
+def test_edits_close_together_are_both_kept(page: PageRun) -> None:
+    """The second is asked for before the run has got to the first."""
+    free = threading.Event()
+
+    async def both() -> None:
+        busy = page.run.do(free.wait)
+        edits = asyncio.gather(
+            page.change([(MASS, 25.0)], "mass = 25"), page.change([(GRAVITY, 1.5)], "g = 1.5")
+        )
+        await asyncio.sleep(0.05)
+        free.set()
+        await edits
+        assert busy.result()
+
+    finished(both())
+    assert (page.scene.rod.mass, page.scene.loads.value("gravity")) == (25.0, 1.5)
+
+
+def test_changes_while_a_module_is_made_are_kept(page: PageRun, making: Making) -> None:
+    async def meanwhile() -> None:
+        await page.change([(GRAVITY, 1.5)], "g = 1.5")
+        assert page.scene.rod.links == 5  # the old one goes on
+
+    making.meanwhile = meanwhile
+    finished(page.change([(LINKS, 3)], ""))
+    assert making.made == [3]
+    assert (page.scene.rod.links, page.scene.loads.value("gravity")) == (3, 1.5)
+
+
+def test_structures_asked_for_together_come_one_after_the_other(
+    page: PageRun, making: Making
+) -> None:
+    """Each is made of the scene that is there by then."""
+
+    async def meanwhile() -> None:
+        await asyncio.sleep(0.01)
+
+    async def both() -> None:
+        await asyncio.gather(
+            page.change([(LINKS, 3)], ""),
+            page.change([(("loads", "tip"), {"x": 0.0, "y": -1.0})], ""),
+        )
+
+    making.meanwhile = meanwhile
+    finished(both())
+    assert making.made == [3, 3]
+    assert page.scene.structure.terms == (*SCENE.structure.terms, "tip_load")
+
+
+def test_scene_of_the_same_structure_needs_no_making(page: PageRun, making: Making) -> None:
+    finished(page.take(edit(SCENE, [(MASS, 7.0)])))
+    assert (making.made, page.scene.rod.mass, page.run.taken) == ([], 7.0, 2)
+
+
+def test_refusals_come_to_who_asked(page: PageRun) -> None:
+    with pytest.raises(SceneError, match=r"rod\.mass"):
+        finished(page.change([(MASS, -1.0)], "mass = -1"))
+    assert page.scene.rod.mass == 3.0
+
+
+def test_page_that_is_asked_for_and_never_shown() -> None:
+    """Such as for the preview of a link: a minute later it is given up, and nothing is begun."""
+    sessions = Sessions()
+
+    async def asked() -> None:
+        core.loop = asyncio.get_running_loop()
+        request = Request({"type": "http", "headers": [], "method": "GET", "path": "/"})
+        client = Client(ui.page("/nobody"), request=request)
+
+        async def show() -> None:
+            with client:
+                await Page(sessions, Modules(), Folder(Path()), SCENE).show("")
+
+        showing = asyncio.create_task(show())
+        await asyncio.sleep(0.01)
+        assert not showing.done()
+        client.delete()
+        await asyncio.wait_for(showing, 5.0)
+        await background_tasks.teardown()
+
+    finished(asked())
+    core.loop = None
+    assert len(sessions) == 0

@@ -1,0 +1,166 @@
+"""The structures that tests compile, and the choice of cases that stands for all of them.
+
+A C module takes seconds to compile, and thousands of cases minutes: tests share the structures of
+`PALETTE`, and of the full product of their factors `make test` runs a covering array, in which
+every pair of values occurs; the others are marked `long`, and `make test-all` runs them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from itertools import combinations, product
+from typing import Any
+
+import pytest
+
+from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen.model.terms import TERMS, THESIS_TERMS
+from rodgen.scene.structure import Structure
+
+ALL = tuple(TERMS)
+# What is derived and compiled grows faster than the number of loads: most structures have half of
+# them, those at joints and ends or those all along the rod; a load that is new joins the latter.
+ENDS = (*THESIS_TERMS, "tip_load")
+ALONG = tuple(term for term in ALL if term not in ENDS)
+# Every boundary with both inertias, every load with and without its neighbours, one link, two, and
+# three of which one is inside.
+SMALL = (
+    Structure(1, "free", "uniform", ALONG),
+    Structure(1, "clamped", "lumped", ENDS),
+    Structure(2, "cantilever", "uniform", ALL),
+    Structure(2, "free", "lumped", ()),
+    Structure(3, "pinned", "lumped", ("internal_damping",)),
+    Structure(3, "clamped", "uniform", ENDS),
+    Structure(3, "cantilever", "lumped", ALONG),
+    Structure(5),
+)
+# Joint forces are cut into segments from 9 and from 28 unknowns on: beyond both, with a full and a
+# padded last segment, odd and even rows. Tensions are not cut.
+LONG = (
+    Structure(10, "free", terms=ENDS),
+    Structure(20, "clamped", terms=ALONG),
+    Structure(51, "pinned", terms=("external_damping", "tip_load")),
+    Structure(50, "free", "lumped", ENDS),
+)
+PALETTE = (*SMALL, *LONG)
+# Several loads of one kind, each at a point of its own: a joint, a point inside a link, the tail.
+PLACED = Structure(4, "clamped", terms=("follower@1+1/4", "follower", "follower@2"))
+TIMED = Structure(
+    4,
+    "clamped",
+    terms=ENDS,
+    expressions=(
+        ("follower_force", "300*min(t/0.5, 1, 2 - t) + tan(t)**2"),
+        ("tip_force_x", "-1.5*sin(t)**2 if t <= 0.7 else max(t, 0.5)**-1.5"),
+        ("tip_force_y", "exp(-t)*log(2 + t)/sqrt(1 + t) + tanh(t)*abs(cos(5*t)) - pi"),
+    ),
+)
+# Every sensor at a joint, inside a link and at the tail, all kinds of functions, tables, a time,
+# numbers that have names, states that follow each other, and a load that follows one alone.
+LAWS = (
+    (
+        "follower_force",
+        "P0 * (1 + tanh(vx(0.6)) * x(0.3)) + interp(y(1), [k1, k2, k3], [v1, v2, v3])",
+    ),
+    ("follower_angle", "max(-c, min(c, gimbal, 2.0), sin(omega(0.3)) - abs(phi(0)))"),
+    (
+        "tip_force_y",
+        "filtered ** 2 * exp(-t) if vy(0.55) < b else cos(filtered) / (1 + phi(1) ** 2)",
+    ),
+)
+STATES = (
+    ("gimbal", "(-c * phi(0.3) - b * omega(0.3) - gimbal) / (b + t) + x(0) - log(1 + gimbal ** 2)"),
+    (
+        "filtered",
+        "interp(gimbal, [k1, k2, k3], [v1, v2, v3], 'cubic') - y(0.25) * vx(1)"
+        " - sqrt(2 + filtered**2) + tan(0.1 * vy(0.8))",
+    ),
+)
+# Those whose whole text is looked at: pairs and numbers, cut into segments and not, on the stack
+# and not, with all loads, some and none.
+TEXTS = (SMALL[0], SMALL[3], SMALL[6], LONG[2], TIMED)
+# How many structures a run of `make test` may compile in all: those of the palette, and one for
+# every force in time that a test is about.
+MOST_COMPILED = 90
+
+Row = tuple[Any, ...]
+NAMED = {ALL: "all", ENDS: "ends", ALONG: "along"}
+
+
+def short(value: object) -> str:
+    """A name for a case: of a structure, of a set of loads, of any other value."""
+    if isinstance(value, Structure):
+        value = value.stem
+        for terms, name in NAMED.items():
+            value = value.replace("_".join(terms), name)
+        return value
+    if isinstance(value, tuple):
+        return NAMED.get(value) or "+".join(map(str, value)) or "none"
+    return str(value)
+
+
+def covering(rows: Iterable[Row], strength: int = 2) -> set[Row]:
+    """Rows in which every pair of values occurs that occurs in all rows (with strength 1, every
+    value): the row with most that is new comes next."""
+    left = {row: set(combinations(enumerate(row), strength)) for row in rows}
+    chosen: set[Row] = set()
+    while left:
+        best = max(left, key=lambda row: len(left[row]))
+        new = left.pop(best)
+        chosen.add(best)
+        left = {row: rest for row, seen in left.items() if (rest := seen - new)}
+    return chosen
+
+
+LARGE = 40  # rows of a product that is tried whole
+
+
+def cases(
+    names: str,
+    *factors: Iterable[Any],
+    where: Callable[..., bool] = lambda *_: True,
+    strength: int = 2,
+) -> pytest.MarkDecorator:
+    """Parametrize by the product of factors for which `where` holds; beyond the covering array
+    cases are long. Of a product of more rows than LARGE those are left that are needed to
+    cover one factor more."""
+    rows = [row for row in product(*map(tuple, factors)) if where(*row)]
+    kept = covering(rows, strength)
+    if len(rows) > LARGE:
+        more = kept | covering(rows, strength + 1)
+        rows = [row for row in rows if row in more]
+    params = [
+        pytest.param(
+            *row, marks=() if row in kept else pytest.mark.long, id="-".join(map(short, row))
+        )
+        for row in rows
+    ]
+    return pytest.mark.parametrize(names, params)
+
+
+def can_move(boundary: str, links: int, *_: object) -> bool:
+    """Whether one of so many links moves under a boundary."""
+    return links >= BOUNDARIES[boundary].least_links
+
+
+# What may differ along a rod.
+UNEVEN = (("stiffness",), ("mass",), ("bodies",), ("points",), ("stiffness", "bodies"))
+
+
+def carries(boundary: str, links: int, inertia: str, *rest: Any) -> bool:
+    """Whether a rod can move and differ so, by the last argument: bodies are fixed to uniform
+    links, point masses to the ends of massless ones."""
+    apart = {"bodies": "lumped", "points": "uniform"}
+    return can_move(boundary, links) and all(apart.get(what) != inertia for what in rest[-1])
+
+
+# With no load and with either half: what NumPy's modules, Jacobians and Newton's cells are tried
+# with.
+SHORT_RODS = cases(
+    "boundary, links, inertia, terms",
+    BOUNDARIES,
+    (1, 2, 5),
+    INERTIAS,
+    ((), ENDS, ALONG),
+    where=can_move,
+)

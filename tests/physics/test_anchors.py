@@ -1,0 +1,266 @@
+"""Rods on supports and foundations, against limits, what is known of beams, and energy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.analyse.columns import beck
+from rodgen.check.module import check_module
+from rodgen.emit.targets import FORMS
+from rodgen.loading import build
+from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.contents import contents
+from rodgen.show.pictures import shapes
+from tests.agreement import assert_implicit_steps_are_explicit, differences
+from tests.palette import cases
+
+ROD = {"links": 5, "length": 2.0, "mass": 6.0, "bending_stiffness": 10.0}
+# Rounding of some hundred operations.
+ROUNDING = 1e-12
+
+
+def _scene(boundary: str, rod: dict[str, Any] | None = None, **tables: Any) -> Scene:
+    table = {"name": "held", "rod": ROD | {"boundary": boundary} | (rod or {})}
+    return Scene.from_dict(table | tables)
+
+
+@cases("boundary, inertia, form", BOUNDARIES, INERTIAS, FORMS, strength=1)
+def test_modules_agree_with_fifty_digits(boundary: str, inertia: str, form: str) -> None:
+    scene = _scene(boundary, {"inertia": inertia}, foundation={"stiffness": 1.0})
+    found = list(check_module(build(scene.structure, "numpy", form)))
+    assert max(one.error for one in found) < ROUNDING
+
+
+@pytest.mark.parametrize("boundary", ["free", "cantilever", "clamped", "pinned"])
+def test_squared_frequencies_grow_by_stiffness_over_mass(boundary: str) -> None:
+    """Of a beam on a foundation omega^2 + k/m; with the mass in the joints, as the foundation has
+    its springs, of every number of links."""
+    rod = {"inertia": "lumped", "links": 10}
+    bare = rodgen.natural_modes(_scene(boundary, rod), 3).frequencies
+    held = rodgen.natural_modes(_scene(boundary, rod, foundation={"stiffness": 90.0}), 6)
+    raised = np.sqrt(bare**2 + 90.0 / 3.0 / (2 * np.pi) ** 2)
+    for frequency in raised:
+        assert np.abs(held.frequencies - frequency).min() < 1e-8 * frequency
+    rest = np.sqrt(30.0) / (2 * np.pi)  # of a rod that moves as a whole
+    whole = {"free": 2, "pinned": 1}.get(boundary, 0)
+    assert (np.abs(held.frequencies - rest) < 1e-8 * rest).sum() == whole
+
+
+def test_a_foundation_does_not_change_the_critical_force_of_becks_column() -> None:
+    """T. E. Smith and G. Herrmann, J. Appl. Mech. 39 (1972)."""
+    forces = []
+    for stiffness in (0.0, 100.0):
+        scene = Scene.from_toml("scenes/foundation.toml")
+        table = scene.model_dump(exclude_none=True) | {"foundation": {"stiffness": stiffness}}
+        found = rodgen.critical_force(Scene.from_dict(table))
+        assert found.kind == "flutter"
+        forces.append(found.force)
+    assert forces[0] == pytest.approx(forces[1], rel=1e-9)
+    # The error of 40 links is 0.3 %.
+    assert forces[1] == pytest.approx(beck().load, rel=5e-3)
+
+
+def test_a_weight_on_a_foundation_settles_evenly() -> None:
+    """A free rod goes down by m g/k: its joints have mass and springs alike."""
+    scene = _scene(
+        "free",
+        {"inertia": "lumped"},
+        foundation={"stiffness": 100.0, "damping": 30.0},
+        loads={"gravity": {"g": 10.0}},
+        integrate={"span": [0.0, 30.0]},
+    )
+    sol = rodgen.simulate(scene, target="numpy", rtol=1e-10)
+    np.testing.assert_allclose(sol.joints[-1, :, 1], -6.0 / 2.0 * 10.0 / 100.0, rtol=1e-8)
+
+
+def test_a_stiff_foundation_keeps_a_loaded_rod_straight() -> None:
+    scene = _scene("clamped", foundation={"stiffness": 1e9}, loads={"tip": {"y": -1.0}})
+    assert np.abs(rodgen.static_equilibrium(scene).phi).max() < 1e-7
+    # Of the joint at the tail: F over k l/2, and what the neighbours bear.
+    assert -1e-8 < rodgen.static_equilibrium(scene).tip[1] < 0
+
+
+def test_derivatives_are_differences() -> None:
+    scene = _scene("free", foundation={"stiffness": 40.0, "damping": 2.0})
+    model = build(scene, "numpy")
+    p = model.parameters(**scene.parameters)
+    y = np.random.default_rng(1).uniform(-1, 1, len(scene.initial_state()))
+    J = model.jac(0.0, y, p)
+    np.testing.assert_allclose(J, differences(model.rhs, 0.0, y, p), atol=1e-8 * np.abs(J).max())
+
+
+SUPPORTS = [
+    {"at": 0.0, "stiffness": [3.0, 40.0], "damping": [0.5, 0.0], "rotation": 2.0},
+    {"at": 0.37, "stiffness": [0.0, 25.0], "to": [0.7, 0.1], "rotation_damping": 0.3},
+    {"at": 1.0, "stiffness": [7.0, 0.0], "damping": [0.0, 1.5]},
+]
+
+
+@cases("boundary, inertia, form", BOUNDARIES, INERTIAS, FORMS, strength=1)
+def test_modules_of_supports_agree_with_fifty_digits(
+    boundary: str, inertia: str, form: str
+) -> None:
+    scene = _scene(boundary, {"inertia": inertia}, supports=SUPPORTS[1:])
+    found = list(check_module(build(scene.structure, "numpy", form)))
+    assert max(one.error for one in found) < ROUNDING
+
+
+@pytest.mark.parametrize("boundary", ["free", pytest.param("clamped", marks=pytest.mark.long)])
+def test_implicit_steps_are_explicit_ones_and_energy_is_kept(boundary: str) -> None:
+    scene = _scene(
+        boundary,
+        supports=SUPPORTS,
+        foundation={"stiffness": "40*(1 + s)", "damping": 1.5},
+        loads={"gravity": {}},
+        initial={"phi": "0.5*s"},
+        integrate={"span": [0.0, 1.0]},
+    )
+    # Tolerances over the steps of a second.
+    assert_implicit_steps_are_explicit(scene, 1e-8, 1e-8, atol=1e-12)
+
+
+def test_a_stiff_support_at_the_nose_pins_it() -> None:
+    held = _scene("free", supports=[{"at": 0.0, "stiffness": [1e9, 1e9]}])
+    found = rodgen.natural_modes(held, 6).frequencies
+    pinned = rodgen.natural_modes(_scene("pinned"), 3).frequencies
+    # The support gives way by its load m omega^2 x, of 6 kg at 7 to 50 rad/s.
+    for frequency in pinned:
+        way = 6.0 * (2 * np.pi * frequency) ** 2 / 1e9
+        assert np.abs(found - frequency).min() < way * frequency
+
+
+def test_a_stiff_support_holds_its_point() -> None:
+    held = [{"at": 0.5, "stiffness": [0.0, 1e9]}]
+    scene = _scene("clamped", {"links": 4}, supports=held, loads={"tip": {"y": -1.0}})
+    found = rodgen.static_equilibrium(scene)
+    assert abs(found.joints[2, 1]) < 1e-8  # it bears some 2.5 N
+    assert found.tip[1] < -1e-2
+
+
+def test_a_support_against_turning_is_the_root_of_a_clamped_rod() -> None:
+    """A spring of 2 EI/l that holds link 0 of a pinned rod."""
+    rotation = 2 * 10.0 / (2.0 / 5)
+    held = _scene("pinned", supports=[{"at": 0.0, "rotation": rotation}])
+    rates = []
+    for scene in (held, _scene("clamped")):
+        model = build(scene, "numpy")
+        p = model.parameters(**scene.parameters)
+        rates.append(model.rhs(0.0, np.linspace(-1, 1, 10), p))
+        rates[-1] = np.append(rates[-1], model.energy(np.linspace(-1, 1, 10), p))
+    np.testing.assert_allclose(rates[0], rates[1], rtol=1e-12)
+    found = [rodgen.natural_modes(scene, 3).frequencies for scene in (held, _scene("clamped"))]
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-9)
+
+
+def test_a_propped_rod_by_extrapolation() -> None:
+    """Clamped and simply supported at the other end: (beta L)^2 of tan = tanh, 15.41820571698."""
+    links, found = (10, 20, 40), []
+    for n in links:
+        scene = _scene("clamped", {"links": n}, supports=[{"at": 1.0, "stiffness": [0.0, 1e9]}])
+        found.append(2 * np.pi * rodgen.natural_modes(scene, 1).frequencies[0])
+    unit = np.sqrt(10.0 / (3.0 * 2.0**4))
+    limit = rodgen.richardson(links, found).value / unit
+    assert limit == pytest.approx(15.41820571698, rel=1e-5)
+
+
+def test_a_spring_between_two_joints_holds_its_point() -> None:
+    """At rest the force of a support balances the tip load of a rigid, pinned rod: moments."""
+    rod = {"links": 4, "bending_stiffness": 1e6}
+    spring = [{"at": 0.6, "stiffness": [0.0, 500.0]}]
+    scene = _scene("pinned", rod, supports=spring, loads={"tip": {"y": -1.0}})
+    phi = rodgen.static_equilibrium(scene).phi
+    # F L = k (0.6 L)^2 sin phi, to the stiffness of the rod.
+    assert np.sin(phi.mean()) == pytest.approx(-1.0 / (500.0 * 0.6**2 * 2.0), rel=1e-4)
+
+
+def test_supports_of_one_point_are_one() -> None:
+    two = [
+        {"at": 0.5, "stiffness": [0.0, 10.0], "to": [1.0, 0.3], "damping": [0.0, 1.0]},
+        {"at": 0.5, "stiffness": [4.0, 30.0], "to": [1.0, -0.1], "rotation": 2.0},
+    ]
+    one = {"at": 0.5, "stiffness": [4.0, 40.0], "to": [1.0, 0.0]}
+    one |= {"damping": [0.0, 1.0], "rotation": 2.0}
+    together, single = (_scene("clamped", supports=of).parameters for of in (two, [one]))
+    assert set(together) == set(single)
+    for name, value in single.items():
+        np.testing.assert_allclose(together[name], value, atol=1e-15)
+    # Each way has numbers of its own, those of link 2.
+    ways = {"x": 1.0, "y": 0.0, "stiffness_x": 4.0, "stiffness_y": 40.0}
+    ways |= {"damping_x": 0.0, "damping_y": 1.0, "rotation": 2.0, "rotation_damping": 0.0}
+    assert {way: single[f"support_{way}"][2] for way in ways} == ways
+
+
+@pytest.mark.parametrize(
+    ("boundary", "rod", "initial", "rest"),
+    [
+        ("free", {}, {"position": [0.5, -0.3]}, (0.5 + 1.5, -0.3)),
+        ("clamped", {"clamp_angle": np.pi / 6}, {}, (1.5 * np.sqrt(3) / 2, 0.75)),
+    ],
+)
+def test_a_support_rests_where_the_straight_rod_has_its_point(
+    boundary: str, rod: dict[str, Any], initial: dict[str, Any], rest: tuple[float, float]
+) -> None:
+    """At 3/4 of 2 m from joint 0, which is on link 3 of 5."""
+    support = {"at": 0.75, "stiffness": [1.0, 2.0]}
+    scene = _scene(boundary, rod, supports=[support], initial=initial)
+    found = [scene.parameters[f"support_{axis}"][3] for axis in "xy"]
+    np.testing.assert_allclose(found, rest, rtol=1e-15)
+
+
+def test_what_a_scene_holds_names_its_anchors() -> None:
+    scene = _scene("free", supports=SUPPORTS)
+    present = {piece.piece: piece.present for piece in contents(scene)}
+    assert present["supports"]
+    assert not present["foundation"]
+
+
+def test_pictures_show_where_supports_are_fixed() -> None:
+    tables = {"supports": SUPPORTS, "foundation": {"stiffness": 1.0}}
+    scene = _scene("free", integrate={"span": [0.0, 0.1]}, **tables)
+    (axes, _) = shapes(rodgen.simulate(scene, target="numpy")).axes
+    fixed = {tuple(line.get_xydata()[0]) for line in axes.lines if line.get_marker() == "^"}
+    assert fixed == {(0.0, 0.0), (0.7, 0.1), (2.0, 0.0)}
+    springs = [line.get_xydata() for line in axes.lines if line.get_linestyle() == ":"]
+    assert any(np.allclose(spring[0], (0.74, 0.0), atol=1e-3) for spring in springs)
+
+
+@pytest.mark.parametrize(
+    ("supports", "field"),
+    [
+        ({"at": 0.5}, "supports"),
+        ([{}], "supports[0].at"),
+        ([{"at": 1.5}], "supports[0].at"),
+        ([{"at": 0.5}, {"at": 0.5, "stiffness": [1.0]}], "supports[1].stiffness"),
+        ([{"at": 0.5, "stiffness": [1.0, -1.0]}], "supports[0].stiffness.1"),
+        ([{"at": 0.5, "rotation": -1.0}], "supports[0].rotation"),
+        ([{"at": 0.41}, {"at": 0.45}], "supports[1].at"),
+        ([{"at": 0.1}], "supports[0].at"),
+    ],
+)
+def test_what_is_no_support_is_refused(supports: Any, field: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        _scene("cantilever", supports=supports)
+    assert caught.value.field == field
+
+
+@pytest.mark.parametrize(
+    ("foundation", "field"),
+    [
+        ({}, "foundation.stiffness"),
+        ({"stiffness": -1.0}, "foundation.stiffness"),
+        ({"stiffness": "1 - 2*s"}, "foundation.stiffness"),
+        ({"stiffness": "1/s"}, "foundation.stiffness"),
+        ({"stiffness": "t"}, "foundation.stiffness"),
+        ({"stiffness": 1.0, "damping": -1.0}, "foundation.damping"),
+        ({"stiffness": 1.0, "depth": 1.0}, "foundation.depth"),
+    ],
+)
+def test_what_is_no_foundation_is_refused(foundation: dict[str, Any], field: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        _scene("clamped", foundation=foundation)
+    assert caught.value.field == field

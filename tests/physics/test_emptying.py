@@ -1,0 +1,152 @@
+"""Masses that change with time, held against the rocket equation and laws of energy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import rodgen
+from rodgen.check.module import check_module
+from rodgen.emit.targets import FORMS
+from rodgen.loading import build
+from rodgen.loading.module import asked
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.structure import Structure
+from tests.palette import ALONG, ENDS, cases
+
+TANK: dict[str, Any] = {"name": "tank", "at": 0.6, "mass": "8*exp(-t/2)", "inertia": 0.3}
+NOSE: dict[str, Any] = {"name": "nose", "at": 0.0, "mass": 1.0, "offset": [0.0, 0.1]}
+ROD: dict[str, Any] = {
+    "links": 4,
+    "length": 2.0,
+    "bending_stiffness": 100.0,
+    "mass_per_length": "mu*(1 - 0.1*t)*(1 + s)",
+}
+TABLES: dict[str, Any] = {
+    "name": "rocket",
+    "parameters": {"mu": 10.0},
+    "rod": ROD,
+    "bodies": [TANK],
+    "loads": {"follower": {"force": 50.0}},
+    "integrate": {"span": [0.0, 4.0], "rtol": 1e-10, "atol": 1e-11},
+}
+
+
+def _scene(**tables: Any) -> Scene:
+    return Scene.from_dict(TABLES | tables)
+
+
+@pytest.mark.parametrize("target", ["numpy", "c"])
+def test_rocket_equation(target: str) -> None:
+    """A straight rod under a thrust along it: v = integral of P/m(t) dt, m the mass of all."""
+    wanted, _ = quad(
+        lambda t: 50 / (30 * (1 - 0.1 * t) + 8 * np.exp(-t / 2)), 0.0, 4.0, epsabs=1e-13
+    )
+    sol = rodgen.simulate(_scene(), target=target)
+    assert -sol.y[-1][6] == pytest.approx(wanted, rel=1e-10)
+    # What leaves takes half the square of the velocity of its place along.
+    v = sol.y[:, 6]
+    rates = -3.0 - 4 * np.exp(-sol.t / 2)
+    taken = np.trapezoid(0.5 * rates * v**2, sol.t)
+    assert sol.work["emptying"][-1] == pytest.approx(taken, rel=1e-5)  # of trapezia
+    assert sol.energy_error < 1e-9
+
+
+def test_a_rod_that_bends_and_turns_keeps_its_balance() -> None:
+    """Through a kink in the mass, which is a break point: the tank is empty but for 1 kg."""
+    bodies = [TANK | {"mass": "max(4 - 2*t, 1)", "offset": [0.0, 0.2]}, NOSE]
+    loads = {"follower": {"force": 50.0, "angle": 0.1}, "gravity": {}}
+    initial = {"phi": "0.3*sin(4*s)", "omega": "2*s"}
+    scene = _scene(bodies=bodies, loads=loads, initial=initial)
+    assert scene.breaks() == [1.5]
+    sol = rodgen.simulate(scene, target="numpy", method="dop853")
+    # The tolerance of the run, of the energies that are exchanged.
+    assert sol.energy_error < 1e-8 * abs(sol.work["follower"]).max()
+    power = asked(sol.model, "power", 1.0, 1.0, *_at(sol, 1.0))["emptying"]
+    h = 1e-4
+    lost = [sum(asked(sol.model, "energy", 1.0 + k * h, *_at(sol, 1.0))) for k in (-1, 1)]
+    assert power == pytest.approx(
+        (lost[1] - lost[0]) / (2 * h), rel=1e-6
+    )  # h^2, and rounding over h
+
+
+def _at(sol: rodgen.Solution, t: float) -> tuple[np.ndarray, np.ndarray]:
+    return sol(t), sol.model.parameters(**sol.scene.parameters)
+
+
+MASS = "mass_per_length_1*(mass_per_length_2 + s)*(1 + mass_per_length_3*t)"
+TWO = (("e", 1, "body_e_mass_1 + t*body_e_mass_2"), ("f", 2, "body_f_mass_1*exp(-t)"))
+EMPTY = ("e", 1, "body_e_mass_1 + max(0, -t)*body_e_mass_2")
+CURVE = [TANK | {"mass": "interp(t, [0, 1, 4], [8, 3, 1], 'cubic')"}, NOSE]
+EMPTYING = (
+    Structure(3, "free", "uniform", ENDS, (), ("bodies",), masses=(("", -1, MASS), TWO[0])),
+    Structure(3, "cantilever", "uniform", ALONG, (), ("bodies",), masses=TWO),
+    Structure(4, "clamped", "uniform", ALONG, (), ("stiffness", "mass"), masses=(("", -1, MASS),)),
+    Structure(3, "pinned", "lumped", ENDS, (), ("points",), masses=(("", -1, MASS), TWO[0])),
+    Structure(2, "pinned", "uniform", ("gravity",), (), ("bodies",), masses=(EMPTY,)),
+)
+
+
+@cases("structure, form", EMPTYING, FORMS, strength=1)
+def test_module_equals_fifty_digit_arithmetic(structure: Structure, form: str) -> None:
+    """Parts of links are put together by another route: numbers in place of arrays in SymPy."""
+    assert max(d.error for d in check_module(build(structure, "numpy", form), states=2)) < 1e-12
+
+
+def test_compiled_module_is_that_of_numpy() -> None:
+    """With the curve of a tank from a table."""
+    scene = _scene(bodies=CURVE)
+    one, other = build(scene), build(scene, "c")
+    p = one.parameters(**scene.parameters)
+    draw = np.random.default_rng(1)
+    y = draw.standard_normal(len(one.STATE))
+    np.testing.assert_allclose(other.rhs(1.0, y, p), one.rhs(1.0, y, p), rtol=1e-11)
+    J = one.jac(1.0, y, p)
+    np.testing.assert_allclose(other.jac(1.0, y, p), J, atol=1e-11 * np.abs(J).max())
+    Y, P = y * np.linspace(0.5, 1.5, 9)[:, None], p * np.linspace(0.9, 1.1, 9)[:, None]
+    single = np.array([one.rhs(1.0, *each) for each in zip(Y, P, strict=True)])
+    many = other.rhs_batch(1.0, Y, P)
+    np.testing.assert_allclose(many, single, rtol=1e-9, atol=1e-11 * np.abs(single).max())
+
+
+@pytest.mark.long
+def test_implicit_steps_are_explicit_ones_and_energy_is_kept() -> None:
+    """The slope of a table is in the power of what leaves."""
+    runs = [rodgen.simulate(_scene(bodies=CURVE), method=method) for method in ("dop853", "radau")]
+    np.testing.assert_allclose(runs[1].y[-1], runs[0].y[-1], atol=1e-7)
+    assert max(run.energy_error for run in runs) < 1e-7 * abs(runs[0].work["follower"]).max()
+
+
+def test_analyses_take_the_masses_of_a_time() -> None:
+    scene = _scene(rod=ROD | {"boundary": "clamped"}, loads={"gravity": {}})
+    for analysis in (rodgen.natural_modes, rodgen.static_equilibrium):
+        with pytest.raises(SceneError) as caught:
+            analysis(scene)
+        assert caught.value.field == "t"
+        assert "rod.mass_per_length and bodies[0].mass" in caught.value.allowed
+    found = rodgen.natural_modes(scene, 2, t=2.0)
+    rod = ROD | {"boundary": "clamped", "mass_per_length": "10*0.8*(1 + s)"}
+    steady = _scene(rod=rod, bodies=[TANK | {"mass": 8 * np.exp(-1.0)}], loads={"gravity": {}})
+    wanted = rodgen.natural_modes(steady, 2).frequencies
+    np.testing.assert_allclose(found.frequencies, wanted, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("tables", "field", "said"),
+    [
+        ({"bodies": [TANK | {"mass": "3 - t"}]}, "bodies[0].mass", "t = 3"),
+        ({"rod": ROD | {"mass_per_length": "2 - t*s"}}, "rod.mass_per_length", "s = 1 and t = 2"),
+        ({"rod": ROD | {"mass_per_length": "1 + phi(0.5)"}}, "rod.mass_per_length", "sensor"),
+        ({"bodies": [TANK | {"mass": "1 + s"}]}, "bodies[0].mass", "s"),
+        ({"rod": ROD | {"bending_stiffness": "1 + t"}}, "rod.bending_stiffness", "t"),
+        ({"parameters": {"mu": 1.0, "body_tank_mass_1": 2.0}}, "parameters.body_tank_mass_1", ""),
+    ],
+)
+def test_what_no_tank_does_is_refused(tables: dict[str, Any], field: str, said: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        _scene(**tables)
+    assert caught.value.field == field
+    assert said in caught.value.allowed

@@ -1,0 +1,55 @@
+"""The derivations agree for rods that differ along their length: every joint or link its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import pytest
+from sympy import Expr
+
+from rodgen.derive import general
+from rodgen.derive.loads import TERMS
+from rodgen.derive.proofs import Comparison, DisagreementError, comparisons
+from rodgen.derive.proofs.any_n import prove_any_n
+from rodgen.derive.proofs.joint_forces import prove_joint_forces
+from rodgen.derive.proofs.points import prove_at_points
+from rodgen.derive.rod import Rod
+from rodgen.model.rod import BOUNDARIES, INERTIAS
+from tests.palette import UNEVEN, carries, cases
+
+
+@cases(
+    "boundary, links, inertia, uneven",
+    *(BOUNDARIES, (1, 2, 3, 6), INERTIAS, UNEVEN),
+    where=carries,
+    strength=1,
+)
+def test_all_derivations_agree(
+    boundary: str, links: int, inertia: str, uneven: tuple[str, ...]
+) -> None:
+    held = list(comparisons(links, boundary, inertia, TERMS, links < 6, 6, uneven))
+    assert {"M", "Q", "accelerations"} <= {c.name for c in held}
+
+
+@pytest.mark.parametrize(
+    "prove",
+    [
+        lambda: prove_any_n("free", "uniform", (), ("stiffness",)),
+        lambda: prove_at_points(70, "free", "uniform", (), ("stiffness",)),
+        lambda: prove_joint_forces(4, "free", "uniform", (), ("stiffness",)),
+    ],
+    ids=["any n", "points", "joint forces"],
+)
+def test_the_spring_of_another_joint_is_found(
+    prove: Callable[[], Iterator[Comparison]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(general, "Rod", NextJoint)
+    with pytest.raises(DisagreementError):
+        list(prove())
+
+
+class NextJoint(Rod):
+    """A rod whose springs stand a joint too far."""
+
+    def stiffness(self, at: Expr | int, size: int = 1) -> Expr:
+        return super().stiffness(at + 1, size)
