@@ -1,19 +1,17 @@
-"""Blocks of points, computed in one go."""
+"""Points of a study to what is kept of them: no Dask, no files, and no exception for a point."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from time import process_time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.endings import FAILED, FINISHED
-from rodgen.integrate.simulate import simulate
-from rodgen.scene import SceneError
-from rodgen.studies.keep import variables
+from rodgen.studies import analyses, runs
+from rodgen.studies.keep import RUN, variables
+from rodgen.studies.made import Made
 
 if TYPE_CHECKING:
     from rodgen.studies.specification import Study
@@ -21,31 +19,23 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Block:
-    """What came out of points: arrays by the names of the variables, first axis the points."""
+    """What is kept of some points: arrays by the names of variables, first axis the points."""
 
-    arrays: Mapping[str, NDArray[Any]]
+    arrays: dict[str, NDArray[Any]]
 
 
-def evaluate(study: Study, points: Sequence[Mapping[str, Any]], indices: Sequence[int]) -> Block:
-    """Compute points of a study."""
-    kept = variables(study)
-    arrays = {
-        one.name: np.full(
-            (len(points), *one.shape),
-            one.fill,
-            np.dtypes.StringDType() if one.dtype.startswith("U") else one.dtype,
-        )
-        for one in kept
-    }
-    for at, point in enumerate(points):
-        begun = process_time()
-        try:
-            solution = simulate(study.scene_at(point))
-            for one, how in zip(kept, study.keep, strict=False):
-                arrays[one.name][at] = how(solution) if callable(how) else solution.energy_error
-            arrays["energy_error"][at] = np.nan
-            arrays["status"][at] = FINISHED
-        except SceneError as error:
-            arrays["status"][at], arrays["message"][at] = FAILED, str(error)
-        arrays["seconds"][at] = process_time() - begun
-    return Block(arrays)
+def evaluate(
+    study: Study, points: Sequence[Mapping[str, Any]], indices: Sequence[int] = ()
+) -> Block:
+    """What a study keeps of some of its points.
+
+    points: values by varied names; indices: their numbers in the study, which nothing depends on.
+    A point that cannot be built or computed has status "failed", its reason as message, and fill
+    values. But for `seconds`, what comes out of a point does not depend on the others, their
+    number or order, to the bit. Raises SceneError for a study that keeps what there is not.
+    """
+    made = Made(variables(study), len(points))
+    given = [dict(point) for point in points]
+    with np.errstate(all="ignore"):
+        (runs if study.what == RUN else analyses).compute(study, given, made)
+    return Block(made.arrays)
