@@ -315,12 +315,31 @@ static void samples(struct many *m, const double *kept, const double *next)
         if (dense)
             between(m, h, x, m->sample);
         blend(inner, m->on, m->all, m->sample);
+        SIDE_BY_SIDE
+            m->sample[(m->all - 1) * LANES + w] += inner[w] * m->come[w];
         rodgen_take_samples(m, due, t, m->sample);
         SIDE_BY_SIDE {
             due[w] = due[w] > 0.0 && next_sample(m, m->lane + w) <= next[w] ? 1.0 : 0.0;
             any |= due[w] > 0.0;
         }
     }
+}
+
+/* The work, until now, of masses that jump where the stretches of steps that are kept end. */
+static void have_come(struct many *m, const double *kept, const double *next)
+{
+    double high[LANES];
+    int any = 0;
+    SIDE_BY_SIDE {
+        any |= kept[w] > 0.0 && next[w] == m->lane[w].is.end;
+        high[w] = m->lane[w].is.high;
+        m->come[w] = 0.0;
+    }
+    if (!any || !m->job->energies)
+        return;
+    rodgen_masses_gain(m, m->on, high, next, m->come);
+    SIDE_BY_SIDE
+        m->come[w] = kept[w] > 0.0 && next[w] == m->lane[w].is.end ? m->come[w] : 0.0;
 }
 
 void rodgen_lanes_step(struct many *m, double *kept)
@@ -331,8 +350,11 @@ void rodgen_lanes_step(struct many *m, double *kept)
         look(m);
     choose(m, going, h, next);
     (dop853_too ? try_dop853 : try_fixed)(m, going, h, next, kept);
+    have_come(m, kept, next);
     samples(m, kept, next);
     blend(kept, m->on, m->all, m->y);
+    SIDE_BY_SIDE
+        m->y[(m->all - 1) * LANES + w] += m->come[w];
     blend(kept, m->k[AFTER], m->all, m->k[0]);
     SIDE_BY_SIDE {
         struct lane *const lane = m->lane + w;
