@@ -199,6 +199,14 @@ class Expression:
     def _tables(self) -> list[grammar.Table]:
         return list(grammar.tables(self._tree))
 
+    def takes(self, values: Mapping[str, float]) -> bool:
+        """Whether the parts of it that are constant stay finite with other values of some of its
+        numbers, as they are to be."""
+        names = self._values | {name: np.float64(value) for name, value in values.items()}
+        with np.errstate(all="ignore"):
+            parts = grammar.constants(self._tree, self._known)
+            return all(bool(np.isfinite(grammar.value_of(part, names))) for part in parts)
+
     def with_values(self, values: Mapping[str, float]) -> Expression:
         """The expression with values of its numbers; those of other names are left out."""
         known = tuple((name, float(values[name])) for name in self.names)
