@@ -94,3 +94,23 @@ def test_dop853_knows_the_fastest_motion_that_bounds_its_steps(
     assert run.numbers.modulus == pytest.approx(abs(fastest), rel=0.01)
     # Between the directions of a table it is a straight line.
     assert run.numbers.most == pytest.approx(limit("dop853", fastest), rel=0.05)
+
+
+@pytest.mark.parametrize("method", ["dop853", "gauss", "radau"])
+def test_a_tolerance_asks_for_no_more_than_rounding_leaves(model: ModuleType, method: str) -> None:
+    """Sixteen roundings of a state are the least that is asked for, in runs and in lanes: a
+    tolerance of nothing is one of 16 eps, to the bit."""
+    scene = Scene.from_dict(SMOOTH)
+    p, y0 = model.parameters(**scene.parameters), scene.initial_state()
+    least = 16 * np.finfo(float).eps
+    ends = []
+    for rtol in (0.0, 1e-30, least):
+        run = model.Run(method, 0.0, y0, p, rtol=rtol, atol=1e-14)
+        run.begin(0.01)
+        while (status := run.on(100, (), np.empty((0, len(run.state))))[0]) == model.PAUSED:
+            assert run.numbers.steps < 2000
+        assert status == model.REACHED
+        ends.append(run.state.copy())
+    np.testing.assert_array_equal(ends[0], ends[1])
+    # Of an angle below one turn all of its size counts, so that both tolerances are one.
+    np.testing.assert_array_equal(ends[0], ends[2])
