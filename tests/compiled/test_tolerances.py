@@ -114,3 +114,34 @@ def test_a_tolerance_asks_for_no_more_than_rounding_leaves(model: ModuleType, me
     np.testing.assert_array_equal(ends[0], ends[1])
     # Of an angle below one turn all of its size counts, so that both tolerances are one.
     np.testing.assert_array_equal(ends[0], ends[2])
+
+
+def test_dop853_keeps_to_what_added_states_allow() -> None:
+    """A lag of 1 ms beside a slow rod: steps end where it would be torn apart, in runs and in
+    lanes, and none is rejected for it. The bound is the root of the stability polynomial."""
+    tables = {
+        "loads": {"follower": {"force": 5.0, "angle": "z"}},
+        "states": {"z": {"rate": "(0.2*phi(0.5) - z)/tau"}, "w": {"rate": "(z - w)/(2*tau)"}},
+        "parameters": {"tau": 1e-3},
+    }
+    scene = Scene.from_dict(
+        {"name": "lag", "rod": SMOOTH["rod"], "initial": {"phi": "0.1*s"}} | tables
+    )
+    model = rodgen.build(scene, "c", parts=("flow", "power", "lanes"))
+    p, y0 = model.parameters(**scene.parameters), scene.initial_state()
+    run = model.Run("dop853", 0.0, y0, p, rtol=1e-5, atol=1e-7)
+    run.begin(1.0)
+    while run.on(1000, (), np.empty((0, len(run.state))))[0] == model.PAUSED:
+        pass
+    bound = limit("dop853", complex(-1e3))
+    # The table of bounds is rounded to a thousandth, and a slope is a difference over 1e-6.
+    assert run.numbers.most == pytest.approx(bound, rel=2e-3)
+    assert run.numbers.rejected == 0
+    assert run.numbers.steps == pytest.approx(1.0 / bound, rel=0.1)
+    how: dict[str, Any] = {"method": "dop853", "span": [0.0, 1.0], "rtol": 1e-5, "atol": 1e-7}
+    rods = np.tile(p, (3, 1))
+    rods[:, model.PARAMETERS.index("tau")] = 1e-3, 5e-4, 2e-3
+    made = rodgen.simulate_many(model, rods, y0, **how)
+    assert not made.rejected.any()
+    assert made.steps[0] == run.numbers.steps
+    assert made.steps[1] == pytest.approx(2.0 / bound, rel=0.1)
