@@ -295,8 +295,11 @@ class Expression:
 
     def followed(self, start: float, end: float) -> bool:
         """Whether its break points and swings are found, or it changes too often for that."""
-        kinks = all(sampled(kink, start, end)[2] for kink in self.kinks())
-        return kinks and _swing(self, start, end)[1]
+        return self.kinks_are_found(start, end) and _swing(self, start, end)[1]
+
+    def kinks_are_found(self, start: float, end: float) -> bool:
+        """Whether what it compares changes its sign no more often than can be looked at."""
+        return all(sampled(kink, start, end)[2] for kink in self.kinks())
 
     def divisors(self) -> list[Callable[[Any], Any]]:
         """Functions of the variable by which it divides."""

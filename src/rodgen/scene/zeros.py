@@ -20,6 +20,7 @@ SAMPLES = 4001  # to begin with
 MOST_SAMPLES = 2_000_000
 MORE = 3.01  # times as many: no whole number, for what repeats with the samples
 TOGETHER = 250  # places that are looked at together, by the memory that they take
+LOOKED_AT = 10  # places by which it is told how many samples are enough for all
 DIPS = 1000  # extrema that are looked at between samples
 
 # A method with error control sees a load at its stages alone. While nothing happens its steps grow
@@ -75,12 +76,19 @@ def sampled(
 
 def met(
     function: Callable[[Array, Array], Any], places: Array, start: float, end: float
-) -> list[float]:
+) -> list[float] | None:
     """When a function of times and places is zero at one of these places, from start to end; seen
-    where the sign changes between two samples."""
-    grid, found = np.linspace(start, end, SAMPLES), list[float]()
-    for some in np.array_split(places, -(-len(places) // TOGETHER)):
-        signs = np.sign(np.broadcast_to(function(grid[:, None], some), (SAMPLES, len(some))))
+    where the sign changes between two samples. None where it changes too often for that."""
+    some = places[:: -(-len(places) // LOOKED_AT)]
+    grid, found = np.empty(0), list[float]()
+    for place in some:
+        finer, _, enough = sampled(partial(_at, function, place), start, end)
+        if not enough:
+            return None
+        grid = max(grid, finer, key=len)
+    together = max(1, TOGETHER * SAMPLES // len(grid))
+    for some in np.array_split(places, -(-len(places) // together)):
+        signs = np.sign(np.broadcast_to(function(grid[:, None], some), (len(grid), len(some))))
         found += grid[np.nonzero((signs[1:-1] == 0) & (signs[:-2] * signs[2:] < 0))[0] + 1].tolist()
         at, where = np.nonzero(signs[:-1] * signs[1:] < 0)
         if len(at):
@@ -89,7 +97,7 @@ def met(
     return found
 
 
-def _at(function: Callable[[Array, Array], Any], places: Array, times: Array) -> Any:
+def _at(function: Callable[[Array, Array], Any], places: Any, times: Array) -> Any:
     return function(times, places)
 
 
