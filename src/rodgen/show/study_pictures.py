@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +16,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from rodgen.integrate.endings import FAILED, FINISHED
+from rodgen.integrate.endings import FAILED
 from rodgen.show.pictures import LINE, canvas, save_figures
+from rodgen.show.study_results import Results, logarithmic
 
 if TYPE_CHECKING:
     import xarray
@@ -29,12 +28,8 @@ MOST_PANELS = 16
 COLUMNS = 5  # of a scatter matrix, beside what is kept
 LEVELS = 8  # lines of a contour
 MANY = 3000  # points of a map beyond which those of a whole grid are not shown
-EVEN = 1e-6  # of the spacing in which an axis is linear or logarithmic
-SPREAD = 20.0  # largest over smallest, from which an axis of a sample is drawn logarithmic
-ALWAYS = "status", "message", "energy_error", "seconds"
 LOST = "tab:red"
 CLASSES = "#4c72b0", "#dd8452", "#55a868", "#8172b3", "#937860", "#64b5cd"
-NAMES = {"stable": {1: "stable", 0: "unstable", -1: "not known"}}
 
 
 def draw(dataset: xarray.Dataset, folder: Path) -> list[Path]:
@@ -65,110 +60,10 @@ def file_name(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "picture"
 
 
-@dataclass(frozen=True)
-class Results:
-    """What a study has given, as pictures ask for it."""
-
-    dataset: Any
-
-    @cached_property
-    def sampled(self) -> bool:
-        """Whether its points are a sample."""
-        return tuple(self.dataset["status"].dims) == ("point",) and "point" not in self.varied
-
-    @cached_property
-    def varied(self) -> tuple[str, ...]:
-        """Names of what is varied."""
-        dims = tuple(map(str, self.dataset["status"].dims))
-        if dims != ("point",) or _is_grid(self.dataset):
-            return dims
-        return tuple(str(n) for n, c in self.dataset.coords.items() if c.dims == dims != (n,))
-
-    @property
-    def axes(self) -> tuple[str, ...]:
-        """Names of what is varied, each with its values."""
-        return self.varied
-
-    @cached_property
-    def kept(self) -> list[str]:
-        """Names of what is kept, numbers of every point not among them."""
-        return [str(name) for name in self.dataset.data_vars if name not in ALWAYS]
-
-    @property
-    def title(self) -> str:
-        """What the study is called."""
-        return str(self.dataset.attrs.get("name", "study"))
-
-    def beyond(self, name: str) -> tuple[str, ...]:
-        """Dimensions of a variable beside those of the points."""
-        return tuple(str(d) for d in self.dataset[name].dims[self.status.ndim :])
-
-    def is_section(self, name: str) -> bool:
-        """Whether a variable has a value for every crossing."""
-        return any(dim.startswith("crossing") for dim in self.beyond(name))
-
-    @cached_property
-    def status(self) -> NDArray[Any]:
-        """Of all points."""
-        return np.asarray(self.dataset["status"].values).astype(str)
-
-    def label(self, name: str) -> str:
-        """A name with its unit."""
-        units = self.dataset[name].attrs.get("units", "") if name in self.dataset else ""
-        return f"{name} [{units}]" if units else name
-
-    def along(self, name: str) -> tuple[NDArray[np.float64], list[str]]:
-        """Values of an axis, as numbers, and their labels where they are text."""
-        values = np.asarray(self.dataset[name].values)
-        if values.dtype.kind in "iuf":
-            return values.astype(float), []
-        return np.arange(len(values), dtype=float), [str(value) for value in values]
-
-    def numbers(self, name: str) -> tuple[NDArray[np.float64], list[str]]:
-        """A variable of all points, not-a-number where it was not found; and of one that is whole
-        numbers or text, its classes, which the numbers count."""
-        values = np.asarray(self.dataset[name].values)
-        there = self.status == FINISHED
-        there = there.reshape(there.shape + (1,) * (values.ndim - there.ndim))
-        if values.dtype.kind == "f":
-            return np.where(there, values, np.nan), []
-        if values.dtype.kind in "iu" and name not in NAMES:
-            return np.where(there, values, np.nan), []
-        text = values.dtype.kind not in "iu"
-        shown = [str(v) if text else NAMES[name].get(int(v), str(v)) for v in values.flat]
-        found = sorted(
-            {
-                one
-                for one, is_ in zip(shown, np.broadcast_to(there, values.shape).flat, strict=True)
-                if is_
-            }
-        )
-        numbered = {one: at for at, one in enumerate(found)}
-        made = np.array([numbered.get(one, np.nan) for one in shown], dtype=float)
-        return np.where(there, made.reshape(values.shape), np.nan), found
-
-
-def _is_grid(dataset: Any) -> bool:
-    return (
-        "point" in dataset.coords
-        and dataset["point"].dims == ("point",)
-        and not any(c.dims == ("point",) for n, c in dataset.coords.items() if n != "point")
-    )
-
-
-def _logarithmic(values: NDArray[np.float64]) -> bool:
-    """Whether values lie evenly in the logarithm alone."""
-    if len(values) < 3 or not (values > 0).all():
-        return False
-    steps, plain = np.diff(np.log(values)), np.diff(values)
-    even = [np.ptp(one) <= EVEN * np.abs(one).max() for one in (steps, plain)]
-    return bool(even[0] and not even[1])
-
-
 def _set_axis(axes: Axes, of: Results, name: str, which: str) -> None:
     """Scale, label and ticks of an axis of a picture."""
     values, texts = of.along(name)
-    if _logarithmic(values):
+    if logarithmic(values):
         getattr(axes, f"set_{which}scale")("log")
     getattr(axes, f"set_{which}label")(of.label(name))
     if texts:
@@ -344,11 +239,11 @@ def _edges(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Borders between cells about values."""
     if len(values) < 2:
         return np.array([values[0] - 0.5, values[0] + 0.5])
-    logarithmic = _logarithmic(values)
-    at = np.log(values) if logarithmic else values
+    logs = logarithmic(values)
+    at = np.log(values) if logs else values
     middle = (at[1:] + at[:-1]) / 2
     made = np.concatenate(([2 * at[0] - middle[0]], middle, [2 * at[-1] - middle[-1]]))
-    return np.exp(made) if logarithmic else made
+    return np.exp(made) if logs else made
 
 
 def _legend(
