@@ -139,7 +139,7 @@ def _context(name: str) -> Context:
 
 
 def timed(study: Study) -> tuple[float, dict[tuple[str, ...], str]]:
-    """Processor time of a point [s], and the generated texts that it took, by their entries in the
+    """Time that a point takes [s], and the generated texts that it took, by their entries in the
     cache."""
     with cache.noted() as texts:
         seconds = task.timed(study)
@@ -218,7 +218,7 @@ class Cluster:
             _check_worker(worker, found, who())
 
     def timed(self, study: Study) -> tuple[float, dict[tuple[str, ...], str]]:
-        """Processor time of a point [s] and generated texts, as a worker finds them; where points
+        """Time that a point takes [s] and generated texts, as a worker finds them; where points
         kill their worker or take long, as long as a block, and no texts."""
         future = self.client.submit(timed, study, pure=False)
         events: queue.SimpleQueue[Any] = queue.SimpleQueue()

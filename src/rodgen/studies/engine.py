@@ -36,7 +36,7 @@ class Workers(Protocol):
     """Who computes blocks."""
 
     def timed(self, study: Study) -> tuple[float, Texts]:
-        """Processor time of a point [s], and generated texts by their entries in the cache."""
+        """Time that a point takes [s], and generated texts by their entries in the cache."""
         ...
 
     def compute(self, store: Store, blocks: Iterator[int], texts: Texts) -> Iterator[Done]:
@@ -48,7 +48,7 @@ class Here:
     """This process, which computes one block after the other."""
 
     def timed(self, study: Study) -> tuple[float, Texts]:
-        """Processor time of a point [s], and no texts."""
+        """Time that a point takes [s], and no texts."""
         from rodgen.studies import task
 
         return task.timed(study), {}

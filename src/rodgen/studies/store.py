@@ -23,9 +23,10 @@ from numpy.typing import NDArray
 
 from rodgen.loading.cache import PACKAGES, source_hash
 from rodgen.scene import SceneError
-from rodgen.studies.keep import Variable, variables
+from rodgen.studies.keep import variables
 from rodgen.studies.layout import Layout
 from rodgen.studies.points import Point
+from rodgen.studies.variable import Variable
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,9 +13,10 @@ from threadpoolctl import threadpool_limits
 
 from rodgen.integrate.endings import FAILED
 from rodgen.studies.block import evaluate
-from rodgen.studies.keep import Variable, variables
+from rodgen.studies.keep import variables
 from rodgen.studies.points import points
 from rodgen.studies.store import MARK, Store, text_or
+from rodgen.studies.variable import Variable
 
 if TYPE_CHECKING:
     from rodgen.studies.specification import Study
@@ -85,15 +86,14 @@ def joined(pieces: Sequence[Arrays]) -> Arrays:
 
 
 def timed(study: Study) -> float:
-    """Processor time of a point [s], of as many as take long enough to tell, from the middle of the
+    """Time that a point takes [s], of as many as take long enough to tell, from the middle of the
     study on."""
     count, each = study.count, 1
     while True:
         first = min(count // 2, count - each)
         indices = range(first, first + each)
-        begun = perf_counter()
         seconds = _seconds(study, indices)
-        if seconds >= ENOUGH and perf_counter() - begun < PATIENT:
+        if ENOUGH <= seconds <= PATIENT:
             seconds = min(seconds, _seconds(study, indices))  # the first may have been warming up
         if seconds >= ENOUGH or each == count:
             return seconds / each
@@ -101,4 +101,6 @@ def timed(study: Study) -> float:
 
 
 def _seconds(study: Study, indices: Sequence[int]) -> float:
-    return float(np.nansum(computed(study, indices)["seconds"]))
+    begun = perf_counter()
+    computed(study, indices)
+    return perf_counter() - begun
