@@ -140,6 +140,7 @@ class Family:
         self.system, self.load, self.unit = system, load, load.unit
         self._states: dict[float, Steady] = {}
         self._projected: dict[tuple[float, int], Dense] = {}
+        self._dense: dict[float, Dense] = {}
         self.straight = self.state(0.0).straight and self.state(self.unit).straight
         if self.straight:
             self._start, self._far = (linearised(self.state(P)) for P in (0.0, FAR * self.unit))
@@ -211,7 +212,7 @@ class Family:
                 pull = bare.eliminated(turn)[2].T
                 shapes = shapes - turn @ (pull @ shapes) / (pull @ turn)
             return -(found.s[first] ** 2).real, shapes / np.abs(shapes).max(axis=0)
-        dense = pencil.reduced()
+        dense = self._reduced(0.0)
         own = len(dense.K) - dense.added
         K, M = ((matrix + matrix.T)[:own, :own] / 2 for matrix in (dense.K, dense.M))
         squares, shapes = eigh(K, M)
@@ -325,5 +326,14 @@ class Family:
     def _on(self, force: float, modes: int) -> Dense:
         """By virtual work of so many motions."""
         if (force, modes) not in self._projected:
-            self._projected[force, modes] = self.at(force).on(self._modes[1][:, :modes])
+            here = self.at(force) if self.system.cells > MOST_DENSE else self._reduced(force)
+            self._projected[force, modes] = here.on(self._modes[1][:, :modes])
         return self._projected[force, modes]
+
+    def _reduced(self, force: float) -> Dense:
+        """The linearised equations under a load, of the angles alone."""
+        if force not in self._dense:
+            while len(self._dense) > KEPT:
+                self._dense.pop(next(iter(self._dense)))
+            self._dense[force] = self.at(force).reduced()
+        return self._dense[force]

@@ -148,6 +148,28 @@ static void stable_steps(struct many *m, const double *mask)
         }
 }
 
+/* The largest stable steps for the states that are added, in the lanes of a mask: no longer than those of the rod. */
+static void stable_steps_of_states(struct many *m, const double *mask)
+{
+    double *const restrict at = m->trial, *const f = m->k[15], by[LANES], t[LANES];
+    memcpy(at, m->y, (size_t)(m->all * LANES) * sizeof *at);
+    SIDE_BY_SIDE
+        t[w] = m->lane[w].is.t;
+    for (ptrdiff_t j = 2 * m->half; j < m->states; ++j) {
+        SIDE_BY_SIDE {
+            by[w] = state_by(m->y[j * LANES + w]);
+            at[j * LANES + w] += by[w];
+        }
+        rates(m, t, mask, at, f);
+        SIDE_BY_SIDE {
+            const ptrdiff_t i = j * LANES + w;
+            double *const most = &m->lane[w].is.most;
+            at[i] = m->y[i];
+            *most = mask[w] > 0.0 ? fmin(*most, longest_of_state((f[i] - m->k[0][i]) / by[w])) : *most;
+        }
+    }
+}
+
 /* Look at the largest eigenvalue in all lanes in which it is time to. */
 static void look(struct many *m)
 {
@@ -164,9 +186,14 @@ static void look(struct many *m)
             m->lane[w].due -= m->lane[w].due > 0;
         }
         stable_steps(m, mask);
-        SIDE_BY_SIDE
-            if (mask[w] > 0.0)
-                m->lane[w].is.looked = 0;
+        int last = 0;
+        SIDE_BY_SIDE {
+            mask[w] = mask[w] > 0.0 && m->lane[w].due == 0 ? 1.0 : 0.0;
+            last |= mask[w] > 0.0;
+            m->lane[w].is.looked = mask[w] > 0.0 ? 0 : m->lane[w].is.looked;
+        }
+        if (last)
+            stable_steps_of_states(m, mask);
     }
 }
 

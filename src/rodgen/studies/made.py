@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rodgen.integrate.endings import FAILED, FINISHED
-from rodgen.studies.keep import MESSAGE, Variable
+from rodgen.studies.variable import MESSAGE, Variable
 
 
 class Made:

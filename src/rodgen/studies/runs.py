@@ -19,7 +19,8 @@ from rodgen.integrate.stepper import Array
 from rodgen.loading import build_fastest
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.integration import AUTO
-from rodgen.studies.keep import PARTS, Kept, Sampled, Section, check_numbers, kept
+from rodgen.studies.keep import PARTS, check_numbers, kept
+from rodgen.studies.kept import Kept, Sampled, Section
 from rodgen.studies.made import Made
 from rodgen.studies.points import Point
 from rodgen.studies.reference import reference
