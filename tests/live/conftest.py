@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Locator, Page
+    from playwright.sync_api import Browser, Locator, LocatorAssertions, Page
 
 SCENES = Path(__file__).parents[2] / "scenes"
 # The rod of most tests, of a structure that others compile too (tests/palette.py).
@@ -53,13 +53,82 @@ ARGUMENTS = (
 )
 WIDE = {"width": 1280, "height": 800}
 T = TypeVar("T")
-PATIENT = 180_000  # ms that a busy machine may take, for a compilation too
+Loop = Callable[[], asyncio.AbstractEventLoop]
+PATIENT = 60.0  # seconds that a busy machine may take, for a compilation too
+# What a page sends on its own connection, in window.sent by the names of events, and the texts of
+# all notes that it shows, in window.notes; both from its first moment on.
+WATCHED = """
+    window.sent = [];
+    window.notes = [];
+    let socket;
+    Object.defineProperty(window, "socket", {
+        get: () => socket,
+        set(given) {
+            socket = given;
+            const emit = given.emit;
+            given.emit = function (name, message, ...rest) {
+                const of = name === "event" && mounted_app.elements[message.id];
+                const listens = (of?.events ?? []).find(e => e.listener_id === message.listener_id);
+                if (listens) sent.push(listens.type);
+                return emit.call(this, name, message, ...rest);
+            };
+        },
+    });
+    new MutationObserver(changes => {
+        for (const { addedNodes } of changes) for (const node of addedNodes) {
+            const found = node.matches?.(".q-notification") ? [node]
+                : node.querySelectorAll?.(".q-notification") ?? [];
+            notes.push(...[...found].map(note => note.textContent).filter(text => text));
+        }
+    }).observe(document, { childList: true, subtree: true });
+"""
+# A question about no element of the page: the server answers it after all that came before.
+ASK = """new Promise(answered =>
+    socket.emit("event", { client_id: clientId, id: -1, listener_id: "", args: [] }, answered))"""
 
 
-def finished(work: Coroutine[Any, Any, T]) -> T:
-    """What comes of it, in a thread of its own: a browser may have the loop of this one."""
+def until(
+    look: Callable[[], T],
+    wanted: T | Callable[[T], bool],
+    what: str,
+    rest: Callable[[float], object] = time.sleep,
+) -> T:
+    """What is seen, once it is as wanted: equal to that, or such that it says so. If it never is,
+    fail with `what`, and with what was seen last."""
+    end = time.monotonic() + PATIENT
+    while True:
+        seen = look()
+        if wanted(seen) if callable(wanted) else seen == wanted:
+            return seen
+        assert time.monotonic() < end, f"{what}: {seen!r}"
+        rest(0.03)
+
+
+def runs(process: int) -> bool:
+    """Whether a process is there, and not only its entry; to be asked where there is /proc."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def expect(locator: Locator) -> LocatorAssertions:
+    """Playwright's assertions, which wait for what they assert."""
+    from playwright import sync_api
+
+    return sync_api.expect(locator)
+
+
+def finished(work: Coroutine[Any, Any, T], loop: Loop | None = None) -> T:
+    """What comes of it, in a thread of its own: a browser may have the loop of this one. loop: makes
+    the one that is used, by default asyncio's."""
+
+    def run() -> T:
+        with asyncio.Runner(loop_factory=loop) as runner:
+            return runner.run(work)
+
     with ThreadPoolExecutor(1) as thread:
-        return thread.submit(asyncio.run, work).result()
+        return thread.submit(run).result()
 
 
 class Clock:
@@ -103,7 +172,7 @@ class Server:
     def end(self) -> tuple[int, str]:
         """By Ctrl-C; its exit status and what it wrote."""
         self.process.send_signal(signal.SIGINT)
-        out, err = self.process.communicate(timeout=20)
+        out, err = self.process.communicate(timeout=PATIENT)
         return self.process.returncode, out + err
 
 
@@ -172,8 +241,11 @@ def browser() -> Iterator[Browser]:
         pytest.skip(f"no browser is installed (looked for {', '.join(NAMES)})")
     pytest.importorskip("nicegui", reason="the extra view is not installed")
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    playwright.expect.set_options(timeout=1000 * PATIENT)
     with playwright.sync_playwright() as driver:
-        started = driver.chromium.launch(executable_path=path, args=ARGUMENTS)
+        started = driver.chromium.launch(
+            executable_path=path, args=ARGUMENTS, timeout=1000 * PATIENT
+        )
         yield started
         started.close()
 
@@ -185,7 +257,8 @@ class View:
         self.page = page
         self.errors: list[str] = []
         self.asked: list[str] = []
-        page.set_default_timeout(PATIENT)
+        page.set_default_timeout(1000 * PATIENT)
+        page.add_init_script(WATCHED)
         page.on("pageerror", lambda error: self.errors.append(str(error)))
         page.on("request", lambda request: self.asked.append(request.url))
 
@@ -193,15 +266,69 @@ class View:
         self.page.goto(address)
         return self.ready()
 
+    def reload(self) -> View:
+        """Load the page again, after all that was done on it has reached the server."""
+        self.answered()
+        self.page.reload()
+        return self.ready()
+
     def ready(self) -> View:
-        """The page is built and has drawn something."""
-        self.button("Run (").or_(self.button("Pause (")).first.wait_for()
-        self.until(lambda: self.live("frames") >= 1, "nothing is drawn")
+        """The page is built, its parts stand where they will stay, and the rod and the plots are
+        drawn."""
+        expect(self.button("Run (").or_(self.button("Pause ("))).to_be_visible()
+        self.page.evaluate("document.fonts.ready.then(() => null)")
+        self.until(lambda: self.live("frames"), lambda count: count >= 1, "nothing is drawn")
+        draws = "Object.values(rodgenLive.plots ?? {}).map(({ draws }) => draws)"
+        self.sees(draws, lambda found: len(found) > 1 and min(found) > 0, "plots are not drawn")
         return self
+
+    def until(self, look: Callable[[], T], wanted: T | Callable[[T], bool], what: str) -> T:
+        """Wait for something, while the browser goes on (see `until` above)."""
+        return until(look, wanted, what, lambda pause: self.page.wait_for_timeout(1000 * pause))
+
+    def sees(self, script: str, wanted: Any, what: str) -> Any:
+        """Wait until a piece of JavaScript gives what is wanted."""
+        return self.until(lambda: self.page.evaluate(script), wanted, what)
+
+    def answered(self) -> View:
+        """The server has got all that the page has sent up to now."""
+        self.page.evaluate(ASK)
+        return self
+
+    def sent(self) -> list[str]:
+        """Events that the page has sent since the last question, by their names."""
+        found: list[str] = self.page.evaluate("sent.splice(0)")
+        return found
+
+    def notes(self) -> list[str]:
+        """All notes that the page has shown, gone or not."""
+        found: list[str] = self.page.evaluate("notes")
+        return found
+
+    def noted(self, text: str, count: int = 1) -> View:
+        """So many notes with a text in them are or were shown."""
+        self.until(
+            self.notes,
+            lambda notes: sum(text in note for note in notes) == count,
+            f"not noted {count} times: {text}",
+        )
+        return self
+
+    def close_notes(self) -> None:
+        """By their buttons, those that have not gone by themselves."""
+        self.page.evaluate(
+            "document.querySelectorAll('.q-notification button').forEach(b => b.click())"
+        )
+        expect(self.page.locator(".q-notification")).to_have_count(0)
 
     def live(self, key: str) -> float:
         """A number of window.rodgenLive: t, frames, fps."""
         return float(self.page.evaluate(f"window.rodgenLive?.{key} ?? -1"))
+
+    def state(self, state: str) -> View:
+        """The run is in that state, and so is what is drawn."""
+        self.sees("window.rodgenLive?.state", state, f"not {state}")
+        return self
 
     def text(self, key: str) -> str:
         """What stands in a row of the panel of values, once something does."""
@@ -230,20 +357,27 @@ class View:
 
     def run(self) -> View:
         self.button("Run (").click()
-        self.button("Pause (").wait_for()
-        return self
+        expect(self.button("Pause (")).to_be_visible()
+        return self.state("running")
 
     def pause(self) -> View:
         self.button("Pause (").click()
-        self.button("Run (").wait_for()
+        expect(self.button("Run (")).to_be_visible()
+        return self.state("paused")
+
+    def passes(self, t: float) -> View:
+        """So many seconds more of the scene pass."""
+        since = self.live("t")
+        self.until(lambda: self.live("t") - since, lambda past: past > t, "time does not pass")
         return self
 
     def pause_after(self, t: float) -> View:
         """Run for so many seconds more of the scene, and hold."""
-        wanted = self.live("t") + t
-        self.run()
-        self.until(lambda: self.live("t") > wanted, "time does not pass")
-        return self.pause()
+        return self.run().passes(t).pause()
+
+    def dark(self) -> bool:
+        """Whether the page is dark."""
+        return bool(self.page.evaluate("document.body.classList.contains('body--dark')"))
 
     def select(self, name: str, option: str) -> None:
         """Choose from a list."""
@@ -264,13 +398,13 @@ class View:
                 options.filter(has_text=f"({name})").first.click()
             if label == "quantities":
                 self.page.keyboard.press("Escape")
-            self.until(lambda: options.count() == 0, "the names stay")
+            expect(options).to_have_count(0)
         return dialog
 
     def add_plot(self, kind: str, **chosen: str) -> None:
         dialog = self.plot_dialog(kind, **chosen)
         dialog.get_by_role("button", name="Add").click()
-        dialog.wait_for(state="hidden")
+        expect(dialog).to_have_count(0)
 
     def download(self, button: Locator) -> Path:
         """The file that a button gives."""
@@ -283,15 +417,6 @@ class View:
         path = self.download(self.page.get_by_role("button", name="CSV").nth(plot))
         head, *rows = csv.reader(io.StringIO(path.read_text(encoding="utf-8")))
         return head, np.array(rows, dtype=float)
-
-    def until(
-        self, true: Callable[[], bool], otherwise: str, seconds: float = PATIENT / 1000
-    ) -> None:
-        """Wait for something; fail with `otherwise`."""
-        end = time.monotonic() + seconds
-        while not true():
-            assert time.monotonic() < end, otherwise
-            self.page.wait_for_timeout(50)
 
 
 @pytest.fixture
