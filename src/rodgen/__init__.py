@@ -35,6 +35,9 @@ if TYPE_CHECKING:
     from rodgen.integrate.many import simulate_many
     from rodgen.loading import BuildError, build
     from rodgen.scene import Scene, SceneError, Structure
+    from rodgen.studies.engine import study
+    from rodgen.studies.errors import StudyError
+    from rodgen.studies.specification import Study
 
 _HOMES = {
     "Scene": "rodgen.scene",
@@ -68,6 +71,9 @@ _HOMES = {
     "Extrapolation": "rodgen.analyse.extrapolate",
     "work_precision": "rodgen.analyse.precision.work_precision",
     "WorkPrecision": "rodgen.analyse.precision.work_precision",
+    "study": "rodgen.studies.engine",
+    "Study": "rodgen.studies.specification",
+    "StudyError": "rodgen.studies.errors",
     "AnalysisError": "rodgen.analyse.errors",
     "MeshWarning": "rodgen.analyse.errors",
 }
@@ -92,6 +98,8 @@ __all__ = [
     "Spectrum",
     "StepWarning",
     "Structure",
+    "Study",
+    "StudyError",
     "WorkPrecision",
     "build",
     "choose",
@@ -105,6 +113,7 @@ __all__ = [
     "simulated_critical_force",
     "spectrum",
     "static_equilibrium",
+    "study",
     "work_precision",
 ]
 

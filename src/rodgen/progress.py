@@ -77,6 +77,27 @@ def running(what: str, start: float, end: float) -> Iterator[Callable[[float], N
         yield step
 
 
+@contextmanager
+def counting(what: str, total: int, before: int = 0) -> Iterator[Callable[[int, int], None]]:
+    """A callback that is given how many points were computed, and how many of them failed; it shows
+    how many there are of the total, so many of which were there before, how fast they come, and
+    what time is left."""
+    begun, done, failed = perf_counter(), 0, 0
+
+    def step(count: int, bad: int) -> None:
+        nonlocal done, failed
+        done, failed = done + count, failed + bad
+        rate = done / max(perf_counter() - begun, 1e-9)
+        lost = f", {failed} failed" if failed else ""
+        bar.show(before + done, f"{before + done} of {total} points, {rate:.3g} 1/s{lost}")
+
+    if not _shows():
+        yield lambda *_: None
+        return
+    with _Bar(what, total, remaining=True) as bar, telling(lambda stage: bar.show(before, stage)):
+        yield step
+
+
 def _shows() -> bool:
     """Whether somebody sees a bar: in a terminal or a notebook, not behind a pool or a server, nor
     where somebody is told already."""

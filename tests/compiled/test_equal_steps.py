@@ -62,6 +62,39 @@ def test_both_targets_take_the_same_steps() -> None:
     np.testing.assert_allclose(compiled.phi, exact.phi, rtol=0, atol=1e-7)
 
 
+def test_states_inside_a_step_are_of_its_order_whatever_step_derivatives_are_of() -> None:
+    """Both targets alike, to what rounding leaves in Newton's method; and beside DOP853."""
+    off = []
+    for h in (0.006, 0.003):
+        times = ((np.arange(0.96 / h) + 0.2) * h).tolist()
+        span = {"method": "gauss", "step": h, "span": [0.0, 0.96], "t_eval": times}
+        scene = Scene.from_dict(SMOOTH | {"integrate": span})
+        compiled, walked = (rodgen.simulate(scene, target=target) for target in ("c", "numpy"))
+        assert compiled.stats.jacobian == walked.stats.jacobian < 20
+        np.testing.assert_allclose(compiled.y, walked.y, rtol=0, atol=1e-11)
+        how: dict[str, Any] = {"method": "dop853", "rtol": 1e-13, "atol": 1e-14}
+        exact = rodgen.simulate(scene, target="c", **how)
+        off.append(np.abs(compiled.y - exact.y).max())
+    # With the derivatives of an older step in what a step lacks it was of order 5.
+    assert np.log2(off[0] / off[1]) > 5.5
+
+
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_the_last_step_is_as_long_as_what_is_left(bent: Scene, target: str) -> None:
+    """Three steps of 4 ms and one of 2 ms: those of a run to 12 ms and of another from there."""
+    whole = rodgen.simulate(bent, target=target, span=[0.0, 0.014], output_every=0.014)
+    first = rodgen.simulate(bent, target=target, span=[0.0, 0.012], output_every=0.012)
+    how: dict[str, Any] = {"span": [0.012, 0.014], "output_every": 0.002, "step": 0.002}
+    second = rodgen.simulate(bent, target=target, y0=first.y[-1], **how)
+    assert (whole.stats.steps, first.stats.steps, second.stats.steps) == (4, 3, 1)
+    np.testing.assert_allclose(whole.y[-1], second.y[-1], rtol=0, atol=1e-12)
+    # One that would be a millionth of the others is not taken.
+    nearly = rodgen.simulate(
+        bent, target=target, span=[0.0, 0.012 * (1 + 1e-8)], output_every=0.012
+    )
+    assert nearly.stats.steps == 3
+
+
 def test_a_step_of_another_length_has_the_error_of_order_six(bent: Scene) -> None:
     exact = rodgen.simulate(bent, method="dop853", rtol=1e-12, atol=1e-13, target="c").y[-1]
     steps = np.array([1e-3, 1.25e-3, 2e-3])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 
 from rodgen import build
 from rodgen.integrate.files.layout import GIVEN, PARAMETERS, changes_in
@@ -32,6 +33,39 @@ def test_a_table_is_alike_in_both_targets_and_in_the_scene(t: float) -> None:
     np.testing.assert_allclose(numpy.forces(t, y, p)["tip_load"][-1], due, rtol=1e-13, atol=1e-12)
     # A hundred roundings of accelerations of some thousands.
     np.testing.assert_allclose(c.rhs(t, y, p), numpy.rhs(t, y, p), rtol=1e-12, atol=1e-9)
+
+
+# Knots and values of four, by what the slope at an end is: that of a parabola, zero where that
+# would go the other way, and no more than three times the chord where the next one turns back.
+TABLES = {
+    "parabola": ([0.0, 0.3, 0.5, 1.0], [0.0, 2.0, 3.0, 3.5]),
+    "zero": ([0.0, 0.2, 0.3, 0.5], [0.0, 0.1, 3.0, 3.05]),
+    "three chords": ([0.0, 0.4, 0.5, 1.0], [0.0, 1.0, -9.0, -8.0]),
+    "both ends": ([0.0, 0.5, 0.6, 1.0], [5.0, 4.0, 9.0, 7.0]),
+    "flat": ([0.0, 0.2, 0.6, 1.0], [1.0, 1.0, 2.0, 2.0]),
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_cubic_table_is_that_of_scipy(name: str) -> None:
+    """PchipInterpolator has another code for the slopes at the ends, where they differ by kind."""
+    numpy, c = build(SCENE), build(SCENE, target="c")
+    knots, values = TABLES[name]
+    due = PchipInterpolator(knots, values)
+    p = c.parameters(**SCENE.parameters)
+    at = SCENE.structure.positions
+    for number, (knot, value) in enumerate(zip(knots, values, strict=True), 1):
+        p[at[f"tip_force_x_knot_{number}"]] = knot
+        p[at[f"tip_force_x_value_{number}"]] = value
+    y, linear = np.zeros(len(c.STATE)), {}
+    for t in np.linspace(0.0, 1.0, 41):
+        force = float(due(min(t, knots[-1]))) + 4.0 * t**2
+        assert numpy.forces(t, y, p)["tip_load"][-1][0] == pytest.approx(
+            force, rel=1e-12, abs=1e-12
+        )
+        # Along a straight rod that is free: its mass of 3 kg under the force at its tail.
+        linear[t] = 3.0 * c.rhs(t, y, p)[len(y) // 2]
+        assert linear[t] == pytest.approx(force, rel=1e-12, abs=1e-12)
 
 
 def test_each_rod_of_a_batch_has_numbers_of_its_own() -> None:

@@ -94,3 +94,54 @@ def test_dop853_knows_the_fastest_motion_that_bounds_its_steps(
     assert run.numbers.modulus == pytest.approx(abs(fastest), rel=0.01)
     # Between the directions of a table it is a straight line.
     assert run.numbers.most == pytest.approx(limit("dop853", fastest), rel=0.05)
+
+
+@pytest.mark.parametrize("method", ["dop853", "gauss", "radau"])
+def test_a_tolerance_asks_for_no_more_than_rounding_leaves(model: ModuleType, method: str) -> None:
+    """Sixteen roundings of a state are the least that is asked for, in runs and in lanes: a
+    tolerance of nothing is one of 16 eps, to the bit."""
+    scene = Scene.from_dict(SMOOTH)
+    p, y0 = model.parameters(**scene.parameters), scene.initial_state()
+    least = 16 * np.finfo(float).eps
+    ends = []
+    for rtol in (0.0, 1e-30, least):
+        run = model.Run(method, 0.0, y0, p, rtol=rtol, atol=1e-14)
+        run.begin(0.01)
+        while (status := run.on(100, (), np.empty((0, len(run.state))))[0]) == model.PAUSED:
+            assert run.numbers.steps < 2000
+        assert status == model.REACHED
+        ends.append(run.state.copy())
+    np.testing.assert_array_equal(ends[0], ends[1])
+    # Of an angle below one turn all of its size counts, so that both tolerances are one.
+    np.testing.assert_array_equal(ends[0], ends[2])
+
+
+def test_dop853_keeps_to_what_added_states_allow() -> None:
+    """A lag of 1 ms beside a slow rod: steps end where it would be torn apart, in runs and in
+    lanes, and none is rejected for it. The bound is the root of the stability polynomial."""
+    tables = {
+        "loads": {"follower": {"force": 5.0, "angle": "z"}},
+        "states": {"z": {"rate": "(0.2*phi(0.5) - z)/tau"}, "w": {"rate": "(z - w)/(2*tau)"}},
+        "parameters": {"tau": 1e-3},
+    }
+    scene = Scene.from_dict(
+        {"name": "lag", "rod": SMOOTH["rod"], "initial": {"phi": "0.1*s"}} | tables
+    )
+    model = rodgen.build(scene, "c", parts=("flow", "power", "lanes"))
+    p, y0 = model.parameters(**scene.parameters), scene.initial_state()
+    run = model.Run("dop853", 0.0, y0, p, rtol=1e-5, atol=1e-7)
+    run.begin(1.0)
+    while run.on(1000, (), np.empty((0, len(run.state))))[0] == model.PAUSED:
+        pass
+    bound = limit("dop853", complex(-1e3))
+    # The table of bounds is rounded to a thousandth, and a slope is a difference over 1e-6.
+    assert run.numbers.most == pytest.approx(bound, rel=2e-3)
+    assert run.numbers.rejected == 0
+    assert run.numbers.steps == pytest.approx(1.0 / bound, rel=0.1)
+    how: dict[str, Any] = {"method": "dop853", "span": [0.0, 1.0], "rtol": 1e-5, "atol": 1e-7}
+    rods = np.tile(p, (3, 1))
+    rods[:, model.PARAMETERS.index("tau")] = 1e-3, 5e-4, 2e-3
+    made = rodgen.simulate_many(model, rods, y0, **how)
+    assert not made.rejected.any()
+    assert made.steps[0] == run.numbers.steps
+    assert made.steps[1] == pytest.approx(2.0 / bound, rel=0.1)

@@ -11,6 +11,11 @@ from scipy.integrate import quad
 import rodgen
 from rodgen.check.module import check_module
 from rodgen.emit.targets import FORMS
+from rodgen.integrate.events import Watch
+from rodgen.integrate.live import Live
+from rodgen.integrate.methods.choose import machine
+from rodgen.integrate.samples import Recorder
+from rodgen.integrate.stretches import inside
 from rodgen.loading import build
 from rodgen.loading.module import asked
 from rodgen.scene import Scene, SceneError
@@ -150,3 +155,115 @@ def test_what_no_tank_does_is_refused(tables: dict[str, Any], field: str, said: 
         _scene(**tables)
     assert caught.value.field == field
     assert said in caught.value.allowed
+
+
+# Jumps -------------------------------------------------------------------------------------------
+
+JUMPS: dict[str, Any] = {
+    "rod": ROD | {"mass_per_length": "4 if s < t else 9"},
+    "bodies": [TANK | {"mass": "9 if t <= 0.25 else 4"}],
+    "integrate": {"span": [0.0, 1.0], "output_every": 0.05},
+}
+BENDS: dict[str, Any] = {
+    "loads": {"follower": {"force": 50.0, "angle": 0.1}, "gravity": {}},
+    "initial": {"phi": "0.3*sin(4*s)", "omega": "2*s"},
+}
+# The tolerance of the run, or the error of steps of 1 ms, of the 200 J that the thrust brings.
+HOW: dict[str, tuple[dict[str, float], float]] = {
+    "dop853": ({"rtol": 1e-10, "atol": 1e-11}, 1e-7),
+    "gauss": ({"rtol": 1e-8, "atol": 1e-10}, 1e-5),
+    "radau": ({"rtol": 1e-8, "atol": 1e-10}, 1e-5),
+    "rk4": ({"step": 1e-3}, 1e-4),
+}
+
+
+@pytest.mark.parametrize("target", ["numpy", "c"])
+@pytest.mark.parametrize("method", HOW)
+def test_a_mass_that_jumps_takes_its_energy_along(method: str, target: str) -> None:
+    """A tank that is dropped, and a front that passes the points of the links; a sample at the jump
+    has the masses of that time, be it the first of the new or the last of the old."""
+    settings, least = HOW[method]
+    sol = rodgen.simulate(_scene(**JUMPS, **BENDS), target=target, method=method, **settings)
+    assert 0.25 in sol.t
+    assert sol.work["emptying"][-1] < -50
+    assert sol.energy_error < least
+
+
+@pytest.mark.parametrize("target", ["numpy", "c"])
+@pytest.mark.parametrize("method", ["dop853", "rk4"])
+def test_what_is_dropped_has_the_velocity_of_its_place(method: str, target: str) -> None:
+    """A straight rod under a thrust along it, of which all moves alike: m v' = P between the jumps,
+    and each mass dm takes dm v^2/2."""
+    masses = [TANK | {"mass": "9 if t < 0.5 else 4"}]
+    rod = ROD | {"mass_per_length": "9 if t < 0.7 else 4"}
+    scene = _scene(rod=rod, bodies=masses, integrate={"span": [0.0, 1.0], "output_every": 0.1})
+    settings = HOW[method][0]
+    sol = rodgen.simulate(scene, target=target, method=method, **settings)
+    ends, mass, v, taken = (0.5, 0.7, 1.0), (27.0, 22.0, 12.0, 12.0), 0.0, 0.0
+    for start, end, now, then in zip((0.0, *ends), ends, mass, mass[1:], strict=False):
+        v += 50 / now * (end - start)
+        taken += (then - now) * v**2 / 2
+    assert -sol.y[-1][6] == pytest.approx(v, rel=1e-9)
+    assert sol.work["emptying"][-1] == pytest.approx(taken, rel=1e-9)
+    at = np.searchsorted(sol.t, 0.5)
+    # At the jump itself the law says what is left: its work is done.
+    assert sol.work["emptying"][at] == pytest.approx(-5 * (25 / 27) ** 2 / 2, rel=1e-9)
+    assert sol.work["emptying"][at - 1] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("method", ["dop853", "rk4"])
+def test_many_runs_account_for_jumps(method: str) -> None:
+    """In lanes, where every rod jumps at a time of its own, as one by one, with steps of C."""
+    scene = _scene(**JUMPS, **BENDS)
+    model, settings = build(scene, "c"), {"method": method, **HOW[method][0]}
+    p = np.tile(model.parameters(**scene.parameters), (3, 1))
+    p[:, model.PARAMETERS.index("body_tank_mass_2")] = 0.25, 0.3, 2.0
+    keep = ["last(total_energy)", "last(work_emptying)", "max(kinetic_energy)"]
+    span = {"span": [0.0, 1.0], "output_every": 0.05}
+    beside, single = (
+        rodgen.simulate_many(
+            model, p, scene.initial_state(), keep=[*keep, *more], **span, **settings
+        )
+        for more in ([], ["last(tip_vx)"])
+    )
+    assert max(beside.energy_error) < HOW[method][1]
+    assert max(single.energy_error) < HOW[method][1]
+    for name in keep:
+        np.testing.assert_allclose(beside[name], single[name], rtol=1e-7)
+    np.testing.assert_allclose(beside.work["emptying"], single.work["emptying"], rtol=1e-7)
+    np.testing.assert_allclose(beside.work["emptying"], beside["last(work_emptying)"], rtol=1e-12)
+
+
+def test_a_run_without_an_end_and_one_that_goes_on_account_for_jumps() -> None:
+    scene = _scene(**JUMPS, **BENDS).with_integrate(method="dop853", rtol=1e-10, atol=1e-11)
+    model = build(scene, "c")
+    live = Live(scene, model, 0.05)
+    samples = live.advance(0.9, 60.0)
+    p = model.parameters(**scene.parameters)
+    energy = sum(asked(model, "energy", samples.t, samples.y, p))
+    balance = energy - live.energy_start - samples.work.sum(axis=1)
+    np.testing.assert_allclose(balance, 0.0, atol=1e-7)
+    # Put down at a jump and taken up: to the bit what it would have been.
+    works = []
+    for stops in ((), (0.25,)):
+        run = machine(model, p, scene.integrate, 0.0, scene.initial_state())
+        for end in scene.breaks():
+            run.begin(end, *inside(run.t, end), np.inf)
+            recorder, watch = Recorder(np.empty(0), len(run.y), model.WORKS), Watch([], model, p)
+            while not run.advance(recorder, watch, 1000):
+                pass
+            if end in stops:
+                state = run.state()
+                run = machine(model, p, scene.integrate, 0.0, scene.initial_state())
+                run.restore(state)
+        works.append(run.works(recorder))
+    np.testing.assert_array_equal(*works)
+
+
+@pytest.mark.parametrize("mass", ["4 if s < abs(sin(3000*t)) else 9", "4 if sin(1e6*t) < 0 else 9"])
+def test_jumps_that_are_too_many_are_refused(mass: str) -> None:
+    scene = _scene(rod=ROD | {"mass_per_length": mass})
+    with pytest.raises(SceneError) as caught:
+        rodgen.simulate(scene, target="numpy")
+    assert caught.value.field == "rod.mass_per_length"
+    assert "energy" in caught.value.allowed

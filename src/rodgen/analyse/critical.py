@@ -131,7 +131,7 @@ def critical_force(
     low, high = _range(lowest, highest, family.unit)
     forces = grid(low, high, family.unit)
     search = Search(family, forces, BASIS, elastic)
-    growth = float(family.motions(forces[:1], BASIS, elastic).growth.max(initial=0.0))
+    growth = float(search.first.growth.max(initial=0.0))
     if growth and lowest is None and end == UPPER and not windows:
         raise AnalysisError(_unstable(search, growth))
     found = _first(search, end, growth)
@@ -174,8 +174,10 @@ def family_of(
     load = default_load(scene) if load is None else load
     term = scaled(load)
     if term and term.name in scene.loads.terms and term.has_size:
-        # Its size in the scene, which may be a function of time, is not used.
-        scene = with_parameters(scene, {term.sizes[0].name: 0.0})
+        # Its size in the scene is not used; one that is a function of time is no parameter.
+        name = term.sizes[0].name
+        if not is_number(scene.loads.value(name)):
+            scene = with_parameters(scene, {name: 0.0})
     system = System.of(scene, t, speed)
     return Family(system, ScaledLoad.of(load, system))
 
@@ -244,7 +246,8 @@ def _first(search: Search, end: str, growth: float) -> Onset:
     if end == LOWER:
         return found
     below = forces[0] + np.array(CHECKED) * (found.force - forces[0])
-    more = every.counts(below) > every.counts(forces[:1])
+    counts = every.counts(np.append(below, forces[0]))
+    more = counts[:-1] > counts[-1]
     if not more.any():
         return found
     until = below[int(np.argmax(more))]

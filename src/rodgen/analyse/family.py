@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
+from scipy.linalg import eigh, null_space
 
 from rodgen.analyse.eigen import Complex, Modal, Motions, lowest_values
 from rodgen.analyse.pencil import Dense, Parts, Pencil
@@ -140,6 +140,7 @@ class Family:
         self.system, self.load, self.unit = system, load, load.unit
         self._states: dict[float, Steady] = {}
         self._projected: dict[tuple[float, int], Dense] = {}
+        self._dense: dict[float, Dense] = {}
         self.straight = self.state(0.0).straight and self.state(self.unit).straight
         if self.straight:
             self._start, self._far = (linearised(self.state(P)) for P in (0.0, FAR * self.unit))
@@ -211,12 +212,27 @@ class Family:
                 pull = bare.eliminated(turn)[2].T
                 shapes = shapes - turn @ (pull @ shapes) / (pull @ turn)
             return -(found.s[first] ** 2).real, shapes / np.abs(shapes).max(axis=0)
-        dense = pencil.reduced()
+        dense = self._reduced(0.0)
         own = len(dense.K) - dense.added
         K, M = ((matrix + matrix.T)[:own, :own] / 2 for matrix in (dense.K, dense.M))
         squares, shapes = eigh(K, M)
-        rigid = 1 if turns and isinstance(pencil, Pencil) else 0
+        if isinstance(pencil, Dense):
+            return squares, self._translated(shapes)
+        rigid = int(turns)
         return squares[rigid:], shapes[:, rigid:]
+
+    def _translated(self, shapes: Array) -> Array:
+        """Shapes among which are the translations that nothing holds, each on its own, for which
+        no stiffness follows from rounding."""
+        base = self.system.base
+        if self.system.anchored or self.system.steered or not base:
+            return shapes
+        rigid = base + self.state(0.0).turns_freely
+        axes = np.eye(len(shapes))[:, :base]
+        parts, still = shapes[:base, :rigid], shapes.copy()
+        still[:, :base] = axes
+        still[:, base:rigid] = shapes[:, :rigid] @ null_space(parts)
+        return still
 
     @cached_property
     def lowest(self) -> float:
@@ -310,5 +326,14 @@ class Family:
     def _on(self, force: float, modes: int) -> Dense:
         """By virtual work of so many motions."""
         if (force, modes) not in self._projected:
-            self._projected[force, modes] = self.at(force).on(self._modes[1][:, :modes])
+            here = self.at(force) if self.system.cells > MOST_DENSE else self._reduced(force)
+            self._projected[force, modes] = here.on(self._modes[1][:, :modes])
         return self._projected[force, modes]
+
+    def _reduced(self, force: float) -> Dense:
+        """The linearised equations under a load, of the angles alone."""
+        if force not in self._dense:
+            while len(self._dense) > KEPT:
+                self._dense.pop(next(iter(self._dense)))
+            self._dense[force] = self.at(force).reduced()
+        return self._dense[force]

@@ -24,6 +24,7 @@ Matrix = NDArray[Any]
 Scales = tuple[Array, Array]
 NUDGE = 2.0**-52  # of the largest entry: a rounding
 ASIDE = 2.0**-45  # of the speed, to either side of straight ahead: more than a rounding
+SMALL = 200  # unknowns up to which full matrices take less time than sparse ones
 SINGULAR = "the linearised equations are singular"
 
 
@@ -92,7 +93,7 @@ class Cells:
 
     def whole(self, blocks: Matrix, by_joints: Array | None) -> Array:
         """The matrix of blocks, with what follows the joints of an anchored rod."""
-        matrix: Array = sparse(blocks).toarray()
+        matrix: Array = _whole(blocks)
         assert by_joints is not None
         assert self.ways is not None
         for d, rows in enumerate(by_joints):
@@ -108,7 +109,7 @@ class Cells:
         K, C = self.whole(pencil.S0, self.by_position), self.whole(pencil.S1, self.by_velocity)
         forced = np.arange(len(K)) % 3 > 0
         lean = np.linalg.solve(K[np.ix_(forced, forced)].T, K[~forced][:, forced].T).T
-        every = (K, C, sparse(pencil.S2).toarray())
+        every = (K, C, _whole(pencil.S2))
         K, C, M = (S[~forced][:, ~forced] - lean @ S[forced][:, ~forced] for S in every)
         return Dense(K, C, M)
 
@@ -173,14 +174,14 @@ class Pencil(Quadratic):
         """K phi, C phi, M phi for angles phi (cells, k): (K + s C + s^2 M) phi = 0 is what remains
         where the joint forces follow from the angles; O(n k)."""
         joints, lean = self.S0[:, :, 1:, 1:], self.S0[:, :, :1, 1:]
-
-        def felt(S: Matrix) -> Array:
-            if not S.any():
-                return np.zeros_like(phi)
-            forces = solve(joints, product(S[:, :, 1:, :1], phi))
-            return np.asarray(product(S[:, :, :1, :1], phi) - product(lean, forces))
-
-        return felt(self.S0), felt(self.S1), felt(self.S2)
+        felt = [S for S in self.parts if S.any()]
+        # Right sides of all three at once: solving takes longer to begin than to do.
+        pulls = [product(S[:, :, 1:, :1], phi) for S in felt]
+        pressed = product(lean, solve(joints, np.hstack(pulls))) if felt else phi
+        pairs = zip(felt, np.hsplit(pressed, max(1, len(felt))), strict=False)
+        made = iter([product(S[:, :, :1, :1], phi) - part for S, part in pairs])
+        K, C, M = (next(made) if S.any() else np.zeros_like(phi) for S in self.parts)
+        return K, C, M
 
     def reduced(self) -> Dense:
         """The dense matrices of the angles alone."""
@@ -258,7 +259,7 @@ class Parts(Quadratic):
         if isinstance(linear, Parts):
             return linear
         if isinstance(linear, Pencil):
-            return cls(*map(sparse, linear.parts))
+            return cls(*map(_whole if linear.size <= SMALL else sparse, linear.parts))
         return cls(*linear.parts, linear.terms)
 
     @classmethod
@@ -335,9 +336,19 @@ def sparse(blocks: Matrix) -> csc_array:
     return csc_array((blocks[there], (rows, columns)), shape=size)
 
 
+def _whole(blocks: Matrix) -> Matrix:
+    """The matrix of blocks with all of its zeros."""
+    _, cells, *shape = blocks.shape
+    there, rows, columns = _places(cells, *shape)
+    matrix = np.zeros((shape[0] * cells, shape[1] * cells), dtype=blocks.dtype)
+    matrix[rows, columns] = blocks[there]
+    return matrix
+
+
 def product(blocks: Matrix, right: Matrix) -> Matrix:
     """The matrix of blocks times a vector, or vectors (size, k)."""
-    return np.asarray(sparse(blocks) @ right)
+    made = _whole if max(blocks.shape[2:]) * blocks.shape[1] <= SMALL else sparse
+    return np.asarray(made(blocks) @ right)
 
 
 def solve(blocks: Matrix, right: Matrix, transposed: bool = False) -> Matrix:

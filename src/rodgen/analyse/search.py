@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.analyse.eigen import Motions
 from rodgen.analyse.family import Family
 from rodgen.analyse.onset import Onset
 from rodgen.integrate.stepper import Array
 
 FINE, COARSE = 0.5, 0.01  # step of the search: EI/L^2, and of the force
 LEAST = 200  # forces at which a range is searched
-BLOCK = 64  # forces that are looked at together
-CLOSE, NEXT = 1e-6, 1e-3  # width to which an event is bisected: of the load; of the least step
+BLOCK = 8  # forces that are looked at together
+CLOSE, NEXT = 1e-6, 1e-3  # width to which an event is narrowed: of the load; of the least step
+NEARER = 0.4  # of that width: how far to either side of a guess is looked
 
 
 @dataclass(frozen=True)
@@ -42,10 +45,14 @@ class Search:
         """How many motions grow under every load."""
         return self.family.motions(forces, self.modes, self.elastic).count
 
+    @cached_property
+    def first(self) -> Motions:
+        """The motions under the first load."""
+        return self.family.motions(self.forces[:1], self.modes, self.elastic)
+
     def events(self) -> Iterator[Event]:
         """Every change of the number of growing motions along the grid."""
-        low = float(self.forces[0])
-        before = int(self.counts(self.forces[:1])[0])
+        low, before = float(self.forces[0]), int(self.first.count[0])
         for block in np.array_split(self.forces[1:], max(1, len(self.forces) // BLOCK)):
             for high, after in zip(block.tolist(), self.counts(block).tolist(), strict=True):
                 if after != before:
@@ -61,36 +68,59 @@ class Search:
         return (event for event in self.events() if (event.after == 0) != (event.before == 0))
 
     def near(self, event: Event) -> Onset:
-        """An event by bisection, with the eigenvalue that crosses the axis there."""
-        rises, low, high = event.after > event.before, event.low, event.high
-        least = NEXT * FINE * self.family.unit
+        """An event, roughly, with the eigenvalue that crosses the axis there: by bisection, and by
+        secants of its real part, which with damping is smooth there."""
+        rises, (low, high) = event.after > event.before, (event.low, event.high)
+        least, turn = NEXT * FINE * self.family.unit, 0
+        ends = self._looked(np.array([low, high]))
         while high - low > CLOSE * max(abs(low), abs(high), least):
-            middle = (low + high) / 2
-            count = int(self.counts(np.array([middle]))[0])
-            if count > event.before if rises else count < event.before:
-                high = middle
-            else:
-                low = middle
-        grown, other = (high, low) if rises else (low, high)
-        return Onset(high, self._crosses(grown, other), high - low)
+            near = NEARER * CLOSE * max(abs(low), abs(high), least)
+            looked, turn = np.array([(low + high) / 2]), turn + 1
+            if self.family.damped and turn % 3:
+                share = _crossing(ends[0], ends[1], min(event.before, event.after))
+                at = min(max(low + share * (high - low), low + near), high - near)
+                looked = np.array([at - near, at + near])
+            for force, found in zip(looked.tolist(), self._looked(looked), strict=True):
+                count = int(found.count)
+                beyond = count > event.before if rises else count < event.before
+                if beyond and force < high:
+                    high, ends[1] = force, found
+                elif not beyond and force > low:
+                    low, ends[0] = force, found
+        return Onset(high, _crosses(ends[not rises], ends[rises]), high - low)
 
-    def _crosses(self, grown: float, other: float) -> complex:
-        """The eigenvalue that grows under one load and not under the other: zero or imaginary."""
-        found = self.family.motions(np.array([other, grown]), self.modes, self.elastic)
-        here = found.s[1][found.growth[1] > 0]
-        there = found.s[0][found.growth[0] > 0]
-        if not len(here):
-            return 0j
-        near = np.abs(here[:, None] - there[None, :]).min(axis=1, initial=np.inf)
-        s = here[np.argmax(near / np.abs(here))]
-        # Just beyond divergence a rate is real; with damping flutter has an imaginary part.
-        return 0j if abs(s.imag) <= abs(s.real) else complex(1j * abs(s.imag))
+    def _looked(self, forces: Array) -> list[Motions]:
+        """The motions under every load."""
+        found = self.family.motions(forces, self.modes, self.elastic)
+        return [Motions(*one) for one in zip(found.s, found.growth, strict=True)]
 
 
+def _crossing(low: Motions, high: Motions, rank: int) -> float:
+    """The share of the way at which a real part of this rank would be zero along a line."""
+    a, b = (
+        float(np.sort(np.nan_to_num(one.s.real, nan=-np.inf))[::-1][rank]) for one in (low, high)
+    )
+    return a / (a - b) if a * b < 0 else 0.5
+
+
+def _crosses(other: Motions, grown: Motions) -> complex:
+    """The eigenvalue that grows under one load and not under the other: zero or imaginary."""
+    here, there = (one.s[one.growth > 0] for one in (grown, other))
+    if not len(here):
+        return 0j
+    near = np.abs(here[:, None] - there[None, :]).min(axis=1, initial=np.inf)
+    s = here[np.argmax(near / np.abs(here))]
+    # Just beyond divergence a rate is real; with damping flutter has an imaginary part.
+    return 0j if abs(s.imag) <= abs(s.real) else complex(1j * abs(s.imag))
+
+
+@lru_cache(maxsize=64)
 def grid(lowest: float, highest: float, unit: float) -> Array:
-    """Forces from lowest to highest, closer together where they are small."""
+    """Forces from lowest to highest, closer together where they are small; not to be written to."""
     most = (highest - lowest) / LEAST
     forces = [lowest]
     while forces[-1] < highest:
         forces.append(forces[-1] + min(most, max(FINE * unit, COARSE * abs(forces[-1]))))
-    return np.array([*forces[:-1], highest])
+    made = np.array([*forces[:-1], highest])
+    made.setflags(write=False)
+    return made

@@ -78,7 +78,7 @@ class Steady:
             "linearised as though it moved along its axis alone",
         )
 
-    @property
+    @cached_property
     def turns_freely(self) -> bool:
         """Whether turning the whole rod makes no moment: a rigid-body motion of frequency zero.
         Its loads turn with it, or there are none."""

@@ -21,6 +21,7 @@ from rodgen.cli import (
     run,
     show,
     static,
+    study,
     view,
 )
 from rodgen.cli.errors import BAD_INPUT, fail
@@ -38,6 +39,7 @@ OWN: dict[str, Callable[..., object]] = {
     "static": static.static,
     "critical": critical.critical,
     "precision": precision.precision,
+    "study": study.study,
 }
 HOW = "`make report`, `make thesis` and `make audit` in a clone of rodgen install and run them"
 

@@ -41,8 +41,9 @@ def _explain(error: Exception) -> None:
     from rodgen.analyse.errors import AnalysisError
     from rodgen.loading import BuildError
     from rodgen.scene import SceneError
+    from rodgen.studies.errors import StudyError
 
-    if isinstance(error, AnalysisError):
+    if isinstance(error, AnalysisError | StudyError):
         fail(str(error), FAILED_RUN)
     if isinstance(error, SceneError):
         fail(str(error), BAD_INPUT)

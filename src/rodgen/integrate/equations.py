@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.integrate.lanes import Courses, Plan, Rows, explicit
+from rodgen.integrate.mass_jumps import may_jump
 from rodgen.integrate.reductions import Numbers, Reduction, checked
 from rodgen.integrate.stepper import Array
 from rodgen.integrate.stretches import Stretches
@@ -78,7 +79,8 @@ class Equations:
         switches = self._switching and not settings.fixed
         if switches or not explicit(settings.method) or not hasattr(self.model, "LANES"):
             return None
-        return Plan.of(Rows(self.lanes, self.model.STATE, self.structure.links), reductions)
+        rows = Rows(self.lanes, self.model.STATE, self.structure.links)
+        return Plan.of(rows, reductions, may_jump(self.model))
 
     # What changes with time ---------------------------------------------------------------------
 

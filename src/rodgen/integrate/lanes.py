@@ -78,12 +78,17 @@ class Rows:
 
 @dataclass(frozen=True)
 class Plan:
-    """Reductions as the loops know them; the last two are least and largest of the balance."""
+    """Reductions as the loops know them; the last two are least and largest of the balance.
+
+    energies: how many of the rows that are observed are parts of the energy, of a rod whose masses
+    may jump; else 0.
+    """
 
     keep: NDArray[Any]
     rows: NDArray[np.int64]
     weights: Array
     observes: bool
+    energies: int
 
     @cached_property
     def shared(self) -> Shared:
@@ -91,8 +96,8 @@ class Plan:
         return Shared(keep=self.keep, rows=self.rows, weights=self.weights)
 
     @classmethod
-    def of(cls, rows: Rows, reductions: Sequence[Reduction]) -> Plan | None:
-        """None where a number is not to be had in lanes."""
+    def of(cls, rows: Rows, reductions: Sequence[Reduction], jumps: bool) -> Plan | None:
+        """None where a number is not to be had in lanes; jumps: whether masses may jump."""
         balance = (Reduction("", kind, BALANCE) for kind in ("min", "max"))
         every = (*reductions, *balance)
         found = [rows.terms(one.number) for one in every]
@@ -108,7 +113,8 @@ class Plan:
         at = np.array([row for term in terms for row in term], dtype=np.int64)
         weights = np.array([weight for term in terms for weight in term.values()])
         known = len(rows.state) + len(rows.lanes.works)
-        return cls(keep, at, weights, bool((at >= known).any()))
+        energies = sum(name in ENERGIES for name in rows.lanes.observed) if jumps else 0
+        return cls(keep, at, weights, bool((at >= known).any()), energies)
 
 
 @dataclass(frozen=True)
@@ -164,6 +170,7 @@ def run(
         "creep": CREEP,
         "samples": len(times),
         "observes": plan.observes,
+        "energies": plan.energies,
         "kept": len(plan.keep),
     }
     each = Shared(times=times, course_of=EVERY if which is None else which)

@@ -19,7 +19,6 @@ from rodgen.integrate.endings import (
     FAILED,
     FINISHED,
     INTERRUPTED,
-    DeferredInterrupt,
     Interrupted,
     RunError,
     StepWarning,
@@ -34,6 +33,7 @@ from rodgen.integrate.solution import Event, Solution, Stats
 from rodgen.integrate.stepper import Happened, StepError
 from rodgen.integrate.stretches import UNBOUNDED, Stretches, inside, step_to
 from rodgen.loading import build, build_fastest
+from rodgen.native.library import DeferredInterrupt
 from rodgen.progress import running, telling
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.integration import AUTO
@@ -76,9 +76,10 @@ def simulate(
     keep), by a neighbouring motion after the run; that takes three to six times as long as the run.
 
     Raises SceneError for values that cannot be used, such as a step for a method that chooses its
-    own, TypeError for what is no Scene, RunError where the state stops being finite or the method
-    gives up, Interrupted on Ctrl-C; the last two carry the samples so far. Warns (StepWarning) of a
-    fixed step beyond the method's stability limit, and of loads that steps cannot follow.
+    own, or masses that jump too often for that to be accounted for, TypeError for what is no Scene,
+    RunError where the state stops being finite or the method gives up, Interrupted on Ctrl-C; the
+    last two carry the samples so far. Warns (StepWarning) of a fixed step beyond the method's
+    stability limit, and of loads that steps cannot follow.
     """
     check_scene(scene)
     if parameters is not None:
@@ -87,6 +88,7 @@ def simulate(
         scene = with_state(scene, y0)
     scene = scene.with_integrate(**overrides)
     check_used(scene.integrate, overrides)
+    scene.course.check_masses()
     with _making(progress):
         if model is None:
             wanted = parts(scene.integrate, target)

@@ -10,7 +10,7 @@ import numpy as np
 from rodgen.integrate.events import Watch
 from rodgen.integrate.samples import Recorder
 from rodgen.integrate.stepper import Machine, StepError
-from rodgen.scene import Scene
+from rodgen.scene import Scene, SceneError
 from rodgen.scene.course import Course
 from rodgen.scene.expression import Expression
 
@@ -60,9 +60,11 @@ def _apart(times: list[float], kept: set[float], least: float) -> list[float]:
 def inside(start: float, end: float) -> tuple[float, float]:
     """Times at which loads may be asked for their values between start and end.
 
-    There a load may jump: each side of it sees its own value.
+    There a load may jump: each side of it sees its own value. Of a stretch of a few roundings that
+    is the time in the middle.
     """
-    return float(start + 8 * np.spacing(abs(start))), float(end - 8 * np.spacing(abs(end)))
+    low, high = float(start + 8 * np.spacing(abs(start))), float(end - 8 * np.spacing(abs(end)))
+    return (low, high) if low <= high else (0.5 * (low + high),) * 2
 
 
 def step_to(
@@ -117,7 +119,10 @@ class Windows:
         number -= number > 0 and self._border(number) > least
         number += self._border(number + 1) <= least
         if number != self._number:
-            self._look_at(number)
+            try:
+                self._look_at(number)
+            except SceneError as error:  # of masses that jump too often there
+                raise StepError(str(error)) from None
         for end in self.stretches.ends:
             if end > least:
                 return end
@@ -130,7 +135,8 @@ class Windows:
     def _look_at(self, number: int) -> None:
         """Take the window of this number."""
         self._number = number
-        if not self._scene.course.loads:
+        course = self._scene.course
+        if not (course.loads or course.all):
             self.stretches = Stretches([self._border(number + 1)])
             return
         at, over = self._border(number), self._border(number + 1)

@@ -9,6 +9,9 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import lru_cache
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -56,6 +59,26 @@ def key(*parts: object, packages: tuple[str, ...] = PACKAGES) -> str:
     return hashlib.sha256(content.encode()).hexdigest()[:32]
 
 
+_noted: ContextVar[dict[tuple[str, ...], str] | None] = ContextVar("noted", default=None)
+
+
+@contextmanager
+def noted() -> Iterator[dict[tuple[str, ...], str]]:
+    """Texts that are read or stored inside, by their entries."""
+    entries: dict[tuple[str, ...], str] = {}
+    token = _noted.set(entries)
+    try:
+        yield entries
+    finally:
+        _noted.reset(token)
+
+
+def _note(text: str, *parts: str) -> None:
+    entries = _noted.get()
+    if entries is not None:
+        entries[parts] = text
+
+
 def read_text(*parts: str) -> str | None:
     """Text of an entry, or None where there is none or it is not what was stored."""
     try:
@@ -63,11 +86,15 @@ def read_text(*parts: str) -> str | None:
     except (OSError, UnicodeDecodeError):
         return None
     digest, _, text = stored.partition("\n")
-    return text if digest == _digest(text) else None
+    if digest != _digest(text):
+        return None
+    _note(text, *parts)
+    return text
 
 
 def store_text(text: str, *parts: str) -> bool:
     """Write an entry whole or not at all; False if the cache cannot be written."""
+    _note(text, *parts)
     try:
         write_whole(cache_root().joinpath(*parts), f"{_digest(text)}\n{text}")
     except OSError:

@@ -6,6 +6,8 @@
 
 /* Iterations of a step that may be made shorter, and of one of equal steps. */
 enum { ITERATIONS = 7, MOST_ITERATIONS = 50 };
+/* So fast do changes shrink, from the first to the second, that equal steps keep their derivatives. */
+static const double FAST = 5e-2;
 
 /* Where arrays of a step by collocation lie among the stages. BEGIN, END: h times what the slope of
    the polynomial lacks there; BEND: how far the step's end is from the trapezoidal rule; LAST: these
@@ -50,9 +52,19 @@ static void between(struct run *r, const struct collocation *m, double x, double
             + (a * k[MISSING][i] + b * k[MISSING + 1][i] + c * k[MISSING + 2][i]);
 }
 
+/* How far along a change of the states a difference of rates goes: by 1e-7 of a state, or of one. */
+static double nudge(const struct run *r, const double *change)
+{
+    double most = 0.0;
+    EACH_STATE
+        most = fmax(most, fabs(change[i]) / fmax(1.0, fabs(r->before[i])));
+    return most > 0.0 && most < INFINITY ? 1e-7 / most : 0.0;
+}
+
 /* What the collocation polynomial lacks between the ends of the last step, since its stages are of
    order 3 alone. With y4 and y5 the derivatives: h^4 y4 / 6 and, where both ends tell, h^5 y5 / 24
-   and h^5 J y4 / 6, which for works comes from the power in the middle. */
+   and h^5 J y4 / 6, by a difference of rates, since the derivatives in Newton's matrix may be those
+   of an older step; for works it comes from the power in the middle. */
 static void complete(struct run *r, const struct collocation *m, double h)
 {
     double *const *const k = r->k, *const one = k[MISSING], *const two = k[MISSING + 1], *const three = k[MISSING + 2];
@@ -64,13 +76,16 @@ static void complete(struct run *r, const struct collocation *m, double h)
     }
     damped(r, m, h, one);
     if (ends) {
+        const double by = nudge(r, one);
         memcpy(three, one, (size_t)r->states * sizeof *three);
         damped(r, m, h, three);
         damped(r, m, h, two);
+        EACH_STATE
+            r->trial[i] = r->before[i] + by * one[i];
+        flow_at(r, r->is->before, r->trial, r->error);
         EACH_STATE {
-            const double turned = three[i] - one[i];
-            one[i] -= turned;
-            three[i] = 10.0 * m->real * turned;
+            one[i] -= three[i] - one[i];
+            three[i] = by > 0.0 ? 10.0 * h * (r->error[i] - r->f_before[i]) / by : 0.0;
         }
     }
     EACH {
@@ -102,7 +117,8 @@ void rodgen_collocation_dense(struct run *r, double x, double *out)
 }
 
 /* Newton's method for the three stages, in the variables in which the matrix falls apart. Returns
-   the number of iterations, 0 if it does not converge; rate: how fast the changes shrink. */
+   the number of iterations, 0 if it does not converge; rate: how fast the changes shrink, in equal steps
+   the first ones. */
 static int solve_stages(struct run *r, const struct collocation *m, double h, double *rate)
 {
     double *const *const k = r->k;
@@ -150,10 +166,12 @@ static int solve_stages(struct run *r, const struct collocation *m, double h, do
         if (size <= rounding)
             return iteration;
         if (iteration > 1) {
-            *rate = size / last;
-            /* Equal steps are those of the method itself, to what rounding in the rates leaves. */
-            if (equal && *rate >= 1.0 && size <= 1e6 * rounding)
+            /* Equal steps are those of the method itself, to what rounding in the rates leaves: what tells of
+               the derivatives is how they begin. */
+            if (equal && size >= last && size <= 1e6 * rounding)
                 return iteration;
+            if (!equal || iteration == 2)
+                *rate = size / last;
             const double ahead = pow(*rate, ITERATIONS - iteration) / (1.0 - *rate) * size;
             if (!equal && (*rate >= 1.0 || ahead > wanted))
                 return 0;
@@ -394,7 +412,7 @@ int rodgen_collocation_equal_step(struct run *r)
         iterations = solve_stages(r, m, h, &rate);
         if (!iterations && r->is->blocks == FRESH)
             return given_up(r, finite_stages(r) ? DIVERGED : NOT_FINITE);
-        r->is->blocks = iterations && iterations <= ITERATIONS ? OLD : NONE;
+        r->is->blocks = iterations && rate <= FAST ? OLD : NONE;
     } while (!iterations);
     if (!arrive(r, m, h, next))
         return given_up(r, NOT_FINITE);

@@ -50,6 +50,19 @@ static inline double speed_by(double by, double squared_frequency)
     return by * fmax(1.0, sqrt(fabs(squared_frequency)));
 }
 
+/* How far a look moves a state that is added; then the longest stable step of DOP853 for one whose rate has that slope
+   by the state itself: of a lag, one over its time. */
+static inline double state_by(double state)
+{
+    return 1e-6 * fmax(1.0, fabs(state));
+}
+
+static inline double longest_of_state(double slope)
+{
+    enum { CREEPS = sizeof dop853.limits / sizeof *dop853.limits - 1 };
+    return slope < 0.0 ? dop853.limits[CREEPS] / -slope : INFINITY;
+}
+
 /* The longest stable step of DOP853 for the roots of z^2 + damping z + squared frequency. */
 static inline double longest_stable(rodgen_run *is, double squared_frequency, double damping)
 {

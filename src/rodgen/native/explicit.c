@@ -111,6 +111,21 @@ static double stable_step(struct run *r)
     return longest_stable(r->is, found[0], found[1]);
 }
 
+/* The largest stable step for the states that are added, each by what it does alone. */
+static double stable_step_of_states(struct run *r)
+{
+    double *const at = r->trial, most = INFINITY;
+    copy(r, at, r->y);
+    for (ptrdiff_t i = 2 * r->half; i < r->states; ++i) {
+        const double by = state_by(r->y[i]);
+        at[i] += by;
+        flow_at(r, r->is->t, at, r->k[15]);
+        at[i] = r->y[i];
+        most = fmin(most, longest_of_state((r->k[15][i] - r->f[i]) / by));
+    }
+    return most;
+}
+
 /* Squares of the two estimates of the error over what is tolerated, summed. */
 static void errors(struct run *r, double *five, double *three)
 {
@@ -144,6 +159,8 @@ int rodgen_dop853_step(struct run *r)
     int again = 0, cut;
     for (int look = looks_due(is); look > 0; --look) {
         is->most = stable_step(r);
+        if (look == 1)
+            is->most = fmin(is->most, stable_step_of_states(r));
         is->looked = 0;
     }
     copy(r, r->before, r->y);

@@ -148,6 +148,28 @@ static void stable_steps(struct many *m, const double *mask)
         }
 }
 
+/* The largest stable steps for the states that are added, in the lanes of a mask: no longer than those of the rod. */
+static void stable_steps_of_states(struct many *m, const double *mask)
+{
+    double *const restrict at = m->trial, *const f = m->k[15], by[LANES], t[LANES];
+    memcpy(at, m->y, (size_t)(m->all * LANES) * sizeof *at);
+    SIDE_BY_SIDE
+        t[w] = m->lane[w].is.t;
+    for (ptrdiff_t j = 2 * m->half; j < m->states; ++j) {
+        SIDE_BY_SIDE {
+            by[w] = state_by(m->y[j * LANES + w]);
+            at[j * LANES + w] += by[w];
+        }
+        rates(m, t, mask, at, f);
+        SIDE_BY_SIDE {
+            const ptrdiff_t i = j * LANES + w;
+            double *const most = &m->lane[w].is.most;
+            at[i] = m->y[i];
+            *most = mask[w] > 0.0 ? fmin(*most, longest_of_state((f[i] - m->k[0][i]) / by[w])) : *most;
+        }
+    }
+}
+
 /* Look at the largest eigenvalue in all lanes in which it is time to. */
 static void look(struct many *m)
 {
@@ -164,9 +186,14 @@ static void look(struct many *m)
             m->lane[w].due -= m->lane[w].due > 0;
         }
         stable_steps(m, mask);
-        SIDE_BY_SIDE
-            if (mask[w] > 0.0)
-                m->lane[w].is.looked = 0;
+        int last = 0;
+        SIDE_BY_SIDE {
+            mask[w] = mask[w] > 0.0 && m->lane[w].due == 0 ? 1.0 : 0.0;
+            last |= mask[w] > 0.0;
+            m->lane[w].is.looked = mask[w] > 0.0 ? 0 : m->lane[w].is.looked;
+        }
+        if (last)
+            stable_steps_of_states(m, mask);
     }
 }
 
@@ -315,12 +342,31 @@ static void samples(struct many *m, const double *kept, const double *next)
         if (dense)
             between(m, h, x, m->sample);
         blend(inner, m->on, m->all, m->sample);
+        SIDE_BY_SIDE
+            m->sample[(m->all - 1) * LANES + w] += inner[w] * m->come[w];
         rodgen_take_samples(m, due, t, m->sample);
         SIDE_BY_SIDE {
             due[w] = due[w] > 0.0 && next_sample(m, m->lane + w) <= next[w] ? 1.0 : 0.0;
             any |= due[w] > 0.0;
         }
     }
+}
+
+/* The work, until now, of masses that jump where the stretches of steps that are kept end. */
+static void have_come(struct many *m, const double *kept, const double *next)
+{
+    double high[LANES];
+    int any = 0;
+    SIDE_BY_SIDE {
+        any |= kept[w] > 0.0 && next[w] == m->lane[w].is.end;
+        high[w] = m->lane[w].is.high;
+        m->come[w] = 0.0;
+    }
+    if (!any || !m->job->energies)
+        return;
+    rodgen_masses_gain(m, m->on, high, next, m->come);
+    SIDE_BY_SIDE
+        m->come[w] = kept[w] > 0.0 && next[w] == m->lane[w].is.end ? m->come[w] : 0.0;
 }
 
 void rodgen_lanes_step(struct many *m, double *kept)
@@ -331,8 +377,11 @@ void rodgen_lanes_step(struct many *m, double *kept)
         look(m);
     choose(m, going, h, next);
     (dop853_too ? try_dop853 : try_fixed)(m, going, h, next, kept);
+    have_come(m, kept, next);
     samples(m, kept, next);
     blend(kept, m->on, m->all, m->y);
+    SIDE_BY_SIDE
+        m->y[(m->all - 1) * LANES + w] += m->come[w];
     blend(kept, m->k[AFTER], m->all, m->k[0]);
     SIDE_BY_SIDE {
         struct lane *const lane = m->lane + w;

@@ -42,6 +42,7 @@ static size_t parts(struct many *m, const struct rodgen_lanes *system, struct ro
         m->k[row] = part(&store, all * lanes);
     m->direction = part(&store, (size_t)m->half * lanes);
     m->observed = part(&store, system->observed * lanes);
+    m->come = part(&store, lanes);
     m->p = part(&store, system->parameters * lanes);
     m->q = part(&store, system->parameters * lanes);
     m->tally = part(&store, job->kept * sizeof *m->tally);
@@ -124,6 +125,19 @@ static void set_stretch(struct many *m, int w)
         m->direction[j * LANES + w] = j < m->base ? 0.0 : j % 2 ? -1.0 : 1.0;
 }
 
+/* The work of masses that jump where the stretches of a mask begin. */
+static void have_come(struct many *m, const double *mask, const double *t)
+{
+    double low[LANES], *const work = m->y + (m->all - 1) * LANES;
+    if (!m->job->energies)
+        return;
+    SIDE_BY_SIDE
+        low[w] = m->lane[w].is.low;
+    rodgen_masses_gain(m, m->y, t, low, m->come);
+    SIDE_BY_SIDE
+        work[w] += mask[w] > 0.0 ? m->come[w] : 0.0;
+}
+
 /* Begin all stretches that wait for it. */
 static void begin(struct many *m)
 {
@@ -149,6 +163,7 @@ static void begin(struct many *m)
             due[w] = fresh[w] > 0.0 && next_sample(m, m->lane + w) <= t[w] ? 1.0 : 0.0;
         rodgen_take_samples(m, due, t, m->y);
     }
+    have_come(m, mask, t);
     SIDE_BY_SIDE {
         if (!(mask[w] > 0.0))
             continue;

@@ -83,6 +83,8 @@ struct rodgen_many {
     const struct rodgen_course *courses;
     const struct rodgen_stretch *stretches;
     long long observes; /* whether a reduction asks for what is observed */
+    size_t energies;    /* where masses may jump, whose work is the last: how many of what is observed, from the first
+                           on, are parts of the energy; else 0 */
     size_t kept;
     const struct rodgen_kept *keep;
     const long long *rows;

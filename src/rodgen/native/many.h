@@ -44,6 +44,7 @@ struct many {
     struct lane *lane;
     ptrdiff_t states, half, all, base;
     double *y, *on, *trial, *sample, *direction, *observed, *p, *q;
+    double *come; /* energy of the masses that have come at the end of a stretch, of each lane */
     double *k[ROWS]; /* the first: rates at the start of a step */
     struct tally *tally;
     void *work;
@@ -91,6 +92,9 @@ void rodgen_lanes_step(struct many *m, double *kept);
    of a lane whose run has come to its end, or not. */
 void rodgen_note_start(struct many *m, const double *mask, const double *t, const double *states);
 void rodgen_take_samples(struct many *m, const double *mask, const double *t, const double *states);
+
+/* What the energy of states gains by masses of other times: the work of masses that jump in between. */
+void rodgen_masses_gain(struct many *m, const double *states, const double *before, const double *after, double *gain);
 void rodgen_write_results(const struct many *m, int w, int whole);
 
 /* A lane without a rod again: lanes.c. */

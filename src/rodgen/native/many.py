@@ -43,8 +43,9 @@ JOB = np.dtype(
         *(("budget", "i8"), ("stride", "i8"), ("creep", "f8"), ("p", "u8"), ("y", "u8")),
         *(("p_stride", "u8"), ("y_stride", "u8"), ("samples", "u8"), ("times", "u8")),
         *(("course_of", "u8"), ("courses", "u8"), ("stretches", "u8"), ("observes", "i8")),
-        *(("kept", "u8"), ("keep", "u8"), ("rows", "u8"), ("weights", "u8"), ("state", "u8")),
-        *(("values", "u8"), ("outcome", "u8"), ("next", "u8"), ("end", "u8"), ("more", "i8")),
+        *(("energies", "u8"), ("kept", "u8"), ("keep", "u8"), ("rows", "u8"), ("weights", "u8")),
+        *(("state", "u8"), ("values", "u8"), ("outcome", "u8")),
+        *(("next", "u8"), ("end", "u8"), ("more", "i8")),
     ]
 )
 

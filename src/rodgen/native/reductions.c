@@ -17,11 +17,23 @@ static double value_of(const struct many *m, const struct rodgen_kept *kept, con
 /* What is observed of states, where it is asked for. */
 static void observe(struct many *m, const double *t, const double *states)
 {
-    double at[LANES];
-    SIDE_BY_SIDE
-        at[w] = inside(&m->lane[w].is, t[w]);
     if (m->job->observes)
-        m->of->observe(at, states, m->p, m->q, m->observed, m->work);
+        m->of->observe(t, states, m->p, m->q, m->observed, m->work);
+}
+
+void rodgen_masses_gain(struct many *m, const double *states, const double *before, const double *after, double *gain)
+{
+    const double *const times[2] = {before, after};
+    SIDE_BY_SIDE
+        gain[w] = 0.0;
+    for (int of = 0; of < 2; ++of) {
+        m->of->observe(times[of], states, m->p, m->q, m->observed, m->work);
+        for (size_t at = 0; at < m->job->energies; ++at)
+            SIDE_BY_SIDE
+                gain[w] += (of ? 1.0 : -1.0) * m->observed[at * LANES + (size_t)w];
+    }
+    SIDE_BY_SIDE
+        gain[w] = 0.0 * gain[w] == 0.0 ? gain[w] : 0.0;
 }
 
 /* Take a number into a reduction; what is not a number stays. */

@@ -12,6 +12,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.scene.errors import SceneError
 from rodgen.scene.expression import Difference, Expression
 from rodgen.scene.law import points
 from rodgen.scene.spring import STIFFNESS
@@ -63,7 +64,7 @@ class Course:
     all: of loads, rates of states and masses; timed: loads of time alone; along: loads that may
     differ from link to link; fed: what follows the motion; spread: loads and masses along the rod,
     of s and t, which the links sum up at points of their own; links: how many there are; spring:
-    the law of the springs, and their stiffness.
+    the law of the springs, and their stiffness; masses: those of all.
     """
 
     start: float
@@ -75,6 +76,7 @@ class Course:
     spread: tuple[Expression, ...] = ()
     links: int = 0
     spring: tuple[Expression, tuple[float, ...]] | None = None
+    masses: tuple[Expression, ...] = ()
 
     @classmethod
     def of(
@@ -101,7 +103,7 @@ class Course:
             names = (name for name in structure.spring_law.names if name != STIFFNESS)
             law = spring_law(structure.spring, tuple((name, numbers[name]) for name in names))
             spring = law, stiffness
-        return cls(start, end, every, timed, along, fed, spread, structure.links, spring)
+        return cls(start, end, every, timed, along, fed, spread, structure.links, spring, masses)
 
     @cached_property
     def loads(self) -> list[Expression]:
@@ -115,7 +117,12 @@ class Course:
 
     def breaks(self) -> list[float]:
         """Times inside the span at which a load, the rate of a state or a mass is not smooth in t,
-        ascending: along the rod, at one of the points at which a link sums it up."""
+        ascending: along the rod, at one of the points at which a link sums it up.
+
+        Raises SceneError for a mass that jumps more often than can be stepped onto: what leaves at
+        a jump is accounted for there.
+        """
+        self.check_masses()
         found: list[float] = []
         every = [at for e in self.all for at in e.breaks(self.start, self.end)]
         for at in sorted([*every, *self._fronts]):
@@ -124,20 +131,33 @@ class Course:
                 found.append(at)
         return found
 
+    def check_masses(self) -> None:
+        """Raise SceneError for a mass whose jumps are too many to be found."""
+        crowded = self.crowded()
+        for e in self.masses:
+            if e in crowded or not e.kinks_are_found(self.start, self.end):
+                allowed = (
+                    f"a mass whose jumps can be found, at most {MOST_FRONTS} in the span and at "
+                    "all points of the links: what leaves at each takes energy along; give a "
+                    "shorter span, fewer links, or a smooth expression"
+                )
+                raise SceneError(e.field, e.text, allowed)
+
     @cached_property
     def _fronts(self) -> tuple[float, ...]:
         """When a front, at which what acts along the rod is not smooth, passes a point; none where
         they are too many."""
         found = (_passing(e, self.links, self.start, self.end) for e in self.spread)
-        times = tuple(at for some in found for at in some)
-        return times if len(times) <= MOST_FRONTS else ()
+        times = [at for some in found for at in some or ()]
+        return tuple(times) if len(times) <= MOST_FRONTS else ()
 
     def crowded(self) -> list[Expression]:
         """What has more fronts along the rod than are stepped onto."""
         return [
             e
             for e in self.spread
-            if len(_passing(e, self.links, self.start, self.end)) > 0 and not self._fronts
+            if (passing := _passing(e, self.links, self.start, self.end)) is None
+            or (passing and not self._fronts)
         ]
 
     def switches(self) -> tuple[Switch, ...]:
@@ -167,8 +187,9 @@ class Course:
 
 
 @lru_cache(maxsize=64)
-def _passing(e: Expression, links: int, start: float, end: float) -> tuple[float, ...]:
-    """Times at which what an expression of s and t compares meets zero at points of the links."""
+def _passing(e: Expression, links: int, start: float, end: float) -> tuple[float, ...] | None:
+    """Times at which what an expression of s and t compares meets zero at points of the links; None
+    where they are too many to be found."""
     places = points(links).ravel()
     found: set[float] = set()
     for difference in e.switches().values():
@@ -176,5 +197,8 @@ def _passing(e: Expression, links: int, start: float, end: float) -> tuple[float
         def along(t: Any, s: Any, difference: Difference = difference) -> Any:
             return difference(t, {"s": s})
 
-        found.update(met(along, places, start, end))
+        times = met(along, places, start, end)
+        if times is None:
+            return None
+        found.update(times)
     return tuple(sorted(at for at in found if start < at < end))

@@ -199,6 +199,14 @@ class Expression:
     def _tables(self) -> list[grammar.Table]:
         return list(grammar.tables(self._tree))
 
+    def takes(self, values: Mapping[str, float]) -> bool:
+        """Whether the parts of it that are constant stay finite with other values of some of its
+        numbers, as they are to be."""
+        names = self._values | {name: np.float64(value) for name, value in values.items()}
+        with np.errstate(all="ignore"):
+            parts = grammar.constants(self._tree, self._known)
+            return all(bool(np.isfinite(grammar.value_of(part, names))) for part in parts)
+
     def with_values(self, values: Mapping[str, float]) -> Expression:
         """The expression with values of its numbers; those of other names are left out."""
         known = tuple((name, float(values[name])) for name in self.names)
@@ -287,8 +295,11 @@ class Expression:
 
     def followed(self, start: float, end: float) -> bool:
         """Whether its break points and swings are found, or it changes too often for that."""
-        kinks = all(sampled(kink, start, end)[2] for kink in self.kinks())
-        return kinks and _swing(self, start, end)[1]
+        return self.kinks_are_found(start, end) and _swing(self, start, end)[1]
+
+    def kinks_are_found(self, start: float, end: float) -> bool:
+        """Whether what it compares changes its sign no more often than can be looked at."""
+        return all(sampled(kink, start, end)[2] for kink in self.kinks())
 
     def divisors(self) -> list[Callable[[Any], Any]]:
         """Functions of the variable by which it divides."""

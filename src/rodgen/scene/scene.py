@@ -376,6 +376,7 @@ class Scene(Table):
             spread=(*along, *masses),
             links=self.rod.links,
             spring=(law, tuple(self.distribution.joint_stiffness)) if law else None,
+            masses=tuple(masses),
         )
 
     def breaks(self) -> list[float]:

@@ -20,6 +20,7 @@ SAMPLES = 4001  # to begin with
 MOST_SAMPLES = 2_000_000
 MORE = 3.01  # times as many: no whole number, for what repeats with the samples
 TOGETHER = 250  # places that are looked at together, by the memory that they take
+LOOKED_AT = 10  # places by which it is told how many samples are enough for all
 DIPS = 1000  # extrema that are looked at between samples
 
 # A method with error control sees a load at its stages alone. While nothing happens its steps grow
@@ -75,12 +76,19 @@ def sampled(
 
 def met(
     function: Callable[[Array, Array], Any], places: Array, start: float, end: float
-) -> list[float]:
+) -> list[float] | None:
     """When a function of times and places is zero at one of these places, from start to end; seen
-    where the sign changes between two samples."""
-    grid, found = np.linspace(start, end, SAMPLES), list[float]()
-    for some in np.array_split(places, -(-len(places) // TOGETHER)):
-        signs = np.sign(np.broadcast_to(function(grid[:, None], some), (SAMPLES, len(some))))
+    where the sign changes between two samples. None where it changes too often for that."""
+    some = places[:: -(-len(places) // LOOKED_AT)]
+    grid, found = np.empty(0), list[float]()
+    for place in some:
+        finer, _, enough = sampled(partial(_at, function, place), start, end)
+        if not enough:
+            return None
+        grid = max(grid, finer, key=len)
+    together = max(1, TOGETHER * SAMPLES // len(grid))
+    for some in np.array_split(places, -(-len(places) // together)):
+        signs = np.sign(np.broadcast_to(function(grid[:, None], some), (len(grid), len(some))))
         found += grid[np.nonzero((signs[1:-1] == 0) & (signs[:-2] * signs[2:] < 0))[0] + 1].tolist()
         at, where = np.nonzero(signs[:-1] * signs[1:] < 0)
         if len(at):
@@ -89,7 +97,7 @@ def met(
     return found
 
 
-def _at(function: Callable[[Array, Array], Any], places: Array, times: Array) -> Any:
+def _at(function: Callable[[Array, Array], Any], places: Any, times: Array) -> Any:
     return function(times, places)
 
 
@@ -138,6 +146,14 @@ def bisected(function: Function, low: Array, high: Array) -> Array:
         high = np.where(left & ~same, middle, high)
 
 
+@lru_cache(maxsize=2)
+def _seen(start: float, end: float) -> Array:
+    """Times of all samples of a span; not to be written to."""
+    grid = np.linspace(start, end, SEEN)
+    grid.setflags(write=False)
+    return grid
+
+
 @lru_cache(maxsize=64)
 def onsets(
     value: Callable[[Any], Any], start: float, end: float
@@ -146,13 +162,18 @@ def onsets(
 
     value: of a load at times (...,), hashable.
     """
-    grid = np.linspace(start, end, SEEN)
-    values = np.nan_to_num(np.broadcast_to(value(grid), grid.shape), posinf=0.0, neginf=0.0)
+    grid = _seen(start, end)
+    values = np.broadcast_to(value(grid), grid.shape)
+    if not np.isfinite(values.sum()):
+        values = np.nan_to_num(values, posinf=0.0, neginf=0.0)
     level = QUIET * np.ptp(values)
     if not 0 < level < np.inf:
         return ()
     found, rests_since = [], 0
     levels = np.round((values - values[0]) / level)
+    changes = np.flatnonzero(levels[1:] != levels[:-1])
+    if len(changes) and np.diff(changes, prepend=-1, append=len(grid) - 1).max() < REST:
+        return ()  # what never rests has no pulse after a rest
     for first, last in _activity(levels):
         change = np.abs(levels[first : last + 1] - levels[first])
         if change.max() >= FELT and last - first <= first - rests_since:

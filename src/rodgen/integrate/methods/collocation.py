@@ -12,11 +12,13 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
-from rodgen.integrate.stepper import Array, Counts, Problem
+from rodgen.integrate.stepper import Array, Counts, Problem, Rhs
 
 Factors = tuple[Array, Array]  # of a matrix, as scipy.linalg.lu_factor gives them
 
+FAST = 5e-2  # so fast do the first changes shrink that equal steps keep their derivatives
 ITERATIONS, MOST_ITERATIONS = 7, 50  # of a step that may be made shorter, and of an equal one
+NUDGE = 1e-7  # of a state, or of one, in a difference of rates
 LEFT = 1e6  # times the rounding of the states that rounding in the rates may leave
 
 # Nodes, A, its inverse, and the step's end as a sum of z.
@@ -48,7 +50,8 @@ _PARTS = (
 @dataclass(frozen=True)
 class Taken:
     """A step from the state y at time t [s] over h [s] with rates f at both ends, the stages z
-    (3, states), and the factors of the real Newton matrix MU / h - J."""
+    (3, states), and the factors of the real Newton matrix MU / h - J, which may be of an older
+    step; rhs: the rates at a time and a state."""
 
     t: float
     y: Array
@@ -56,6 +59,7 @@ class Taken:
     z: Array
     rates: tuple[Array, Array]
     real: Factors
+    rhs: Rhs
 
     @cached_property
     def new(self) -> Array:
@@ -89,12 +93,22 @@ class Taken:
     @cached_property
     def lacks(self) -> Array:
         """What the polynomial lacks, since its stages are of order 3 alone: with y4 and y5 the
-        derivatives, h^4 y4 / 6, h^5 y5 / 24 and h^5 J y4 / 6 (3, states)."""
+        derivatives, h^4 y4 / 6, h^5 y5 / 24 and, by a difference of rates, h^5 J y4 / 6
+        (3, states)."""
         first = self.damped(self.end - self.begin)
         turned = self.damped(first) - first
-        third = 10 * MU * turned
+        third = 10 * self.h * self._change_along(first)
         second = 20 * self.damped(self.end + self.begin) + third / 4
         return np.stack((10 * (first - turned), second, third))
+
+    def _change_along(self, change: Array) -> Array:
+        """J at the start times a change of the states."""
+        most = float((np.abs(change) / np.maximum(1.0, np.abs(self.y))).max())
+        if not 0 < most < np.inf:
+            return np.zeros_like(change)
+        by = NUDGE / most
+        slope: Array = (self.rhs(self.t, self.y + by * change) - self.rates[0]) / by
+        return slope
 
     def at(self, x: Array, whole: bool = True) -> Array:
         """States at shares x (K,) of the step, after it too; whole: with what the polynomial lacks
@@ -121,12 +135,12 @@ class Taken:
 
 class Stages:
     """The three stages of steps of a problem, by Newton's method to a share of the tolerance;
-    equal: to rounding, whatever the tolerance."""
+    equal: to rounding, whatever the tolerance. rate: how fast the first changes shrank of late."""
 
     def __init__(self, problem: Problem, equal: bool = False):
         self._rhs, self._jac, self._equal = problem.rhs, problem.jac, equal
         self._rtol, self._atol = problem.settings.rtol, problem.settings.atol
-        self.counts = Counts(rejected=0)
+        self.counts, self.rate = Counts(rejected=0), 0.0
 
     def rates(self, t: float, y: Array) -> Array:
         """The rates, counted."""
@@ -161,6 +175,7 @@ class Stages:
         rounding = float(np.finfo(float).eps) * size((abs(y) + abs(z[-1])) / scale)
         wanted = max(10 * rounding, min(0.03, self._rtol**0.5))
         last, most = 0.0, MOST_ITERATIONS if self._equal else ITERATIONS
+        self.rate = 0.0
         for iteration in range(1, most + 1):
             stages = zip(C, z, strict=True)
             F = TI @ np.stack([self.rates(t + c * h, y + row) for c, row in stages])
@@ -178,6 +193,7 @@ class Stages:
                 return z, iteration
             if iteration > 1:
                 rate = changed / last
+                self.rate = rate if iteration == 2 else self.rate
                 if self._equal:  # to what rounding in the rates leaves
                     if rate >= 1 and changed <= LEFT * rounding:
                         return z, iteration

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rodgen.emit.targets import target_of
 from rodgen.integrate.events import Found, Switching, Watch
+from rodgen.integrate.mass_jumps import ROW, MassJumps
 from rodgen.integrate.samples import Recorder
 from rodgen.integrate.stepper import Array, Counts, Happened, State, StepError
 from rodgen.model.methods import COMPILED, EITHER
@@ -50,6 +51,7 @@ class Compiled:
         self._numbers = self._run.numbers
         self._states, self._quota = len(y), FIRST
         self._stretch, self._switch = (-np.inf, np.inf, np.inf), Switching()
+        self._jumps = MassJumps(model, p)
 
     @property
     def t(self) -> float:
@@ -79,6 +81,9 @@ class Compiled:
         return Counts(n.steps, n.rejected, n.rhs, n.jacobian, n.factorisations)
 
     def begin(self, end: float, low: float, high: float, longest: float) -> None:
+        come = self._jumps.begin(self.t, self.y, end, low, high)
+        if come:
+            self._run.state[ROW] += come
         self._stretch = low, high, longest
         self._switch = Switching(end, self.t)
         self._judge(self._run.begin(end, low, high, longest))
@@ -90,13 +95,21 @@ class Compiled:
         start = time.perf_counter()
         status, sampled = self._run.on(min(self._quota, most), times, rows)
         took = time.perf_counter() - start
+        self._have_come(times[:sampled], rows)
         recorder.took(sampled)
         self._adapt(status, took)
         return self._judge(status)
 
     def works(self, recorder: Recorder) -> Array:
         work: Array = self._run.state[self._states :].copy()
+        if come := self._jumps.at_end(self.t, self.y):
+            work[ROW] += come
         return work
+
+    def _have_come(self, times: Array, rows: Array) -> None:
+        """Add to samples at the end of the stretch what has come with masses that jump there."""
+        if len(times) and (come := self._jumps.at_end(float(times[-1]), self.y)):
+            rows[len(times) - 1, ROW] += come
 
     def _adapt(self, status: int, took: float) -> None:
         """As many steps at a time as take a slice."""
@@ -149,6 +162,7 @@ class Compiled:
                 here = [(number, span) for step, number, span in found if step == k]
                 self._settle(here, watch, recorder, times, sampled)
             self._run.memory[:] = after
+        self._have_come(times[:sampled], rows)
         recorder.took(sampled)
         self._adapt(status, time.perf_counter() - start)
         return False if switch or self._goes_on(status, watch) else self._judge(status)
@@ -219,3 +233,4 @@ class Compiled:
         self._numbers.method = method  # another number, where methods were added since
         self._switch = Switching.of(state)
         self._stretch = self._numbers.low, self._numbers.high, self._numbers.longest
+        self._jumps.go_on(self.end, self._numbers.high)

@@ -15,6 +15,7 @@ import numpy as np
 
 from rodgen.integrate.methods.collocation import (
     END,
+    FAST,
     ITERATIONS,
     MU,
     C,
@@ -58,7 +59,7 @@ class _Gauss:
     def _arrived(self, h: float, z: Array, next_: float, real: Factors) -> Taken:
         """The step with the rates at its end."""
         rates = self._f, self._stages.rates(next_, self.y + END @ z)
-        return Taken(self.t, self.y, h, z, rates, real)
+        return Taken(self.t, self.y, h, z, rates, real, self._stages.rates)
 
     def _move(self, taken: Taken, next_: float) -> None:
         self._taken = taken
@@ -167,6 +168,7 @@ class GaussEqualSteps(_Gauss):
         self._start, self._step = problem.t, problem.settings.step
         # A step that would be shorter than a millionth of the others is not taken.
         self._total = max(1, math.ceil((self._end - self._start) / self._step - 1e-6))
+        self._jacobian: Array | None = None
         self._made: tuple[float, tuple[Factors, Factors]] | None = None  # for a step
 
     def step(self) -> bool:
@@ -183,14 +185,19 @@ class GaussEqualSteps(_Gauss):
         return last
 
     def _solved(self, h: float) -> tuple[Array, tuple[Factors, Factors]]:
-        """The stages, with the factors of steps before where these still do."""
-        if self._made and self._made[0] == h:
-            z, iterations = self._stages.solved(self.t, self.y, h, self._made[1], self._ahead(h))
-            if z is not None and iterations <= ITERATIONS:
+        """The stages, with the derivatives of a step before as long as Newton's method is fast with
+        them; those of the step itself where they do not lead to a solution."""
+        old = self._jacobian is not None
+        while True:
+            if self._jacobian is None:
+                self._jacobian, self._made = self._stages.jacobian(self.t, self.y), None
+            if self._made is None or self._made[0] != h:
+                self._made = h, self._stages.factors(self._jacobian, h)
+            z, _ = self._stages.solved(self.t, self.y, h, self._made[1], self._ahead(h))
+            if z is None or self._stages.rate > FAST:
+                self._jacobian = None
+            if z is not None:
                 return z, self._made[1]
-        factors = self._stages.factors(self._stages.jacobian(self.t, self.y), h)
-        z, _ = self._stages.solved(self.t, self.y, h, factors, self._ahead(h))
-        if z is None:
-            raise StepError("Newton's method finds no solution with this step")
-        self._made = h, factors
-        return z, factors
+            if not old:
+                raise StepError("Newton's method finds no solution with this step")
+            old = False

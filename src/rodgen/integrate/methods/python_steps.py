@@ -12,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from rodgen.integrate.events import Switching, Watch
+from rodgen.integrate.mass_jumps import ROW, MassJumps
 from rodgen.integrate.methods.fixed_step import FixedStep
 from rodgen.integrate.methods.gauss import GaussEqualSteps, GaussStep
 from rodgen.integrate.methods.libraries import CvodeStep, ScipyStep
@@ -65,7 +66,7 @@ class PythonSteps:
         self._asked: deque[float] = deque(maxlen=RECENT)
         self._stepper: Stepper | None = None
         self._done = Counts()
-        self._work = Work(model, p, t, y)
+        self._work, self._jumps = Work(model, p, t, y), MassJumps(model, p)
         self._last: tuple[float, Array] | None = None
 
     @property
@@ -99,6 +100,7 @@ class PythonSteps:
         return self._switch.goal
 
     def begin(self, end: float, low: float, high: float, longest: float) -> None:
+        self._work.come += self._jumps.begin(self.t, self.y, end, low, high)
         self._window, self._longest = (low, high), longest
         self._switch = Switching(end, self.t)
         self._step_to(end)
@@ -175,7 +177,8 @@ class PythonSteps:
             whole = count < len(times) or not len(times)
             stop = t1 if whole or ends_here else float(inside[-1])
             if at is not None and self._work.terms and t0 < stop:
-                self._work.add(t0, inside, stop, at, recorder.count)
+                here = self._jumps.at_end(stop, y1) if ends_here else 0.0
+                self._work.add(t0, inside, stop, at, recorder.count, here)
             t0 = stop
             recorder.took(count)
             if whole or ends_here:
@@ -216,7 +219,10 @@ class PythonSteps:
 
     def works(self, recorder: Recorder) -> Array:
         self._work.flush(recorder)
-        return self._work.totals.copy()
+        totals = self._work.totals.copy()
+        if come := self._work.come + self._jumps.at_end(self.t, self.y):
+            totals[ROW] += come
+        return totals
 
     def state(self) -> State:
         """Raises ValueError for methods that cannot be put down."""
@@ -237,40 +243,48 @@ class Work:
         with np.errstate(all="ignore"):  # of a state that cannot be integrated
             self.terms = tuple(power(np.float64(t), y, p)) if power else ()
         self.totals = np.zeros(len(self.terms))
-        self._waiting: list[tuple[Array, Array, Array, list[int]]] = []
+        self._waiting: list[tuple[Array, Array, Array, list[int], float, float]] = []
+        self.come = 0.0  # energy [J] with masses that have jumped since the last stretch
 
     @property
     def waits(self) -> int:
         """Stretches whose power is not integrated yet."""
         return len(self._waiting)
 
-    def add(self, t0: float, inside: Array, t1: float, at: Interpolant, sample: int) -> None:
+    def add(
+        self, t0: float, inside: Array, t1: float, at: Interpolant, sample: int, here: float
+    ) -> None:
         """A stretch from t0 to t1 with samples at the times inside, the first of them number
-        ``sample``."""
+        ``sample``; here: energy [J] that masses have at the last of them that jump there."""
         ends_here = len(inside) > 0 and inside[-1] == t1
         edges = np.concatenate(([t0], inside, [] if ends_here else [t1]))
         widths = np.diff(edges)
         nodes = (edges[:-1, None] + widths[:, None] * NODES).ravel()
         # Which sample each stretch ends at; the last stretch may end at none.
         samples = [*range(sample, sample + len(inside)), *([] if ends_here else [-1])]
-        self._waiting.append((nodes, at(nodes), widths, samples))
+        self._waiting.append((nodes, at(nodes), widths, samples, self.come, here))
+        self.come = 0.0
 
     def flush(self, recorder: Recorder) -> None:
         """Integrate the power over the steps that wait, and write it into their samples."""
         if not self._waiting or not self._power:
             return
-        nodes, states, widths, samples = zip(*self._waiting, strict=True)
+        nodes, states, widths, samples, come, here = zip(*self._waiting, strict=True)
         power = self._power(np.concatenate(nodes), np.concatenate(states), self._p)
         width = np.concatenate(widths)
         ends = np.array([sample for some in samples for sample in some])
-        totals = self.totals.copy()
+        last = np.cumsum([len(some) for some in widths]) - 1
+        first = np.concatenate(([0], last[:-1] + 1))
+        totals, jumps = self.totals.copy(), len(power) + ROW
         for at, values in enumerate(power.values()):
             stretches = width * (values.reshape(-1, len(NODES)) @ WEIGHTS)
+            stretches[first] += come if at == jumps else 0.0
             sums = totals[at] + np.cumsum(stretches)
+            totals[at] = sums[-1]
+            sums[last] += here if at == jumps else 0.0
             for sample, total in zip(ends, sums, strict=True):
                 if sample >= 0:
                     recorder.row(sample)[recorder.states + at] = total
-            totals[at] = sums[-1]
         # Only now: an interrupt before this line has the same steps integrated again.
         self.totals, self._waiting = totals, []
 

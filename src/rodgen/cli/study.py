@@ -1,0 +1,114 @@
+"""rodgen study: a scene at many values, its results in a store."""
+
+from __future__ import annotations
+
+import signal
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rodgen.cli.console import out, print_values, working
+from rodgen.cli.errors import BAD_INPUT, FAILED_RUN, INTERRUPTED, fail
+
+STORE = "study.zarr"
+SHOW = "show"
+
+
+def study(
+    given: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="FILE | show STORE",
+            help="A study, in TOML; or the store of one, whose pictures are drawn again.",
+        ),
+    ],
+    out_folder: Annotated[
+        Path, typer.Option("--out", help="Folder in which a folder of the study's name is made.")
+    ] = Path("results"),
+    workers: Annotated[
+        int | None,
+        typer.Option(help="Processes; by default one a processor. With 1, this one alone."),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Of a Dask scheduler, whose workers are taken."),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with the store of FILE, if there is one.")
+    ] = False,
+    yes: Annotated[
+        bool, typer.Option("--yes", help="Also where there are more than 1e8 points.")
+    ] = False,
+) -> None:
+    """Compute the study in FILE: a scene at many values of its keys, on all processors or on a
+    cluster; keep what comes out in a Zarr store, and draw it."""
+    from rodgen.studies.engine import check_extra, run
+    from rodgen.studies.errors import StudyError
+    from rodgen.studies.specification import Study
+
+    try:
+        check_extra()
+    except ImportError as error:
+        fail(str(error), BAD_INPUT)
+    if given[0] == SHOW and len(given) == 2:
+        _draw(Path(given[1]))
+        return
+    if len(given) != 1:
+        fail("one study is computed at a time: rodgen study FILE, or rodgen study show STORE", 2)
+    with working("checking"):
+        made = Study.from_toml(given[0])
+    store = out_folder / made.name / STORE
+    # What a batch system sends to end a program is to lose nothing either.
+    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
+    why, status = "", 0
+    try:
+        run(
+            *(made, store),
+            workers=workers,
+            scheduler=scheduler,
+            resume=resume,
+            yes=yes,
+            said=out.print,
+        )
+    except StudyError as error:
+        why, status = str(error), FAILED_RUN
+    except KeyboardInterrupt:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        why, status = "interrupted", INTERRUPTED
+    if status:
+        fail(f"{why}; {_kept(store)}", status)
+    _summarise(made.name, store)
+    _draw(store)
+
+
+def _kept(store: Path) -> str:
+    """What a study that came to no end leaves."""
+    from rodgen.studies.tally import tally
+
+    if not store.exists():
+        return "nothing was computed yet"
+    found = tally(store)
+    what = f"{found.computed} of {found.points} points are kept in {store}"
+    return f"{what}; --resume goes on with them"
+
+
+def _summarise(name: str, store: Path) -> None:
+    from rodgen.studies.tally import tally
+
+    print_values(f"{name}: points", tally(store).rows)
+
+
+def _draw(store: Path) -> None:
+    """Draw pictures of a store beside it."""
+    from rodgen.studies.store import read
+
+    made: list[Path] = []
+    if find_spec("rodgen.show.study_pictures") is not None:
+        with working("drawing"):
+            draw = import_module("rodgen.show.study_pictures").draw
+            made = draw(read(store), store.absolute().parent)
+    written = [str(path) for path in made]
+    out.print(f"Written: {', '.join([str(store), *written])}")

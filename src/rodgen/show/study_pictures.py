@@ -1,0 +1,338 @@
+"""Pictures of a study, made for print: curves, maps, matrices of maps, bifurcations, scatter."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, LogNorm, Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator
+from numpy.typing import NDArray
+
+from rodgen.integrate.endings import FAILED
+from rodgen.show.pictures import LINE, canvas, save_figures
+from rodgen.show.study_results import Results, logarithmic
+
+if TYPE_CHECKING:
+    import xarray
+
+MOST_PICTURES = 12
+MOST_PANELS = 16
+COLUMNS = 5  # of a scatter matrix, beside what is kept
+LEVELS = 8  # lines of a contour
+FEW = 200  # points of a curve, up to which they are joined by lines
+WIDE = 1e3  # largest over smallest, from which colours go by the logarithm
+MANY = 3000  # points of a map beyond which those of a whole grid are not shown
+LOST = "tab:red"
+CLASSES = "#4c72b0", "#dd8452", "#55a868", "#8172b3", "#937860", "#64b5cd"
+
+
+def draw(dataset: xarray.Dataset, folder: Path) -> list[Path]:
+    """Write pictures of what a study has kept as PNG into a folder that exists; returns the files.
+
+    One axis: a curve of every number, a bifurcation diagram of every section. Two: a map with lines
+    of equal values, and the points where not all are computed. Three: a matrix of maps. Samples,
+    and more axes: a scatter matrix. Failed points are red crosses.
+    """
+    return save_figures(_figures(Results(dataset)), folder)
+
+
+def _figures(of: Results) -> Iterator[tuple[str, Figure]]:
+    if not of.sampled and len(of.axes) <= 3:
+        ways: dict[int, Callable[[Results, str], Figure]] = {1: curve, 2: map_of, 3: maps_of}
+        for name in of.kept[:MOST_PICTURES]:
+            if of.is_section(name):
+                if len(of.axes) == 1 and not name.endswith(".t"):
+                    yield file_name(name), bifurcation(of, name)
+            elif len(of.axes) == 1 or not of.beyond(name):
+                yield file_name(name), ways[len(of.axes)](of, name)
+    else:
+        yield "scatter", scatter_matrix(of)
+
+
+def file_name(name: str) -> str:
+    """The name of a variable as that of a file."""
+    return re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "picture"
+
+
+def _set_axis(axes: Axes, of: Results, name: str, which: str) -> None:
+    """Scale, label and ticks of an axis of a picture."""
+    values, texts = of.along(name)
+    if logarithmic(values):
+        getattr(axes, f"set_{which}scale")("log")
+    getattr(axes, f"set_{which}label")(of.label(name))
+    if texts:
+        getattr(axes, f"set_{which}ticks")(values, texts)
+
+
+# One axis -----------------------------------------------------------------------------------------
+
+
+def curve(of: Results, name: str) -> Figure:
+    """A number along an axis; of several, each."""
+    figure = canvas(6.0, 4.0)
+    axes = figure.add_subplot()
+    x, _ = of.along(of.axes[0])
+    values, classes = of.numbers(name)
+    columns = values.reshape(len(x), -1)
+    order = np.argsort(x)
+    # Where a result hangs on its axis more finely than it was computed, lines would say too much.
+    size = 3.0 if len(x) <= FEW else 1.5
+    style = "." if classes or len(x) > FEW else ".-"
+    for at in range(columns.shape[1]):
+        label = f"{at + 1}" if columns.shape[1] > 1 else None
+        axes.plot(x[order], columns[order, at], style, linewidth=LINE, markersize=size, label=label)
+    _mark_lost(axes, of, x)
+    _set_axis(axes, of, of.axes[0], "x")
+    if classes:
+        axes.set_yticks(range(len(classes)), classes)
+    axes.set(ylabel=of.label(name), title=of.title)
+    axes.grid(alpha=0.3)
+    if columns.shape[1] > 1 or (of.status == FAILED).any():
+        axes.legend(fontsize="small")
+    return figure
+
+
+def _mark_lost(axes: Axes, of: Results, x: NDArray[np.float64]) -> None:
+    """Points that failed, along the lower edge."""
+    lost = x[of.status == FAILED]
+    if len(lost):
+        axes.plot(
+            lost,
+            np.full(len(lost), 0.02),
+            "x",
+            color=LOST,
+            markersize=4,
+            transform=axes.get_xaxis_transform(),
+            label="failed",
+        )
+
+
+def bifurcation(of: Results, name: str) -> Figure:
+    """All values of a section over an axis."""
+    figure = canvas(6.5, 4.5)
+    axes = figure.add_subplot()
+    x, _ = of.along(of.axes[0])
+    values, _ = of.numbers(name)
+    points = np.repeat(x[:, None], values.shape[1], axis=1)
+    shown = np.isfinite(values)
+    size = float(np.clip(3e3 / max(1, shown.sum()), 0.1, 3.0))
+    axes.plot(points[shown], values[shown], ".", color="k", markersize=size, rasterized=True)
+    _mark_lost(axes, of, x)
+    _set_axis(axes, of, of.axes[0], "x")
+    axes.set(ylabel=of.label(name), title=f"{of.title}: bifurcation diagram")
+    axes.grid(alpha=0.3)
+    return figure
+
+
+# Two and three ------------------------------------------------------------------------------------
+
+
+def map_of(of: Results, name: str) -> Figure:
+    """A number over two axes, the first of them upwards."""
+    figure = canvas(6.5, 5.0)
+    axes = figure.add_subplot()
+    values, classes = of.numbers(name)
+    scale = _scale(values, classes)
+    _panel(axes, of, of.axes, values, of.status, scale, classes, lines=True)
+    axes.set_title(f"{of.title}: {name}")
+    _legend(figure, axes, of, name, scale, classes)
+    return figure
+
+
+def maps_of(of: Results, name: str) -> Figure:
+    """A number over three axes: a map of the two longer ones for values of the shortest."""
+    lengths = dict(zip(of.axes, of.status.shape, strict=True))
+    panels_by = min(of.axes, key=lambda axis: lengths[axis])
+    at = of.axes.index(panels_by)
+    others = tuple(axis for axis in of.axes if axis != panels_by)
+    shown = np.unique(np.linspace(0, lengths[panels_by] - 1, MOST_PANELS).round().astype(int))
+    columns = int(np.ceil(np.sqrt(len(shown))))
+    rows = -(-len(shown) // columns)
+    figure = canvas(2.2 * columns + 1.4, 2.0 * rows + 0.8)
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    values, classes = of.numbers(name)
+    scale = _scale(values, classes)
+    beside, texts = of.along(panels_by)
+    for number, axes in enumerate(panels.flat):
+        if number >= len(shown):
+            axes.set_visible(False)
+            continue
+        here = int(shown[number])
+        part, status = (np.take(whole, here, axis=at) for whole in (values, of.status))
+        _panel(axes, of, others, part, status, scale, classes, lines=False)
+        value = texts[here] if texts else f"{beside[here]:.4g}"
+        axes.set_title(f"{panels_by.rpartition('.')[2]} = {value}", fontsize="x-small")
+        axes.tick_params(labelsize="x-small")
+        axes.set(xlabel="", ylabel="")
+    figure.supxlabel(of.label(others[1]), fontsize="small")
+    figure.supylabel(of.label(others[0]), fontsize="small")
+    figure.suptitle(f"{of.title}: {name}", fontsize="medium")
+    _legend(figure, panels.ravel().tolist(), of, name, scale, classes)
+    return figure
+
+
+def _scale(values: NDArray[np.float64], classes: Sequence[str]) -> tuple[Normalize, Colormap]:
+    """Colours of values, or of classes."""
+    if classes:
+        colours = [CLASSES[at % len(CLASSES)] for at in range(len(classes))]
+        norm = BoundaryNorm(np.arange(len(classes) + 1) - 0.5, len(classes))
+        return norm, ListedColormap(colours)
+    found = values[np.isfinite(values)]
+    low, high = (found.min(), found.max()) if len(found) else (0.0, 1.0)
+    if low > 0 and high > WIDE * low:
+        return LogNorm(low, high), colormaps["viridis"]
+    return Normalize(low, high if high > low else low + 1.0), colormaps["viridis"]
+
+
+def _panel(
+    axes: Axes,
+    of: Results,
+    names: Sequence[str],
+    values: NDArray[np.float64],
+    status: NDArray[Any],
+    scale: tuple[Normalize, Colormap],
+    classes: Sequence[str],
+    lines: bool,
+) -> None:
+    """One map."""
+    (y, _), (x, _) = (of.along(name) for name in names)
+    computed = status != ""
+    filled = _filled(values, computed)
+    axes.pcolormesh(
+        *(_edges(one) for one in (x, y)),
+        np.ma.masked_invalid(filled),
+        norm=scale[0],
+        cmap=scale[1],
+        rasterized=True,
+        alpha=0.85 if classes else 1.0,
+    )
+    if lines and min(values.shape) > 1 and not classes and np.isfinite(filled).sum() > 3:
+        locator = LogLocator() if isinstance(scale[0], LogNorm) else None
+        drawn = axes.contour(x, y, filled, LEVELS, locator=locator, colors="k", linewidths=0.5)
+        axes.clabel(drawn, fontsize="xx-small")
+    elif min(values.shape) > 1 and len(classes) > 1:
+        axes.contour(x, y, filled, np.arange(len(classes) - 1) + 0.5, colors="k", linewidths=0.8)
+    X, Y = np.meshgrid(x, y)
+    if not computed.all():
+        axes.plot(X[computed], Y[computed], ".", color="k", markersize=1.0, alpha=0.6)
+    elif lines and computed.sum() <= MANY:
+        axes.plot(X, Y, ".", color="k", markersize=0.8, alpha=0.35)
+    lost = status == FAILED
+    size = float(np.clip(100 / np.sqrt(max(1, status.size)), 1.5, 4.0))
+    axes.plot(X[lost], Y[lost], "x", color=LOST, markersize=size)
+    _set_axis(axes, of, names[1], "x")
+    _set_axis(axes, of, names[0], "y")
+
+
+def _filled(values: NDArray[np.float64], computed: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Values with those of the nearest computed point where none is computed."""
+    if computed.all() or not computed.any():
+        return values
+    from scipy.ndimage import distance_transform_edt
+
+    nearest = distance_transform_edt(~computed, return_distances=False, return_indices=True)
+    return np.asarray(values[tuple(nearest)])
+
+
+def _edges(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Borders between cells about values."""
+    if len(values) < 2:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    logs = logarithmic(values)
+    at = np.log(values) if logs else values
+    middle = (at[1:] + at[:-1]) / 2
+    made = np.concatenate(([2 * at[0] - middle[0]], middle, [2 * at[-1] - middle[-1]]))
+    return np.exp(made) if logs else made
+
+
+def _legend(
+    figure: Figure,
+    axes: Any,
+    of: Results,
+    name: str,
+    scale: tuple[Normalize, Colormap],
+    classes: Sequence[str],
+) -> None:
+    """What colours and marks mean."""
+    handles = [
+        Line2D([], [], marker="s", linestyle="", color=scale[1](at), label=one)
+        for at, one in enumerate(classes)
+    ]
+    if (of.status == FAILED).any():
+        handles.append(Line2D([], [], marker="x", linestyle="", color=LOST, label="failed"))
+    if (of.status == "").any():
+        handles.append(Line2D([], [], marker=".", linestyle="", color="k", label="computed points"))
+    if not classes:
+        figure.colorbar(ScalarMappable(*scale), ax=axes, label=of.label(name))
+    if handles:
+        figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize="small")
+
+
+# Samples ------------------------------------------------------------------------------------------
+
+
+def scatter_matrix(of: Results) -> Figure:
+    """Every number of a sample over every other, and how often each value is met."""
+    columns = [*_columns(of)]
+    lost = (of.status == FAILED).ravel()
+    count = len(columns)
+    figure = canvas(1.7 * count + 0.6, 1.7 * count + 0.6)
+    panels = figure.subplots(count, count, squeeze=False)
+    size = float(np.clip(60 / np.sqrt(max(1, of.status.size)), 0.5, 3.0))
+    for row, (y_name, y, y_varied) in enumerate(columns):
+        for column, (x_name, x, x_varied) in enumerate(columns):
+            axes: Axes = panels[row, column]
+            axes.tick_params(labelsize="xx-small")
+            if column > row:
+                axes.set_visible(False)
+            elif column == row:
+                axes.hist(
+                    x[np.isfinite(x)], bins=30, color="tab:blue" if x_varied else "tab:orange"
+                )
+                axes.set_yticks([])
+            else:
+                there = ~lost & np.isfinite(x) & np.isfinite(y)
+                axes.plot(
+                    x[there], y[there], ".", color="k", alpha=0.4, markersize=size, rasterized=True
+                )
+                if x_varied and y_varied:
+                    axes.plot(x[lost], y[lost], "x", color=LOST, markersize=2 * size)
+            if row == count - 1:
+                axes.set_xlabel(_short(of, x_name), fontsize="x-small")
+            if column == 0:
+                axes.set_ylabel(_short(of, y_name), fontsize="x-small")
+    failed = f", {lost.sum()} of {lost.size} failed (red)" if lost.any() else ""
+    figure.suptitle(f"{of.title}: {lost.size} points{failed}", fontsize="medium")
+    return figure
+
+
+def _columns(of: Results) -> Iterator[tuple[str, NDArray[np.float64], bool]]:
+    """Names and values of what is varied, and of the numbers that are kept."""
+    for name in of.axes[:COLUMNS]:
+        values, _ = of.along(name)
+        if not of.sampled:
+            values = np.broadcast_to(
+                values.reshape([-1 if one == name else 1 for one in of.axes]), of.status.shape
+            )
+        yield name, values.ravel(), True
+    left = COLUMNS
+    for name in of.kept:
+        if not of.beyond(name) and left:
+            left -= 1
+            yield name, of.numbers(name)[0].ravel(), False
+
+
+def _short(of: Results, name: str) -> str:
+    """A label that fits a small panel."""
+    label = of.label(name)
+    *_, last = label.split(".") if name in of.axes else [label]
+    return last

@@ -1,0 +1,116 @@
+"""What a study has given, as its pictures ask for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.integrate.endings import FINISHED
+
+EVEN = 1e-6  # of the spacing in which an axis is linear or logarithmic
+ALWAYS = "status", "message", "energy_error", "seconds"
+NAMES = {"stable": {1: "stable", 0: "unstable", -1: "not known"}}
+
+
+@dataclass(frozen=True)
+class Results:
+    """What a study has given, as pictures ask for it."""
+
+    dataset: Any
+
+    @cached_property
+    def sampled(self) -> bool:
+        """Whether its points are a sample."""
+        return tuple(self.dataset["status"].dims) == ("point",) and "point" not in self.varied
+
+    @cached_property
+    def varied(self) -> tuple[str, ...]:
+        """Names of what is varied."""
+        dims = tuple(map(str, self.dataset["status"].dims))
+        if dims != ("point",) or _is_grid(self.dataset):
+            return dims
+        return tuple(str(n) for n, c in self.dataset.coords.items() if c.dims == dims != (n,))
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Names of what is varied, each with its values."""
+        return self.varied
+
+    @cached_property
+    def kept(self) -> list[str]:
+        """Names of what is kept, numbers of every point not among them."""
+        return [str(name) for name in self.dataset.data_vars if name not in ALWAYS]
+
+    @property
+    def title(self) -> str:
+        """What the study is called."""
+        return str(self.dataset.attrs.get("name", "study"))
+
+    def beyond(self, name: str) -> tuple[str, ...]:
+        """Dimensions of a variable beside those of the points."""
+        return tuple(str(d) for d in self.dataset[name].dims[self.status.ndim :])
+
+    def is_section(self, name: str) -> bool:
+        """Whether a variable has a value for every crossing."""
+        return any(dim.startswith("crossing") for dim in self.beyond(name))
+
+    @cached_property
+    def status(self) -> NDArray[Any]:
+        """Of all points."""
+        return np.asarray(self.dataset["status"].values).astype(str)
+
+    def label(self, name: str) -> str:
+        """A name with its unit."""
+        units = self.dataset[name].attrs.get("units", "") if name in self.dataset else ""
+        return f"{name} [{units}]" if units else name
+
+    def along(self, name: str) -> tuple[NDArray[np.float64], list[str]]:
+        """Values of an axis, as numbers, and their labels where they are text."""
+        values = np.asarray(self.dataset[name].values)
+        if values.dtype.kind in "iuf":
+            return values.astype(float), []
+        return np.arange(len(values), dtype=float), [str(value) for value in values]
+
+    def numbers(self, name: str) -> tuple[NDArray[np.float64], list[str]]:
+        """A variable of all points, not-a-number where it was not found; and of one that is whole
+        numbers or text, its classes, which the numbers count."""
+        values = np.asarray(self.dataset[name].values)
+        there = self.status == FINISHED
+        there = there.reshape(there.shape + (1,) * (values.ndim - there.ndim))
+        if values.dtype.kind == "f":
+            return np.where(there, values, np.nan), []
+        if values.dtype.kind in "iu" and name not in NAMES:
+            return np.where(there, values, np.nan), []
+        text = values.dtype.kind not in "iu"
+        shown = [str(v) if text else NAMES[name].get(int(v), str(v)) for v in values.flat]
+        found = sorted(
+            {
+                one
+                for one, is_ in zip(shown, np.broadcast_to(there, values.shape).flat, strict=True)
+                if is_
+            }
+        )
+        numbered = {one: at for at, one in enumerate(found)}
+        made = np.array([numbered.get(one, np.nan) for one in shown], dtype=float)
+        return np.where(there, made.reshape(values.shape), np.nan), found
+
+
+def _is_grid(dataset: Any) -> bool:
+    return (
+        "point" in dataset.coords
+        and dataset["point"].dims == ("point",)
+        and not any(c.dims == ("point",) for n, c in dataset.coords.items() if n != "point")
+    )
+
+
+def logarithmic(values: NDArray[np.float64]) -> bool:
+    """Whether values lie evenly in the logarithm alone."""
+    if len(values) < 3 or not (values > 0).all():
+        return False
+    steps, plain = np.diff(np.log(values)), np.diff(values)
+    even = [np.ptp(one) <= EVEN * np.abs(one).max() for one in (steps, plain)]
+    return bool(even[0] and not even[1])

@@ -1,0 +1,156 @@
+"""Points of a map of two axes in rounds, closer and closer to where neighbours differ.
+
+The first round is a coarse grid; each next one splits the rectangles in which two of the points
+that are known by then are of different classes, and the large ones beside them, until these are as
+narrow as asked for. A patch of another class that lies between the points of the first round is
+not found.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Generator, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.integrate.endings import FAILED
+from rodgen.scene import SceneError
+from rodgen.studies.keep import variables
+
+if TYPE_CHECKING:
+    from rodgen.studies.specification import Study
+
+FIRST = 12  # rectangles of the first round along either axis
+LARGE = 4  # points across, from which the neighbours of a mixed rectangle are split, too
+UNKNOWN, LOST = -1, -2  # classes: not computed, failed
+_LEVEL = re.compile(r"(.+?)\s*>\s*([-+.\deE]+)\s*")
+
+Rectangle = tuple[int, int, int, int]  # first and last number of a point along both axes
+Rounds = Generator[list[int], Mapping[str, NDArray[Any]], None]
+
+
+@dataclass(frozen=True)
+class Classes:
+    """What sets points apart: a variable that is whole numbers or text, or one that is larger than
+    a level or not; without a level, than the middle of its values in the first round."""
+
+    name: str
+    level: float = math.nan
+    ordinal: bool = False
+
+    @classmethod
+    def of(cls, study: Study, by: str | None = None) -> Classes:
+        """by: the name of a variable, with "> level" where it is a real number; by default the
+        first that is none, else the first. Raises SceneError."""
+        kept = [one for one in variables(study)[:-4] if not one.shape]
+        ordinal = [one.name for one in kept if one.dtype != "f8"]
+        if by is None and kept:
+            return cls((ordinal or [kept[0].name])[0], ordinal=bool(ordinal))
+        text, level = by or "", math.nan
+        if (found := _LEVEL.fullmatch(text)) and found[1] in {one.name for one in kept}:
+            text, level = found[1], _number(found[2], text)
+        if text not in {one.name for one in kept}:
+            names = ", ".join(one.name for one in kept)
+            raise SceneError("adaptive", by, f"a number or text that is kept: one of {names}")
+        return cls(text, level, text in ordinal)
+
+    def decided(self, values: Mapping[str, NDArray[Any]]) -> Classes:
+        """With a level, which the values of the first round may have to give."""
+        if self.ordinal or math.isfinite(self.level):
+            return self
+        found = values[self.name][np.isfinite(values[self.name])]
+        level = (found.min() + found.max()) / 2 if len(found) else 0.0
+        return Classes(self.name, float(level))
+
+    def numbers(
+        self, values: Mapping[str, NDArray[Any]], known: dict[Any, int]
+    ) -> NDArray[np.int_]:
+        """A class for every point, LOST for one that failed; known: those of values so far."""
+        found, failed = values[self.name], values["status"] == FAILED
+        keys = found.tolist() if self.ordinal else (found > self.level).tolist()
+        made = np.array([known.setdefault(key, len(known)) for key in keys], dtype=int)
+        return np.where(failed, LOST, made)
+
+
+def rounds(study: Study, width: float | None = None, by: str | None = None) -> Rounds:
+    """Flat numbers of the points to compute, round by round; what they are is sent in, arrays by
+    the names of variables in the same order.
+
+    width: of an axis, as a share, to which the border between classes is to be found; by default
+    as close as the points of the grid lie. by: see `Classes.of`. Raises SceneError for a study that
+    is no grid of two axes of two values or more, and for a width that is none.
+    """
+    shape, least = _checked(study, width)
+    by_class, known = Classes.of(study, by), dict[Any, int]()
+    classes = np.full(shape, UNKNOWN)
+    left = _first(shape, least)
+    asked = sorted({corner for one in left for corner in _corners(one)})
+    while asked:
+        flat = [int(np.ravel_multi_index(at, shape)) for at in asked]
+        values = yield flat
+        by_class = by_class.decided(values)
+        classes[tuple(np.array(asked).T)] = by_class.numbers(values, known)
+        left = _split(left, classes, least)
+        corners = {corner for one in left for corner in _corners(one)}
+        asked = sorted(at for at in corners if classes[at] == UNKNOWN)
+
+
+def _checked(study: Study, width: float | None) -> tuple[tuple[int, int], tuple[int, int]]:
+    """The shape of the grid, and how many steps of it along either axis are close enough."""
+    if study.sample is not None or len(study.axes) != 2 or min(study.shape) < 2:
+        raise SceneError("adaptive", list(study.shape), "a grid of two axes, of two values or more")
+    if width is not None and not (isinstance(width, int | float) and 0 < width < 1):
+        raise SceneError("adaptive", width, "a width above 0 and below 1, the share of an axis")
+    rows, columns = study.shape
+    least = [max(1, int((width or 0.0) * (count - 1) + 1e-9)) for count in (rows, columns)]
+    return (rows, columns), (least[0], least[1])
+
+
+def _first(shape: tuple[int, int], least: tuple[int, int]) -> list[Rectangle]:
+    """Rectangles of the first round."""
+    cuts = []
+    for count, step in zip(shape, least, strict=True):
+        parts = min(FIRST, max(1, (count - 1) // step))
+        cuts.append(np.unique(np.linspace(0, count - 1, parts + 1).round().astype(int)).tolist())
+    rows, columns = (list(pairwise(cut)) for cut in cuts)
+    return [(*row, *column) for row in rows for column in columns]
+
+
+def _corners(one: Rectangle) -> list[tuple[int, int]]:
+    a, b, c, d = one
+    return [(a, c), (a, d), (b, c), (b, d)]
+
+
+def _split(
+    left: list[Rectangle], classes: NDArray[np.int_], least: tuple[int, int]
+) -> list[Rectangle]:
+    """Rectangles of the next round: parts of those in or beside which classes differ; the others as
+    they are, since a neighbour's points may yet show that they are mixed."""
+    made: list[Rectangle] = []
+    for a, b, c, d in left:
+        wide, high = b - a > least[0], d - c > least[1]
+        margin = 1 if max(b - a, d - c) >= LARGE else 0
+        rows, columns = margin * (b - a), margin * (d - c)
+        around = classes[max(0, a - rows) : b + rows + 1, max(0, c - columns) : d + columns + 1]
+        there = around[around != UNKNOWN]
+        if not (wide or high):
+            continue
+        if (there == there[0]).all():
+            made.append((a, b, c, d))
+            continue
+        across = [(a, (a + b) // 2), ((a + b) // 2, b)] if wide else [(a, b)]
+        along = [(c, (c + d) // 2), ((c + d) // 2, d)] if high else [(c, d)]
+        made += [(*row, *column) for row in across for column in along]
+    return made
+
+
+def _number(text: str, whole: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise SceneError("adaptive", whole, "the name of a variable > a number") from None

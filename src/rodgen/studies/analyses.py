@@ -1,0 +1,33 @@
+"""Points of which a scene is analysed, one after the other."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from rodgen.analyse.errors import AnalysisError
+from rodgen.integrate.endings import RunError
+from rodgen.scene import SceneError
+from rodgen.studies.findings import analysed
+from rodgen.studies.keep import found
+from rodgen.studies.made import Made
+from rodgen.studies.points import Point
+
+if TYPE_CHECKING:
+    from rodgen.studies.specification import Study
+
+
+def compute(study: Study, points: list[Point], made: Made) -> None:
+    """Fill in what the analysis of every point finds."""
+    asked = found(study)
+    count = max((one.count for one in asked), default=0)
+    for at, point in enumerate(points):
+        start = time.process_time()
+        try:
+            result = analysed(study.what, study.scene_at(point), study.options, count)
+            made.set(
+                at, {one.text: one.finding.of(result, one.count) for one in asked}, float("nan"), ""
+            )
+        except (SceneError, AnalysisError, RunError) as error:
+            made.fail(at, str(error))
+        made.arrays["seconds"][at] = time.process_time() - start

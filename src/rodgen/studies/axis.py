@@ -1,0 +1,156 @@
+"""What a study varies: keys of its scene, each with its values or its range."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, Self
+
+import numpy as np
+from pydantic import Field, ValidationError
+
+from rodgen.scene.errors import SceneError, explain
+from rodgen.scene.plain import is_number
+from rodgen.scene.tables import Finite, Table
+
+Value = float | int | str
+LINEAR, LOG = "linear", "log"
+SCALES = (LINEAR, LOG)
+MOST_VALUES = 10**7  # of one axis
+# Methods, and how many points they can draw: the sequence of Sobol has 32 bits, and a Latin
+# hypercube is drawn whole by everybody who needs a point of it.
+SOBOL, LATIN, RANDOM = "sobol", "latin_hypercube", "random"
+SAMPLED = {SOBOL: 2**32, LATIN: 10**7, RANDOM: 2**63}
+EXTENDABLE = (SOBOL, RANDOM)
+WHOLE = ("rod.links", "integrate.max_steps")  # keys of whole numbers
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A key of the scene and its values, in order; of a sample that draws from a range, the range.
+
+    values: plain numbers or text, none where a range is drawn from; low, high: its ends; scale:
+    "linear" or "log", by which values lie between them.
+    """
+
+    name: str
+    values: tuple[Value, ...] = ()
+    low: float = math.nan
+    high: float = math.nan
+    scale: str = LINEAR
+
+    def drawn(self, share: float) -> Value:
+        """The value that a share, from 0 to below 1, of the range or of the list stands for."""
+        if self.values:
+            return self.values[int(share * len(self.values))]
+        if self.name in WHOLE:
+            return int(self.low + math.floor(share * (self.high - self.low + 1)))
+        if self.scale == LOG:
+            return math.exp(math.log(self.low) * (1 - share) + math.log(self.high) * share)
+        return self.low + share * (self.high - self.low)
+
+
+class _Range(Table):
+    """Values between two ends, so many of them in a grid; or a list of values."""
+
+    start: Finite | None = Field(None, alias="from")
+    to: Finite | None = None
+    count: Annotated[int, Field(gt=0, le=MOST_VALUES)] | None = None
+    scale: str = LINEAR
+    values: list[Any] | None = None
+
+
+def axis(name: str, table: Any, drawn: bool) -> Axis:
+    """An axis from its table, or from a list of its values; drawn: a sample draws from it. Raises
+    SceneError for what is none."""
+    field = f"vary.{name}"
+    if isinstance(table, list):
+        table = {"values": table}
+    if not isinstance(table, dict):
+        allowed = "a table {from, to, count} or {values = [...]}"
+        raise SceneError(field, table, allowed)
+    try:
+        read = _Range.model_validate(table)
+    except ValidationError as error:
+        found = explain(error, table, _Range)
+        raise SceneError(f"{field}.{found.field}", found.value, found.allowed) from None
+    if read.values is not None:
+        return _listed(name, field, read)
+    if read.start is None or read.to is None:
+        missing = "from" if read.start is None else "to"
+        raise SceneError(f"{field}.{missing}", None, "a number, or values given instead")
+    return _ranged(name, field, read.start, read.to, read, drawn)
+
+
+def _listed(name: str, field: str, read: _Range) -> Axis:
+    values = read.values or []
+    for key, beside in (("from", read.start), ("to", read.to), ("count", read.count)):
+        if beside is not None:
+            raise SceneError(f"{field}.{key}", beside, "absent beside values")
+    if not 0 < len(values) <= MOST_VALUES:
+        raise SceneError(f"{field}.values", values, f"a list of 1 to {MOST_VALUES} values")
+    for at, value in enumerate(values):
+        if not isinstance(value, str) and not (is_number(value) and math.isfinite(value)):
+            raise SceneError(f"{field}.values[{at}]", value, "a finite number or text")
+    if len({isinstance(value, str) for value in values}) > 1:
+        raise SceneError(f"{field}.values", values, "either all numbers or all text")
+    if len(set(values)) < len(values):
+        raise SceneError(f"{field}.values", values, "values that are all different")
+    return Axis(name, tuple(_whole(name, field, value) for value in values))
+
+
+def _ranged(name: str, field: str, low: float, high: float, read: _Range, drawn: bool) -> Axis:
+    if read.scale not in SCALES:
+        raise SceneError(f"{field}.scale", read.scale, f"one of {', '.join(SCALES)}")
+    if read.scale == LOG and not (low > 0 and high > 0):
+        raise SceneError(f"{field}.from", [low, high], "above zero at both ends for scale log")
+    if drawn:
+        if read.count is not None:
+            raise SceneError(f"{field}.count", read.count, "absent: sample.count says how many")
+        if not low < high:
+            raise SceneError(f"{field}.to", high, f"above {low:g}, where the range begins")
+        low, high = (float(_whole(name, field, end)) for end in (low, high))
+        return Axis(name, (), low, high, read.scale)
+    if read.count is None:
+        raise SceneError(f"{field}.count", None, "a whole number, or values given instead")
+    if read.count > 1 and low == high:
+        raise SceneError(f"{field}.to", high, f"other than {low:g}, where the range begins")
+    spaced = np.geomspace if read.scale == LOG else np.linspace
+    values = spaced(low, high, read.count).tolist()
+    return Axis(name, tuple(_whole(name, field, value) for value in values), low, high, read.scale)
+
+
+def _whole(name: str, field: str, value: Any) -> Value:
+    """The value as the key takes it. Raises SceneError for a part of a link."""
+    if name not in WHOLE or isinstance(value, int):
+        return value if isinstance(value, str | int) else float(value)
+    if isinstance(value, str) or not value.is_integer():
+        allowed = f"whole numbers: {name} takes no others (from, to and count may have to change)"
+        raise SceneError(field, value, allowed)
+    return int(value)
+
+
+class Sample(Table):
+    """How points are drawn: by what method, how many, and from which seed."""
+
+    method: str
+    count: Annotated[int, Field(gt=0)]
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+
+    @classmethod
+    def read(cls, table: Any) -> Self:
+        """A sample from its table. Raises SceneError."""
+        if not isinstance(table, dict):
+            raise SceneError("sample", table, "a table {method, count, seed}")
+        try:
+            made = cls.model_validate(table)
+        except ValidationError as error:
+            found = explain(error, table, cls)
+            raise SceneError(f"sample.{found.field}", found.value, found.allowed) from None
+        if made.method not in SAMPLED:
+            raise SceneError("sample.method", made.method, f"one of {', '.join(SAMPLED)}")
+        most = SAMPLED[made.method]
+        if made.count > most:
+            allowed = f"at most {most} by {made.method}"
+            raise SceneError("sample.count", made.count, allowed)
+        return made

@@ -1,0 +1,386 @@
+"""Workers of a study: a Dask cluster of processes that is started and closed, or one that is there.
+
+What Dask reports of tasks is not believed: a block is done where the store has its mark. What Dask
+is asked for is small: to hold two tasks for every worker, and to say when one is over.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+import platform
+import queue
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from functools import cached_property
+from time import monotonic
+from typing import TYPE_CHECKING, Any, Self
+from urllib.parse import urlsplit
+from uuid import uuid4
+
+import dask
+import distributed
+from distributed import WorkerPlugin
+
+from rodgen.loading import cache
+from rodgen.scene import SceneError
+from rodgen.studies import task
+from rodgen.studies.errors import StudyError
+from rodgen.studies.store import Store, identity
+
+if TYPE_CHECKING:
+    from rodgen.studies.specification import Study
+
+AHEAD = 2  # tasks of a worker: one that runs, one that waits
+TICK = 1.0  # seconds between two looks at the cluster while nothing happens
+EVERY = 5.0  # seconds between two questions for its workers
+MENDED = 30.0  # seconds that a worker of our own may take to be there again
+ANSWER = 20.0  # seconds in which a scheduler answers
+PATIENCE = {True: 180.0, False: 600.0}  # seconds without any worker: of our own, of others
+LONGEST = 300.0  # seconds after which nobody waits to know how long a point takes
+MOST_LOST = 10  # tasks of a block alone that are lost
+# What a cluster of our own is started with. A busy machine answers late; workers hold nothing that
+# could be spilled, and one that is paused would never go on; tasks are not worth being stolen.
+SETTINGS: dict[str, Any] = {
+    "distributed.scheduler.allowed-failures": 0,
+    "distributed.scheduler.work-stealing": False,
+    "distributed.scheduler.worker-ttl": "1 hour",
+    "distributed.scheduler.dashboard.tasks.task-stream-length": 1000,
+    "distributed.deploy.lost-worker-timeout": "1 hour",
+    "distributed.comm.timeouts.connect": "60s",
+    "distributed.comm.timeouts.tcp": "120s",
+    "distributed.worker.memory.target": False,
+    "distributed.worker.memory.spill": False,
+    "distributed.worker.memory.pause": False,
+    "distributed.worker.profile.enabled": False,
+}
+LOUD = ("distributed", "tornado", "asyncio", "bokeh")
+
+
+class Context(WorkerPlugin):  # type: ignore[misc]
+    """What all blocks of a study need, on every worker, also those that come later: the study, the
+    place of its store, and the texts of modules that were generated already, so that a worker
+    compiles once and derives nothing."""
+
+    def __init__(self, store: Store, texts: dict[tuple[str, ...], str], own: bool):
+        self.study, self.path, self.token = store.study, store.path, store.token
+        self.texts, self.own, self.identity = texts, own, who()
+        self.name = f"rodgen-{uuid4().hex}"  # another client may work at the same store
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {k: v for k, v in self.__dict__.items() if k != "store"}
+
+    def setup(self, worker: Any) -> None:
+        """Put the texts into the cache of the worker's machine."""
+        if self.own:
+            # Of Ctrl-C in a terminal the client hears, and ends its workers.
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+        for entry, text in self.texts.items():
+            if cache.read_text(*entry) is None:
+                cache.store_text(text, *entry)
+
+    @cached_property
+    def store(self) -> Store:
+        """The store, once in a process. Raises SceneError for another than that of the client."""
+        _check_worker("this", who(), self.identity)
+        where = f"on {platform.node()}"
+        try:
+            store = Store.of(self.path, self.study)
+        except SceneError as error:
+            allowed = f"a folder that all workers see ({where}: {error.allowed})"
+            raise SceneError("out", str(self.path), allowed) from None
+        if store.token != self.token:
+            allowed = f"a folder that all workers see ({where} there is another store)"
+            raise SceneError("out", str(self.path), allowed)
+        return store
+
+
+def who() -> dict[str, str]:
+    """What has to be equal on all workers."""
+    return {**identity(), "Python": f"{sys.version_info.major}.{sys.version_info.minor}"}
+
+
+def _check_worker(name: str, found: Any, wanted: dict[str, str]) -> None:
+    """Raise SceneError for a worker that would give other results."""
+    if found == wanted:
+        return
+    if isinstance(found, dict):
+        other = next(key for key in wanted if found.get(key) != wanted[key])
+        what = f"{other} {found.get(other)}, not {wanted[other]}"
+    else:
+        what = f"{type(found).__name__}: {found}"
+    raise SceneError("--scheduler", name, f"of workers with this version of rodgen ({what})")
+
+
+def compute(name: str, block: int) -> task.Done:
+    """Compute a block on a worker."""
+    return task.compute(_context(name).store, block)
+
+
+def compute_alone(name: str, block: int) -> task.Done:
+    """Compute a block whose worker was killed, in a process that may die without the worker."""
+    from rodgen.studies.alone import apart
+
+    context = _context(name)
+    store = context.store
+    indices = store.layout.indices(block)
+    if store.is_done(block):
+        return task.Done(block, len(indices), 0)
+    return task.keep(store, block, apart(context.study, indices))
+
+
+def _context(name: str) -> Context:
+    context = distributed.get_worker().plugins[name]
+    assert isinstance(context, Context)
+    return context
+
+
+def timed(study: Study) -> tuple[float, dict[tuple[str, ...], str]]:
+    """Time that a point takes [s], and the generated texts that it took, by their entries in the
+    cache."""
+    with cache.noted() as texts:
+        seconds = task.timed(study)
+    return seconds, texts
+
+
+@dataclass
+class _Work:
+    """A block that is being computed: how often its worker was killed."""
+
+    block: int
+    deaths: int = 0
+
+
+@dataclass
+class Cluster:
+    """Workers that compute blocks; address: of a scheduler that is there, else so many workers are
+    started here. A context manager."""
+
+    workers: int
+    address: str | None = None
+    said: Callable[[str], None] = lambda _: None
+    _stack: ExitStack = field(default_factory=ExitStack)
+    _threads: int = 0
+    _asked: float = 0.0
+    _seen: float = 0.0  # when there was a worker last
+    _whole: float = 0.0  # when all were there last
+    _cluster: Any = None
+
+    def __enter__(self) -> Self:
+        with ExitStack() as stack:
+            stack.enter_context(_quiet())
+            stack.enter_context(_as_no_script())
+            stack.enter_context(dask.config.set(SETTINGS))
+            self.client = stack.enter_context(self._connected())
+            self._stack = stack.pop_all()
+        self.said(f"dashboard: {self.client.dashboard_link}")
+        self._seen = self._whole = monotonic()
+        while not self._threads:
+            self._watch(wait=True)
+        self._check_workers()
+        return self
+
+    def __exit__(self, *of: Any) -> bool | None:
+        return self._stack.__exit__(*of)
+
+    @contextmanager
+    def _connected(self) -> Iterator[distributed.Client]:
+        """A client, of a cluster of its own unless there is an address."""
+        if self.address is not None:
+            client = _client(self.address)
+            try:
+                yield client
+            finally:
+                client.close(timeout=5)
+            return
+        cluster = distributed.LocalCluster(
+            n_workers=self.workers,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address="127.0.0.1:0",
+            silence_logs=logging.CRITICAL + 1,
+        )
+        self._cluster = cluster
+        try:
+            with distributed.Client(cluster, timeout="60s") as client:
+                yield client
+        finally:
+            cluster.close(timeout=20)
+
+    def _check_workers(self) -> None:
+        """Raise SceneError for workers that would give other results."""
+        if self._cluster is not None:
+            return
+        for worker, found in self.client.run(who, on_error="return").items():
+            _check_worker(worker, found, who())
+
+    def timed(self, study: Study) -> tuple[float, dict[tuple[str, ...], str]]:
+        """Time that a point takes [s] and generated texts, as a worker finds them; where points
+        kill their worker or take long, as long as a block, and no texts."""
+        future = self.client.submit(timed, study, pure=False)
+        events: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        future.add_done_callback(events.put)
+        try:
+            if self._next(events, LONGEST) is None:
+                return LONGEST, {}
+            if future.status == "finished":
+                found: tuple[float, dict[tuple[str, ...], str]] = future.result()
+                return found
+            self._judge(future)
+            return 1.0, {}
+        finally:
+            future.release()
+
+    def compute(
+        self, store: Store, blocks: Iterator[int], texts: dict[tuple[str, ...], str]
+    ) -> Iterator[task.Done]:
+        """Compute blocks, in whatever order they come to an end. Raises StudyError where that
+        cannot be gone on with, SceneError for workers that cannot be used."""
+        context = Context(store, texts, self._cluster is not None)
+        self.client.register_plugin(context)
+        events: queue.SimpleQueue[distributed.Future] = queue.SimpleQueue()
+        works: dict[str, _Work] = {}
+        again: list[_Work] = []
+        try:
+            while True:
+                while len(works) < AHEAD * self._threads:
+                    work = again.pop() if again else _begun(blocks)
+                    if work is None:
+                        break
+                    future = self._submit(context.name, work)
+                    works[future.key] = work
+                    future.add_done_callback(events.put)
+                if not works:
+                    return
+                future = self._next(events)
+                assert future is not None
+                work = works.pop(future.key)
+                if future.status == "finished":
+                    yield future.result()
+                else:
+                    self._judge(future)
+                    work.deaths += 1
+                    if work.deaths > MOST_LOST:
+                        why = f"its workers were lost {work.deaths} times"
+                        raise StudyError(f"block {work.block} cannot be computed: {why}")
+                    again.append(work)
+                future.release()
+        finally:
+            if self.client.status == "running":
+                self.client.unregister_worker_plugin(context.name)
+
+    def _submit(self, name: str, work: _Work) -> distributed.Future:
+        function = compute if work.deaths < 2 else compute_alone
+        key = f"{function.__name__}-{name}-{work.block}-{work.deaths}"
+        return self.client.submit(function, name, work.block, key=key, pure=False)
+
+    def _next(
+        self, events: queue.SimpleQueue[distributed.Future], seconds: float = math.inf
+    ) -> distributed.Future | None:
+        """The next task that is over, None where none is for so many seconds. Raises StudyError
+        where none will be."""
+        until = monotonic() + seconds
+        while monotonic() < until:
+            try:
+                future = events.get(timeout=TICK)
+            except queue.Empty:
+                self._watch()
+                continue
+            if monotonic() - self._asked > EVERY:
+                self._watch()
+            return future
+        return None
+
+    def _judge(self, future: distributed.Future) -> None:
+        """Raise what a task that did not finish means for the study, unless its worker was lost."""
+        if future.status == "error":
+            error = future.exception()
+            if not isinstance(error, distributed.KilledWorker):
+                raise error
+        else:
+            self._watch()
+
+    def _watch(self, wait: bool = False) -> None:
+        """See how many workers there are. Raises StudyError where the scheduler is gone, and where
+        there have been none for long."""
+        now = monotonic()
+        if self.client.status != "running":
+            raise StudyError("the scheduler does not answer any more")
+        if now - self._asked < EVERY and not wait:
+            return
+        self._asked = now
+        try:
+            found = self.client.nthreads()
+        except (OSError, TimeoutError, ValueError):
+            raise StudyError("the scheduler does not answer any more") from None
+        self._threads = sum(found.values()) or self._threads
+        own = self._cluster is not None
+        if found:
+            self._seen = now
+        elif now - self._seen > PATIENCE[own]:
+            raise StudyError(f"there has been no worker for {PATIENCE[own]:.0f} s")
+        if own:
+            self._mend(len(found), now)
+
+    def _mend(self, found: int, now: float) -> None:
+        """Start workers of our own in place of those that did not come back."""
+        if found >= self.workers:
+            self._whole = now
+        elif now - self._whole > MENDED:
+            self._whole = now
+            there = {one["name"] for one in self._cluster.scheduler_info["workers"].values()}
+            for name in [name for name in self._cluster.worker_spec if name not in there]:
+                del self._cluster.worker_spec[name]
+            self._cluster.scale(self.workers)
+
+
+def _begun(blocks: Iterator[int]) -> _Work | None:
+    block = next(blocks, None)
+    return None if block is None else _Work(block)
+
+
+def _client(address: str) -> distributed.Client:
+    """A client of a scheduler that is there. Raises SceneError where none answers."""
+    field = "--scheduler"
+    try:
+        # A scheduler is told apart from any other server by its address alone.
+        if not urlsplit(address if "://" in address else f"tcp://{address}").port:
+            raise ValueError
+    except ValueError:
+        raise SceneError(field, address, "an address such as tcp://host:8786") from None
+    try:
+        return distributed.Client(address, timeout=f"{ANSWER:.0f}s")
+    except (OSError, TimeoutError, ValueError) as error:
+        why = f"of a Dask scheduler that answers ({type(error).__name__})"
+        raise SceneError(field, address, f"the address {why}") from None
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Nothing of what Dask tells of workers that come and go."""
+    loggers = [logging.getLogger(name) for name in LOUD]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
+
+
+@contextmanager
+def _as_no_script() -> Iterator[None]:
+    """Workers do not run the script again that starts them, as Python's processes do otherwise:
+    a script then needs no `if __name__ == "__main__"`. Its functions reach them by value."""
+    main = sys.modules["__main__"]
+    kept = {name: main.__dict__.pop(name) for name in ("__file__",) if name in main.__dict__}
+    spec, main.__spec__ = main.__spec__, None
+    try:
+        yield
+    finally:
+        main.__dict__.update(kept)
+        main.__spec__ = spec

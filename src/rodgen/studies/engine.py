@@ -1,0 +1,210 @@
+"""A study from its specification to its store: blocks, and who computes them."""
+
+from __future__ import annotations
+
+import math
+import os
+import random
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+from rodgen.progress import counting, working
+from rodgen.scene import Scene, SceneError
+from rodgen.studies.errors import MISSING, StudyError
+from rodgen.studies.specification import MANY, Kept, Study
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rodgen.studies.store import Store
+    from rodgen.studies.task import Done
+
+BLOCK = 1.0  # seconds of work of a block: a task costs milliseconds
+SHARES = 4  # blocks for every worker at least, so that none waits long for the others at the end
+MOST_POINTS = 10**5  # of a block
+MOST_BYTES = 32 * 10**6  # of what a block keeps
+MOST_WORKERS = 1024
+
+Texts = dict[tuple[str, ...], str]
+
+
+class Workers(Protocol):
+    """Who computes blocks."""
+
+    def timed(self, study: Study) -> tuple[float, Texts]:
+        """Time that a point takes [s], and generated texts by their entries in the cache."""
+        ...
+
+    def compute(self, store: Store, blocks: Iterator[int], texts: Texts) -> Iterator[Done]:
+        """Compute blocks, in whatever order they are done."""
+        ...
+
+
+class Here:
+    """This process, which computes one block after the other."""
+
+    def timed(self, study: Study) -> tuple[float, Texts]:
+        """Time that a point takes [s], and no texts."""
+        from rodgen.studies import task
+
+        return task.timed(study), {}
+
+    def compute(self, store: Store, blocks: Iterator[int], texts: Texts) -> Iterator[Done]:
+        """Compute blocks in their order."""
+        from rodgen.studies import task
+
+        for block in blocks:
+            yield task.compute(store, block)
+
+
+def study(
+    scene: Scene | Study | str | Path,
+    vary: Mapping[str, Any] | None = None,
+    *,
+    what: str = "run",
+    keep: Sequence[Kept] | Kept = (),
+    sample: Mapping[str, Any] | None = None,
+    options: Mapping[str, Any] | None = None,
+    out: str | Path | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    resume: bool = False,
+    yes: bool = False,
+) -> xr.Dataset:
+    """Compute a scene at many values of its keys.
+
+    scene: a Scene, the path of one, or a Study, which has all of what follows up to options.
+    vary: values of every key, by dotted name, such as {"loads.follower.force": [5, 10]}, or a table
+    {from, to, count, scale}. what: "run", "critical", "modes" or "static". keep: reductions of a
+    run such as "max(phi_19)", or functions of a Solution. sample: {method, count, seed} to draw
+    points from ranges in place of a grid. options: of what is computed.
+    out: folder of the store, a Zarr group that keeps what is done; without it nothing is kept.
+    workers: processes, by default one a processor; with 1, everything is computed in this one,
+    to the same bits. scheduler: address of a Dask scheduler whose workers are taken instead.
+    resume: go on with the store that is there. yes: also where there are more than 1e8 points.
+
+    A point that cannot be computed has status "failed", its reason as message, and not-a-number.
+    Returns an xarray.Dataset over the varied keys of a grid, or over the points of a sample.
+    Raises SceneError for what cannot be used, before anything is computed; StudyError where workers
+    or the scheduler are lost, ImportError without the extra `study`.
+    """
+    made = scene if isinstance(scene, Study) else _made(scene, vary, what, keep, sample, options)
+    temporary = out is None
+    with ExitStack() as stack:
+        if out is None:
+            out = Path(stack.enter_context(tempfile.TemporaryDirectory()), "study.zarr")
+        run(made, Path(out), workers=workers, scheduler=scheduler, resume=resume, yes=yes)
+        from rodgen.studies.store import read
+
+        found = read(out)
+        return found.load() if temporary else found
+
+
+def run(
+    study: Study,
+    path: Path,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    resume: bool = False,
+    yes: bool = False,
+    said: Callable[[str], None] = lambda _: None,
+) -> None:
+    """Compute a study into the store at a path; what it says on the way goes to `said`.
+
+    Raises what `study` raises.
+    """
+    check_extra(scheduled=scheduler is not None or workers != 1)
+    from rodgen.studies.store import Store
+
+    path = path.absolute()
+    _check(study, path, workers, scheduler, resume, yes)
+    with ExitStack() as stack:
+        there: Store | None = None
+        if path.exists():
+            there = Store.of(path, study)
+            if there.done().all():
+                return
+        pool = _workers(stack, workers, scheduler, said)
+        with working(f"{study.name}: timing a point"):
+            seconds, texts = pool.timed(study)
+        count = workers or os.cpu_count() or 1
+        store = there or Store.make(path, study, size_of(study, seconds, count))
+        _compute(pool, store, texts)
+
+
+def check_extra(scheduled: bool = True) -> None:
+    """Raise ImportError, in a line, where the extra is not installed; scheduled: with Dask."""
+    for name in ("zarr", "distributed", "cloudpickle") if scheduled else ("zarr",):
+        if find_spec(name) is None:
+            raise ImportError(f"{MISSING} (there is no {name})", name=name)
+
+
+def size_of(study: Study, seconds: float, workers: int) -> int:
+    """How many points a block has, where one takes so many seconds of a processor."""
+    from rodgen.studies.keep import variables
+
+    each = sum(_bytes(one.dtype) * max(1, math.prod(one.shape)) for one in variables(study))
+    shared = -(-study.count // (SHARES * workers))
+    return max(1, min(int(BLOCK / max(seconds, 1e-9)), shared, MOST_POINTS, MOST_BYTES // each))
+
+
+def _bytes(dtype: str) -> int:
+    return 64 if dtype.startswith("U") else 8
+
+
+def _made(scene: Any, vary: Any, what: str, keep: Any, sample: Any, options: Any) -> Study:
+    """A study from the arguments of `study`."""
+    if isinstance(scene, str | Path):
+        scene = Scene.from_toml(scene)
+    if vary is None:
+        raise SceneError("vary", None, "values by keys of the scene")
+    return Study.of(scene, vary, what=what, keep=keep, sample=sample, options=options)
+
+
+def _check(study: Study, path: Path, workers: Any, scheduler: Any, resume: bool, yes: bool) -> None:
+    """Raise SceneError for what cannot be run this way."""
+    whole = isinstance(workers, int) and not isinstance(workers, bool)
+    if workers is not None and not (whole and 0 < workers <= MOST_WORKERS):
+        raise SceneError("workers", workers, f"a whole number from 1 to {MOST_WORKERS}")
+    if workers is not None and scheduler is not None:
+        raise SceneError("workers", workers, "absent: the scheduler has workers of its own")
+    if study.count > MANY and not yes:
+        allowed = f"at most {MANY:.0e} points, or asked for with --yes (yes=True)"
+        raise SceneError("vary", study.count, allowed)
+    if path.exists() and not resume:
+        allowed = "a place where there is nothing yet, or --resume (resume=True) to go on with it"
+        raise SceneError("out", str(path), allowed)
+
+
+def _workers(
+    stack: ExitStack, workers: int | None, scheduler: str | None, said: Callable[[str], None]
+) -> Workers:
+    if workers == 1:
+        return Here()
+    from dask.system import CPU_COUNT
+
+    from rodgen.studies.cluster import Cluster
+
+    return stack.enter_context(Cluster(workers or CPU_COUNT, scheduler, said))
+
+
+def _compute(pool: Workers, store: Store, texts: Texts) -> None:
+    """Compute all blocks that are not marked. Raises StudyError where some are left."""
+    done = store.done()
+    layout, study = store.layout, store.study
+    # Two clients that begin at once do not take the same blocks.
+    start = random.SystemRandom().randrange(layout.count) if done.any() else 0
+    order = (at % layout.count for at in range(start, start + layout.count))
+    left = (block for block in order if not done[block] and not store.is_done(block))
+    before = sum(layout.points(int(block)) for block in done.nonzero()[0])
+    with counting(study.name, study.count, before) as count:
+        for one in pool.compute(store, left, texts):
+            count(one.points, one.failed)
+    missing = int((~store.done()).sum())
+    if missing:
+        raise StudyError(f"{missing} of {layout.count} blocks are not done")

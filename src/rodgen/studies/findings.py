@@ -1,0 +1,105 @@
+"""What analyses of a scene find, by the name under which a study keeps it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from rodgen.analyse.critical import Critical
+    from rodgen.analyse.modes import Modes
+    from rodgen.scene import Scene
+
+CRITICAL, MODES, STATIC = "critical", "modes", "static"
+FEW = 16  # modes that are looked at for whether one grows
+YES, NO, UNKNOWN = 1, 0, -1
+
+
+@dataclass(frozen=True)
+class Finding:
+    """of: what an analysis has found, made a number, text or, of several, an array of so many;
+    usual: whether it is kept where nothing is asked for; several: how many of several then."""
+
+    of: Callable[[Any, int], Any]
+    units: str = ""
+    dtype: str = "f8"
+    fill: Any = math.nan
+    usual: bool = False
+    several: int = 0
+
+
+def _stable(stable: bool | None) -> int:
+    return UNKNOWN if stable is None else YES if stable else NO
+
+
+def _first(values: Any, count: int) -> Any:
+    """The first values, as many as asked for."""
+    made = np.full(count, math.nan)
+    made[: min(count, len(values))] = values[:count]
+    return made
+
+
+def _grows(found: Modes) -> float:
+    return float(found.growth.max(initial=-math.inf))
+
+
+def _of_critical(name: str) -> Callable[[Critical, int], Any]:
+    return lambda found, _: getattr(found, name)
+
+
+FINDINGS: Mapping[str, Mapping[str, Finding]] = {
+    CRITICAL: {
+        "force": Finding(_of_critical("force"), "N", usual=True),
+        "factor": Finding(_of_critical("factor"), usual=True),
+        "kind": Finding(_of_critical("kind"), dtype="U12", fill="", usual=True),
+        "frequency": Finding(_of_critical("frequency"), "Hz", usual=True),
+        "error": Finding(_of_critical("error"), "N", usual=True),
+        "frequency_error": Finding(_of_critical("frequency_error"), "Hz"),
+        "growth": Finding(_of_critical("growth"), "1/s"),
+        "turning": Finding(_of_critical("turning"), "1/s"),
+        "speed": Finding(_of_critical("speed"), "m/s"),
+    },
+    MODES: {
+        "frequency": Finding(
+            lambda found, k: _first(found.frequencies, k), "Hz", "f8", usual=True, several=4
+        ),
+        "growth": Finding(lambda found, k: _first(found.growth, k), "1/s", usual=True, several=4),
+        "largest_growth": Finding(lambda found, _: _grows(found), "1/s"),
+        "stable": Finding(lambda found, _: _stable(_grows(found) <= 0), "", "i8", UNKNOWN, True),
+    },
+    STATIC: {
+        "tip_x": Finding(lambda rest, _: rest.tip[0], "m", usual=True),
+        "tip_y": Finding(lambda rest, _: rest.tip[1], "m", usual=True),
+        "tip_angle": Finding(lambda rest, _: rest.phi[-1], "rad", usual=True),
+        "phi": Finding(lambda rest, k: _first(rest.phi, k), "rad", several=4),
+        "stable": Finding(lambda rest, _: _stable(rest.stable), "", "i8", UNKNOWN, True),
+        "instability": Finding(lambda rest, _: rest.instability or "", dtype="U12", fill=""),
+    },
+}
+
+
+def function_of(what: str) -> Callable[..., Any]:
+    """The analysis of a scene."""
+    if what == CRITICAL:
+        from rodgen.analyse.critical import critical_force
+
+        return critical_force
+    if what == MODES:
+        from rodgen.analyse.modes import natural_modes
+
+        return natural_modes
+    from rodgen.analyse.statics import static_equilibrium
+
+    return static_equilibrium
+
+
+def analysed(what: str, scene: Scene, options: Mapping[str, Any], count: int) -> Any:
+    """What the analysis of a scene finds; count: of several, how many are asked for. Raises
+    SceneError, AnalysisError and RunError."""
+    if what == MODES:
+        return function_of(what)(scene, max(count, FEW), **options)
+    return function_of(what)(scene, **options)

@@ -1,0 +1,273 @@
+"""What a study keeps of every point: the texts of `keep`, checked, and the variables they fill.
+
+Of a run: reductions of `rodgen.integrate.reductions`, count('EVENT'), section(tip_y,
+where='tip_x', rising=0), peak(tip_y), and functions of a Solution. Of an analysis: what it finds,
+by name, with how many of several, such as frequency(4).
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from rodgen.integrate.equations import Equations, equations_of
+from rodgen.integrate.reductions import REDUCTIONS, Numbers, parse
+from rodgen.loading import build_fastest
+from rodgen.model.quantities import ADDED, LOADS, QUANTITIES, number_in, watched
+from rodgen.model.terms import PARAMETERS
+from rodgen.scene import Scene, SceneError
+from rodgen.studies.findings import FINDINGS, Finding
+from rodgen.studies.kept import EVERY, MOST_POINTS, Count, Kept, Own, Peak, Sampled, Section
+from rodgen.studies.reference import reference
+from rodgen.studies.variable import ALWAYS, Variable
+
+if TYPE_CHECKING:
+    from rodgen.studies.specification import Study
+
+RUN = "run"
+PARTS = ("rhs", "flow", "power", "lanes")  # of a module, that runs ask for
+LIMIT = 10**6  # of these
+
+_CALL = re.compile(r"\s*(\w+)\s*(?:\((.*)\))?\s*", re.DOTALL)
+_PART = re.compile(r"""\s*(?:(\w+)\s*=\s*)?('[^']*'|"[^"]*"|[^,'"=()]+?)\s*(?:,|$)""")
+_OF_A_RUN = (
+    f"a reduction of a run: {', '.join(REDUCTIONS)} of a number of a quantity, such as max(phi_0) "
+    "or rms(tip_y, from=5), count('name of an event'), section(tip_y, where='tip_x', rising=0) or "
+    "peak(tip_y)"
+)
+
+
+def variables(study: Study) -> list[Variable]:
+    """What the points of a study fill, known before any is computed. Raises SceneError for what
+    cannot be kept, and for a study all of whose tried points the scene refuses."""
+    if study.what == RUN:
+        made = [variable for one in kept(study) for variable in one.variables]
+    else:
+        made = [variable_of(study, one) for one in found(study)]
+    names = [variable.name for variable in (*made, *ALWAYS)]
+    for at, name in enumerate(names):
+        if name in names[:at]:
+            raise SceneError("compute.keep", name, "each thing once")
+    return [*made, *ALWAYS]
+
+
+# Of a run -----------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=8)
+def kept(study: Study) -> tuple[Kept, ...]:
+    """What is kept of every run. Raises SceneError."""
+    if study.options:
+        raise SceneError("compute.options", study.options, f"absent: what = {RUN!r} has none")
+    if not study.keep:
+        raise SceneError("compute.keep", [], "what is kept of every run, such as last(tip_x)")
+    scene = study.scene_at(reference(study))
+    equations = equations_of(build_fastest(scene, PARTS))
+    made: list[Kept] = []
+    for at, text in enumerate(study.keep):
+        made.append(_kept(f"compute.keep[{at}]", text, scene, equations))
+    return tuple(_numbered(made))
+
+
+def _kept(place: str, text: Any, scene: Scene, equations: Equations) -> Kept:
+    """One thing that is kept of a run."""
+    if callable(text):
+        return Own(getattr(text, "__name__", place).strip("<>"), text)
+    if not isinstance(text, str):
+        raise SceneError(place, text, "text, or in Python a function of a Solution")
+    numbers = equations.numbers
+    reduction = parse(text)
+    if reduction is not None:
+        _check_number(place, text, reduction.number, numbers)
+        seconds = reduction.kind == "time_of_max"
+        return Sampled(reduction, "s" if seconds else unit_of(reduction.number, numbers))
+    kind, arguments, named = _call(place, text, _OF_A_RUN)
+    number = arguments[0] if len(arguments) == 1 else ""
+    span = _span(place, text, named)
+    if kind == "count" and number and not named:
+        names = [event.name for event in scene.events]
+        if number not in names:
+            allowed = f"of an event of the scene: {', '.join(map(repr, names)) or 'it has none'}"
+            raise SceneError(place, text, allowed)
+        return Count(text, number, *span)
+    if kind == "peak" and number and not named:
+        _check_number(place, text, number, numbers)
+        return Peak(text, number, unit_of(number, numbers), *span)
+    if kind == "section" and number:
+        _check_number(place, text, number, numbers)
+        return _section(place, text, number, named, span, scene, numbers)
+    raise SceneError(place, text, _OF_A_RUN)
+
+
+def _section(
+    place: str,
+    text: str,
+    number: str,
+    named: dict[str, str],
+    span: tuple[float, float],
+    scene: Scene,
+    numbers: Numbers,
+) -> Section:
+    """A section from what is said of it."""
+    where, most = named.pop("where", ""), named.pop("most", str(MOST_POINTS))
+    known = [*watched(scene.hold, scene.rod.links), *((name, range(1)) for name in scene.states)]
+    if not any(number_in(where, name) in range_ for name, range_ in known):
+        shown = ", ".join(name for name, _ in known)
+        raise SceneError(place, text, f"where = one of {shown}")
+    if len(named) != 1 or {*named} - {"rising", "falling", "either"}:
+        raise SceneError(place, text, "with one of rising=, falling= or either= the level")
+    ((direction, level),) = named.items()
+    points = _number(place, text, most)
+    if not (points.is_integer() and 0 < points <= LIMIT):
+        raise SceneError(place, text, f"with most= a whole number from 1 to {LIMIT}")
+    value, units = _number(place, text, level), unit_of(number, numbers)
+    return Section(
+        text, number, where, value, direction, units, most=int(points), start=span[0], end=span[1]
+    )
+
+
+def _numbered(made: Sequence[Kept]) -> list[Kept]:
+    """Sections with events of their own; with dimensions of their own where lengths differ."""
+    lengths: list[int] = []
+    numbered: list[Kept] = []
+    for at, one in enumerate(made):
+        if isinstance(one, Section):
+            if one.most not in lengths:
+                lengths.append(one.most)
+            number = lengths.index(one.most)
+            dim = f"crossing_{number + 1}" if number else "crossing"
+            one = replace(one, event=f"section {at} of the study", dim=dim)
+        numbered.append(one)
+    return numbered
+
+
+def _call(place: str, text: str, allowed: str) -> tuple[str, list[str], dict[str, str]]:
+    """The name of a call, its arguments without and with names. Raises SceneError."""
+    whole = _CALL.fullmatch(text)
+    if whole is None:
+        raise SceneError(place, text, allowed)
+    arguments, named, at, inside = list[str](), dict[str, str](), 0, whole[2] or ""
+    while at < len(inside):
+        part = _PART.match(inside, at)
+        if part is None or (part[1] in named):
+            raise SceneError(place, text, allowed)
+        value = part[2].strip("'\"") if part[2][0] in "'\"" else part[2]
+        if part[1]:
+            named[part[1]] = value
+        else:
+            arguments.append(value)
+        at = part.end()
+    return whole[1], arguments, named
+
+
+def _span(place: str, text: str, named: dict[str, str]) -> tuple[float, float]:
+    """The times from and to, which are taken out of what is named."""
+    start, end = (
+        _number(place, text, named.pop(key)) if key in named else value
+        for key, value in zip(("from", "to"), EVERY, strict=True)
+    )
+    if not start <= end:
+        raise SceneError(place, text, "with times from <= to")
+    return start, end
+
+
+def _number(place: str, text: str, value: str) -> float:
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise SceneError(place, text, f"with a finite number in place of {value!r}")
+    return number
+
+
+def _check_number(place: str, text: str, number: str, numbers: Numbers) -> None:
+    if number not in numbers.places:
+        shown = dict.fromkeys(re.sub(r"(?<=_)\d+", "{}", name) for name in numbers.places)
+        raise SceneError(place, text, f"{_OF_A_RUN}; numbers are {', '.join(shown)}")
+
+
+def check_numbers(scene: Scene, numbers: Iterable[str], equations: Equations) -> None:
+    """Raise SceneError for a number that this rod does not have, though another one of the study
+    has it."""
+    for number in numbers:
+        if number not in equations.numbers.places:
+            allowed = f"a number of the rod: one of {scene.rod.links} links has no {number}"
+            raise SceneError("compute.keep", number, allowed)
+
+
+def unit_of(number: str, numbers: Numbers) -> str:
+    """The unit of a number of a quantity, by its name."""
+    name, _ = numbers.places[number]
+    if name in PARAMETERS:
+        return PARAMETERS[name].unit
+    for quantity in QUANTITIES:
+        prefix = quantity.name.removesuffix("{}") if quantity.each else quantity.name
+        open_ = quantity.each not in ("", LOADS, ADDED) and name.startswith(prefix)
+        if name == quantity.name or open_:
+            return quantity.unit
+    return "J" if name == "total_work" else ""
+
+
+# Of an analysis -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Asked:
+    """Something that an analysis finds; count: how many of several."""
+
+    text: str
+    finding: Finding
+    count: int = 0
+
+
+@lru_cache(maxsize=8)
+def found(study: Study) -> tuple[Asked, ...]:
+    """What is kept of every point of an analysis. Raises SceneError."""
+    rows = FINDINGS[study.what]
+    _check_options(study)
+    texts = study.keep or tuple(name for name, row in rows.items() if row.usual)
+    return tuple(_asked(f"compute.keep[{at}]", text, rows) for at, text in enumerate(texts))
+
+
+def _asked(place: str, text: Any, rows: Mapping[str, Finding]) -> Asked:
+    shown = ", ".join(f"{name}(4)" if row.several else name for name, row in rows.items())
+    allowed = f"one of {shown}"
+    if not isinstance(text, str):
+        raise SceneError(place, text, allowed)
+    name, arguments, named = _call(place, text, allowed)
+    row = rows.get(name)
+    if row is None or named or len(arguments) > (1 if row.several else 0):
+        raise SceneError(place, text, allowed)
+    count = _number(place, text, arguments[0]) if arguments else float(row.several)
+    if not (count.is_integer() and (0 < count <= 1000 or not row.several)):
+        raise SceneError(place, text, f"{name}(k) of a whole number k from 1 to 1000")
+    return Asked(text, row, int(count))
+
+
+def variable_of(study: Study, one: Asked) -> Variable:
+    """The variable of something that is found."""
+    row = one.finding
+    if not row.several:
+        return Variable(one.text, (), (), row.dtype, row.units, row.fill)
+    lengths = list(dict.fromkeys(a.count for a in found(study) if a.finding.several))
+    number = lengths.index(one.count)
+    dim = f"mode_{number + 1}" if number else "mode"
+    return Variable(one.text, (dim,), (one.count,), row.dtype, row.units, row.fill)
+
+
+def _check_options(study: Study) -> None:
+    """Raise SceneError for options that the analysis does not have; what they may be, it checks of
+    every point."""
+    from rodgen.studies.findings import function_of
+
+    allowed = list(inspect.signature(function_of(study.what)).parameters)[1:]
+    for name in study.options:
+        if name not in allowed or name == "count":
+            known = ", ".join(one for one in allowed if one != "count")
+            raise SceneError(f"compute.options.{name}", study.options[name], f"one of {known}")

@@ -1,0 +1,185 @@
+"""What can be kept of a run, each with the variables that it fills and what it makes of a run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.fourier import peaks_of
+from rodgen.integrate.catalogue import Piece
+from rodgen.integrate.reductions import Numbers, Reduction
+from rodgen.studies.variable import Variable
+
+if TYPE_CHECKING:
+    from rodgen.integrate import Solution
+
+MOST_POINTS = 1000  # of a section, where no other number is given
+EVERY = -math.inf, math.inf
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """A reduction of the samples of a run."""
+
+    reduction: Reduction
+    units: str
+
+    @property
+    def text(self) -> str:
+        """As it was asked for."""
+        return self.reduction.text
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """Names of the numbers that it is made of."""
+        return (self.reduction.number,)
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        """The number that it is."""
+        return (Variable(self.text, units=self.units),)
+
+    def of(self, solution: Solution, places: Numbers) -> dict[str, Any]:
+        """What it is of a run."""
+        values = places.values(solution, self.reduction.number)
+        return {self.text: self.reduction.of(solution.t, values)}
+
+
+@dataclass(frozen=True)
+class Count:
+    """How often an event of the scene happens between two times [s]."""
+
+    text: str
+    event: str
+    start: float = EVERY[0]
+    end: float = EVERY[1]
+    numbers: tuple[str, ...] = ()
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        """The number of times, -1 where there was no run."""
+        return (Variable(self.text, dtype="i8", fill=-1),)
+
+    def of(self, solution: Solution, places: Numbers) -> dict[str, Any]:
+        """What it is of a run."""
+        found = [one for one in solution.events if one.name == self.event]
+        return {self.text: sum(self.start <= one.t <= self.end for one in found)}
+
+
+@dataclass(frozen=True)
+class Section:
+    """A number at the times at which another passes a level between two times [s], at most so many
+    of them, and these times."""
+
+    text: str
+    number: str
+    where: str
+    level: float
+    direction: str
+    units: str
+    event: str = ""
+    most: int = MOST_POINTS
+    start: float = EVERY[0]
+    end: float = EVERY[1]
+    dim: str = "crossing"
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """Names of the numbers that it is made of."""
+        return (self.number,)
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        """The values and the times, one after the other."""
+        beyond = (self.dim,), (self.most,)
+        return (
+            Variable(self.text, *beyond, units=self.units),
+            Variable(f"{self.text}.t", *beyond, units="s"),
+        )
+
+    @property
+    def table(self) -> dict[str, Any]:
+        """The event that a run looks out for."""
+        crossing = {"quantity": self.where, "value": self.level, "direction": self.direction}
+        return crossing | {"name": self.event}
+
+    def of(self, solution: Solution, places: Numbers) -> dict[str, Any]:
+        """What it is of a run."""
+        met = [e for e in solution.events if e.name == self.event and self.start <= e.t <= self.end]
+        met = met[: self.most]
+        made = {name: np.full(self.most, math.nan) for name in (self.text, f"{self.text}.t")}
+        if met:
+            t, y = np.array([one.t for one in met]), np.array([one.y for one in met])
+            p = solution.model.parameters(**solution.scene.parameters)
+            timed = solution.scene.timed
+            there = Piece(solution.model, p, y, t, timed=timed)
+            made[self.text][: len(met)] = places.values(there, self.number)
+            made[f"{self.text}.t"][: len(met)] = t
+        return made
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The highest peak in the spectrum of a number between two times [s]."""
+
+    text: str
+    number: str
+    units: str
+    start: float = EVERY[0]
+    end: float = EVERY[1]
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """Names of the numbers that it is made of."""
+        return (self.number,)
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        """Its frequency and its amplitude."""
+        return (
+            Variable(f"{self.text}.frequency", units="Hz"),
+            Variable(f"{self.text}.amplitude", units=self.units),
+        )
+
+    def of(self, solution: Solution, places: Numbers) -> dict[str, Any]:
+        """What it is of a run; not-a-number where there is no peak. Raises SceneError for samples
+        that are not uniform."""
+        t, values = solution.t, places.values(solution, self.number)
+        inside = (t >= self.start) & (t <= self.end)
+        last = int(np.flatnonzero(inside)[-1]) if inside.any() else 0
+        if last > 1 and t[last] - t[last - 1] < 0.999 * (t[1] - t[0]):
+            inside[last] = False  # the end of the run, between two samples
+        try:
+            found = peaks_of(t[inside], values[inside], peaks=1)
+        except AnalysisError:
+            return {f"{self.text}.{part}": math.nan for part in ("frequency", "amplitude")}
+        return {
+            f"{self.text}.frequency": float(found.frequencies[0]),
+            f"{self.text}.amplitude": float(found.amplitudes[0]),
+        }
+
+
+@dataclass(frozen=True)
+class Own:
+    """A function of a Solution that gives a number."""
+
+    text: str
+    function: Callable[[Solution], float] = field(compare=False)
+    numbers: tuple[str, ...] = ()
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        """That number."""
+        return (Variable(self.text),)
+
+    def of(self, solution: Solution, places: Numbers) -> dict[str, Any]:
+        """What it makes of a run. Raises what it raises; TypeError for what is no number."""
+        return {self.text: float(self.function(solution))}
+
+
+Kept = Sampled | Count | Section | Peak | Own

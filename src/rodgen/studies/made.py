@@ -1,0 +1,32 @@
+"""Arrays of a block while its points are computed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from rodgen.integrate.endings import FAILED, FINISHED
+from rodgen.studies.variable import MESSAGE, Variable
+
+
+class Made:
+    """Variables of so many points: failed, and of fill values, until they are set."""
+
+    def __init__(self, variables: Sequence[Variable], count: int):
+        self.arrays = {
+            one.name: np.full((count, *one.shape), one.fill, dtype=one.dtype) for one in variables
+        }
+        self.arrays["seconds"][:] = 0.0
+
+    def set(self, at: int, values: Mapping[str, Any], energy_error: float, message: str) -> None:
+        """A point that was computed."""
+        for name, value in values.items():
+            self.arrays[name][at] = value
+        self.arrays["energy_error"][at] = energy_error
+        self.arrays["status"][at], self.arrays["message"][at] = FINISHED, message[:MESSAGE]
+
+    def fail(self, at: int, message: str) -> None:
+        """A point that was not, and why."""
+        self.arrays["status"][at], self.arrays["message"][at] = FAILED, message[:MESSAGE]

@@ -1,0 +1,115 @@
+"""Points of a study from their numbers: the same whatever block they are computed in."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.studies.axis import LATIN, RANDOM, Sample, Value
+
+if TYPE_CHECKING:
+    from rodgen.studies.specification import Study
+
+Point = dict[str, Value]
+BITS = 32  # of the sequence of Sobol: more are not taken forward by SciPy 1.17
+MOST_KEPT = 2  # Latin hypercubes and sequences of a process
+
+
+def points(study: Study, indices: Sequence[int]) -> list[Point]:
+    """The points of these numbers, each the values of the varied keys in the order of the axes.
+
+    A grid is counted with its last axis fastest. Raises IndexError for a number that the study
+    does not have.
+    """
+    for index in indices:
+        if not 0 <= index < study.count:
+            raise IndexError(f"point {index} of a study of {study.count}")
+    if study.sample is None:
+        return [_of_grid(study, index) for index in indices]
+    shares = _shares(study.sample, len(study.axes), indices)
+    return [
+        {axis.name: axis.drawn(share) for axis, share in zip(study.axes, row, strict=True)}
+        for row in shares.tolist()
+    ]
+
+
+def _of_grid(study: Study, index: int) -> Point:
+    at = []
+    for axis in reversed(study.axes):
+        index, place = divmod(index, len(axis.values))
+        at.append(place)
+    return {a.name: a.values[k] for a, k in zip(study.axes, reversed(at), strict=True)}
+
+
+def _shares(sample: Sample, dimensions: int, indices: Sequence[int]) -> NDArray[np.float64]:
+    """Numbers from 0 to below 1, (points, dimensions)."""
+    if sample.method == RANDOM:
+        rows = [_random(sample.seed, index, dimensions) for index in indices]
+        return np.array(rows).reshape(-1, dimensions)
+    if sample.method == LATIN:
+        return _hypercube(sample.seed, sample.count, dimensions)[list(indices)]
+    sequence = _sequence(sample.seed, dimensions)
+    rows = [sequence.take(first, count) for first, count in _runs(indices)]
+    return np.concatenate(rows) if rows else np.empty((0, dimensions))
+
+
+def _random(seed: int, index: int, dimensions: int) -> NDArray[np.float64]:
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(index,))).random(
+        dimensions
+    )
+
+
+@lru_cache(maxsize=MOST_KEPT)
+def _hypercube(seed: int, count: int, dimensions: int) -> NDArray[np.float64]:
+    from scipy.stats import qmc
+
+    made: NDArray[np.float64] = qmc.LatinHypercube(
+        dimensions, seed=np.random.default_rng(seed)
+    ).random(count)
+    return made
+
+
+class _Sequence:
+    """A sequence of Sobol, scrambled, which remembers how far it is."""
+
+    def __init__(self, seed: int, dimensions: int):
+        from scipy.stats import qmc
+
+        self._made: Callable[[], Any] = lambda: qmc.Sobol(
+            dimensions, bits=BITS, scramble=True, seed=np.random.default_rng(seed)
+        )
+        self._sobol, self._next = self._made(), 0
+
+    def take(self, first: int, count: int) -> NDArray[np.float64]:
+        """So many rows from the first on."""
+        if first < self._next:
+            self._sobol, self._next = self._made(), 0
+        if first > self._next:
+            self._sobol.fast_forward(first - self._next)
+        with warnings.catch_warnings():
+            # SciPy asks for a power of two; how many there are is the user's choice.
+            warnings.simplefilter("ignore", UserWarning)
+            rows: NDArray[np.float64] = self._sobol.random(count)
+        self._next = first + count
+        return rows
+
+
+@lru_cache(maxsize=MOST_KEPT)
+def _sequence(seed: int, dimensions: int) -> _Sequence:
+    return _Sequence(seed, dimensions)
+
+
+def _runs(indices: Iterable[int]) -> list[tuple[int, int]]:
+    """Whole numbers as stretches of neighbours: first and how many."""
+    runs: list[tuple[int, int]] = []
+    for index in indices:
+        if runs and index == sum(runs[-1]):
+            runs[-1] = runs[-1][0], runs[-1][1] + 1
+        else:
+            runs.append((index, 1))
+    return runs

@@ -1,0 +1,211 @@
+"""Points of which a scene is run: in vector lanes of C where that is possible, else one by one."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Iterable
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rodgen.integrate.endings import RunError, StepWarning
+from rodgen.integrate.equations import equations_of
+from rodgen.integrate.many import simulate_many
+from rodgen.integrate.methods.choose import choose
+from rodgen.integrate.simulate import simulate
+from rodgen.integrate.stepper import Array
+from rodgen.loading import build_fastest
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.integration import AUTO
+from rodgen.studies.keep import PARTS, check_numbers, kept
+from rodgen.studies.kept import Kept, Sampled, Section
+from rodgen.studies.made import Made
+from rodgen.studies.points import Point
+from rodgen.studies.reference import reference
+from rodgen.studies.vectors import Copying, copied, copying, groups, packed
+
+if TYPE_CHECKING:
+    from rodgen.studies.specification import Study
+
+FEW = 3  # points of a group whose scenes are made sooner than what they share is found
+
+
+def compute(study: Study, points: list[Point], made: Made) -> None:
+    """Fill in what is kept of a run of every point."""
+    wanted = kept(study)
+    together = all(isinstance(one, Sampled) for one in wanted)
+    if together and not any(event.action == "stop" for event in study.base.events):
+        _together(study, points, made)
+    else:
+        _one_by_one(study, points, made, wanted)
+
+
+# Together -----------------------------------------------------------------------------------------
+
+
+class _Batch:
+    """Runs of one structure with the same settings: numbers of points, and their p and y0."""
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self.points: list[int] = []
+        self.p: list[Array] = []
+        self.y: list[Array] = []
+
+    def add(self, points: Iterable[int], p: Array, y: Array) -> None:
+        self.points.extend(points)
+        self.p.append(p)
+        self.y.append(y)
+
+
+def _together(study: Study, points: list[Point], made: Made) -> None:
+    names = _copied(study)
+    others = tuple(name for axis in study.axes if (name := axis.name) not in names)
+    batches: dict[Any, _Batch] = {}
+
+    def batch(scene: Scene) -> _Batch:
+        settings = scene.integrate
+        key = scene.structure, settings.model_dump_json()
+        return batches.setdefault(key, _Batch(scene))
+
+    start = time.process_time()
+    for shared, members in groups(points, others):
+        share = _share(study, tuple(shared.items())) if len(members) > FEW else None
+        left = members
+        if share is not None:
+            p, y, taken = share.rows([points[at] for at in members])
+            rows = np.flatnonzero(taken)
+            ready = [members[row] for row in rows]
+            batch(_decided(study, tuple(shared.items()), share.scene)).add(ready, p[rows], y[rows])
+            left = [at for at, is_taken in zip(members, taken, strict=True) if not is_taken]
+        for at in left:
+            try:
+                scene = study.scene_at(points[at])
+                p, y = packed(scene)
+                batch(_decided(study, tuple(shared.items()), scene)).add([at], p[None], y[None])
+            except SceneError as error:
+                made.fail(at, str(error))
+    made.arrays["seconds"][:] = (time.process_time() - start) / max(1, len(points))
+    for one in batches.values():
+        _run(study, one, made)
+
+
+def _run(study: Study, batch: _Batch, made: Made) -> None:
+    """Runs of a batch, in lanes."""
+    start, at = time.process_time(), np.array(batch.points)
+    reductions = [one.reduction for one in kept(study) if isinstance(one, Sampled)]
+    texts = [one.text for one in reductions]
+    try:
+        model = build_fastest(batch.scene, PARTS)
+        check_numbers(batch.scene, (one.number for one in reductions), equations_of(model))
+        result = simulate_many(
+            model,
+            np.concatenate(batch.p),
+            np.concatenate(batch.y),
+            keep=texts,
+            **_settings(batch.scene),
+        )
+    except SceneError as error:
+        for point in batch.points:
+            made.fail(point, str(error))
+        return
+    for text in texts:
+        made.arrays[text][at] = result[text]
+    made.arrays["energy_error"][at] = result.energy_error
+    made.arrays["status"][at] = result.status
+    for rod, message in result.message.items():
+        made.fail(int(at[rod]), message)
+    shares = np.maximum(result.rhs, 1)
+    made.arrays["seconds"][at] += (time.process_time() - start) * shares / shares.sum()
+
+
+def _settings(scene: Scene) -> dict[str, Any]:
+    """Settings of a scene for many runs: those that its method has a use for."""
+    settings = scene.integrate.model_dump(exclude_none=True)
+    useless = ("rtol", "atol") if scene.integrate.fixed else ("step",)
+    for name in (*useless, *(["output_every"] if "t_eval" in settings else [])):
+        settings.pop(name, None)
+    return settings
+
+
+@lru_cache(maxsize=8)
+def _copied(study: Study) -> tuple[str, ...]:
+    return copied(study)
+
+
+@lru_cache(maxsize=512)
+def _share(study: Study, shared: tuple[tuple[str, Any], ...]) -> Copying | None:
+    """How points with these values in common are made together, where they can be."""
+    try:
+        return copying(study, reference(study) | dict(shared), _copied(study))
+    except SceneError:
+        return None
+
+
+def _decided(study: Study, shared: tuple[tuple[str, Any], ...], scene: Scene) -> Scene:
+    """The scene with the method that `auto` finds for the points that have these values in common:
+    it is one for all of them, so that it does not depend on who asks first."""
+    if scene.integrate.method != AUTO:
+        return scene
+    return scene.integrated_by(_method(study, shared) or _choice(scene))
+
+
+@lru_cache(maxsize=512)
+def _method(study: Study, shared: tuple[tuple[str, Any], ...]) -> str:
+    """What `auto` finds; empty where the scene refuses the point that stands for them."""
+    try:
+        return _choice(study.scene_at(reference(study) | dict(shared)))
+    except SceneError:
+        return ""
+
+
+def _choice(scene: Scene) -> str:
+    return choose(scene, build_fastest(scene, PARTS)).method
+
+
+# One by one ---------------------------------------------------------------------------------------
+
+
+def _one_by_one(study: Study, points: list[Point], made: Made, wanted: tuple[Kept, ...]) -> None:
+    names = _copied(study)
+    others = [axis.name for axis in study.axes if axis.name not in names]
+    for at, point in enumerate(points):
+        start = time.process_time()
+        shared = tuple((name, point[name]) for name in others)
+        try:
+            scene = _watching(study.scene_at(point), wanted)
+            _keep(_decided(study, shared, scene), wanted, made, at)
+        except (SceneError, RunError) as error:
+            made.fail(at, str(error))
+        made.arrays["seconds"][at] = time.process_time() - start
+
+
+def _keep(scene: Scene, wanted: tuple[Kept, ...], made: Made, at: int) -> None:
+    """Fill in what is kept of one run. Raises SceneError, RunError."""
+    model = build_fastest(scene, PARTS)
+    equations = equations_of(model)
+    check_numbers(scene, (number for one in wanted for number in one.numbers), equations)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", StepWarning)
+        solution = simulate(scene, model=model, progress=False)
+    values: dict[str, Any] = {}
+    for one in wanted:
+        try:
+            values |= one.of(solution, equations.numbers)
+        except SceneError:
+            raise
+        except Exception as error:  # of a function of the user's own, which may raise anything
+            made.fail(at, f"{one.text}: {type(error).__name__}: {error}")
+            return
+    made.set(at, values, solution.energy_error, solution.message)
+
+
+def _watching(scene: Scene, wanted: tuple[Kept, ...]) -> Scene:
+    """The scene that looks out for the crossings of sections, too."""
+    tables = [one.table for one in wanted if isinstance(one, Section)]
+    if not tables:
+        return scene
+    given = scene.model_dump(exclude_none=True)
+    return Scene.from_dict(given | {"events": [*given.get("events", []), *tables]})

@@ -1,0 +1,269 @@
+"""Stores of studies: Zarr arrays in which a block of points is a chunk, written whole, then marked.
+
+The mark of a block is its chunk of `status`, which is written last. Zarr writes every chunk whole
+or not at all, and leaves out none, as no point that was computed has the empty status that is the
+array's fill value.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from uuid import uuid4
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.loading.cache import PACKAGES, source_hash
+from rodgen.scene import SceneError
+from rodgen.studies.keep import variables
+from rodgen.studies.layout import Layout
+from rodgen.studies.points import Point
+from rodgen.studies.variable import Variable
+
+if TYPE_CHECKING:
+    import xarray as xr
+    import zarr
+
+    from rodgen.studies.specification import Study
+
+MARK = "status"
+FORMAT = "1"
+LARGE = 10**8  # bytes beyond which a store is read as it is asked for
+# What the numbers of a point follow from, to the bit.
+SOURCES = (*PACKAGES, "rodgen.integrate", "rodgen.analyse", "rodgen.studies")
+
+
+def identity() -> dict[str, str]:
+    """Version of rodgen and content hash of its sources: equal for equal results."""
+    return {"rodgen": version("rodgen"), "sources": source_hash(*SOURCES)[:32]}
+
+
+@dataclass(frozen=True)
+class Store:
+    """A store that is there, of a study; layout: its blocks; arrays: by name, the mark last;
+    token: of this store alone."""
+
+    path: Path
+    study: Study
+    layout: Layout
+    arrays: dict[str, zarr.Array[Any]]
+    token: str
+
+    @classmethod
+    def make(cls, path: Path, study: Study, size: int) -> Store:
+        """A new store in blocks of about so many points, or the one that another client has made
+        there meanwhile. Raises SceneError where it cannot be written."""
+        layout = Layout.of(study.shape, size)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            folder = Path(
+                tempfile.mkdtemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+            )
+            try:
+                _create(folder, study, layout)
+                folder.chmod(0o777 & ~_umask())
+                os.rename(folder, path)
+            except OSError:
+                if not path.is_dir():
+                    raise
+            finally:
+                shutil.rmtree(folder, ignore_errors=True)
+        except OSError as error:
+            allowed = f"a place for a store ({error.strerror or error})"
+            raise SceneError("out", str(path), allowed) from None
+        return cls.of(path, study)
+
+    @classmethod
+    def of(cls, path: Path, study: Study) -> Store:
+        """The store at a path, extended to the points of the study where it has fewer. Raises
+        SceneError for that of another study or version; nothing is changed then."""
+        group = _group(path)
+        _check_same(path, dict(group.attrs), study)
+        arrays = {name: _array(group, name) for name in _names(study)}
+        mark = arrays[MARK]
+        if mark.shape != study.shape:
+            if study.count < mark.shape[0]:
+                allowed = f"at least {mark.shape[0]}, which the store {path} has"
+                raise SceneError("sample.count", study.count, allowed)
+            _extend(path, arrays, study.count, mark.shape[0])
+        return cls(path, study, Layout(study.shape, mark.chunks), arrays, str(group.attrs["token"]))
+
+    def is_done(self, block: int) -> bool:
+        """Whether a block is marked."""
+        return _mark(self.path, self.layout.place(block)).exists()
+
+    def done(self) -> NDArray[np.bool_]:
+        """Which blocks are marked, (blocks,)."""
+        marked = np.zeros(self.layout.grid, dtype=bool)
+        root, depth = self.path / MARK / "c", marked.ndim
+        for folder, _, files in os.walk(root):
+            outer = Path(folder).relative_to(root).parts
+            if len(outer) == depth - 1:
+                within = [int(name) for name in files if name.isdigit()]
+                outer_at = tuple(map(int, outer))
+                for at in within:
+                    if all(a < n for a, n in zip((*outer_at, at), marked.shape, strict=True)):
+                        marked[(*outer_at, at)] = True
+        return marked.ravel()
+
+    def write(
+        self, block: int, points: Sequence[Point], arrays: Mapping[str, NDArray[Any]]
+    ) -> None:
+        """Write what came out of the points of a block, then mark it."""
+        box = self.layout.box(block)
+        shape = tuple(s.stop - s.start for s in box)
+        for name, array in self.arrays.items():
+            if name in arrays:
+                values = np.asarray(arrays[name])
+            else:  # a varied key of a sample
+                values = np.array([point[name] for point in points])
+            array[box] = values.reshape(shape + values.shape[1:]).astype(array.dtype, copy=False)
+
+
+def read(path: str | Path) -> xr.Dataset:
+    """What a store has: a variable of every kept quantity, with status, message, energy_error and
+    seconds of every point, over the varied keys of a grid or the points of a sample.
+
+    Points that are not computed yet have the status "". A store beyond 100 MB is read as it is
+    asked for. Raises SceneError for what is no store of a study.
+    """
+    import xarray as xr
+
+    path = Path(path)
+    group = _group(path)
+    if "digest" not in group.attrs:
+        raise SceneError("store", str(path), "the store of a study")
+    data = xr.open_zarr(path, consolidated=False, chunks=None)
+    drawn = data.attrs.get("coordinates", "").split()
+    data = data.set_coords(drawn)[json.loads(data.attrs["variables"])]
+    return _plain(data.load()) if data.nbytes <= LARGE else data
+
+
+def _plain(data: xr.Dataset) -> xr.Dataset:
+    """Text as libraries know it that do not know NumPy's text of any length."""
+    found = {name: array for name, array in data.variables.items() if array.dtype.kind == "T"}
+    return data.assign(
+        {name: array.astype("U8" if name == MARK else object) for name, array in found.items()}
+    )
+
+
+def arrays_of(path: str | Path) -> dict[str, zarr.Array[Any]]:
+    """The arrays of a store by name. Raises SceneError for what is no store of a study."""
+    group = _group(Path(path))
+    if "digest" not in group.attrs:
+        raise SceneError("store", str(path), "the store of a study")
+    return {name: _array(group, name) for name in group.array_keys()}
+
+
+def _group(path: Path) -> zarr.Group:
+    import zarr
+
+    try:
+        return zarr.open_group(path, mode="r+", zarr_format=3)
+    except (OSError, ValueError, KeyError) as error:
+        why = error.strerror if isinstance(error, OSError) and error.strerror else "there is none"
+        raise SceneError("store", str(path), f"the store of a study ({why})") from None
+
+
+def _array(group: zarr.Group, name: str) -> zarr.Array[Any]:
+    import zarr
+
+    found = group[name]
+    assert isinstance(found, zarr.Array)
+    return found
+
+
+def _mark(path: Path, place: tuple[int, ...]) -> Path:
+    """The file of the chunk that marks a block, as Zarr names it."""
+    return path.joinpath(MARK, "c", *map(str, place))
+
+
+def text_or(name: str) -> Any:
+    """Type of an array: text is of any length, as Zarr has no standard for that of fixed length."""
+    return np.dtypes.StringDType() if name.startswith("U") else np.dtype(name)
+
+
+def _create(folder: Path, study: Study, layout: Layout) -> None:
+    """An empty store."""
+    import xarray as xr
+    import zarr
+
+    sampled = study.sample is not None
+    along = {} if sampled else {a.name: (a.name, np.array(a.values)) for a in study.axes}
+    coordinates = xr.Dataset(coords={k: (d, _text(v)) for k, (d, v) in along.items()})
+    coordinates.to_zarr(folder, mode="w", zarr_format=3, consolidated=False)
+    group = zarr.open_group(folder, mode="r+", zarr_format=3)
+    drawn = [_of_axis(axis) for axis in study.axes] if sampled else []
+    for one in [*drawn, *variables(study)]:
+        group.create_array(
+            one.name,
+            shape=layout.shape + one.shape,
+            chunks=layout.chunk + tuple(max(1, n) for n in one.shape),
+            dtype=text_or(one.dtype),
+            fill_value=one.fill,
+            dimension_names=(*study.dims, *one.dims),
+            attributes={"units": one.units} if one.units else {},
+        )
+    kept = json.dumps([one.name for one in variables(study)])
+    named = {"name": study.name, "digest": study.digest, "format": FORMAT, "variables": kept}
+    named["token"] = uuid4().hex  # which no other store has
+    group.attrs.update({**named, **study.contents, **identity()})
+    if drawn:
+        group.attrs["coordinates"] = " ".join(one.name for one in drawn)
+
+
+def _of_axis(axis: Any) -> Variable:
+    """The values of a varied key at the points of a sample."""
+    kind = np.array(axis.drawn(0.0)).dtype.kind
+    fills = {"i": ("i8", 0), "U": ("U200", "")}
+    dtype, fill = fills.get(kind, ("f8", float("nan")))
+    return Variable(axis.name, dtype=dtype, fill=fill)
+
+
+def _text(values: NDArray[Any]) -> NDArray[Any]:
+    return values.astype(object) if values.dtype.kind == "U" else values
+
+
+def _check_same(path: Path, attributes: Mapping[str, Any], study: Study) -> None:
+    """Raise SceneError for the store of another study or version."""
+    if "digest" not in attributes:
+        raise SceneError("store", str(path), "the store of a study")
+    other = [name for name, text in study.contents.items() if attributes.get(name) != text]
+    if other:
+        allowed = f"a store of this study (another: {', '.join(other)})"
+        raise SceneError("store", str(path), allowed)
+    for name, value in {"format": FORMAT, **identity()}.items():
+        if attributes.get(name) != value:
+            found = attributes.get(name)
+            allowed = f"a store that this version of rodgen made ({name} {found}, not {value})"
+            raise SceneError("store", str(path), allowed)
+
+
+def _names(study: Study) -> list[str]:
+    """Names of the arrays that blocks are written to, the mark last."""
+    drawn = [axis.name for axis in study.axes] if study.sample is not None else []
+    return [*drawn, *(one.name for one in variables(study) if one.name != MARK), MARK]
+
+
+def _extend(path: Path, arrays: Mapping[str, zarr.Array[Any]], count: int, before: int) -> None:
+    """Make room for more points. A last block that was not full is computed anew, with the same
+    results."""
+    (chunk,) = arrays[MARK].chunks
+    if before % chunk:
+        _mark(path, (before // chunk,)).unlink(missing_ok=True)
+    for array in arrays.values():
+        array.resize((count, *array.shape[1:]))
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

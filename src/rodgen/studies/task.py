@@ -1,0 +1,106 @@
+"""What a worker does: a block of points computed, written whole, then marked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from rodgen.integrate.endings import FAILED
+from rodgen.studies.block import evaluate
+from rodgen.studies.keep import variables
+from rodgen.studies.points import points
+from rodgen.studies.store import MARK, Store, text_or
+from rodgen.studies.variable import Variable
+
+if TYPE_CHECKING:
+    from rodgen.studies.specification import Study
+
+Arrays = Mapping[str, NDArray[Any]]
+ENOUGH = 0.2  # seconds that tell how long a point takes
+PATIENT = 20.0  # seconds after which what is timed is not timed again
+
+
+@dataclass(frozen=True)
+class Done:
+    """A block that is marked: how many points it has, and how many of them failed."""
+
+    block: int
+    points: int
+    failed: int
+
+
+def compute(store: Store, block: int) -> Done:
+    """Compute a block of a store, unless it is marked."""
+    indices = store.layout.indices(block)
+    if store.is_done(block):
+        return Done(block, len(indices), 0)
+    return keep(store, block, computed(store.study, indices))
+
+
+def keep(store: Store, block: int, arrays: Arrays) -> Done:
+    """Write what came out of the points of a block."""
+    indices = store.layout.indices(block)
+    store.write(block, points(store.study, indices), arrays)
+    return Done(block, len(indices), int((np.asarray(arrays[MARK]) == FAILED).sum()))
+
+
+def computed(study: Study, indices: Sequence[int]) -> Arrays:
+    """What comes out of points, by the names of the variables. A point that raises what nobody
+    expects is recorded as failed, and the others are computed without it."""
+    given = points(study, indices)
+    # The bits of a sum depend on how many threads take part in it.
+    with threadpool_limits(1):
+        try:
+            return evaluate(study, given, indices).arrays
+        except Exception as error:  # of a function of the user's, or of a library under it
+            if len(indices) == 1:
+                return failed(study, f"{type(error).__name__}: {error}")
+    half = len(indices) // 2
+    return joined([computed(study, indices[:half]), computed(study, indices[half:])])
+
+
+def failed(study: Study, why: str) -> Arrays:
+    """What is recorded of a point of which nothing is known but why."""
+    arrays = {one.name: _empty(one) for one in variables(study)}
+    arrays[MARK][:] = FAILED
+    arrays["message"][:] = " ".join(why.split())
+    return arrays
+
+
+def _empty(one: Variable) -> NDArray[Any]:
+    return np.full((1, *one.shape), one.fill, text_or(one.dtype))
+
+
+def joined(pieces: Sequence[Arrays]) -> Arrays:
+    """Arrays of several pieces, one after the other."""
+    return {
+        name: np.concatenate([piece[name].astype(first.dtype) for piece in pieces])
+        for name, first in pieces[0].items()
+    }
+
+
+def timed(study: Study) -> float:
+    """Time that a point takes [s], of as many as take long enough to tell, from the middle of the
+    study on."""
+    count, each = study.count, 1
+    while True:
+        first = min(count // 2, count - each)
+        indices = range(first, first + each)
+        seconds = _seconds(study, indices)
+        if ENOUGH <= seconds <= PATIENT:
+            seconds = min(seconds, _seconds(study, indices))  # the first may have been warming up
+        if seconds >= ENOUGH or each == count:
+            return seconds / each
+        each = min(4 * each, count)
+
+
+def _seconds(study: Study, indices: Sequence[int]) -> float:
+    begun = perf_counter()
+    computed(study, indices)
+    return perf_counter() - begun

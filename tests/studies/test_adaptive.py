@@ -1,0 +1,142 @@
+"""Maps that are refined where classes differ: every pair of neighbours on the border is there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen import SceneError
+from rodgen.studies import adaptive
+from rodgen.studies.block import evaluate
+from rodgen.studies.points import points
+from rodgen.studies.specification import Study
+from tests.studies.scenes import BECK, scene
+
+FORCE, TIME = "loads.follower.force", "loads.material_damping.time"
+Array = np.ndarray
+
+
+def stability(rows: int, columns: int, **more: Any) -> Study:
+    vary = {
+        FORCE: {"from": 20.0, "to": 90.0, "count": rows},
+        TIME: {"from": 1e-3, "to": 1.0, "count": columns, "scale": "log"},
+    }
+    return Study.of(scene(BECK), vary, what="modes", keep=["stable", "largest_growth"], **more)
+
+
+def refined(
+    study: Study, of: Callable[[Array], dict[str, Array]], *how: Any
+) -> tuple[Array, list[list[int]]]:
+    """Which points are computed, and in which rounds."""
+    asked, known = list[list[int]](), np.zeros(study.count, dtype=bool)
+    steps = adaptive.rounds(study, *how)
+    values = None
+    while True:
+        try:
+            now = next(steps) if values is None else steps.send(values)
+        except StopIteration:
+            return known.reshape(study.shape), asked
+        assert not known[now].any()
+        assert len({*now}) == len(now)
+        known[now] = True
+        asked.append(now)
+        values = of(np.array(now))
+
+
+SHAPES: dict[str, Callable[[Array, Array], Array]] = {
+    "a line": lambda x, y: y > 0.3 + 0.4 * x,
+    "a disc": lambda x, y: (x - 0.5) ** 2 + (y - 0.4) ** 2 < 0.09,
+    "waves": lambda x, y: y > 0.5 + 0.3 * np.sin(9 * x),
+    "a corner": lambda x, y: (x > 0.97) & (y > 0.98),
+    "nothing": lambda x, y: x > 2,
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("size", [(200, 200), (90, 31)])
+def test_the_whole_border_is_found(shape: str, size: tuple[int, int]) -> None:
+    study = stability(*size)
+    x, y = np.meshgrid(*(np.linspace(0, 1, count) for count in size), indexing="ij")
+    whole = SHAPES[shape](x, y).astype(int)
+
+    def of(flat: Array) -> dict[str, Array]:
+        return {"stable": whole.flat[flat], "status": np.full(len(flat), "finished")}
+
+    known, asked = refined(study, of)
+    for axis in (0, 1):
+        classes, there = np.moveaxis(whole, axis, 0), np.moveaxis(known, axis, 0)
+        border = classes[1:] != classes[:-1]
+        assert (there[1:] & there[:-1])[border].all()
+    if size == (200, 200):
+        assert known.mean() < 0.1
+    assert len(asked) == 1 or shape != "nothing"
+
+
+def test_a_wider_border_takes_fewer_points_and_a_failed_point_is_a_class() -> None:
+    study = stability(100, 100)
+    x, _ = np.meshgrid(np.arange(100), np.arange(100), indexing="ij")
+
+    def of(flat: Array) -> dict[str, Array]:
+        status = np.where(x.flat[flat] > 40, "failed", "finished")
+        return {"stable": np.ones(len(flat), dtype=int), "status": status}
+
+    fine, _ = refined(study, of)
+    coarse, _ = refined(study, of, 0.05)
+    assert fine[40:42].all(axis=0).any()
+    assert coarse.sum() < fine.sum()
+
+
+def test_real_numbers_have_a_level() -> None:
+    study = stability(60, 60)
+    values = np.linspace(-1.0, 3.0, 3600)
+
+    def of(flat: Array) -> dict[str, Array]:
+        status = np.full(len(flat), "finished")
+        return {
+            "stable": np.ones(len(flat), dtype=int),
+            "largest_growth": values[flat],
+            "status": status,
+        }
+
+    for by, level in (("largest_growth", 1.0), ("largest_growth > 0", 0.0)):
+        known, _ = refined(study, of, None, by)
+        row = int(np.searchsorted(values, level)) // 60
+        assert known[row - 1 : row + 1].any(axis=0).all()
+
+
+def test_the_border_of_stability_is_the_critical_force() -> None:
+    """By the modes of each point, and by eigenvalues that cross the axis."""
+    study = stability(71, 5)
+
+    def of(flat: Array) -> dict[str, Array]:
+        return evaluate(study, points(study, flat.tolist()), flat).arrays
+
+    known, _ = refined(study, of)
+    forces, times = (np.array(axis.values) for axis in study.axes)
+    for column, time in enumerate(times):
+        table = study.scene_at({TIME: float(time), FORCE: 20.0})
+        critical = rodgen.critical_force(table).force
+        row = int(np.searchsorted(forces, critical))
+        assert known[row - 1 : row + 1, column].all()
+        sides = of(np.array([(row - 1) * 5 + column, row * 5 + column]))
+        assert sides["stable"].tolist() == [1, 0]
+
+
+@pytest.mark.parametrize(
+    ("vary", "how", "said"),
+    [
+        ({FORCE: [1.0, 2.0]}, (), "a grid of two axes"),
+        ({FORCE: [1.0, 2.0], TIME: [1.0]}, (), "a grid of two axes"),
+        ({FORCE: [1.0, 2.0], TIME: [1.0, 2.0]}, (2.0,), "a width above 0"),
+        ({FORCE: [1.0, 2.0], TIME: [1.0, 2.0]}, (None, "force"), "stable"),
+        ({FORCE: [1.0, 2.0], TIME: [1.0, 2.0]}, (None, "largest_growth > 1-1"), "a number"),
+    ],
+)
+def test_what_cannot_be_refined(vary: dict[str, Any], how: tuple[Any, ...], said: str) -> None:
+    study = Study.of(scene(BECK), vary, what="modes", keep=["stable", "largest_growth"])
+    with pytest.raises(SceneError, match=said):
+        next(adaptive.rounds(study, *how))

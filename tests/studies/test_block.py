@@ -1,0 +1,236 @@
+"""Points in blocks: each what its scene gives by itself, and no exception for one that fails."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen import Solution
+from rodgen.analyse.fourier import peaks_of
+from rodgen.studies import runs, vectors
+from rodgen.studies.block import evaluate
+from rodgen.studies.points import points
+from rodgen.studies.specification import Study
+from tests.studies.scenes import BECK, PENDULUM, scene
+
+pytestmark = pytest.mark.compiler
+KEEP = ["last(tip_x)", "max(phi_2)", "rms(omega_0, from=0.5)", "time_of_max(kinetic_energy)"]
+
+
+def computed(study: Study, indices: Any = None) -> dict[str, np.ndarray]:
+    """What a study keeps of its points."""
+    at = range(study.count) if indices is None else indices
+    return evaluate(study, points(study, at), at).arrays
+
+
+def same(a: dict[str, np.ndarray], b: dict[str, np.ndarray], at: Any = slice(None)) -> None:
+    """Both have the same bits, the second of some of the points of the first."""
+    for name, values in a.items():
+        if name != "seconds":
+            np.testing.assert_array_equal(values[at], b[name], name)
+
+
+@pytest.fixture(scope="module")
+def grid() -> Study:
+    """Numbers that are copied, one that two others follow from, and one of [integrate]."""
+    vary = {
+        "parameters.A": [0.5, 1.0, 2.0],
+        "initial.phi": [0.1, 0.8],
+        "rod.length": [1.0, 1.2],
+        "integrate.rtol": [1e-6, 1e-8],
+    }
+    return Study.of(scene(PENDULUM), vary, keep=KEEP)
+
+
+def test_numbers_are_what_runs_of_their_scenes_give(grid: Study) -> None:
+    """By simulate and NumPy on its samples."""
+    found = computed(grid)
+    assert (found["status"] == "finished").all()
+    for at in range(0, grid.count, 5):
+        sol = rodgen.simulate(grid.scene_at(points(grid, [at])[0]), target="c")
+        late = sol.t >= 0.5
+        expected = {
+            "last(tip_x)": sol.tip[-1, 0],
+            "max(phi_2)": sol.phi[:, 2].max(),
+            "rms(omega_0, from=0.5)": np.sqrt(np.mean(sol.omega[late, 0] ** 2)),
+            "time_of_max(kinetic_energy)": sol.t[sol.energy.kinetic.argmax()],
+        }
+        for name, value in expected.items():
+            np.testing.assert_allclose(found[name][at], value, rtol=1e-7, atol=1e-9, err_msg=name)
+        np.testing.assert_allclose(found["energy_error"][at], sol.energy_error, rtol=1e-2)
+
+
+def test_blocks_and_their_order_do_not_matter(grid: Study) -> None:
+    every = computed(grid)
+    order = np.random.default_rng(1).permutation(grid.count).tolist()
+    same(every, computed(grid, order), order)
+    for part in ([3], [17, 2], list(range(5, 16))):
+        same(every, computed(grid, part), part)
+
+
+def test_what_is_copied_is_what_a_scene_makes_of_it(grid: Study) -> None:
+    """To the bit; and what more follows from is not copied."""
+    names = vectors.copied(grid)
+    assert names == ("parameters.A", "initial.phi", "rod.length")
+    bodies = [{"name": "tip", "at": 1.0, "mass": 1.0, "offset": [0.1, 0.0]}]
+    other = Study.of(
+        scene(PENDULUM, bodies=bodies), {"rod.length": [1.0, 2.0]}, keep=["last(tip_x)"]
+    )
+    assert vectors.copied(other) == ()
+    every = points(grid, range(grid.count))
+    (_, members), *_ = vectors.groups(every, ["integrate.rtol"])
+    share = vectors.copying(grid, every[0], names)
+    assert share is not None
+    p, y, taken = share.rows([every[at] for at in members])
+    assert all(taken)
+    for row, at in enumerate(members):
+        alone = vectors.packed(grid.scene_at(every[at]))
+        np.testing.assert_array_equal(p[row], alone[0])
+        np.testing.assert_array_equal(y[row], alone[1])
+
+
+def test_a_number_of_an_initial_expression_goes_through_the_scene() -> None:
+    table = scene(PENDULUM, initial={"phi": "0.5 + A*s"})
+    study = Study.of(table, {"parameters.A": [0.1, 0.2, 0.3, 0.4, 0.5]}, keep=["last(tip_x)"])
+    assert vectors.copied(study) == ()
+    alone = rodgen.simulate(study.scene_at({"parameters.A": 0.4}), target="c")
+    np.testing.assert_allclose(computed(study)["last(tip_x)"][3], alone.tip[-1, 0], rtol=1e-7)
+
+
+def test_points_that_fail_are_alone() -> None:
+    """One that the scene refuses, one that spends its budget, and one without the link that is
+    asked for: each with its reason, and nothing but fill values."""
+    vary = {"rod.mass": [2.0, -1.0, 0.5, 1.0, 4.0, 3.0], "integrate.max_steps": [1000, 3]}
+    found = computed(Study.of(scene(PENDULUM), vary, keep=KEEP))
+    refused = [2, 3]
+    assert (found["status"][refused] == "failed").all()
+    assert found["message"][2] == "rod.mass = -1.0: must be greater than 0"
+    spent = [1, 5, 7, 9, 11]
+    assert all("the budget of 3 steps is used up" in found["message"][at] for at in spent)
+    fine = [0, 4, 6, 8, 10]
+    assert (found["status"][fine] == "finished").all()
+    assert set(found["message"][fine]) == {""}
+    for name in (*KEEP, "energy_error"):
+        assert np.isfinite(found[name][fine]).all()
+        assert np.isnan(found[name][refused + spent]).all()
+    links = computed(
+        Study.of(scene(PENDULUM, events=[]), {"rod.links": [3, 2]}, keep=["max(phi_2)"])
+    )
+    assert links["status"].tolist() == ["finished", "failed"]
+    assert links["message"][1].endswith("one of 2 links has no phi_2")
+
+
+# One by one --------------------------------------------------------------------------------------
+
+SECTION = "section(tip_y, where='tip_x', rising=0.1, from=0.2, most=5)"
+PEAK = "peak(phi_0, from=0.5)"
+
+
+def angle(solution: Solution) -> float:
+    """The last angle of the first link."""
+    if solution.phi[0, 0] > 0.75:
+        raise ValueError("too large")
+    return float(solution.phi[-1, 0])
+
+
+def test_events_sections_peaks_and_functions() -> None:
+    """By a run whose events are those of the section, and by its samples."""
+    table = scene(PENDULUM, integrate={"span": [0.0, 6.0], "output_every": 0.02})
+    keep = ["count(up)", SECTION, PEAK, "max(tip_x)", angle]
+    study = Study.of(table, {"initial.phi": [0.1, 0.5, 0.8]}, keep=keep)
+    found = computed(study)
+    assert found["status"].tolist() == ["finished", "finished", "failed"]
+    assert found["message"][2] == "angle: ValueError: too large"
+    assert found["count(up)"][2] == -1
+    sol = rodgen.simulate(study.scene_at({"initial.phi": 0.5}), target="c")
+    x, y = sol.tip.T
+    up = np.flatnonzero((x[:-1] < 0.1) & (x[1:] >= 0.1) & (sol.t[1:] >= 0.2))
+    assert len(up) >= 2
+    share = (0.1 - x[up]) / (x[up + 1] - x[up])
+    met = found[f"{SECTION}.t"][1]
+    np.testing.assert_allclose(met[: len(up)], sol.t[up] + share * 0.02, atol=2e-3)
+    # The tail falls with up to 25 m/s^2: a line between samples is off by 25 * 0.02^2 / 8 at most.
+    between = np.interp(met[: len(up)], sol.t, y)
+    np.testing.assert_allclose(found[SECTION][1, : len(up)], between, atol=2e-3)
+    assert np.isnan(found[SECTION][1, len(up) :]).all()
+    phi = sol.phi[:, 0]
+    assert found["count(up)"][1] == ((phi[:-1] < -1) & (phi[1:] >= -1)).sum() > 0
+    late = sol.t >= 0.5
+    peak = peaks_of(sol.t[late], phi[late], peaks=1)
+    assert found[f"{PEAK}.frequency"][1] == peak.frequencies[0]
+    assert found[f"{PEAK}.amplitude"][1] == peak.amplitudes[0]
+    assert found["angle"][1] == phi[-1]
+    assert found["max(tip_x)"][1] == x.max()
+    same(found, computed(study, [1]), [1])
+
+
+def test_an_event_that_ends_a_run_ends_it_here_too() -> None:
+    stop = [{"quantity": "phi_0", "value": 0.5, "direction": "falling", "action": "stop"}]
+    study = Study.of(
+        scene(PENDULUM, events=stop), {"initial.phi": [0.8, 0.9]}, keep=["last(phi_0)"]
+    )
+    np.testing.assert_allclose(computed(study)["last(phi_0)"], 0.5, atol=0.05)
+
+
+def test_auto_is_one_method_for_points_that_share_the_rest(grid: Study) -> None:
+    """So that a point has the same bits with and without its neighbours."""
+    table = scene(PENDULUM, integrate={"method": "auto"})
+    study = Study.of(table, {"initial.phi": [0.1, 0.2, 0.3, 0.4, 0.5]}, keep=["last(tip_x)"])
+    every = computed(study)
+    runs._method.cache_clear()
+    same(every, computed(study, [3]), [3])
+
+
+# Analyses ----------------------------------------------------------------------------------------
+
+
+def test_analyses_are_those_of_their_scenes() -> None:
+    vary = {"loads.material_damping.time": [1e-3, 1.0], "rod.mass": [20.0, -1.0]}
+    critical = Study.of(scene(BECK), vary, what="critical")
+    found = computed(critical)
+    assert found["status"].tolist() == ["finished", "failed"] * 2
+    for at, tau in ((0, 1e-3), (2, 1.0)):
+        alone = rodgen.critical_force(
+            critical.scene_at({"loads.material_damping.time": tau, "rod.mass": 20.0})
+        )
+        assert (found["force"][at], found["kind"][at]) == (alone.force, alone.kind)
+    assert found["kind"][1] == ""
+    assert found["message"][1] == "rod.mass = -1.0: must be greater than 0"
+    force = found["force"][0]
+    sides = Study.of(
+        scene(BECK),
+        {"loads.follower.force": [0.99 * force, 1.01 * force]},
+        what="modes",
+        keep=["stable", "largest_growth", "frequency(3)"],
+    )
+    modes = computed(sides)
+    assert modes["stable"].tolist() == [1, 0]
+    assert modes["largest_growth"][0] < 0 < modes["largest_growth"][1]
+    alone = rodgen.natural_modes(sides.scene_at({"loads.follower.force": 0.99 * force}), 16)
+    np.testing.assert_array_equal(modes["frequency(3)"][0], alone.frequencies[:3])
+
+
+def test_statics() -> None:
+    """A cantilever under its weight, by static_equilibrium."""
+    table = {**BECK, "loads": {"gravity": {"g": 9.81}}}
+    study = Study.of(scene(table), {"loads.gravity.g": [0.0, 1.0]}, what="static")
+    found = computed(study)
+    rest = rodgen.static_equilibrium(study.scene_at({"loads.gravity.g": 1.0}))
+    assert found["tip_y"].tolist() == [0.0, rest.tip[1]]
+    assert found["stable"].tolist() == [1, 1]
+
+
+def test_an_analysis_without_a_result_is_a_failed_point() -> None:
+    options = {"highest": 20.0}
+    study = Study.of(
+        scene(BECK),
+        {"loads.material_damping.time": [1e-3]},
+        what="critical",
+        options=options,
+    )
+    found = computed(study)
+    assert found["status"][0] == "failed"
+    assert "neither flutter nor divergence" in found["message"][0]

@@ -1,0 +1,106 @@
+"""Pictures of studies: one for everything that is kept, of any number of axes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+from matplotlib.figure import Figure
+
+from rodgen.show import study_pictures
+from rodgen.show.study_results import Results
+
+SECTION = "section(tip_y, where='tip_x', rising=0)"
+SIZES = {"rod.length": 6, "loads.follower.force": 5, "rod.links": 3, "rod.mass": 2}
+AXES = {
+    "rod.length": np.geomspace(0.1, 10.0, 6),
+    "loads.follower.force": np.linspace(0.0, 1.0, 5),
+    "rod.links": np.array([5, 10, 20]),
+    "rod.mass": np.array([1.0, 2.0]),
+}
+
+
+def dataset(names: tuple[str, ...], **more: Any) -> xarray.Dataset:
+    """Results over some axes, of which one point failed."""
+    shape = tuple(len(AXES[name]) for name in names)
+    values = np.arange(np.prod(shape), dtype=float).reshape(shape)
+    status = np.full(shape, "finished", dtype=object)
+    status.flat[1] = "failed"
+    values.flat[1] = np.nan
+    data = {
+        "last(tip_x)": (names, values, {"units": "m"}),
+        "stable": (names, np.where(values > 2, 1, 0)),
+        "kind": (names, np.where(values > 2, "flutter", "divergence").astype(object)),
+        "frequency(2)": ((*names, "mode"), np.stack([values, 2 * values], axis=-1)),
+        SECTION: ((*names, "crossing"), np.stack([values, -values], axis=-1)),
+        f"{SECTION}.t": ((*names, "crossing"), np.stack([values, values + 1], axis=-1)),
+        "status": (names, status),
+    }
+    coords = {name: AXES[name] for name in names}
+    return xarray.Dataset(data, coords, attrs={"name": "study"}).assign(more)
+
+
+@pytest.mark.parametrize(
+    ("count", "expected"),
+    [
+        (1, {"last_tip_x", "stable", "kind", "frequency_2", "section_tip_y_where_tip_x_rising_0"}),
+        (2, {"last_tip_x", "stable", "kind"}),
+        (3, {"last_tip_x", "stable", "kind"}),
+        (4, {"scatter"}),
+    ],
+)
+def test_pictures_of_a_grid(tmp_path: Path, count: int, expected: set[str]) -> None:
+    made = study_pictures.draw(dataset(tuple(AXES)[:count]), tmp_path)
+    assert {path.stem for path in made} == expected
+    for path in made:
+        assert path.read_bytes().startswith(b"\x89PNG")
+        assert path.stat().st_size > 5000
+
+
+def test_a_sample_is_a_scatter_matrix(tmp_path: Path) -> None:
+    count = 30
+    x, status = np.linspace(1, 2, count), np.full(count, "finished")
+    data = {"max(phi_0)": ("point", x**2), "status": ("point", status)}
+    coords = {"rod.length": ("point", x), "rod.mass": ("point", x[::-1])}
+    (made,) = study_pictures.draw(xarray.Dataset(data, coords), tmp_path)
+    assert made.name == "scatter.png"
+
+
+def of_lines(figure: Figure, marker: str) -> np.ndarray:
+    """Points of the lines that have a marker, (points, 2)."""
+    lines = [line for axes in figure.axes for line in axes.lines if line.get_marker() == marker]
+    return np.concatenate([np.column_stack(line.get_data()) for line in lines])
+
+
+def test_what_is_drawn_is_what_there_is() -> None:
+    """The curve without the failed point, and that one as a cross; all crossings."""
+    of = Results(dataset(("rod.length",)))
+    figure = study_pictures.curve(of, "last(tip_x)")
+    drawn = of_lines(figure, ".")
+    np.testing.assert_allclose(drawn[:, 0], AXES["rod.length"])
+    np.testing.assert_array_equal(drawn[:, 1], [0, np.nan, 2, 3, 4, 5])
+    np.testing.assert_allclose(of_lines(figure, "x")[:, 0], AXES["rod.length"][1])
+    assert figure.axes[0].get_xscale() == "log"
+    assert figure.axes[0].get_ylabel() == "last(tip_x) [m]"
+    points = of_lines(study_pictures.bifurcation(of, SECTION), ".")
+    assert sorted(points[:, 1]) == [-5, -4, -3, -2, 0, 0, 2, 3, 4, 5]
+
+
+def test_a_map_shows_the_points_that_were_computed() -> None:
+    """Where not all are; the rest has the colour of the nearest."""
+    names = tuple(AXES)[:2]
+    data = dataset(names)
+    status = np.full((6, 5), "", dtype=object)
+    status[::2, ::2] = "finished"
+    of = Results(data.assign(status=(names, status)))
+    figure = study_pictures.map_of(of, "stable")
+    drawn = of_lines(figure, ".")
+    assert len(drawn) == 9
+    assert {*drawn[:, 0]} == {0.0, 0.5, 1.0}
+    mesh = figure.axes[0].collections[0]
+    assert np.isfinite(np.ma.filled(mesh.get_array(), np.nan)).all()
+    texts = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert texts == ["stable", "unstable", "computed points"]
