@@ -54,7 +54,7 @@ ARGUMENTS = (
 WIDE = {"width": 1280, "height": 800}
 T = TypeVar("T")
 Loop = Callable[[], asyncio.AbstractEventLoop]
-PATIENT = 60.0  # seconds that a busy machine may take, for a compilation too
+PATIENT = 240.0  # seconds that a busy machine may take, for a compilation too
 # What a page sends on its own connection, in window.sent by the names of events, and the texts of
 # all notes that it shows, in window.notes; both from its first moment on.
 WATCHED = """
@@ -120,8 +120,8 @@ def expect(locator: Locator) -> LocatorAssertions:
 
 
 def finished(work: Coroutine[Any, Any, T], loop: Loop | None = None) -> T:
-    """What comes of it, in a thread of its own: a browser may have the loop of this one. loop: makes
-    the one that is used, by default asyncio's."""
+    """What comes of it, in a thread of its own: a browser may have the loop of this one. loop:
+    makes the one that is used, by default asyncio's."""
 
     def run() -> T:
         with asyncio.Runner(loop_factory=loop) as runner:

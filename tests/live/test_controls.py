@@ -33,8 +33,8 @@ def test_state_drawn_is_that_of_simulate(view: View) -> None:
     view.until(lambda: steps(view), 2, "no second step")
     t = view.pause_after(0.5).live("t")
     sol = rodgen.simulate(Scene.from_dict(ROD), span=[0.0, t], output_every=t, rtol=1e-10)
-    # Of times, hundredths are shown; of others five digits: half of the last one is 5e-5 of a number
-    # that begins with 1.
+    # Of times, hundredths are shown; of others five digits, and half of the last one is 5e-5 of a
+    # number that begins with 1.
     for key, wanted in (
         ("t", pytest.approx(t, abs=0.0051)),
         ("centre_of_gravity_y", pytest.approx(sol.centre_of_gravity[-1, 1], rel=5.1e-5)),

@@ -82,7 +82,7 @@ class Sessions:
             del self._arrivals[page]
 
     def claim(self, name: object) -> LiveRun | None:
-        """The run of that name, if it is still there, kept for a page that is being built for it."""
+        """The run of that name, if it is still there, kept for a page that is being built."""
         run = self.get(name)
         if run is not None:
             session = self._sessions[str(name)]
