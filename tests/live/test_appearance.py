@@ -12,7 +12,7 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from tests.live.conftest import expect
+from tests.live.view import expect
 
 pytestmark = pytest.mark.long  # what pixels show
 View = Any  # see conftest.py

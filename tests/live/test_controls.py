@@ -12,7 +12,8 @@ import pytest
 
 import rodgen
 from rodgen.scene import Scene
-from tests.live.conftest import ROD, expect
+from tests.live.conftest import ROD
+from tests.live.view import expect
 
 NARROW = {"width": 390, "height": 844}
 View = Any  # see conftest.py

@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from tests.live.conftest import PATIENT, runs
+from tests.live.conftest import runs
+from tests.live.view import PATIENT
 
 SCENES = Path(__file__).parents[2] / "scenes"
 # Whether a run is there: where it is not, its WebSocket is closed with 4404.

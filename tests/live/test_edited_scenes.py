@@ -11,7 +11,8 @@ import pytest
 
 import rodgen
 from rodgen.scene import Scene
-from tests.live.conftest import ROD, expect
+from tests.live.conftest import ROD
+from tests.live.view import expect
 
 pytestmark = pytest.mark.long
 View = Any  # see conftest.py

@@ -13,7 +13,8 @@ from rodgen.live.page import module_process
 from rodgen.live.page.module_process import Modules
 from rodgen.loading.ahead import dump, parse
 from rodgen.scene import Scene, SceneError, Structure
-from tests.live.conftest import PATIENT, ROD, SCENES, finished, runs
+from tests.live.conftest import ROD, SCENES, finished, runs
+from tests.live.view import PATIENT
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="the compiler here is a shell script")
 

@@ -23,7 +23,8 @@ from rodgen.live.run.live_run import LiveRun
 from rodgen.live.run.scenes import Folder, edit
 from rodgen.loading import build
 from rodgen.scene import Scene, SceneError
-from tests.live.conftest import PATIENT, ROD, finished
+from tests.live.conftest import ROD, finished
+from tests.live.view import PATIENT
 
 SCENE = Scene.from_dict(ROD)
 MASS, GRAVITY, LINKS = ("rod", "mass"), ("loads", "gravity", "g"), ("rod", "links")

@@ -12,7 +12,8 @@ import pytest
 
 import rodgen
 from rodgen.scene import Scene
-from tests.live.conftest import ROD, expect
+from tests.live.conftest import ROD
+from tests.live.view import expect
 
 SCENES = Path(__file__).parents[2] / "scenes"
 View = Any  # see conftest.py

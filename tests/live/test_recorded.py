@@ -18,7 +18,8 @@ from rodgen.scene import Scene
 from rodgen.show.animation.film import animate
 from rodgen.show.animation.motion import motion
 from rodgen.show.animation.times import Settings, plan
-from tests.live.conftest import ROD, until
+from tests.live.conftest import ROD
+from tests.live.view import until
 
 SCENE = {
     **ROD,

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tests.live.conftest import expect
+from tests.live.view import expect
 
 pytestmark = pytest.mark.long
 View = Any  # see conftest.py

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.live.conftest import expect
+from tests.live.view import expect
 
 pytestmark = pytest.mark.long  # what pixels show
 View = Any  # see conftest.py

@@ -16,7 +16,8 @@ from rodgen.live.run.live_run import PAUSED, RUNNING, STOPPED, LiveRun
 from rodgen.live.run.page_state import AHEAD
 from rodgen.live.run.scenes import edit
 from rodgen.scene import Scene, SceneError
-from tests.live.conftest import ROD, until, varied
+from tests.live.conftest import ROD, varied
+from tests.live.view import until
 
 
 @pytest.fixture

@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from tests.live.conftest import expect, varied
+from tests.live.conftest import varied
+from tests.live.view import expect
 
 View = Any  # see conftest.py
 

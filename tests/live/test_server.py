@@ -14,7 +14,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from tests.live.conftest import PATIENT
+from tests.live.view import PATIENT
 
 SCENES = Path(__file__).parents[2] / "scenes"
 MISSILE = str(SCENES / "missile.toml")

@@ -79,8 +79,8 @@ def test_page_that_comes_and_goes_between_two_looks(sessions: Sessions, clock: A
 
 
 def test_reload_may_take_its_time(sessions: Sessions, clock: Any) -> None:
-    """While a page is on its way, no run is ended, and then not the one that it is for, until it has
-    come. One that does not come counts for half a minute."""
+    """While a page is on its way, no run is ended, and then not the one that it is for, until it
+    has come. One that does not come counts for half a minute."""
 
     def send(message: bytes) -> None:
         pass
