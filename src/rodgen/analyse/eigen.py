@@ -271,7 +271,7 @@ class Modal:
         return self._rows(1 / w, -made[..., :k], -made[..., k:])
 
     @staticmethod
-    def _rows(top: Array, left: Array, right: Array) -> Array:
+    def _rows(top: Array, left: NDArray[Any], right: NDArray[Any]) -> Array:
         """Matrices of a diagonal above and two matrices below, beside each other."""
         k = len(top)
         made = np.zeros((*left.shape[:-2], 2 * k, 2 * k))
