@@ -138,7 +138,7 @@ def slow(monkeypatch: pytest.MonkeyPatch) -> Study:
 
 def test_a_client_that_is_killed_is_followed_by_another(tmp_path: Path, slow: Study) -> None:
     path = in_blocks(tmp_path / "a.zarr", slow, 2)
-    assert client(path, 0.0, last=13.0).wait(timeout=120) == -signal.SIGKILL
+    assert client(path, 0.0, last=13.0).wait(timeout=600) == -signal.SIGKILL
     before = read(path)
     there = before.status.values == "finished"
     assert there.sum() == 12  # six blocks of two
@@ -151,7 +151,7 @@ def test_a_client_that_is_killed_is_followed_by_another(tmp_path: Path, slow: St
 def test_two_clients_do_not_harm_each_other(tmp_path: Path, slow: Study) -> None:
     path = in_blocks(tmp_path / "a.zarr", slow, 1)
     both = [client(path, 0.05), client(path, 0.05)]
-    assert [one.wait(timeout=120) for one in both] == [0, 0]
+    assert [one.wait(timeout=600) for one in both] == [0, 0]
     assert_same(read(path), rodgen.study(slow, workers=1))
 
 
@@ -229,7 +229,7 @@ def test_a_scheduler_that_dies_ends_in_one_line(file: Path, tmp_path: Path) -> N
         process = command(file, "--scheduler", address)
         wait_for_marks(file, 3, process)
         begun[0].kill()
-        _out, err = process.communicate(timeout=120)
+        _out, err = process.communicate(timeout=600)
     finally:
         for one in begun:
             one.kill()
@@ -253,7 +253,7 @@ def test_ctrl_c_keeps_what_is_marked_and_ends_the_workers(file: Path) -> None:
     wait_for_marks(file, 3, process)
     children = psutil.Process(process.pid).children(recursive=True)
     os.killpg(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=600)
     assert process.returncode == 130, err
     assert "dashboard: http://127.0.0.1:" in out
     assert "points are kept" in err
@@ -263,7 +263,7 @@ def test_ctrl_c_keeps_what_is_marked_and_ends_the_workers(file: Path) -> None:
     path = file.parent / "swings" / "study.zarr"
     assert 6 <= (read(path).status.values == "finished").sum() < 40
     again = command(file, "--workers", 1)
-    out, err = again.communicate(timeout=120)
+    out, err = again.communicate(timeout=600)
     assert again.returncode == 0, err
     assert_same(read(path), rodgen.study(Study.from_toml(file), workers=1))
 

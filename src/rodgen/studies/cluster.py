@@ -201,12 +201,15 @@ class Cluster:
             stack.enter_context(_as_no_script())
             stack.enter_context(dask.config.set(SETTINGS))
             self.client = stack.enter_context(self._connected())
+            self.said(f"dashboard: {self.client.dashboard_link}")
+            self._seen = self._whole = monotonic()
+            while True:
+                self._watch(wait=True)
+                if self._threads:
+                    break
+                sleep(TICK)
+            self._check_workers()
             self._stack = stack.pop_all()
-        self.said(f"dashboard: {self.client.dashboard_link}")
-        self._seen = self._whole = monotonic()
-        while not self._threads:
-            self._watch(wait=True)
-        self._check_workers()
         return self
 
     def __exit__(self, *of: Any) -> bool | None:
