@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import settings
 
 from rodgen.loading.cache import PACKAGES, source_hash
 from rodgen.model.terms import TERMS
@@ -33,6 +34,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "compiler: needs a C compiler")
     config.addinivalue_line("markers", "long: takes long; `make test-all` alone runs it")
+    settings.register_profile("any machine", deadline=None)  # A busy one is no fault.
+    settings.load_profile("any machine")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -48,6 +48,29 @@ def test_onset_with_drag_to_nine_digits(
     assert growth(0.7) < 0
 
 
+@pytest.mark.parametrize("links", [5, 20])
+def test_damping_that_vanishes(links: int) -> None:
+    """A free rod, of which nothing holds the place: what rounding makes of its translations is no
+    motion that grows. A table of damping that is zero changes nothing; the limit of ever weaker
+    damping, which is another force, is reached."""
+
+    def force(**damping: float) -> float:
+        rod = {"links": links, "length": 2.0, "bending_stiffness": 5.0, "mass": 3.0}
+        loads = {"follower": {"force": 2.0}} | {
+            f"{name}_damping": {"coefficient": value} for name, value in damping.items()
+        }
+        found = critical_force(Scene.from_dict({"name": "dart", "rod": rod, "loads": loads}))
+        assert found.kind == "flutter"
+        return found.force
+
+    bare = force()
+    assert force(external=0.0) == pytest.approx(bare, rel=1e-9)
+    assert force(external=0.0, internal=0.0) == pytest.approx(bare, rel=1e-9)
+    weak = [force(external=coefficient) for coefficient in (1e-12, 1e-9, 1e-6)]
+    assert weak == pytest.approx([weak[0]] * 3, rel=1e-9)
+    assert weak[0] < bare * (1 - 1e-4)
+
+
 @pytest.mark.parametrize("name", ["free", "clamped"])
 def test_extrapolated_it_is_that_of_the_continuum(rod: Rod, name: str) -> None:
     n = [10, 20, 40, 80]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Iterator
 from functools import partial
 from itertools import chain
@@ -30,6 +31,12 @@ PENDULUM: dict[str, Any] = {
     "initial": {"phi": 2.0 - np.pi / 2},
     "integrate": {"span": [0.0, 3.0]},
 }
+
+
+@pytest.fixture(autouse=True)
+def _processor_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Seconds are of the processor here, so that a busy machine comes as far as a quiet one."""
+    monkeypatch.setattr(time, "perf_counter", time.process_time)
 
 
 @pytest.fixture(scope="module")
@@ -269,3 +276,42 @@ def test_cheapest_is_not_by_chance() -> None:
     assert cheapest(rows, 1e-6) is good
     assert cheapest(rows, 1e-8) is rows[-1]
     assert cheapest(rows, 1e-10) is None
+
+
+def test_a_rod_that_does_not_turn_is_held_by_its_tail() -> None:
+    """A straight rod in free flight under a thrust along it: all angles are zero, whatever its
+    steps are. A state that is added is no angle."""
+    rod = {"links": 2, "length": 2.0, "bending_stiffness": 10.0, "mass": 3.0}
+    table = {
+        "name": "dart",
+        "rod": rod,
+        "loads": {"follower": {"force": "6*cos(2*t)"}},
+        "states": {"z": {"rate": "1 - z"}, "w": {"rate": "z"}},
+        "integrate": {"span": [0.0, 1.0], "output_every": 0.25},
+    }
+    job = Job.of("dart", table)
+    t = np.linspace(0.0, 1.0, 5)
+    exact = np.zeros((5, 10))
+    exact[:, 0], exact[:, 4] = -(1 - np.cos(2 * t)) / 2, -np.sin(2 * t)
+    exact[:, 8], exact[:, 9] = 1 - np.exp(-t), t - 1 + np.exp(-t)
+    measures = Measures(job, exact)
+    assert measures.main == "error_tail"
+    off = exact.copy()
+    off[2, 0] += 1e-3
+    found = measures.errors(off)
+    assert found["error_phi"] == 0.0
+    assert found["error_modes"] == 0.0
+    assert found["error_tail"] == pytest.approx(1e-3)
+    off[-1, 3] += 1e-4  # of the last link, before the velocities
+    assert measures.errors(off)["error_phi"] == pytest.approx(1e-4)
+    turned = exact.copy()
+    turned[:, 2:4] += 0.1 * t[:, None]
+    assert Measures(job, turned).main == "error_phi"
+    fast: Row = {"seconds": 1.0, "error_phi": 0.0, "error_tail": 1e-2, "failed": ""}
+    close: Row = {"seconds": 2.0, "error_phi": 0.0, "error_tail": 1e-5, "failed": ""}
+    scene = rodgen.Scene.from_dict(table)
+    made = sets.WorkPrecision(
+        scene, [fast, close], {}, dict.fromkeys(found, 0.0), {}, measures.main
+    )
+    assert made.front() == [fast, close]
+    assert made.to_dict()["measure"] == "error_tail"

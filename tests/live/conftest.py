@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import csv
-import io
 import re
 import shutil
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Coroutine, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -18,11 +15,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 from urllib.parse import urlsplit
 
-import numpy as np
 import pytest
 
+from tests.live.view import PATIENT, View
+
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Locator, Page
+    from playwright.sync_api import Browser
 
 SCENES = Path(__file__).parents[2] / "scenes"
 # The rod of most tests, of a structure that others compile too (tests/palette.py).
@@ -53,13 +51,27 @@ ARGUMENTS = (
 )
 WIDE = {"width": 1280, "height": 800}
 T = TypeVar("T")
-PATIENT = 180_000  # ms that a busy machine may take, for a compilation too
+Loop = Callable[[], asyncio.AbstractEventLoop]
 
 
-def finished(work: Coroutine[Any, Any, T]) -> T:
-    """What comes of it, in a thread of its own: a browser may have the loop of this one."""
+def runs(process: int) -> bool:
+    """Whether a process is there, and not only its entry; to be asked where there is /proc."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def finished(work: Coroutine[Any, Any, T], loop: Loop | None = None) -> T:
+    """What comes of it, in a thread of its own: a browser may have the loop of this one. loop:
+    makes the one that is used, by default asyncio's."""
+
+    def run() -> T:
+        with asyncio.Runner(loop_factory=loop) as runner:
+            return runner.run(work)
+
     with ThreadPoolExecutor(1) as thread:
-        return thread.submit(asyncio.run, work).result()
+        return thread.submit(run).result()
 
 
 class Clock:
@@ -103,7 +115,7 @@ class Server:
     def end(self) -> tuple[int, str]:
         """By Ctrl-C; its exit status and what it wrote."""
         self.process.send_signal(signal.SIGINT)
-        out, err = self.process.communicate(timeout=20)
+        out, err = self.process.communicate(timeout=PATIENT)
         return self.process.returncode, out + err
 
 
@@ -172,126 +184,13 @@ def browser() -> Iterator[Browser]:
         pytest.skip(f"no browser is installed (looked for {', '.join(NAMES)})")
     pytest.importorskip("nicegui", reason="the extra view is not installed")
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    playwright.expect.set_options(timeout=1000 * PATIENT)
     with playwright.sync_playwright() as driver:
-        started = driver.chromium.launch(executable_path=path, args=ARGUMENTS)
+        started = driver.chromium.launch(
+            executable_path=path, args=ARGUMENTS, timeout=1000 * PATIENT
+        )
         yield started
         started.close()
-
-
-class View:
-    """A page of the live view, with what went wrong in it."""
-
-    def __init__(self, page: Page):
-        self.page = page
-        self.errors: list[str] = []
-        self.asked: list[str] = []
-        page.set_default_timeout(PATIENT)
-        page.on("pageerror", lambda error: self.errors.append(str(error)))
-        page.on("request", lambda request: self.asked.append(request.url))
-
-    def open(self, address: str) -> View:
-        self.page.goto(address)
-        return self.ready()
-
-    def ready(self) -> View:
-        """The page is built and has drawn something."""
-        self.button("Run (").or_(self.button("Pause (")).first.wait_for()
-        self.until(lambda: self.live("frames") >= 1, "nothing is drawn")
-        return self
-
-    def live(self, key: str) -> float:
-        """A number of window.rodgenLive: t, frames, fps."""
-        return float(self.page.evaluate(f"window.rodgenLive?.{key} ?? -1"))
-
-    def text(self, key: str) -> str:
-        """What stands in a row of the panel of values, once something does."""
-        self.page.wait_for_function(
-            "key => [...document.querySelectorAll(`[data-text=${key}]`)].at(-1)?.textContent",
-            arg=key,
-        )
-        found = self.page.locator(f'[data-text="{key}"]').last.text_content() or ""
-        return found.replace("\u2007", "").replace("\u2212", "-").strip()
-
-    def button(self, name: str) -> Locator:
-        """A button by the beginning of its name."""
-        return self.page.get_by_role("button", name=re.compile(f"^{re.escape(name)}"))
-
-    def tab(self, name: str) -> View:
-        self.page.get_by_role("tab", name=name).click()
-        return self
-
-    def field(self, name: str) -> Locator:
-        return self.page.get_by_role("textbox", name=name)
-
-    def fill(self, name: str, text: str) -> None:
-        """Type into a field, and Enter."""
-        self.field(name).fill(text)
-        self.field(name).press("Enter")
-
-    def run(self) -> View:
-        self.button("Run (").click()
-        self.button("Pause (").wait_for()
-        return self
-
-    def pause(self) -> View:
-        self.button("Pause (").click()
-        self.button("Run (").wait_for()
-        return self
-
-    def pause_after(self, t: float) -> View:
-        """Run for so many seconds more of the scene, and hold."""
-        wanted = self.live("t") + t
-        self.run()
-        self.until(lambda: self.live("t") > wanted, "time does not pass")
-        return self.pause()
-
-    def select(self, name: str, option: str) -> None:
-        """Choose from a list."""
-        self.page.get_by_role("combobox", name=name).click()
-        self.page.get_by_role("option", name=option, exact=True).click()
-
-    def plot_dialog(self, kind: str, **chosen: str) -> Locator:
-        """The dialog for a kind of plot, with quantities chosen by their names."""
-        self.button("Add plot").click()
-        dialog = self.page.get_by_role("dialog")
-        dialog.get_by_role("combobox", name="kind of plot").click()
-        options = self.page.get_by_role("option")
-        options.filter(has_text=kind).click()
-        for label, names in chosen.items():
-            field = dialog.get_by_role("combobox", name=label.replace("_", " "), exact=True)
-            for name in names.split():
-                field.fill(name)
-                options.filter(has_text=f"({name})").first.click()
-            if label == "quantities":
-                self.page.keyboard.press("Escape")
-            self.until(lambda: options.count() == 0, "the names stay")
-        return dialog
-
-    def add_plot(self, kind: str, **chosen: str) -> None:
-        dialog = self.plot_dialog(kind, **chosen)
-        dialog.get_by_role("button", name="Add").click()
-        dialog.wait_for(state="hidden")
-
-    def download(self, button: Locator) -> Path:
-        """The file that a button gives."""
-        with self.page.expect_download() as waiting:
-            button.click()
-        return Path(waiting.value.path())
-
-    def csv(self, plot: int) -> tuple[list[str], np.ndarray]:
-        """Head and rows of the CSV of a plot, by its place."""
-        path = self.download(self.page.get_by_role("button", name="CSV").nth(plot))
-        head, *rows = csv.reader(io.StringIO(path.read_text(encoding="utf-8")))
-        return head, np.array(rows, dtype=float)
-
-    def until(
-        self, true: Callable[[], bool], otherwise: str, seconds: float = PATIENT / 1000
-    ) -> None:
-        """Wait for something; fail with `otherwise`."""
-        end = time.monotonic() + seconds
-        while not true():
-            assert time.monotonic() < end, otherwise
-            self.page.wait_for_timeout(50)
 
 
 @pytest.fixture

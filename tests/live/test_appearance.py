@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-import re
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,8 @@ from typing import Any
 import matplotlib.image
 import numpy as np
 import pytest
+
+from tests.live.view import expect
 
 pytestmark = pytest.mark.long  # what pixels show
 View = Any  # see conftest.py
@@ -62,33 +64,37 @@ def test_page_shows_a_rod(
     served = serve(str(SCENES / "missile.toml"), "--port", "0")
     blank.open(served.address).pause_after(SHOWN)
     wide = "document.documentElement.scrollWidth"
-    blank.until(lambda: blank.page.evaluate(wide) <= width, "wider than the window")
+    blank.sees(wide, lambda found: found <= width, "wider than the window")
     blank.page.mouse.move(width / 2, 0)
-    blank.page.wait_for_timeout(1500)  # hints go away, plots come up
-    picture = blank.page.screenshot()
+    expect(blank.page.locator(".q-tooltip")).to_have_count(0)
+
+    def look() -> bytes:
+        return bytes(blank.page.screenshot())
+
+    def told(picture: bytes) -> tuple[tuple[int, ...], bool, bool]:
+        """The size of a picture, whether it is light, and whether there are strong colours: the
+        thrust's arrow is orange, the gravity's violet, whatever the ground."""
+        pixels = matplotlib.image.imread(io.BytesIO(picture))[..., :3]
+        canvas = blank.page.get_by_role("img", name="missile").bounding_box()
+        x, y, w, h = (int(canvas[key]) for key in ("x", "y", "width", "height"))
+        strong = np.ptp(pixels[y : min(y + h, height), x : x + w], axis=-1) > 0.4
+        corner = pixels[-3, 3].mean()
+        assert corner > 0.8 or corner < 0.3
+        return pixels.shape[:2], bool(corner > 0.5), bool(strong.sum() > 100)
+
+    wanted = (height, width), shade == "light", True
+    picture = blank.until(look, lambda found: told(found) == wanted, f"not {wanted}")
     if pytestconfig.getoption("update") and (size, shade) == ("wide", "light"):
         PICTURE.write_bytes(picture)
-    pixels = matplotlib.image.imread(io.BytesIO(picture))[..., :3]
-    assert pixels.shape[:2] == (height, width)
-    corner = pixels[-3, 3].mean()
-    assert corner > 0.8 if shade == "light" else corner < 0.3
-    canvas = blank.page.get_by_role("img", name="missile").bounding_box()
-    x, y, w, h = (int(canvas[key]) for key in ("x", "y", "width", "height"))
-    drawn = pixels[y : min(y + h, height), x : x + w]
-    # The thrust's arrow is orange, the gravity's violet, whatever the ground: strong colours.
-    strong = np.ptp(drawn, axis=-1) > 0.4
-    assert strong.sum() > 100
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_colours_can_be_read(view: View, scheme: str) -> None:
     view.page.emulate_media(color_scheme=scheme)
-    dark = "document.body.classList.contains('body--dark')"
-    view.until(lambda: view.page.evaluate(dark) == (scheme == "dark"), "not the shade")
+    view.until(view.dark, scheme == "dark", "not the shade")
     view.fill("mass M", "-3")
     refused = view.page.locator(".q-field__messages", has_text="greater than").first
-    refused.wait_for()
-    view.until(lambda: refused.evaluate(CONTRAST) > LEAST, "the refusal stays faint")
+    view.until(lambda: refused.evaluate(CONTRAST), lambda c: c > LEAST, "the refusal stays faint")
     view.tab("Scene")
     read = {
         "add": view.button("Add plot"),
@@ -96,21 +102,21 @@ def test_colours_can_be_read(view: View, scheme: str) -> None:
         "apply": view.button("Apply"),
         "upload": view.page.locator(".q-uploader__title"),
     }
-    contrasts = {name: element.evaluate(CONTRAST) for name, element in read.items()}
-    assert min(contrasts.values()) > LEAST, contrasts
+    for name, element in read.items():
+        view.until(lambda e=element: e.evaluate(CONTRAST), lambda c: c > LEAST, f"{name} is faint")
 
 
 def test_page_can_be_read_by_who_does_not_see_it(view: View) -> None:
     """A screen reader is not told the time five times a second, but can ask for it."""
     assert view.page.evaluate("document.documentElement.lang") == "en-US"
-    assert view.page.get_by_role("main").count() == 1
+    expect(view.page.get_by_role("main")).to_have_count(1)
     controls = "button, input, [role=slider], [role=switch], [role=tab]"
     assert view.page.evaluate(NAMELESS, controls) == []
     statuses = view.page.get_by_role("status")
-    assert statuses.locator("[data-text]").count() == 0
-    assert statuses.filter(has_text="paused").count() == 1
+    expect(statuses.filter(has_text="paused")).to_have_count(1)
+    expect(statuses.locator("[data-text]")).to_have_count(0)
     for name in ("time", "ratio"):
-        assert view.page.get_by_role("group", name=name).locator("[data-text]").count() == 1
+        expect(view.page.get_by_role("group", name=name).locator("[data-text]")).to_have_count(1)
 
 
 def test_why_there_is_no_critical_force_is_wrapped(
@@ -120,7 +126,7 @@ def test_why_there_is_no_critical_force_is_wrapped(
     path = scene_file("one", "[loads.follower]\nforce = 2.0", links=1)
     one = blank.open(serve(str(path), "--port", "0").address).tab("Values")
     why = one.page.locator("[data-text=critical_why]")
-    why.filter(has_text="no mode can become unstable").wait_for()
+    expect(why).to_contain_text("no mode can become unstable")
     box, table = why.bounding_box(), one.page.locator(".rg-values").bounding_box()
     assert box["width"] <= table["width"]
     panel = one.page.locator("aside")
@@ -130,28 +136,48 @@ def test_why_there_is_no_critical_force_is_wrapped(
 
 
 def test_row_of_words_is_not_there_without_words(view: View) -> None:
-    view.tab("Values").text("critical_force")
-    assert not view.page.locator("[data-text=critical_why]").is_visible()
+    view.tab("Values")
+    view.until(lambda: view.text("critical_force"), lambda text: text[0].isdigit(), "no force")
+    expect(view.page.locator("[data-text=critical_why]")).to_be_hidden()
 
 
 def test_no_tooltip_lies_over_a_menu_and_no_sizes_of_nothing_are_told(view: View) -> None:
     layers = view.button("What is shown")
     layers.hover()
-    view.page.locator(".q-tooltip", has_text="What is shown").wait_for()
+    tooltip = view.page.locator(".q-tooltip", has_text="What is shown")
+    expect(tooltip).to_be_visible()
     layers.click()
-    view.page.locator(".q-menu").wait_for()
-    assert not view.page.locator(".q-tooltip").is_visible()
+    expect(view.page.locator(".q-menu")).to_be_visible()
+    expect(tooltip).to_be_hidden()
     view.page.keyboard.press("Escape")
-    view.tab("Scene").page.locator(".q-uploader__title").wait_for()
-    assert "0.00%" not in view.page.locator(".q-uploader").inner_text()
+    uploader = view.tab("Scene").page.locator(".q-uploader")
+    expect(uploader.locator(".q-uploader__title")).to_be_visible()
+    assert "0.00%" not in uploader.inner_text()
 
 
-def test_what_is_being_made_is_told_above_the_plots(view: View) -> None:
-    """And in the singular."""
+@pytest.mark.compiler
+@pytest.mark.skipif(os.name != "posix", reason="the compiler here is a shell script")
+def test_what_is_being_made_is_told_above_the_plots(
+    serve: Callable[..., Any],
+    blank: View,
+    scene_file: Callable[..., Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """And in the singular. From some time on, the compiler does not end."""
+    script, held = tmp_path / "cc", tmp_path / "held"
+    script.write_text(f'#!/bin/sh\n[ -e {held} ] && exec sleep 600\nexec cc "$@"\n')
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", str(script))
+    monkeypatch.setenv("RODGEN_CACHE", str(tmp_path / "cache"))
+    view = blank.open(serve(str(scene_file(links=2)), "--port", "0").address)
+    held.touch()
     view.tab("Scene").fill("number of links", "1")
-    view.page.get_by_role("checkbox", name="tip load").click()
     view.button("Apply").click()
     status = view.page.locator(".rg-making")
-    status.filter(has_text=re.compile("1 link:")).wait_for()
+    expect(status).to_contain_text("1 link:")
+    expect(status).to_be_visible()
     told, plots = status.bounding_box(), view.page.locator(".rg-plots").bounding_box()
     assert told["y"] + told["height"] <= plots["y"]
+    status.get_by_role("button", name="Cancel").click()
+    view.noted("cancelled")

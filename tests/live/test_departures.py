@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import signal
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from tests.live.conftest import runs
+from tests.live.view import PATIENT
 
 SCENES = Path(__file__).parents[2] / "scenes"
 # Whether a run is there: where it is not, its WebSocket is closed with 4404.
@@ -27,16 +30,18 @@ def test_closed_page_frees_its_run(serve: Callable[..., Any], another: Callable[
     asked: list[str] = []
     second.page.on("websocket", lambda socket: asked.append(socket.url))
     second.open(served.address)
-    (address,) = (url for url in asked if "/live/channel/" in url)
+    (address,) = {url for url in asked if "/live/channel/" in url}
     second.page.close()
+    waits = itertools.count(1)
 
-    def freed() -> bool:
-        first.page.wait_for_timeout(9000)  # 7 s are kept for a reload, also after this asks
-        return bool(first.page.evaluate(PROBE, address) == 4404)
+    def left() -> int:
+        """Whoever asks is a page that comes, after which the run is kept for a while: each time it
+        is left in peace for longer."""
+        first.page.wait_for_timeout(9000 * next(waits))
+        return int(first.page.evaluate(PROBE, address))
 
-    first.until(freed, "the run goes on")
-    t = first.live("t")
-    first.until(lambda: first.live("t") > t, "the other run has ended too")
+    first.until(left, 4404, "the run goes on")
+    first.passes(0.0)
 
 
 @pytest.mark.long
@@ -51,20 +56,18 @@ def test_page_closed_while_its_module_is_made(
     """Its compiler ends before it is done."""
     started, ended = tmp_path / "started", tmp_path / "ended"
     scene, script = scene_file(links=2), tmp_path / "cc"
-    script.write_text(f"#!/bin/sh\ntouch {started}\nsleep 30\ntouch {ended}\nexit 1\n")
+    script.write_text(f"#!/bin/sh\necho $$ > {started}\nsleep 600\ntouch {ended}\nexit 1\n")
     script.chmod(0o755)
     monkeypatch.setenv("CC", str(script))
     monkeypatch.setenv("RODGEN_CACHE", str(tmp_path / "cache"))
     served = serve(str(scene), "--port", "0")
     page, other = another().page, another()
     page.goto(served.address)
-    other.until(started.exists, "no compiler")
-    begun = time.monotonic()
+    other.until(lambda: started.exists() and started.read_text(), bool, "no compiler")
     page.close()
-    mine = f"/proc/{served.process.pid}/task/{served.process.pid}/children"
-    other.until(lambda: not Path(mine).read_text(), "the process goes on", 25.0)
-    assert time.monotonic() - begun < 20.0  # it would have taken 30 s
-    other.page.wait_for_timeout(1000)
+    mine = Path(f"/proc/{served.process.pid}/task/{served.process.pid}/children")
+    other.until(mine.read_text, "", "the process goes on")
+    other.until(lambda: runs(int(started.read_text())), False, "the compiler goes on")
     assert not ended.exists()
 
 
@@ -77,12 +80,12 @@ def long_film(
     monkeypatch: pytest.MonkeyPatch,
 ) -> tuple[Any, Any, Path]:
     """A server, a page that is having a film made of at least 90 frames, and the folder in which
-    that is done, by an ffmpeg that takes a second for each of them."""
+    that is done, by an ffmpeg that takes ten seconds for each of them."""
     folder, programs, begun = tmp_path / "tmp", tmp_path / "bin", tmp_path / "begun"
     folder.mkdir()
     programs.mkdir()
     frame = 1280 * 720 * 4
-    script = f"touch {begun}; while [ $(head -c {frame} | wc -c) -gt 0 ]; do sleep 1; done"
+    script = f"touch {begun}; while [ $(head -c {frame} | wc -c) -gt 0 ]; do sleep 10; done"
     (programs / "ffmpeg").write_text(f"#!/bin/sh\n{script}\n")
     (programs / "ffmpeg").chmod(0o755)
     monkeypatch.setenv("PATH", f"{programs}{os.pathsep}{os.environ['PATH']}")
@@ -90,7 +93,7 @@ def long_film(
     served = serve(str(scene_file(links=2)), "--port", "0")
     view = another().open(served.address).pause_after(3.0)
     view.tab("Save").button("Animation as MP4").click()
-    view.until(begun.exists, "no film is begun")
+    view.until(begun.exists, True, "no film is begun")
     return served, view, folder
 
 
@@ -98,7 +101,7 @@ def long_film(
 def test_ctrl_c_does_not_wait_for_a_film(long_film: tuple[Any, Any, Path]) -> None:
     served, _, folder = long_film
     served.process.send_signal(signal.SIGINT)
-    served.process.wait(timeout=10.0)
+    served.process.wait(timeout=PATIENT)  # of a film of a quarter of an hour
     assert not list(folder.glob("rodgen-*"))
 
 
@@ -106,4 +109,4 @@ def test_ctrl_c_does_not_wait_for_a_film(long_film: tuple[Any, Any, Path]) -> No
 def test_closed_page_ends_its_film(long_film: tuple[Any, Any, Path], blank: Any) -> None:
     _, view, folder = long_film
     view.page.close()
-    blank.until(lambda: not list(folder.glob("rodgen-*")), "the film goes on", 20.0)
+    blank.until(lambda: list(folder.glob("rodgen-*")), [], "the film goes on")

@@ -13,7 +13,8 @@ from rodgen.live.page import module_process
 from rodgen.live.page.module_process import Modules
 from rodgen.loading.ahead import dump, parse
 from rodgen.scene import Scene, SceneError, Structure
-from tests.live.conftest import ROD, SCENES, finished
+from tests.live.conftest import ROD, SCENES, finished, runs
+from tests.live.view import PATIENT
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="the compiler here is a shell script")
 
@@ -42,16 +43,8 @@ def compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return started
 
 
-def runs(process: int) -> bool:
-    """Whether a process is there, and not only its entry."""
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
-
-
 async def until(true: Callable[[], bool]) -> None:
-    async with asyncio.timeout(60.0):
+    async with asyncio.timeout(PATIENT):
         while not true():
             await asyncio.sleep(0.05)
 
@@ -127,8 +120,7 @@ def test_no_hook_of_a_fork_runs_in_the_process(tmp_path: Path) -> None:
     listening = [True]  # a hook stays for good
     os.register_at_fork(after_in_child=lambda: listening and seen.touch())
     try:
-        with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
-            runner.run(Modules().make(Scene.from_dict(ROD).structure, quiet))
+        finished(Modules().make(Scene.from_dict(ROD).structure, quiet), uvloop.new_event_loop)
     finally:
         listening.clear()
     assert not seen.exists()

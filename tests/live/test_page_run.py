@@ -24,6 +24,7 @@ from rodgen.live.run.scenes import Folder, edit
 from rodgen.loading import build
 from rodgen.scene import Scene, SceneError
 from tests.live.conftest import ROD, finished
+from tests.live.view import PATIENT
 
 SCENE = Scene.from_dict(ROD)
 MASS, GRAVITY, LINKS = ("rod", "mass"), ("loads", "gravity", "g"), ("rod", "links")
@@ -54,7 +55,7 @@ def page(making: Making, monkeypatch: pytest.MonkeyPatch) -> Iterator[PageRun]:
     # Without a page: nothing of it is asked for.
     nowhere: Any = None
     run = LiveRun(SCENE)
-    yield PageRun(run, making.make, nowhere, nowhere)
+    yield PageRun(run, making.make, nowhere, nowhere, {})
     run.close()
 
 
@@ -135,7 +136,7 @@ def test_page_that_is_asked_for_and_never_shown() -> None:
         await asyncio.sleep(0.01)
         assert not showing.done()
         client.delete()
-        await asyncio.wait_for(showing, 5.0)
+        await asyncio.wait_for(showing, PATIENT)
         await background_tasks.teardown()
 
     finished(asked())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 import rodgen
 from rodgen.scene import Scene
 from tests.live.conftest import ROD
+from tests.live.view import expect
 
 SCENES = Path(__file__).parents[2] / "scenes"
 View = Any  # see conftest.py
@@ -42,9 +44,11 @@ def test_every_kind_of_plot_gets_rows(view: View) -> None:
             dialog.get_by_role("combobox", name="kind of quantity").fill("bending")
             view.page.get_by_role("option").filter(has_text="bending").first.click()
         dialog.get_by_role("button", name="Add").click()
-        view.until(lambda at=at: view.live(f"plots.p{at}?.rows") >= 1, f"{kind}: no rows")
+        expect(dialog).to_have_count(0)
+        rows = f"rodgenLive.plots.p{at}?.rows"
+        view.sees(rows, lambda count: (count or 0) >= 1, f"{kind}: no rows")
         view.button("Remove").last.click()
-        view.until(lambda at=at: view.live(f"plots.p{at}?.rows") == -1, "not removed")
+        view.sees(rows, None, f"{kind}: not removed")
 
 
 @pytest.mark.long
@@ -54,13 +58,13 @@ def test_what_is_missing_or_refused_is_said_beside_its_field(view: View) -> None
     dialog = view.plot_dialog("Poincaré", over="phi_3")
     add = dialog.get_by_role("button", name="Add")
     add.click()
-    view.until(lambda: said(view, "points where") == "not chosen", "nothing is said")
-    assert said(view, "quantity") == "not chosen"
-    assert [said(view, label) for label in ("over", "while it is", "title")] == [""] * 3
+    asked = "points where", "quantity", "over", "while it is", "title"
+    missing = ["not chosen", "not chosen", "", "", ""]
+    view.until(lambda: [said(view, label) for label in asked], missing, "another is not chosen")
     for label, name in (("quantity", "omega_3"), ("points where", "tip_x")):
         dialog.get_by_role("combobox", name=label, exact=True).fill(name)
         view.page.get_by_role("option").filter(has_text=f"({name})").click()
-        view.until(lambda label=label: said(view, label) == "", "it still stands there")
+        view.until(lambda label=label: said(view, label), "", "it still stands there")
     for label, text, expected, good in (
         ("reaches the value", "abc", "must be a number", "0"),
         ("reaches the value", "1e999", "must be a number", "0"),
@@ -70,22 +74,20 @@ def test_what_is_missing_or_refused_is_said_beside_its_field(view: View) -> None
         field = dialog.get_by_role("textbox", name=label)
         field.fill(text)
         add.click()
-        view.until(lambda label=label, e=expected: said(view, label).startswith(e), "not said")
-        assert dialog.locator(".q-field--error").count() == 1
-        assert dialog.locator(".rg-failed").text_content() == ""
+        expect(dialog.locator(".q-field--error")).to_have_count(1)
+        expect(dialog.locator(".q-field--error").filter(has_text=label)).to_contain_text(expected)
+        expect(dialog.locator(".rg-failed")).to_have_text("")
         field.fill(good)
     dialog.get_by_role("button", name="Cancel").click()
-    dialog.wait_for(state="detached")
+    expect(dialog).to_have_count(0)
     dialog = view.plot_dialog("spectrum")
-    dialog.get_by_role("combobox", name="quantity", exact=True).wait_for()
-    labels = [label.text_content() for label in dialog.locator(".q-field__label").all()]
-    assert labels[:3] == ["kind of plot", "quantity", "window"]
-    assert len(labels) == 4
+    labels = dialog.locator(".q-field__label")
+    expect(labels).to_have_text(["kind of plot", "quantity", "window", re.compile("^title")])
     dialog.get_by_role("textbox", name="window").fill("7")
     dialog.get_by_role("combobox", name="kind of plot").click()
     view.page.get_by_role("option").filter(has_text="phase plot").click()
-    dialog.get_by_role("combobox", name="over").wait_for()
-    assert dialog.get_by_role("textbox", name="window").input_value() == "7"
+    expect(dialog.get_by_role("combobox", name="over")).to_be_visible()
+    expect(dialog.get_by_role("textbox", name="window")).to_have_value("7")
 
 
 @pytest.mark.long
@@ -95,13 +97,14 @@ def test_a_stroboscope_with_a_title(view: View) -> None:
     dialog.get_by_role("textbox", name="reaches the value").fill("0.105")
     dialog.get_by_role("textbox", name="and again").fill("0.2")
     units = dialog.locator(".q-field__suffix")
-    view.until(lambda: units.all_text_contents() == ["s", "s"], "not the unit of t")
+    expect(units).to_have_text(["s", "s"])
     dialog.get_by_role("textbox", name="title").fill("stroboscope")
     dialog.get_by_role("button", name="Add").click()
-    view.page.locator(".rodgen-plot", has_text="stroboscope").wait_for()
+    expect(view.page.locator(".rodgen-plot", has_text="stroboscope")).to_be_visible()
     view.pause_after(0.8)
-    t = view.csv(2)[1][:, 0]
-    assert len(t) >= 3  # the last is known two samples late
+    # The last is known two samples late.
+    rows = view.until(lambda: view.csv(2)[1], lambda rows: len(rows) >= 3, "too few points")
+    t = rows[:, 0]
     # Rounding alone: t is a straight line through the samples.
     np.testing.assert_allclose(t, 0.105 + 0.2 * np.arange(len(t)), atol=1e-12)
 
@@ -142,10 +145,9 @@ def test_axes_and_keys(view: View) -> None:
     # Units that differ stand in the key.
     view.add_plot("over time", quantities="omega_0 kinetic_energy")
     plots = view.page.locator(".rodgen-plot")
-    plots.nth(2).wait_for()
-    keys = [plots.nth(at).locator(".rodgen-key").text_content() for at in range(3)]
-    assert keys[2] == "ω₀ [rad/s]kinetic energy [J]"
-    assert "[" not in keys[0] + keys[1]  # the axis says it
+    expect(plots.nth(2).locator(".rodgen-key")).to_have_text("ω₀ [rad/s]kinetic energy [J]")
+    for at in (0, 1):
+        expect(plots.nth(at).locator(".rodgen-key")).not_to_contain_text("[")  # the axis says it
 
 
 @pytest.mark.long
@@ -160,7 +162,6 @@ def test_base_of_large_numbers_is_within_the_picture(
     view = blank.open(serve(str(far), "--port", "0").address)
     view.add_plot("over time", quantities="x0")
     view.run()
-    view.until(lambda: view.live("plots.p3?.draws") > 3, "nothing is drawn")
     boxes = """() => import('nicegui-echart').then(({ echarts }) => {
         const chart = echarts.getInstanceByDom(document.querySelectorAll('.rodgen-chart')[2]);
         const { yAxis } = chart.getOption();
@@ -170,7 +171,8 @@ def test_base_of_large_numbers_is_within_the_picture(
                         return [e.style.text, r.x, r.y, r.x + r.width, r.y + r.height]; });
         return [found, yAxis[0].name, chart.getWidth(), chart.getHeight()];
     })"""
-    found, name, width, height = view.page.evaluate(boxes)
+    view.sees("rodgenLive.plots.p3?.draws ?? 0", lambda draws: draws > 3, "nothing is drawn")
+    found, name, width, height = view.sees(boxes, lambda made: len(made[0]) == 1, "no base")
     [[text, left, top, right, bottom]] = found
     assert text.startswith("from 4.366")
     assert text.endswith("e7")
@@ -186,15 +188,13 @@ def test_csv_ends_where_the_plot_is_paused_and_has_times(view: View) -> None:
     """Angles against a run without a page; and the picture of a plot."""
     view.add_plot("phase plot", quantity="omega_0", over="phi_0")
     plots = view.page.locator(".rodgen-plot")
-    plots.nth(2).wait_for()
-    view.run()
-    view.until(lambda: view.live("t") > 0.3, "time does not pass")
-    before = view.live("t")
+    expect(plots.nth(2)).to_be_visible()
+    before = view.run().passes(0.3).live("t")
     for at in (0, 2):
         plots.nth(at).get_by_role("button", name="Pause").click()
-        plots.nth(at).get_by_role("button", name="Resume").wait_for()
+        expect(plots.nth(at).get_by_role("button", name="Resume")).to_be_visible()
     after = view.live("t")
-    view.until(lambda: view.live("t") > after + 0.5, "time does not pass")
+    view.passes(0.5)
     sol = rodgen.simulate(Scene.from_dict(ROD), rtol=1e-10, span=[0.0, after + 1.0])
     head, rows = view.csv(0)
     assert head[0] == "t [s]"

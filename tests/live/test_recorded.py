@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,6 +19,7 @@ from rodgen.show.animation.film import animate
 from rodgen.show.animation.motion import motion
 from rodgen.show.animation.times import Settings, plan
 from tests.live.conftest import ROD
+from tests.live.view import until
 
 SCENE = {
     **ROD,
@@ -65,16 +65,9 @@ def taken() -> Iterator[Taken]:
 def _on(run: LiveRun, to: float) -> float:
     """Run on to a time [s], and hold; the time of the last sample [s]."""
     run.do(run.go).result()
-    _until(lambda: run.shown.t[-1] >= to)
+    until(lambda: run.shown.t[-1], lambda t: t >= to, "the run does not go on")
     run.do(run.pause).result()
     return float(run.shown.t[-1])
-
-
-def _until(true: Callable[[], bool]) -> None:
-    end = time.monotonic() + 30
-    while not true():
-        assert time.monotonic() < end
-        time.sleep(0.002)
 
 
 def _gravity_energy(taken: Taken, t: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import struct
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,11 @@ import pytest
 
 import rodgen
 from rodgen.live.run.live_run import PAUSED, RUNNING, STOPPED, LiveRun
+from rodgen.live.run.page_state import AHEAD
 from rodgen.live.run.scenes import edit
 from rodgen.scene import Scene, SceneError
 from tests.live.conftest import ROD, varied
+from tests.live.view import until
 
 
 @pytest.fixture
@@ -30,11 +32,9 @@ def run(scene: Scene) -> Iterator[LiveRun]:
     made.close()
 
 
-def until(true: Callable[[], bool], seconds: float = 30.0) -> None:
-    end = time.monotonic() + seconds
-    while not true():
-        assert time.monotonic() < end
-        time.sleep(0.005)
+def past(run: LiveRun, t: float) -> None:
+    """Wait until the run has come so far [s]."""
+    until(lambda: float(run.shown.t[-1]), lambda now: now > t, "time does not pass")
 
 
 class Page:
@@ -60,6 +60,10 @@ class Page:
             header[name] = array
         self.headers.append(header)
 
+    def gets(self, count: int) -> None:
+        """Wait for so many messages or more."""
+        until(lambda: len(self.headers), lambda got: got >= count, "no message")
+
     def acknowledge(self) -> None:
         self.run.page.acknowledge(self.headers[-1]["frame"])
 
@@ -70,9 +74,9 @@ class Page:
 
 def test_run_goes_by_the_clock_and_pauses(run: LiveRun) -> None:
     assert run.status == PAUSED
-    run.do(run.go).result()
     start = time.monotonic()
-    until(lambda: run.shown.t[-1] > 0.5)
+    run.do(run.go).result()
+    past(run, 0.5)
     assert time.monotonic() - start > 0.45  # real time, not faster
     run.do(run.pause).result()
     assert run.status == PAUSED
@@ -84,7 +88,7 @@ def test_run_goes_by_the_clock_and_pauses(run: LiveRun) -> None:
 def test_samples_are_those_of_simulate(run: LiveRun, scene: Scene) -> None:
     run.do(lambda: run.set_speed(np.inf)).result()
     run.do(run.go).result()
-    until(lambda: run.shown.t[-1] >= 1.0)
+    past(run, 1.0)
     run.do(run.pause).result()
     sol = run.do(run.solution).result()
     again = rodgen.simulate(scene)
@@ -104,14 +108,14 @@ def test_nonsense_leaves_the_run_as_it_was(run: LiveRun) -> None:
         with pytest.raises((SceneError, ValueError)):
             run.do(work).result()
     run.do(run.go).result()
-    until(lambda: run.shown.t[-1] > 0.05)
+    past(run, 0.05)
     assert run.status == RUNNING
 
 
 def test_kick_of_a_run_at_rest_is_seen_at_once(run: LiveRun) -> None:
     """A free rod gets the velocity J/M, whatever the link."""
     page = Page(run)
-    until(lambda: bool(page.headers))
+    page.gets(1)
     run.do(lambda: run.kick(2, 0.3, (0.6, -0.9))).result()
     chunk = run.shown
     h = 1e-7
@@ -121,7 +125,7 @@ def test_kick_of_a_run_at_rest_is_seen_at_once(run: LiveRun) -> None:
     velocity = (model.centre_of_gravity(ahead, p) - model.centre_of_gravity(y, p)) / h
     assert velocity == pytest.approx([0.2, -0.3], abs=1e-6)  # a difference over 1e-7 s
     page.acknowledge()
-    until(lambda: len(page.headers) > 1)
+    page.gets(2)
 
 
 def test_blow_up_stops_and_a_change_mends(run: LiveRun, scene: Scene) -> None:
@@ -134,14 +138,14 @@ def test_blow_up_stops_and_a_change_mends(run: LiveRun, scene: Scene) -> None:
     run.do(lambda: run.set_speed(np.inf)).result()
     run.do(lambda: run.change(edit(scene, method))).result()
     run.do(run.go).result()
-    until(lambda: run.status == STOPPED)
+    until(lambda: run.status, STOPPED, "it goes on")
     assert "stopped at t =" in run.message
     assert (run.lost, told[-1]) == (True, STOPPED)
     run.do(run.restart).result()
     assert not run.lost
     run.do(lambda: run.change(scene)).result()
     run.do(run.go).result()
-    until(lambda: run.shown.t[-1] > 0.2)
+    past(run, 0.2)
     assert run.status == RUNNING
 
 
@@ -149,19 +153,22 @@ def test_slow_page_gets_fewer_messages_and_all_rows(run: LiveRun) -> None:
     page = Page(run)
     run.do(lambda: run.add_plot({"kind": "time", "y": ["phi_0"]})).result()
     run.do(run.go).result()
-    until(lambda: run.shown.t[-1] > 0.5)
-    assert len(page.headers) <= 2  # nothing is acknowledged
-    while run.shown.t[-1] < 1.5:  # two frames a second
+    past(run, 0.5)
+    assert len(page.headers) <= AHEAD  # nothing is acknowledged
+    answers = 0
+    while run.shown.t[-1] < 1.5:
         page.acknowledge()
+        answers += 1
         time.sleep(0.4)
-        assert page.headers[-1]["frame"] - page.headers[0]["frame"] < 20
+        assert len(page.headers) <= AHEAD * (answers + 1)
     run.do(run.pause).result()
-    for _ in range(6):
+
+    def last() -> float:
         page.acknowledge()
-        time.sleep(0.1)
-    t = page.column("p1", 2, 0)
-    assert np.allclose(np.diff(t), 0.01, atol=1e-9)  # no sample is missing
-    assert t[-1] == pytest.approx(run.shown.t[-1])
+        return float(page.column("p1", 2, 0)[-1])
+
+    until(last, pytest.approx(run.shown.t[-1]), "the last rows do not come")
+    assert np.allclose(np.diff(page.column("p1", 2, 0)), 0.01, atol=1e-9)  # no sample is missing
 
 
 def test_page_that_comes_back_gets_everything(run: LiveRun) -> None:
@@ -173,10 +180,10 @@ def test_page_that_comes_back_gets_everything(run: LiveRun) -> None:
         time.sleep(0.01)
     run.do(lambda: run.page.detach(first.take)).result()  # between two frames
     seen = len(first.headers)
-    until(lambda: run.shown.t[-1] > 0.8)
+    past(run, 0.8)
     assert len(first.headers) == seen
     second = Page(run)
-    until(lambda: bool(second.headers))
+    second.gets(1)
     assert {"texts", "t", "origin", "joints"} <= set(second.headers[0])
     assert second.column("p1", 2, 0)[0] == 0.0
     assert len(second.column("p1", 2, 0)) > 75
@@ -196,7 +203,7 @@ def test_critical_force_comes_while_the_run_is_paused(run: LiveRun, scene: Scene
         except (IndexError, ValueError):  # "computing"
             return 0.0
 
-    until(lambda: shown() == pytest.approx(wanted, rel=1e-4))  # five digits are shown
+    until(shown, pytest.approx(wanted, rel=1e-4), "another force")  # five digits are shown
     assert run.status == PAUSED
 
 
@@ -208,7 +215,7 @@ def test_rows_of_plots_that_are_gone_are_not_kept(run: LiveRun, scene: Scene) ->
         run.do(lambda: run.set_speed(np.inf)).result()
         run.do(run.go).result()
         t = run.shown.t[-1]
-        until(lambda t=t: run.shown.t[-1] > t + 20.0)
+        past(run, t + 20.0)
         run.do(lambda: run.take(scene)).result()
         assert set(run.page._rows) <= set(run.plots)
     waiting = sum(part.size for parts in run.page._rows.values() for part in parts)
@@ -227,6 +234,6 @@ def test_other_structure_keeps_the_plots_that_still_mean_something(run: LiveRun)
     run.do(lambda: run.take(other)).result()
     assert [plot.names for plot in run.plots.values()] == [("phi_5", "phi_0"), ("gravity_energy",)]
     run.do(run.go).result()
-    until(lambda: run.shown.t[-1] > 0.1)
+    past(run, 0.1)
     assert run.status == RUNNING
     assert page.headers

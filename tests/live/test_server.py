@@ -14,6 +14,8 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from tests.live.view import PATIENT
+
 SCENES = Path(__file__).parents[2] / "scenes"
 MISSILE = str(SCENES / "missile.toml")
 
@@ -22,7 +24,7 @@ def status(address: str, **headers: str) -> int:
     """Of a request for it."""
     request = urllib.request.Request(address, headers=headers)
     try:
-        with urllib.request.urlopen(request, timeout=30) as answer:
+        with urllib.request.urlopen(request, timeout=PATIENT) as answer:
             return int(answer.status)
     except urllib.error.HTTPError as error:
         return error.code
@@ -67,7 +69,7 @@ def test_token_opens_the_page_elsewhere(
 def test_long_upload_is_refused_unread(server: Any) -> None:
     """At most 2 MiB, whatever a browser lets through."""
     told = urlsplit(server.address)
-    with socket.create_connection((told.hostname, told.port), timeout=30) as asking:
+    with socket.create_connection((told.hostname, told.port), timeout=PATIENT) as asking:
         head = f"POST / HTTP/1.1\r\nHost: {told.netloc}\r\nContent-Length: {3 * 2**20}\r\n\r\n"
         asking.sendall(head.encode())
         assert asking.recv(100).startswith(b"HTTP/1.1 403")

@@ -78,6 +78,38 @@ def test_page_that_comes_and_goes_between_two_looks(sessions: Sessions, clock: A
     assert sessions.get(name) is None
 
 
+def test_reload_may_take_its_time(sessions: Sessions, clock: Any) -> None:
+    """While a page is on its way, no run is ended, and then not the one that it is for, until it
+    has come. One that does not come counts for half a minute."""
+
+    def send(message: bytes) -> None:
+        pass
+
+    name, other = sessions.open(SCENE), sessions.open(SCENE)
+    run = sessions.get(name)
+    assert run is not None
+    run.page.attach(send)
+    sessions.sweep()
+    with sessions.arrival():
+        run.page.detach(send)
+        clock.now += 29.0
+        sessions.sweep()
+        assert sessions.claim(name) is run
+    clock.now += 20.0
+    sessions.sweep()
+    assert (sessions.get(name), sessions.get(other)) == (run, None)
+    run.page.attach(send)
+    sessions.sweep()
+    run.page.detach(send)
+    with sessions.arrival():
+        clock.now += 29.0
+        sessions.sweep()
+        assert sessions.get(name) is run
+        clock.now += 2.0
+        sessions.sweep()
+    assert sessions.claim(name) is None
+
+
 def test_one_run_ends_without_the_other(sessions: Sessions, clock: Any) -> None:
     first = sessions.open(SCENE)
     clock.now += 20.0

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
+from scipy.linalg import eigh, null_space
 
 from rodgen.analyse.eigen import Complex, Modal, Motions, lowest_values
 from rodgen.analyse.pencil import Dense, Parts, Pencil
@@ -216,8 +216,23 @@ class Family:
         own = len(dense.K) - dense.added
         K, M = ((matrix + matrix.T)[:own, :own] / 2 for matrix in (dense.K, dense.M))
         squares, shapes = eigh(K, M)
-        rigid = 1 if turns and isinstance(pencil, Pencil) else 0
+        if isinstance(pencil, Dense):
+            return squares, self._translated(shapes)
+        rigid = int(turns)
         return squares[rigid:], shapes[:, rigid:]
+
+    def _translated(self, shapes: Array) -> Array:
+        """Shapes among which are the translations that nothing holds, each on its own, for which
+        no stiffness follows from rounding."""
+        base = self.system.base
+        if self.system.anchored or self.system.steered or not base:
+            return shapes
+        rigid = base + self.state(0.0).turns_freely
+        axes = np.eye(len(shapes))[:, :base]
+        parts, still = shapes[:base, :rigid], shapes.copy()
+        still[:, :base] = axes
+        still[:, base:rigid] = shapes[:, :rigid] @ null_space(parts)
+        return still
 
     @cached_property
     def lowest(self) -> float:

@@ -17,7 +17,8 @@ from rodgen.scene import Scene
 if TYPE_CHECKING:
     from rodgen.analyse.precision.work_precision import WorkPrecision
 
-ASKED = (1e-3, 1e-6, 1e-9)  # rad
+ASKED = (1e-3, 1e-6, 1e-9)  # rad or m
+UNITS = {"error_phi": "rad", "error_tail": "m"}
 
 
 def precision(
@@ -38,14 +39,14 @@ def precision(
         if as_json:
             print_json(found.to_dict())
             return
-        estimate = found.trusted["error_phi"] or 0.0
+        estimate = found.trusted[found.measure] or 0.0
         made = found.reference
         method = f"{made['method']}, order {made['order']}, checked by {made['checked_by']}"
-        out.print(f"reference: {method}; good to {estimate:.1e} rad")
+        out.print(f"reference: {method}; good to {estimate:.1e} {UNITS[found.measure]}")
         out.print(_table(found))
         from rodgen.show.precision_pictures import work_precision as diagram
 
-        figure = diagram(found.rows, "error_phi", estimate)
+        figure = diagram(found.rows, found.measure, estimate)
         if figure is not None:
             write_picture(lambda: figure, folder, "precision")
 
@@ -54,8 +55,10 @@ def _table(found: WorkPrecision) -> Table:
     """A line for every method: its cheapest settings, least error and largest stable step."""
     from rodgen.analyse.precision.rows import duration, grouped, number, setting, short
 
-    table = Table(title=f"{found.scene.name}: run time for an error of the angles at the end")
-    titles = [f"{short(error, '.0e')} rad" for error in ASKED]
+    measure, unit = found.measure, UNITS[found.measure]
+    of = {"error_phi": "the angles at the end", "error_tail": "the tail over time"}[measure]
+    table = Table(title=f"{found.scene.name}: run time for an error of {of}")
+    titles = [f"{short(error, '.0e')} {unit}" for error in ASKED]
     for title in ("method", *titles, "least error", "stable up to"):
         table.add_column(title)
     for name, some in grouped(found.rows, lambda row: f"{row['who']}\0{row['method']}").items():
@@ -65,9 +68,9 @@ def _table(found: WorkPrecision) -> Table:
         cells = [
             f"{duration(number(row, 'seconds'))}\n{setting(row)}" if row else "-" for row in best
         ]
-        least = min((e for row in some if (e := number(row, "error_phi")) >= 0), default=math.inf)
+        least = min((e for row in some if (e := number(row, measure)) >= 0), default=math.inf)
         limit = found.limits.get(method, math.inf) if own else math.inf
         step = f"{limit:.3g} s" if 0 < limit < math.inf else "none" if limit == 0 else "-"
-        shown = f"{least:.1e} rad" if least < math.inf else "-"
+        shown = f"{least:.1e} {unit}" if least < math.inf else "-"
         table.add_row(method if own else f"{who} {method}", *cells, shown, step)
     return table

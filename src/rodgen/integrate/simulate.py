@@ -19,7 +19,6 @@ from rodgen.integrate.endings import (
     FAILED,
     FINISHED,
     INTERRUPTED,
-    DeferredInterrupt,
     Interrupted,
     RunError,
     StepWarning,
@@ -34,6 +33,7 @@ from rodgen.integrate.solution import Event, Solution, Stats
 from rodgen.integrate.stepper import Happened, StepError
 from rodgen.integrate.stretches import UNBOUNDED, Stretches, inside, step_to
 from rodgen.loading import build, build_fastest
+from rodgen.native.library import DeferredInterrupt
 from rodgen.progress import running, telling
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.integration import AUTO

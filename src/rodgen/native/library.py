@@ -15,12 +15,14 @@ import signal
 import subprocess
 import sysconfig
 import tempfile
+import threading
 import time
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from itertools import takewhile
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 # Not -ffast-math: NaN, infinity, signed zeros and the order of a sum keep their meaning.
@@ -261,28 +263,40 @@ def _compile(
 def _run(command: list[str], limit: float, folder: Path | None = None) -> tuple[int, str]:
     """Exit status and output; what does not end is killed with all that it started."""
     try:
-        with subprocess.Popen(
-            command,
-            cwd=folder,
-            env={**os.environ, "LC_ALL": "C"},  # One key and one message in every language.
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        ) as process:
-            _running.add(process.pid)
-            try:
-                output, _ = process.communicate(timeout=limit)
-            except BaseException:
-                _kill(process.pid)
-                raise
-            finally:
-                _running.discard(process.pid)
+        with _started(command, folder) as process:
+            output, _ = process.communicate(timeout=limit)
     except subprocess.TimeoutExpired as error:
         raise _failure(f"{shlex.join(command)}: killed after {limit:.0f} s") from error
     except OSError as error:
         raise _failure(f"{shlex.join(command)}: {error.strerror}") from error
     return process.returncode, output.decode(errors="replace")
+
+
+@contextmanager
+def _started(command: list[str], folder: Path | None) -> Iterator["subprocess.Popen[bytes]"]:
+    """A command that runs, and that is killed where nobody can wait for it."""
+    process = None
+    try:
+        with DeferredInterrupt():  # One that is raised within Popen leaves what it has started.
+            process = subprocess.Popen(
+                command,
+                cwd=folder,
+                env={**os.environ, "LC_ALL": "C"},  # One key and one message in every language.
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+            _running.add(process.pid)
+        yield process
+    except BaseException:
+        if process is not None:
+            _kill(process.pid)
+        raise
+    finally:
+        if process is not None:
+            with process:  # Its pipe is closed, and it is waited for.
+                _running.discard(process.pid)
 
 
 # Compilers that run now, each the leader of a session of its own.
@@ -299,3 +313,37 @@ def end_compilers() -> None:
 def _kill(pid: int) -> None:
     with suppress(ProcessLookupError):
         os.killpg(pid, signal.SIGKILL)
+
+
+class DeferredInterrupt:
+    """Within it, Ctrl-C only leaves a note, which `look` turns into KeyboardInterrupt.
+
+    Where Python would raise it at once, a step might be taken and its samples not. One that nobody
+    looked for is raised at the end. In threads, and where the program has a handler of its own,
+    nothing is changed.
+    """
+
+    def __init__(self) -> None:
+        self._noted = False
+        self._before: Any = None
+
+    def __enter__(self) -> "DeferredInterrupt":
+        main = threading.current_thread() is threading.main_thread()
+        if main and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            self._before = signal.signal(signal.SIGINT, self._note)
+        return self
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self._noted = True
+
+    def look(self) -> None:
+        """Raise KeyboardInterrupt if there was one."""
+        if self._noted:
+            self._noted = False
+            raise KeyboardInterrupt
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if self._before is not None:
+            signal.signal(signal.SIGINT, self._before)
+        if kind is None:
+            self.look()

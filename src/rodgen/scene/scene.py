@@ -137,6 +137,8 @@ class Scene(Table):
                 allowed = f"a list of {count} values, one for every {each}"
                 raise SceneError(self.field(parameter), value, allowed)
             self._number_of(parameter)
+            if each == LINKS:
+                self._law(parameter).check_poles(self.integrate.span)
         self.along_at(self.integrate.span[0])
         for name in ("position", "velocity"):
             value = getattr(self.initial, name)

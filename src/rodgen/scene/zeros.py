@@ -146,6 +146,14 @@ def bisected(function: Function, low: Array, high: Array) -> Array:
         high = np.where(left & ~same, middle, high)
 
 
+@lru_cache(maxsize=2)
+def _seen(start: float, end: float) -> Array:
+    """Times of all samples of a span; not to be written to."""
+    grid = np.linspace(start, end, SEEN)
+    grid.setflags(write=False)
+    return grid
+
+
 @lru_cache(maxsize=64)
 def onsets(
     value: Callable[[Any], Any], start: float, end: float
@@ -154,13 +162,18 @@ def onsets(
 
     value: of a load at times (...,), hashable.
     """
-    grid = np.linspace(start, end, SEEN)
-    values = np.nan_to_num(np.broadcast_to(value(grid), grid.shape), posinf=0.0, neginf=0.0)
+    grid = _seen(start, end)
+    values = np.broadcast_to(value(grid), grid.shape)
+    if not np.isfinite(values.sum()):
+        values = np.nan_to_num(values, posinf=0.0, neginf=0.0)
     level = QUIET * np.ptp(values)
     if not 0 < level < np.inf:
         return ()
     found, rests_since = [], 0
     levels = np.round((values - values[0]) / level)
+    changes = np.flatnonzero(levels[1:] != levels[:-1])
+    if len(changes) and np.diff(changes, prepend=-1, append=len(grid) - 1).max() < REST:
+        return ()  # what never rests has no pulse after a rest
     for first, last in _activity(levels):
         change = np.abs(levels[first : last + 1] - levels[first])
         if change.max() >= FELT and last - first <= first - rests_since:

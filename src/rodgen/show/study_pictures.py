@@ -11,9 +11,10 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, Normalize
+from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from rodgen.integrate.endings import FAILED
@@ -27,6 +28,8 @@ MOST_PICTURES = 12
 MOST_PANELS = 16
 COLUMNS = 5  # of a scatter matrix, beside what is kept
 LEVELS = 8  # lines of a contour
+FEW = 200  # points of a curve, up to which they are joined by lines
+WIDE = 1e3  # largest over smallest, from which colours go by the logarithm
 MANY = 3000  # points of a map beyond which those of a whole grid are not shown
 LOST = "tab:red"
 CLASSES = "#4c72b0", "#dd8452", "#55a868", "#8172b3", "#937860", "#64b5cd"
@@ -81,10 +84,12 @@ def curve(of: Results, name: str) -> Figure:
     values, classes = of.numbers(name)
     columns = values.reshape(len(x), -1)
     order = np.argsort(x)
-    style = "." if classes else ".-" if len(x) <= 200 else "-"
+    # Where a result hangs on its axis more finely than it was computed, lines would say too much.
+    size = 3.0 if len(x) <= FEW else 1.5
+    style = "." if classes or len(x) > FEW else ".-"
     for at in range(columns.shape[1]):
         label = f"{at + 1}" if columns.shape[1] > 1 else None
-        axes.plot(x[order], columns[order, at], style, linewidth=LINE, markersize=3, label=label)
+        axes.plot(x[order], columns[order, at], style, linewidth=LINE, markersize=size, label=label)
     _mark_lost(axes, of, x)
     _set_axis(axes, of, of.axes[0], "x")
     if classes:
@@ -183,6 +188,8 @@ def _scale(values: NDArray[np.float64], classes: Sequence[str]) -> tuple[Normali
         return norm, ListedColormap(colours)
     found = values[np.isfinite(values)]
     low, high = (found.min(), found.max()) if len(found) else (0.0, 1.0)
+    if low > 0 and high > WIDE * low:
+        return LogNorm(low, high), colormaps["viridis"]
     return Normalize(low, high if high > low else low + 1.0), colormaps["viridis"]
 
 
@@ -209,8 +216,9 @@ def _panel(
         alpha=0.85 if classes else 1.0,
     )
     if lines and min(values.shape) > 1 and not classes and np.isfinite(filled).sum() > 3:
-        drawn = axes.contour(x, y, filled, LEVELS, colors="k", linewidths=0.5)
-        axes.clabel(drawn, fontsize="xx-small")
+        locator = LogLocator() if isinstance(scale[0], LogNorm) else None
+        drawn = axes.contour(x, y, filled, LEVELS, locator=locator, colors="k", linewidths=0.5)
+        axes.clabel(drawn, fontsize="xx-small", fmt="%.3g")
     elif min(values.shape) > 1 and len(classes) > 1:
         axes.contour(x, y, filled, np.arange(len(classes) - 1) + 0.5, colors="k", linewidths=0.8)
     X, Y = np.meshgrid(x, y)

@@ -9,9 +9,11 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from rodgen.native import library
 from tests.generated.library.conftest import DECLARATIONS, REAL, SOURCE, Place, alive, until
 
 LOAD = f"""
@@ -83,6 +85,29 @@ def test_ctrl_c_ends_the_compiler_too(place: Place, slow: Path) -> None:
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=60)
     assert "KeyboardInterrupt" in errors
+    until(lambda: not alive(int(slow.read_text())))
+    assert place.left() == []
+
+
+def test_ctrl_c_while_the_compiler_is_started(
+    place: Place, slow: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It comes before anybody has been told of the process."""
+
+    class Popen(subprocess.Popen[bytes]):
+        def __init__(self, *arguments: Any, **settings: Any):
+            super().__init__(*arguments, **settings)
+            if settings.get("start_new_session") and "--version" not in arguments[0]:
+                until(slow.exists)
+                signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(library.subprocess, "Popen", Popen)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            place.load()
+    finally:
+        signal.signal(signal.SIGINT, before)
     until(lambda: not alive(int(slow.read_text())))
     assert place.left() == []
 

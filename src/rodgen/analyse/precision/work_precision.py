@@ -142,7 +142,8 @@ class WorkPrecision:
     `error_energy`, counts, and `failed`, why a setting came to nothing; reference: method, order
     and tolerance of the reference solution, and by what it is checked; trusted: its own error
     estimate of every measure, below which errors mean nothing; limits: largest stable step [s] by
-    explicit method at the start of the scene, 0 where no step is stable, infinite where any is.
+    explicit method at the start of the scene, 0 where no step is stable, infinite where any is;
+    measure: what errors are held by, `error_phi`, or `error_tail` of a rod that does not turn.
     """
 
     scene: Scene
@@ -150,6 +151,7 @@ class WorkPrecision:
     reference: dict[str, Any]
     trusted: dict[str, float | None]
     limits: dict[str, float]
+    measure: str = "error_phi"
 
     @property
     def table(self) -> DataFrame:
@@ -158,20 +160,22 @@ class WorkPrecision:
 
         return DataFrame(self.rows)
 
-    def front(self, measure: str = "error_phi") -> list[Row]:
+    def front(self, measure: str | None = None) -> list[Row]:
         """Rows than which none is both faster and closer, by rising seconds."""
+        measure = measure or self.measure
         return front(self.rows, measure, self.trusted[measure] or 0.0)
 
-    def cheapest(self, error: float, measure: str = "error_phi", **of: str) -> Row | None:
+    def cheapest(self, error: float, measure: str | None = None, **of: str) -> Row | None:
         """The fastest row within an error, of those with certain entries such as method="rk4"."""
         rows = (row for row in self.rows if all(row[key] == value for key, value in of.items()))
-        return cheapest(rows, error, measure)
+        return cheapest(rows, error, measure or self.measure)
 
     def to_dict(self) -> dict[str, Any]:
         """All of it for JSON: what is not finite is None."""
         return {
             "scene": self.scene.name,
             "links": self.scene.rod.links,
+            "measure": self.measure,
             "reference": self.reference | dict(self.trusted),
             "largest_stable_steps": _finite(self.limits),
             "rows": [_finite(row) for row in self.rows],
@@ -212,7 +216,8 @@ def work_precision(
         rows += _scipy(job, name, known, found.measures(job, name), limits)
     made = {"method": found.method, "order": found.order, "tolerance": found.tolerance}
     made |= {"checked_by": found.checked_by}
-    return WorkPrecision(scene, rows, made, dict(found.estimate), stable_steps(job))
+    measure = Measures(job, found.states).main
+    return WorkPrecision(scene, rows, made, dict(found.estimate), stable_steps(job), measure)
 
 
 def _scipy(job: Job, name: str, known: Row, measures: Measures, limits: Limits) -> list[Row]:

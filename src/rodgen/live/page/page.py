@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, MutableMapping
 from contextlib import suppress
+from typing import Any
 
 from nicegui import app, ui
 
@@ -64,19 +65,22 @@ class Page:
         self._root = ui.element("div").classes("rg-page")
         self._progress = Progress(self._modules)
         client.on_delete(self._progress.close)
-        await client.connected()
-        if client.is_deleted:  # it was asked for, and never shown
-            return
+        with self._sessions.arrival():
+            await client.connected()
+            if client.is_deleted:  # it was asked for, and never shown
+                return
+            # Once: the connection may be gone for a moment whenever it is looked for.
+            tab = app.storage.tab
+            run = self._sessions.claim(tab.get(RUN))
         ui.run_javascript(FORGET_TOKEN)
-        tab = app.storage.tab
-        name, run = str(tab.get(RUN)), self._sessions.get(tab.get(RUN))
+        name = str(tab.get(RUN))
         if run is None or packed not in ("", tab.get(PACKED)) or not await _is_left(run):
             name, run = await self._begin(packed)
             if run is None:
                 return
             tab.pop(VIEW, None)  # it was for the run before
         tab[RUN], tab[PACKED] = name, packed
-        self._build(name, run)
+        self._build(name, run, tab)
 
     async def _begin(self, packed: str) -> tuple[str, LiveRun | None]:
         """A run of the page's own, and its name; None where there is none, which is said."""
@@ -103,8 +107,8 @@ class Page:
             notify(self._client, f"The scene in the address cannot be used: {error}")
             return self._first
 
-    def _build(self, name: str, run: LiveRun) -> None:
-        page = PageRun(run, self._progress.make, self._client, self._root)
+    def _build(self, name: str, run: LiveRun, tab: MutableMapping[str, Any]) -> None:
+        page = PageRun(run, self._progress.make, self._client, self._root, tab)
         with self._root:
             Channel(ADDRESS + name)
             bar = Bar(page, self._folder, lambda: ui.run_javascript(TURN_SHADE))
@@ -129,9 +133,9 @@ class Page:
 def _tabs(page: PageRun) -> list[Panel]:
     with ui.tabs().props("dense no-caps align=justify") as heads:
         tabs = {title: ui.tab(title) for title in TABS}
-    shown = app.storage.tab.get(PANEL, "Parameters")
+    shown = page.tab.get(PANEL, "Parameters")
     panels = ui.tab_panels(heads, value=shown, animated=False).props("keep-alive")
-    panels.on_value_change(lambda event: app.storage.tab.update({PANEL: event.value}))
+    panels.on_value_change(lambda event: page.tab.update({PANEL: event.value}))
     made = []
     with panels.classes("rg-panels"):
         for title, build in TABS.items():
@@ -143,7 +147,7 @@ def _tabs(page: PageRun) -> list[Panel]:
 async def _is_left(run: LiveRun) -> bool:
     """Whether a run's page has gone: on a reload, it may do so a moment late; a tab that was
     duplicated has the name of a run that is another's."""
-    for _ in range(20):
+    for _ in range(50):
         if not run.page.watched:
             return True
         await asyncio.sleep(0.1)

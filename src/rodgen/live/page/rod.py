@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import asdict
 from typing import Any
 
-from nicegui import app, ui
+from nicegui import ui
 from nicegui.events import ValueChangeEventArguments
 
 from rodgen.live.page.elements import LAYERS, RodCanvas, View
@@ -46,7 +46,7 @@ class RodPanel:
 
     def _tools(self) -> None:
         self._first = _first_view(self.page.scene)
-        self.view = ui.select(VIEWS, value=app.storage.tab.get(VIEW, self._first), label="View")
+        self.view = ui.select(VIEWS, value=self.page.tab.get(VIEW, self._first), label="View")
         self.view.on_value_change(self._view)
         self.view.props("dense outlined options-dense").classes("rg-view")
         with IconButton("layers", "What is shown"), ui.menu().props("auto-close=false"):
@@ -106,7 +106,7 @@ class RodPanel:
         self.per_metre.show(plain(self.strength))
 
     def _view(self, event: ValueChangeEventArguments[Any]) -> None:
-        app.storage.tab[VIEW] = event.value
+        self.page.tab[VIEW] = event.value
         self.canvas.set(view=event.value)
 
     def _shows(self, name: str) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import secrets
 import time
-from collections.abc import Awaitable, Callable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Iterator, MutableMapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
@@ -42,6 +42,7 @@ class Sessions:
         self._clock = clock
         self._sessions: dict[str, Session] = {}
         self._coming = 0
+        self._arrivals: dict[object, float] = {}  # since when pages are on their way
 
     def __len__(self) -> int:
         return len(self._sessions)
@@ -69,14 +70,36 @@ class Sessions:
         session = self._sessions.get(name) if isinstance(name, str) else None
         return session.run if session else None
 
+    @contextmanager
+    def arrival(self) -> Iterator[None]:
+        """Keep all runs while a page is on its way, which tells last whose it is: on a busy machine
+        a reload takes its time. One that does not come counts for half a minute."""
+        page = object()
+        self._arrivals[page] = self._clock()
+        try:
+            yield
+        finally:
+            del self._arrivals[page]
+
+    def claim(self, name: object) -> LiveRun | None:
+        """The run of that name, if it is still there, kept for a page that is being built."""
+        run = self.get(name)
+        if run is not None:
+            session = self._sessions[str(name)]
+            session.until, session.came = self._clock() + FIRST, run.page.came
+        return run
+
     def sweep(self) -> None:
         """End the runs without a page; to be called about once a second."""
         now = self._clock()
+        arriving = any(now - since < FIRST for since in self._arrivals.values())
         for name, session in list(self._sessions.items()):
             page = session.run.page
-            if page.watched or page.came > session.came:  # or it came and went since the last look
+            if page.came > session.came:  # and may have gone since the last look
                 session.until, session.came = now + GRACE, page.came
-            elif now > session.until:
+            elif page.watched:
+                session.until = max(session.until, now + GRACE)
+            elif now > session.until and not arriving:
                 self.close(name)
 
     def close(self, name: str) -> None:
@@ -109,14 +132,22 @@ def notify(client: Client, text: str) -> None:
 class PageRun:
     """A run and the page that shows it; when something has changed, all panels are refreshed.
 
-    make: has the module of a scene made; root: the element that dialogs are built in.
+    make: has the module of a scene made; root: the element that dialogs are built in; tab: what the
+    tab of the browser remembers over a reload.
 
     Scenes are changed in the run's own thread, as functions from the scene that is there: what
     comes between, from elsewhere on the page, is not lost.
     """
 
-    def __init__(self, run: LiveRun, make: Make, client: Client, root: Element):
-        self.run, self.client, self.root = run, client, root
+    def __init__(
+        self,
+        run: LiveRun,
+        make: Make,
+        client: Client,
+        root: Element,
+        tab: MutableMapping[str, Any],
+    ):
+        self.run, self.client, self.root, self.tab = run, client, root, tab
         self.panels: tuple[Panel, ...] = ()
         self._make, self._making = make, asyncio.Lock()
 

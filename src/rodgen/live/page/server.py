@@ -32,7 +32,7 @@ ELSEWHERE = ("192.0.2.1", 9)  # of RFC 5737: nobody has it
 SWEEP = 0.5  # seconds
 # Seconds that NiceGUI's own connection of a page may be gone; it is looked at by answers within two
 # fifths of that, which a busy machine needs.
-RECONNECT = 10.0
+RECONNECT = 30.0
 PORT_ERRORS = (errno.EADDRINUSE, errno.EACCES)
 LONGEST = 200  # bytes of an acknowledgement
 GONE = 4404  # code of a WebSocket: there is no such run

@@ -66,6 +66,7 @@ export class Picture {
   #moments = new Scale();
   #clock = new Written();
   settled = false; // what is shown was fitted to this rod, or chosen since
+  chosen = false; // by who looks: another size of the picture leaves it alone
   #restless = false;
 
   constructor(canvas, state) {
@@ -79,7 +80,7 @@ export class Picture {
     this.dense = Math.min(window.devicePixelRatio || 1, DENSEST);
     Object.assign(this.canvas, { width: width * this.dense, height: height * this.dense });
     Object.assign(this.camera, { width, height });
-    if (!this.settled) this.fit();
+    if (!this.chosen) this.fit();
   }
 
   // True while it wants to be drawn again.
@@ -118,13 +119,14 @@ export class Picture {
     const view = fitted(parts, [camera.width, camera.height], [left, top + high]);
     camera.fit(view, state.origin, state.point);
     this.settled = true;
+    this.chosen = false;
   }
 
   // Another rod: what was fitted to the one before is let go. Its state may be there already, or
   // come next.
   forget() {
     this.fit();
-    this.settled = false;
+    this.settled = this.chosen = false;
     this.resetScale();
   }
 

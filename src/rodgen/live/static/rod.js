@@ -51,6 +51,12 @@ class Pointer {
     this.changed();
   }
 
+  // Has another part of the world shown.
+  #look(change) {
+    this.picture.chosen = true;
+    this.#do(change);
+  }
+
   #place(event) {
     return placeOf(event, this.picture.canvas);
   }
@@ -83,7 +89,7 @@ class Pointer {
     if (!this.#moved) return;
     const { hit } = this.#start;
     if (hit) this.#do(() => (this.picture.kick = { ...hit, dx, dy }));
-    else this.#do(() => this.picture.camera.pan(now[0] - before[0], now[1] - before[1]));
+    else this.#look(() => this.picture.camera.pan(now[0] - before[0], now[1] - before[1]));
   }
 
   #hover([x, y]) {
@@ -100,7 +106,7 @@ class Pointer {
     const [other] = [...this.#down].filter(([key]) => key !== id).map(([, place]) => place);
     const size = ([x, y]) => Math.max(Math.hypot(x - other[0], y - other[1]), 1);
     const { camera } = this.picture;
-    this.#do(() => {
+    this.#look(() => {
       camera.pan((now[0] - before[0]) / 2, (now[1] - before[1]) / 2);
       camera.zoom(size(now) / size(before), (now[0] + other[0]) / 2, (now[1] + other[1]) / 2);
     });
@@ -132,7 +138,7 @@ class Pointer {
   #wheel(event) {
     event.preventDefault();
     const factor = Math.exp(-0.0015 * turned(event));
-    this.#do(() => this.picture.camera.zoom(factor, ...this.#place(event)));
+    this.#look(() => this.picture.camera.zoom(factor, ...this.#place(event)));
   }
 
   #key(event) {
@@ -146,9 +152,9 @@ class Pointer {
       ArrowRight: () => camera.pan(-40, 0),
       ArrowUp: () => camera.pan(0, 40),
       ArrowDown: () => camera.pan(0, -40),
-      Escape: () => this.#drop(),
     };
-    act(event, moves, (move) => this.#do(move));
+    act(event, moves, (move) => this.#look(move));
+    act(event, { Escape: () => this.#drop() });
   }
 }
 
