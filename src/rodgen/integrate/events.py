@@ -19,6 +19,7 @@ from scipy.optimize import brentq
 
 from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.stepper import Array, Interpolant
+from rodgen.loading.module import structure_of
 from rodgen.model.quantities import place
 from rodgen.scene.course import BENDS, Switch
 from rodgen.scene.tables import Event
@@ -66,6 +67,7 @@ class Watch:
         columns = [(at, column) for at, one in enumerate(switches) for column in range(one.count)]
         self.events = (*events, *(SWITCHING for _ in columns))
         self.model, self.p = model, p
+        self._follows = structure_of(model).follows
         self._value = np.array([event.value for event in self.events], dtype=float)
         self._from = tuple(
             np.array([sign in SENSES[event.direction] for event in self.events], dtype=bool)
@@ -106,6 +108,7 @@ class Watch:
     def _values(self, y: Array, t: Array | None, numbers: Iterable[int]) -> Array:
         values = np.empty((*y.shape[:-1], len(self.events)))
         motion, switches = Piece(self.model, self.p, y, t), dict[int, Array]()
+        motion.follows = self._follows
         with np.errstate(all="ignore"):  # of a state that is not finite
             for number in numbers:
                 name, at = self._places[number]
