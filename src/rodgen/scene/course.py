@@ -21,7 +21,9 @@ from rodgen.scene.structure import Structure
 from rodgen.scene.zeros import met, onsets
 
 PLACES = (0.05, 0.5, 0.95)  # s at which a load along the rod is looked at
-ON_A_CORNER = 1e-10  # rad: so close to a corner of its law a spring is on it
+# rad: so close to a corner of its law a spring is on it. What a step makes of the wrong side of the
+# corner is of the order of the square.
+ON_A_CORNER = 1e-7
 FEW = 5_000  # numbers that are computed with at once
 MOST_FRONTS = 20_000  # break points of what moves along the rod, beyond which they are left out
 BENDS = "bend"
