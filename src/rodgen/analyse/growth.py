@@ -267,7 +267,7 @@ class _Run:
         angles or added states are not zero, errors are relative to these, not to the disturbance.
         """
         integrate = self.family.system.scene.with_integrate(**self.settings).integrate
-        size = max(np.abs(at.phi).max(initial=0.0), np.abs(at.added).max(initial=0.0))
+        size = float(max(np.abs(at.phi).max(initial=0.0), np.abs(at.added).max(initial=0.0)))
         small = float(np.abs(self.start).max())
         if integrate.fixed or size <= small:
             return FAINT

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import ModuleType
 from typing import Any
 
@@ -68,7 +69,6 @@ class Watch:
         columns = [(at, column) for at, one in enumerate(switches) for column in range(one.count)]
         self.events = (*events, *(SWITCHING for _ in columns))
         self.model, self.p = model, p
-        self._follows = structure_of(model).follows
         self._value = np.array([event.value for event in self.events], dtype=float)
         self._from = tuple(
             np.array([sign in SENSES[event.direction] for event in self.events], dtype=bool)
@@ -77,6 +77,11 @@ class Watch:
         self._places = [self._place(event.quantity) for event in events]
         self._places += [(SIGNALS, place) for place in columns]
         self.happened: list[tuple[int, float, Array]] = []
+
+    @cached_property
+    def _follows(self) -> bool:
+        """Whether the module has sensors or loads that follow the motion."""
+        return structure_of(self.model).follows
 
     def switching(self, number: int) -> bool:
         """Whether what has a number is where a law switches, not an event of the scene."""
@@ -109,7 +114,8 @@ class Watch:
     def _values(self, y: Array, t: Array | None, numbers: Iterable[int]) -> Array:
         values = np.empty((*y.shape[:-1], len(self.events)))
         motion, switches = Piece(self.model, self.p, y, t), dict[int, Array]()
-        motion.follows = self._follows
+        if self._switches:
+            motion.follows = self._follows
         with np.errstate(all="ignore"):  # of a state that is not finite
             for number in numbers:
                 name, at = self._places[number]
