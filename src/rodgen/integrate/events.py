@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import ModuleType
 from typing import Any
 
@@ -19,6 +20,7 @@ from scipy.optimize import brentq
 
 from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.stepper import Array, Interpolant
+from rodgen.loading.module import structure_of
 from rodgen.model.quantities import place
 from rodgen.scene.course import BENDS, Switch
 from rodgen.scene.tables import Event
@@ -76,6 +78,11 @@ class Watch:
         self._places += [(SIGNALS, place) for place in columns]
         self.happened: list[tuple[int, float, Array]] = []
 
+    @cached_property
+    def _follows(self) -> bool:
+        """Whether the module has sensors or loads that follow the motion."""
+        return structure_of(self.model).follows
+
     def switching(self, number: int) -> bool:
         """Whether what has a number is where a law switches, not an event of the scene."""
         return number >= self._first
@@ -107,6 +114,8 @@ class Watch:
     def _values(self, y: Array, t: Array | None, numbers: Iterable[int]) -> Array:
         values = np.empty((*y.shape[:-1], len(self.events)))
         motion, switches = Piece(self.model, self.p, y, t), dict[int, Array]()
+        if self._switches:
+            motion.follows = self._follows
         with np.errstate(all="ignore"):  # of a state that is not finite
             for number in numbers:
                 name, at = self._places[number]
