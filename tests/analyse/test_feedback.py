@@ -128,7 +128,7 @@ SPAN = 100.0  # s of a run
 @pytest.mark.parametrize("offset", [0.0, 0.3])
 def test_growth_in_runs_is_that_of_eigenvalues(offset: float) -> None:
     """A clamped column whose gimbal lags behind its tail; one that stands askew at rest, by what
-    the thrust makes up for, asks for sharper runs."""
+    the thrust makes up for, is known to fewer digits."""
     states = {"z": {"rate": f"({offset!r} + 0.5*phi(1) - z)/0.02"}}
     table = _scene(3, f"z - {offset!r}", states, boundary="clamped").model_dump(exclude_none=True)
     scene = Scene.from_dict(table | {"loads": table["loads"] | DAMPING})

@@ -24,7 +24,7 @@ from rodgen.scene.expression import Expression
 from rodgen.scene.overrides import check_used, initial_tables, with_parameters
 
 FAINT = 1e-6  # of the strongest direction: what is weaker is lost in errors of the run
-SHARPEST, NOISE = 1e-13, 4.0  # rtol; times the tolerance, what steps together may be off by
+NOISE = 4.0  # times the tolerance, what the steps of a run may be off by together
 FIRST = 4.0  # EI/L^2, doubled until a motion grows
 PIECES = 20  # of a run
 SAMPLES = 4000  # of a run
@@ -121,8 +121,7 @@ def simulated_critical_force(
     disturbance: angles [rad], an expression in s as in a scene, by default about 1e-6, or 1e-4
     where ``growth`` is given; progress: called with every force and whether the motion grew;
     target: "c" or "numpy", "c" where it can be built; settings: those of `simulate` (method, step;
-    atol 1e-12 and rtol 1e-10, sharper beside a steady state that is large, if not given, or 1e-8
-    and 1e-6 where ``growth`` is). Raises
+    rtol 1e-10 and atol 1e-12, if not given, or 1e-6 and 1e-8 where ``growth`` is). Raises
     SceneError, AnalysisError where there is no steady state, or nothing grows up to 1000 EI/L^2.
     """
     # Refuses a scene without a follower force, or without a stiffness.
@@ -133,9 +132,8 @@ def simulated_critical_force(
         if not (np.isfinite(value) and value > 0):
             raise SceneError(name, value, "positive")
     begun = time.perf_counter()
-    sharpens = "rtol" not in settings
     settings = TOLERANCES[growth is None] | settings
-    run = _Run(family, span, growth, disturbance, progress, target, settings, sharpens)
+    run = _Run(family, span, growth, disturbance, progress, target, settings)
     lower, upper = _bracket(run, low, high, family.unit)
     while upper - lower > tolerance * upper:
         middle = (lower + upper) / 2
@@ -202,9 +200,7 @@ class _Run:
         progress: Callable[[float, bool], None],
         target: str | None,
         settings: dict[str, Any],
-        sharpens: bool,
     ):
-        self.sharpens = sharpens  # rtol, where a steady state asks for it
         self.family, self.span, self.growth, self.progress = family, span, growth, progress
         self.settings, self.count = settings, 0
         scene = family.system.scene
@@ -231,7 +227,6 @@ class _Run:
         """The span is gone through in pieces, since a motion that has grown costs the most."""
         system, at = self.family.system, self.family.state(force).at
         y = system.flying(at)
-        settings, faint = self._sharp(at)
         y[system.base : system.base + system.cells] += self.start
         loaded = with_parameters(system.scene, self.family.load.parameters(force))
         table = loaded.model_dump(exclude_none=True) | initial_tables(system.scene, y)
@@ -240,7 +235,7 @@ class _Run:
         for start, end in pairwise(self.ends.tolist()):
             table["integrate"]["span"] = [start, end]
             try:
-                scene = Scene.from_dict(table).with_integrate(**settings)
+                scene = Scene.from_dict(table).with_integrate(**self.settings)
                 solution = simulate(scene, model=self.model)
             except RunError:
                 return True
@@ -257,7 +252,7 @@ class _Run:
         if self.growth:
             return False
         parts = [np.concatenate(part) for part in zip(*bent, strict=True)]
-        return growth_in(parts, faint) > self.seen
+        return growth_in(parts, self._faint(at)) > self.seen
 
     def _turned(self, solution: Solution, steady: Array) -> Array:
         """Mean angle of the links at every sample [rad], less that of the steady state, and its
@@ -267,19 +262,16 @@ class _Run:
         means = solution.phi.mean(axis=1) - steady.mean(), solution.omega.mean(axis=1)
         return np.stack(means, axis=1)
 
-    def _sharp(self, at: Unknowns) -> tuple[dict[str, Any], float]:
-        """Settings by which what is disturbed stands out against errors beside a steady state, and
-        what is lost in these, of the strongest direction: where angles or added states are not
-        zero, errors are relative to them, not to the disturbance."""
-        size = max(np.abs(at.phi).max(initial=0.0), np.abs(at.added).max(initial=0.0))
-        settings, small = dict(self.settings), float(np.abs(self.start).max())
-        integrate = self.family.system.scene.with_integrate(**settings).integrate
-        if self.growth is not None or integrate.fixed or size <= small:
-            return settings, FAINT
-        atol, rtol = integrate.atol, integrate.rtol
-        if self.sharpens:
-            rtol = settings["rtol"] = max(SHARPEST, min(rtol, atol / size))
-        return settings, max(FAINT, NOISE * (atol + rtol * size) / small)
+    def _faint(self, at: Unknowns) -> float:
+        """Of the strongest direction, what is lost in errors of a run beside a steady state: where
+        angles or added states are not zero, errors are relative to these, not to the disturbance.
+        """
+        integrate = self.family.system.scene.with_integrate(**self.settings).integrate
+        size = float(max(np.abs(at.phi).max(initial=0.0), np.abs(at.added).max(initial=0.0)))
+        small = float(np.abs(self.start).max())
+        if integrate.fixed or size <= small:
+            return FAINT
+        return max(FAINT, NOISE * (integrate.atol + integrate.rtol * size) / small)
 
 
 def _angles(scene: Scene, disturbance: str | None, amplitude: float) -> Array:
