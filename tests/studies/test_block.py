@@ -105,7 +105,7 @@ def test_what_an_expression_makes_of_a_number_is_not_copied() -> None:
     switching = scene(PENDULUM, initial={"phi": "0.5 if A < 100 else 0.2"})
     study = Study.of(switching, {"parameters.A": [0.5, 1.0, 2.0, 200.0]}, keep=["last(tip_x)"])
     assert vectors.copied(study) == ()
-    divided = scene(PENDULUM, loads={"tip": {"x": "sin(w*t)*(1/(A - 1))"}})
+    divided = scene(PENDULUM, parameters={"A": 2.0}, loads={"tip": {"x": "sin(w*t)*(1/(A - 1))"}})
     study = Study.of(divided, {"parameters.A": [0.5, 1.0, 2.0, 3.0, 4.0]}, keep=["last(tip_x)"])
     assert vectors.copied(study) == ("parameters.A",)
     found = computed(study)
