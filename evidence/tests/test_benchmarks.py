@@ -11,6 +11,7 @@ from rodgen_evidence.benchmarks.analyse import analyse
 from rodgen_evidence.benchmarks.main_job import main_job
 from rodgen_evidence.benchmarks.many import many
 from rodgen_evidence.benchmarks.rhs import rhs
+from rodgen_evidence.benchmarks.study import study
 
 pytestmark = [pytest.mark.long, pytest.mark.compiler]
 
@@ -33,6 +34,10 @@ def test_rhs(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_many_runs(capsys: pytest.CaptureFixture[str]) -> None:
     check(many((5,), 40, rounds=1), capsys)
+
+
+def test_studies(capsys: pytest.CaptureFixture[str]) -> None:
+    check(study(20, 3, 12), capsys)
 
 
 def test_analyses(capsys: pytest.CaptureFixture[str]) -> None:

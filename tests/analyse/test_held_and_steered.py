@@ -57,7 +57,7 @@ def test_the_place_alone_may_be_fed_back() -> None:
     np.testing.assert_allclose(found.tip, [1.0, -2.0 - WEIGHT / 10.0], rtol=1e-9)
 
 
-@pytest.mark.parametrize("boundary", ["free", "clamped"])
+@pytest.mark.parametrize("boundary", ["free", pytest.param("clamped", marks=pytest.mark.long)])
 def test_a_damped_run_comes_to_rest_there(boundary: str) -> None:
     springs = {"stiffness": [30.0, 80.0], "damping": [8.0, 20.0]}
     scene = _scene(

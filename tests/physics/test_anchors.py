@@ -118,9 +118,9 @@ def test_implicit_steps_are_explicit_ones_and_energy_is_kept(boundary: str) -> N
         foundation={"stiffness": "40*(1 + s)", "damping": 1.5},
         loads={"gravity": {}},
         initial={"phi": "0.5*s"},
-        integrate={"span": [0.0, 1.0]},
+        integrate={"span": [0.0, 0.3]},
     )
-    # Tolerances over the steps of a second.
+    # Tolerances over some hundred steps.
     assert_implicit_steps_are_explicit(scene, 1e-8, 1e-8, atol=1e-12)
 
 

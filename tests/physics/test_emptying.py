@@ -19,6 +19,7 @@ from rodgen.integrate.stretches import inside
 from rodgen.loading import build
 from rodgen.loading.module import asked
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.overrides import with_masses_at
 from rodgen.scene.structure import Structure
 from tests.palette import ALONG, ENDS, cases
 
@@ -137,6 +138,24 @@ def test_analyses_take_the_masses_of_a_time() -> None:
     steady = _scene(rod=rod, bodies=[TANK | {"mass": 8 * np.exp(-1.0)}], loads={"gravity": {}})
     wanted = rodgen.natural_modes(steady, 2).frequencies
     np.testing.assert_allclose(found.frequencies, wanted, rtol=1e-12)
+
+
+def test_damping_goes_by_the_masses_of_the_start() -> None:
+    """In runs and in what analyses make of the scene at a time."""
+    loads = {"internal_damping": {"coefficient": 0.05}, "external_damping": {"coefficient": 0.3}}
+    rod = ROD | {"boundary": "clamped", "mass_per_length": "10*(1 - 0.2*t)"}
+    scene = _scene(rod=rod, bodies=[], loads=loads)
+    inner = _scene(rod=rod, bodies=[], loads={"internal_damping": {"coefficient": 0.05}})
+    model = build(inner)
+    J = model.jac(2.0, np.zeros(8), model.parameters(**inner.parameters))
+    rates = np.linalg.eigvals(J)
+    found = rodgen.natural_modes(inner, 3, t=2.0)
+    for growth, frequency in zip(found.growth, found.frequencies, strict=True):
+        assert np.abs(rates - complex(growth, 2 * np.pi * frequency)).min() < 1e-9
+    # 10 kg/m at the start, 6 kg/m at 2 s.
+    held = with_masses_at(scene, 2.0).loads
+    assert held.value("internal_damping") == pytest.approx(0.05 / 0.6)
+    assert held.value("external_damping") == pytest.approx(0.3 / 0.6)
 
 
 @pytest.mark.parametrize(

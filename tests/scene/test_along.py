@@ -169,3 +169,34 @@ def test_what_no_rod_carries_is_refused(bodies: Any, rod: dict[str, Any], field:
     with pytest.raises(SceneError) as caught:
         Scene(name="along", rod=table, bodies=bodies)
     assert caught.value.field == field
+
+
+@pytest.mark.parametrize(
+    ("law", "said"),
+    [
+        ("0.1/(s - 0.53)", "s = 0.53)"),  # between the points at which links sum it up
+        ("t + 0.1/(s - 0.53)**2", "s = 0.53 and t = 0)"),
+        ("0.1/((s - 0.53)*(t - 1))", "s = 0.53"),
+        ("0.01/(s + 0.4 - t)", "s = 0 and t = 0.4)"),  # comes onto the rod
+        ("tan(pi*s)", "s = 0.5)"),
+        ("1/s", "s = 0)"),
+        ("0.1/(s - 1.01)", ""),
+        ("0.1/(s + t + 0.1)", ""),
+        ("0.1/(t - 1)", ""),  # at its pole the run ends, which tells of it
+        ("abs(s - 0.5)", ""),
+    ],
+)
+def test_a_pole_inside_the_rod_is_refused_with_its_place(law: str, said: str) -> None:
+    table = {
+        "name": "poles",
+        "rod": {"links": 5, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0},
+        "loads": {"distributed_follower": {"force_per_length": law}},
+        "integrate": {"span": [0.0, 2.0]},
+    }
+    if not said:
+        assert Scene.from_dict(table).loads.terms == ("distributed_follower",)
+        return
+    with pytest.raises(SceneError) as caught:
+        Scene.from_dict(table)
+    assert caught.value.field == "loads.distributed_follower.force_per_length"
+    assert said in caught.value.allowed

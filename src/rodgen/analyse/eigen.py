@@ -252,26 +252,31 @@ class Modal:
         s = 1 / z
         return Motions(s, np.where(growth > 0, s.real, 0.0))
 
-    def _scaled(self) -> tuple[Array, Array, Array]:
-        """W and W^-1 K W^-1, W^-1 C W^-1 over the masses, W the frequencies."""
-        w = self.frequencies
-        scale = w[:, None] * w[None, :]
-        return w, np.linalg.solve(self.M, self.K) / scale, np.linalg.solve(self.M, self.C) / scale
-
     def _by_rates(self) -> Array:
-        """s of (W q, q')."""
-        w, K, C = self._scaled()
-        nothing = np.zeros_like(K)
-        lower = (-w[:, None] * K, -w[:, None] * C * w)
-        return np.block([[nothing, nothing + np.diag(w)], [*lower]])
+        """s of (W q, q'), W the frequencies."""
+        w = self.frequencies
+        K, C = (np.linalg.solve(self.M, part) for part in (self.K, self.C))
+        return self._rows(w, -K / w, -C)
 
     def _by_inverse(self) -> Array:
         """A matrix whose eigenvalues are 1/s, of (W q, q')."""
-        w, K, C = self._scaled()
-        inverse, k = _inverse(K), len(w)
-        made = np.zeros((*K.shape[:-2], 2 * k, 2 * k))
-        made[..., range(k), range(k, 2 * k)] = 1 / w
-        made[..., k:, :k], made[..., k:, k:] = -inverse / w, -inverse @ C
+        w = self.frequencies
+        scale = w[:, None] * w
+        right = np.concatenate((self.M / w[:, None], self.C / scale), axis=-1)
+        K, k = self.K / scale, len(w)
+        try:
+            made = np.linalg.solve(K, right)
+        except np.linalg.LinAlgError:
+            made = _inverse(K) @ right
+        return self._rows(1 / w, -made[..., :k], -made[..., k:])
+
+    @staticmethod
+    def _rows(top: Array, left: NDArray[Any], right: NDArray[Any]) -> Array:
+        """Matrices of a diagonal above and two matrices below, beside each other."""
+        k = len(top)
+        made = np.zeros((*left.shape[:-2], 2 * k, 2 * k))
+        made[..., range(k), range(k, 2 * k)] = top
+        made[..., k:, :k], made[..., k:, k:] = left, right
         return made
 
 

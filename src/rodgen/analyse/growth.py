@@ -13,6 +13,7 @@ import numpy as np
 from rodgen.analyse.critical import HIGHEST, Critical, family_of
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.family import Family
+from rodgen.analyse.system import Unknowns
 from rodgen.integrate.endings import RunError
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.solution import Solution
@@ -23,6 +24,7 @@ from rodgen.scene.expression import Expression
 from rodgen.scene.overrides import check_used, initial_tables, with_parameters
 
 FAINT = 1e-6  # of the strongest direction: what is weaker is lost in errors of the run
+NOISE = 4.0  # times the tolerance, what the steps of a run may be off by together
 FIRST = 4.0  # EI/L^2, doubled until a motion grows
 PIECES = 20  # of a run
 SAMPLES = 4000  # of a run
@@ -37,7 +39,7 @@ DISTURBED_CLAMPED = "{:g}*(sin(pi*s/2) + sin(3*pi*s/2))"
 APART = 0.05  # relative: where forces differ by more, one is not to be trusted
 
 
-def growth_in(parts: Sequence[Array]) -> float:
+def growth_in(parts: Sequence[Array], faint: float = FAINT) -> float:
     """Factor by which the motion that grows most grows over all samples, evenly spaced in time.
 
     Dynamic mode decomposition: the linear map that takes every sample to the one half a run later
@@ -46,7 +48,8 @@ def growth_in(parts: Sequence[Array]) -> float:
     experimental data, J. Fluid Mech. 656, 2010). So long a step makes slow growth stand out against
     the errors of the run, and does not care how fast anything oscillates. parts: quantities
     (samples, k) that are linear in the motion, such as angles and their rates; each part is
-    measured by its own size. Zero where nothing moves.
+    measured by its own size; faint: of the strongest direction, what is weaker is lost in errors.
+    Zero where nothing moves.
     """
     sizes = [float(np.linalg.norm(part)) for part in parts]
     moving = [part / size for part, size in zip(parts, sizes, strict=True) if size > 0]
@@ -55,7 +58,7 @@ def growth_in(parts: Sequence[Array]) -> float:
     samples = np.concatenate(moving, axis=1).T
     lag = samples.shape[1] // 2
     directions, strengths, course = np.linalg.svd(samples[:, :-lag], full_matrices=False)
-    kept = strengths > FAINT * strengths[0]
+    kept = strengths > faint * strengths[0]
     later = directions[:, kept].T @ samples[:, lag:]
     carried = later @ course[kept].T / strengths[kept]
     most = float(np.abs(np.linalg.eigvals(carried)).max())
@@ -106,9 +109,10 @@ def simulated_critical_force(
     """Bisection by simulations of so many seconds, each from the steady state under its force,
     disturbed a little; of the initial state of the scene its speed alone is used.
 
-    By default the growth is measured: from the samples of the angles between links and of their
-    rates, those of the steady state taken off, follows by how much the motion that grows most has
-    grown, and 1 % within the span is growth. Where ``growth`` is given, a motion has grown when the
+    By default the growth is measured: from the samples of the angles between links, of their
+    rates and of added states (of a free rod that loads steer, of its mean angle, too), those of the
+    steady state taken off, follows by how much the motion that grows most has grown, and 1 % within
+    the span is growth. Where ``growth`` is given, a motion has grown when the
     largest angle between two links exceeds so many times that of the start, as in the thesis: a
     finite time then finds too large a force, since next to the onset growth is slow, and a small
     growth too small a one, since frequencies that nearly meet beat. tolerance: of the force,
@@ -236,16 +240,38 @@ class _Run:
             except RunError:
                 return True
             angles, rates = _bending(solution, system.all_links(at.phi))
+            states = solution.y[:, solution.y.shape[1] - len(at.added) :] - at.added
             if start == 0:
                 most = (self.growth or FAR) * np.abs(angles[0]).max()
             if np.abs(angles).max() > most:
                 return True
             table |= initial_tables(scene, solution.y[-1])
             # The last sample of a piece is the first of the next.
-            bent.append((angles[:-1], rates[:-1]))
+            turned = self._turned(solution, at.phi)
+            bent.append((angles[:-1], rates[:-1], states[:-1], turned[:-1]))
         if self.growth:
             return False
-        return growth_in([np.concatenate(part) for part in zip(*bent, strict=True)]) > self.seen
+        parts = [np.concatenate(part) for part in zip(*bent, strict=True)]
+        return growth_in(parts, self._faint(at)) > self.seen
+
+    def _turned(self, solution: Solution, steady: Array) -> Array:
+        """Mean angle of the links at every sample [rad], less that of the steady state, and its
+        rate [rad/s], of a free rod that loads steer (samples, 2); else nothing (samples, 0)."""
+        if not (self.family.system.base and self.family.system.steered):
+            return np.zeros((len(solution.t), 0))
+        means = solution.phi.mean(axis=1) - steady.mean(), solution.omega.mean(axis=1)
+        return np.stack(means, axis=1)
+
+    def _faint(self, at: Unknowns) -> float:
+        """Of the strongest direction, what is lost in errors of a run beside a steady state: where
+        angles or added states are not zero, errors are relative to these, not to the disturbance.
+        """
+        integrate = self.family.system.scene.with_integrate(**self.settings).integrate
+        size = float(max(np.abs(at.phi).max(initial=0.0), np.abs(at.added).max(initial=0.0)))
+        small = float(np.abs(self.start).max())
+        if integrate.fixed or size <= small:
+            return FAINT
+        return max(FAINT, NOISE * (integrate.atol + integrate.rtol * size) / small)
 
 
 def _angles(scene: Scene, disturbance: str | None, amplitude: float) -> Array:

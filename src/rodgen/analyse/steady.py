@@ -157,6 +157,7 @@ class Steady:
         if has_drag(system) and not system.speed:
             # At any speed across the rod, however small, that has the same derivative.
             moving[half : 2 * half] = AT_REST * (across[:, 0] if base else 1.0)
+        J[:, half : 2 * half] = system.model.jac(system.t, moving, self.p)[:, half : 2 * half]
         whole = whole or system.anchored
         if not system.anchored and (has_drag(system) or not system.steered):
             ways = across
@@ -165,7 +166,6 @@ class Steady:
             mass, ways = mass.copy(), ways[:, base:]
             mass[base:, base:] -= inner
             J[half : half + base] = 0.0
-        J[:, half : 2 * half] = system.model.jac(system.t, moving, self.p)[:, half : 2 * half]
         return _closed(J, mass, ways)
 
     def _follows_joint(self, J: Array) -> bool:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import signal
-from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -39,6 +37,18 @@ def study(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the store of FILE, if there is one.")
     ] = False,
+    adaptive: Annotated[
+        float | None,
+        typer.Option(
+            metavar="WIDTH",
+            help="Of a map of two axes, compute only what is needed to find where neighbours "
+            "differ, to this share of an axis.",
+        ),
+    ] = None,
+    by: Annotated[
+        str | None,
+        typer.Option(help="With --adaptive: in what they differ, such as stable or 'max(x) > 1'."),
+    ] = None,
     yes: Annotated[
         bool, typer.Option("--yes", help="Also where there are more than 1e8 points.")
     ] = False,
@@ -70,6 +80,8 @@ def study(
             workers=workers,
             scheduler=scheduler,
             resume=resume,
+            adaptive=adaptive,
+            by=by,
             yes=yes,
             said=out.print,
         )
@@ -103,12 +115,10 @@ def _summarise(name: str, store: Path) -> None:
 
 def _draw(store: Path) -> None:
     """Draw pictures of a store beside it."""
+    from rodgen.show.study_pictures import draw
     from rodgen.studies.store import read
 
-    made: list[Path] = []
-    if find_spec("rodgen.show.study_pictures") is not None:
-        with working("drawing"):
-            draw = import_module("rodgen.show.study_pictures").draw
-            made = draw(read(store), store.absolute().parent)
+    with working("drawing"):
+        made = draw(read(store), store.absolute().parent)
     written = [str(path) for path in made]
     out.print(f"Written: {', '.join([str(store), *written])}")

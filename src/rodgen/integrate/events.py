@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import ModuleType
 from typing import Any
 
@@ -19,6 +20,7 @@ from scipy.optimize import brentq
 
 from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.stepper import Array, Interpolant
+from rodgen.loading.module import structure_of
 from rodgen.model.quantities import place
 from rodgen.scene.course import BENDS, Switch
 from rodgen.scene.tables import Event
@@ -36,6 +38,7 @@ CUBIC = np.hstack(
 # of the step it is, are among them.
 ALONG = np.unique([i / whole for whole in range(1, 9) for i in range(whole + 1)])
 OFTEN, SHORT = 1000, 1e-6  # cuts, and the share of the way that each is to bring
+PAUSE = 1e-3  # share of the way that is not cut when they bring less; doubled every time
 TRIES, STEP = 5, 2.0**-20  # to pass what is switched at; share of a step in a difference
 EARLY = 1e-9  # share of a step, before what is switched at
 NEXT = 64  # roundings of the time within which laws switch at once
@@ -75,6 +78,11 @@ class Watch:
         self._places += [(SIGNALS, place) for place in columns]
         self.happened: list[tuple[int, float, Array]] = []
 
+    @cached_property
+    def _follows(self) -> bool:
+        """Whether the module has sensors or loads that follow the motion."""
+        return structure_of(self.model).follows
+
     def switching(self, number: int) -> bool:
         """Whether what has a number is where a law switches, not an event of the scene."""
         return number >= self._first
@@ -106,6 +114,8 @@ class Watch:
     def _values(self, y: Array, t: Array | None, numbers: Iterable[int]) -> Array:
         values = np.empty((*y.shape[:-1], len(self.events)))
         motion, switches = Piece(self.model, self.p, y, t), dict[int, Array]()
+        if self._switches:
+            motion.follows = self._follows
         with np.errstate(all="ignore"):  # of a state that is not finite
             for number in numbers:
                 name, at = self._places[number]
@@ -274,8 +284,9 @@ class Switching:
 
     goal: end of the stretch [s]; begun: its start; towards: what the run steps onto at present, by
     number, with its sign before; on, at: what it has passed last, and when [s]; cuts: how often it
-    has, in this stretch; tried: how often it went a little further. No steps are cut where they
-    would be cut again and again on a tiny part of the way, as by a law that chatters.
+    has since a time (since) [s]; tried: how often it went a little further. Where steps are cut
+    again and again on a tiny part of the way, as by a law that chatters or by springs that rest on
+    a corner, none is cut for a while (up to a time, calm), and so many times that was (pauses).
     """
 
     goal: float = math.nan
@@ -283,19 +294,30 @@ class Switching:
     towards: dict[int, float] = field(default_factory=dict)
     on: frozenset[int] = frozenset()
     at: float = math.nan
+    since: float = math.nan
+    calm: float = -math.inf
     cuts: int = 0
     tried: int = 0
+    pauses: int = 0
+
+    def __post_init__(self) -> None:
+        if math.isnan(self.since):
+            self.since = self.begun
 
     def seen(self, watch: Watch, t: Array, y: Array, f: Array | None) -> list[Found]:
         """Crossings in a block of steps, as Watch.crossings has them, without those that the run
         is on its way to or has had too often."""
         found = watch.crossings(t, y, f, self.on if t[0] == self.at else ())
-        least = self.cuts * SHORT * (self.goal - self.begun)
-        often = self.cuts > OFTEN and t[0] - self.begun < least
+        if found and self.cuts >= OFTEN:
+            way, now = self.goal - self.begun, float(t[0])
+            if now - self.since < OFTEN * SHORT * way:
+                self.calm, self.pauses = now + PAUSE * 2**self.pauses * way, self.pauses + 1
+            self.since, self.cuts = max(now, self.calm), 0
+        calm = t[0] < self.calm
         return [
             crossing
             for crossing in found
-            if not (watch.switching(crossing[1]) and (often or crossing[1] in self.towards))
+            if not (watch.switching(crossing[1]) and (calm or crossing[1] in self.towards))
         ]
 
     def head_for(self, sides: dict[int, float]) -> None:
@@ -314,13 +336,19 @@ class Switching:
 
     def state(self) -> dict[str, NDArray[Any]]:
         """All that is needed to go on."""
-        times = np.array([self.goal, self.begun, self.at, self.cuts, self.tried])
+        times = [self.goal, self.begun, self.at, self.since, self.calm]
         towards = np.array(list(self.towards.items()), dtype=float).reshape(-1, 2)
-        return {"switching": times, "towards": towards, "on": np.array(sorted(self.on), dtype="i8")}
+        counts = [self.cuts, self.tried, self.pauses]
+        return {
+            "switching": np.array([*times, *counts]),
+            "towards": towards,
+            "on": np.array(sorted(self.on), dtype="i8"),
+        }
 
     @classmethod
     def of(cls, state: Mapping[str, NDArray[Any]]) -> Switching:
         """From such a state."""
-        goal, begun, at, *counts = state["switching"].tolist()
+        goal, begun, *times = state["switching"].tolist()
         towards = {int(number): side for number, side in state["towards"].tolist()}
-        return cls(goal, begun, towards, frozenset(state["on"].tolist()), at, *map(int, counts))
+        on = frozenset(state["on"].tolist())
+        return cls(goal, begun, towards, on, *times[:3], *map(int, times[3:]))

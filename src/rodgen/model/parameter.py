@@ -22,7 +22,8 @@ class Parameter:
     function of time; each: what it has a number for each of, JOINTS, LINKS or SPRINGS, where it is
     several; scales: the load is in proportion to it; decades: a slider moves over powers of ten;
     most: the largest value that it may have; fixed: another value needs another module;
-    links_power: for one and the same rod it grows as this power of the number of links.
+    links_power: for one and the same rod it grows as this power of the number of links; by_mass:
+    its effect is in proportion to the mass of the links at the start of the span.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Parameter:
     most: float | None = None
     fixed: bool = False
     links_power: int = 0
+    by_mass: bool = False
 
     @property
     def keys(self) -> tuple[str, ...]:

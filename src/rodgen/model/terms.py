@@ -91,6 +91,7 @@ ROWS = (
                 rule=NOT_NEGATIVE,
                 first=0.01,
                 links_power=2,
+                by_mass=True,
             ),
         ),
     ),
@@ -113,6 +114,7 @@ ROWS = (
                 description="c_ext []",
                 rule=NOT_NEGATIVE,
                 first=0.5,
+                by_mass=True,
             ),
             Parameter(
                 name="fin_factor",

@@ -21,7 +21,10 @@ from rodgen.scene.structure import Structure
 from rodgen.scene.zeros import met, onsets
 
 PLACES = (0.05, 0.5, 0.95)  # s at which a load along the rod is looked at
-ON_A_CORNER = 1e-10  # rad: so close to a corner of its law a spring is on it
+# rad: so close to a corner of its law a spring is on it. What a step makes of the wrong side of the
+# corner is of the order of the square.
+ON_A_CORNER = 1e-7
+FEW = 5_000  # numbers that are computed with at once
 MOST_FRONTS = 20_000  # break points of what moves along the rod, beyond which they are left out
 BENDS = "bend"
 Values = Mapping[str, Any]
@@ -48,10 +51,14 @@ def _sprung(difference: Difference, stiffness: tuple[float, ...]) -> Switch:
     """Of the springs of all joints, zero where one is next to a corner of its law: lest the
     rounding of a rod that is at rest there be taken for a motion across it."""
     k = {STIFFNESS: np.array(stiffness)}
+    off = np.array([0.0, -ON_A_CORNER, ON_A_CORNER])
 
     def law(t: NDArray[np.float64], values: Values) -> Any:
         d = values[BENDS]
-        here, below, above = (difference(d + off, k) for off in (0.0, -ON_A_CORNER, ON_A_CORNER))
+        if d.size <= FEW:  # calls cost more than what they compute
+            here, below, above = difference(d + off.reshape(-1, *(1,) * d.ndim), k)
+        else:
+            here, below, above = (difference(d + by, k) for by in off)
         return np.where(np.sign(below) * np.sign(above) > 0, here, 0.0)
 
     return Switch(law, len(stiffness))

@@ -23,6 +23,7 @@ POINTS, WEIGHTS = (POINTS + 1) / 2, WEIGHTS / 2  # of an interval from 0 to 1
 GRID = np.linspace(0.0, 1.0, 1001)  # where an expression is looked at besides
 MOMENTS = 201  # of the span at which one in t is looked at
 CELLS = 40  # at whose points one in s and t is looked at, of a rod that has as many links
+STAGES = 21  # times of the span at which a pole along the rod is looked for
 SOME = 0.0, 0.5, 1.0  # s at which a divisor that changes with time is looked at
 
 
@@ -64,6 +65,16 @@ class Law:
         if wrong:
             limit = "above 0" if least else "at least 0"
             raise SceneError(self.field, self.value, f"finite and {limit} {wrong}")
+
+    def check_poles(self, span: Sequence[float]) -> None:
+        """Raise SceneError for an expression that grows beyond all bounds towards some s of the rod
+        while others do not; one that does so all along it at some time ends a run there."""
+        if isinstance(self.value, str) and "s" in self.names:
+            found = _pole_along(self, (span[0], span[1]))
+            if found is not None:
+                when = f" and t = {found[0]:.6g}" if self.changes else ""
+                allowed = f"finite all along the rod (it has a pole at s = {found[1]:.6g}{when})"
+                raise SceneError(self.field, self.value, allowed)
 
     def at(self, places: Array, t: float = 0.0) -> Array:
         """Its values at some s; not of a list."""
@@ -126,12 +137,31 @@ def _poles(law: Law, span: tuple[float, float]) -> Iterator[tuple[float, ...]]:
     e = law.expression
     if not e.denominators():
         return
-    if law.names == "s":
-        yield from ((span[0], s, np.inf) for s in e.poles(0.0, 1.0))
-    elif law.changes:
+    if "s" in law.names and (along := _pole_along(law, span)):
+        yield (*along, np.inf)
+    if law.names != "s" and law.changes:
         for s in SOME:
             there = replace(e, states=None, numbers=(*e.numbers, ("s", s)))
             yield from ((t, s, np.inf) for t in there.poles(*span))
+
+
+@lru_cache(maxsize=64)
+def _pole_along(law: Law, span: tuple[float, float]) -> tuple[float, float] | None:
+    """The first time at which an expression is looked at, and the place of the rod towards which it
+    then grows beyond all bounds; None where there is none."""
+    e = law.expression
+    if not e.divisors():
+        return None
+    times = np.linspace(*span, STAGES) if law.changes else np.array(span[:1])
+    for t in times.tolist():
+        try:
+            known = (*e.numbers, ("t", t))
+            there = e if law.names == "s" else replace(e, variable="s", states=None, numbers=known)
+        except SceneError:  # all along the rod, where it stops a run
+            continue
+        if found := there.poles(0.0, 1.0):
+            return t, found[0]
+    return None
 
 
 def _field(law: Law) -> Callable[[Any, Any], Any]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rodgen.model.rod import ROD, STEADY, TANK, UNEVEN
 from rodgen.model.term import ANCHOR
-from rodgen.model.terms import TERMS
+from rodgen.model.terms import PARAMETERS, TERMS
 from rodgen.scene import spring
 from rodgen.scene.errors import SceneError
 from rodgen.scene.expression import Expression
@@ -120,13 +120,17 @@ def _texts(scene: Scene, numbers: Mapping[str, Any]) -> Iterator[tuple[tuple[str
 
 
 def with_masses_at(scene: Scene, t: float) -> Scene:
-    """The scene whose masses stay what they are at a time [s]."""
+    """The scene whose masses stay what they are at a time [s], its damping that of the scene: what
+    goes by the mass of the links does so by that at the start of the span."""
     changing = {name: e for name, _, e in scene.distribution.changing}
     if not changing:
         return scene
     table = scene.model_dump(exclude_none=True)
     if "" in changing:
         table["rod"]["mass_per_length"] = changing[""].held(t)
+        ratio = scene.distribution.links_mass / scene.distribution_at(t).links_mass
+        for name in filter(lambda name: PARAMETERS[name].by_mass, scene.loads.parameters):
+            put(table, scene.place(name), ratio * scene.loads.value(name))
     masses = scene.distribution_at(t).body_mass
     for body, mass in zip(table["bodies"] if masses else (), masses, strict=True):
         if body["name"] in changing:

@@ -218,7 +218,7 @@ def _panel(
     if lines and min(values.shape) > 1 and not classes and np.isfinite(filled).sum() > 3:
         locator = LogLocator() if isinstance(scale[0], LogNorm) else None
         drawn = axes.contour(x, y, filled, LEVELS, locator=locator, colors="k", linewidths=0.5)
-        axes.clabel(drawn, fontsize="xx-small")
+        axes.clabel(drawn, fontsize="xx-small", fmt="%.3g")
     elif min(values.shape) > 1 and len(classes) > 1:
         axes.contour(x, y, filled, np.arange(len(classes) - 1) + 0.5, colors="k", linewidths=0.8)
     X, Y = np.meshgrid(x, y)

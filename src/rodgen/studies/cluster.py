@@ -13,10 +13,11 @@ import queue
 import signal
 import sys
 from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
-from time import monotonic
+from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any, Self
 from urllib.parse import urlsplit
 from uuid import uuid4
@@ -24,6 +25,7 @@ from uuid import uuid4
 import dask
 import distributed
 from distributed import WorkerPlugin
+from distributed.comm import CommClosedError
 
 from rodgen.loading import cache
 from rodgen.scene import SceneError
@@ -40,6 +42,9 @@ EVERY = 5.0  # seconds between two questions for its workers
 MENDED = 30.0  # seconds that a worker of our own may take to be there again
 ANSWER = 20.0  # seconds in which a scheduler answers
 PATIENCE = {True: 180.0, False: 600.0}  # seconds without any worker: of our own, of others
+ENOUGH_DEATHS = 1  # of workers of a task, after which it runs apart from them
+FETCHED = 60.0  # seconds in which a worker hands over what it found
+BLOCK = 1.0  # seconds
 LONGEST = 300.0  # seconds after which nobody waits to know how long a point takes
 MOST_LOST = 10  # tasks of a block alone that are lost
 # What a cluster of our own is started with. A busy machine answers late; workers hold nothing that
@@ -60,14 +65,18 @@ SETTINGS: dict[str, Any] = {
 LOUD = ("distributed", "tornado", "asyncio", "bokeh")
 
 
+Texts = dict[tuple[str, ...], str]
+Indices = list[int]
+
+
 class Context(WorkerPlugin):  # type: ignore[misc]
     """What all blocks of a study need, on every worker, also those that come later: the study, the
     place of its store, and the texts of modules that were generated already, so that a worker
     compiles once and derives nothing."""
 
-    def __init__(self, store: Store, texts: dict[tuple[str, ...], str], own: bool):
+    def __init__(self, store: Store, texts: Texts, own: bool):
         self.study, self.path, self.token = store.study, store.path, store.token
-        self.texts, self.own, self.identity = texts, own, who()
+        self.texts, self.own, self.identity = texts, own, _own()
         self.name = f"rodgen-{uuid4().hex}"  # another client may work at the same store
 
     def __getstate__(self) -> dict[str, Any]:
@@ -103,6 +112,11 @@ def who() -> dict[str, str]:
     return {**identity(), "Python": f"{sys.version_info.major}.{sys.version_info.minor}"}
 
 
+def _own() -> dict[str, str]:
+    """What this client has of that."""
+    return who()
+
+
 def _check_worker(name: str, found: Any, wanted: dict[str, str]) -> None:
     """Raise SceneError for a worker that would give other results."""
     if found == wanted:
@@ -124,12 +138,23 @@ def compute_alone(name: str, block: int) -> task.Done:
     """Compute a block whose worker was killed, in a process that may die without the worker."""
     from rodgen.studies.alone import apart
 
-    context = _context(name)
-    store = context.store
+    store = _context(name).store
     indices = store.layout.indices(block)
     if store.is_done(block):
         return task.Done(block, len(indices), 0)
-    return task.keep(store, block, apart(context.study, indices))
+    return task.keep(store, block, apart(store.study, indices))
+
+
+def piece(name: str, indices: Indices) -> tuple[Indices, task.Arrays]:
+    """Compute points on a worker that are no block."""
+    return indices, task.computed(_context(name).store.study, indices)
+
+
+def piece_alone(name: str, indices: Indices) -> tuple[Indices, task.Arrays]:
+    """Compute points whose worker was killed, in a process that may die without the worker."""
+    from rodgen.studies.alone import apart
+
+    return indices, apart(_context(name).store.study, indices)
 
 
 def _context(name: str) -> Context:
@@ -138,7 +163,7 @@ def _context(name: str) -> Context:
     return context
 
 
-def timed(study: Study) -> tuple[float, dict[tuple[str, ...], str]]:
+def timed(study: Study) -> tuple[float, Texts]:
     """Time that a point takes [s], and the generated texts that it took, by their entries in the
     cache."""
     with cache.noted() as texts:
@@ -148,9 +173,10 @@ def timed(study: Study) -> tuple[float, dict[tuple[str, ...], str]]:
 
 @dataclass
 class _Work:
-    """A block that is being computed: how often its worker was killed."""
+    """What is computed in one task: how often its worker was killed."""
 
-    block: int
+    what: Any
+    number: int
     deaths: int = 0
 
 
@@ -175,12 +201,15 @@ class Cluster:
             stack.enter_context(_as_no_script())
             stack.enter_context(dask.config.set(SETTINGS))
             self.client = stack.enter_context(self._connected())
+            self.said(f"dashboard: {self.client.dashboard_link}")
+            self._seen = self._whole = monotonic()
+            while True:
+                self._watch(wait=True)
+                if self._threads:
+                    break
+                sleep(TICK)
+            self._check_workers()
             self._stack = stack.pop_all()
-        self.said(f"dashboard: {self.client.dashboard_link}")
-        self._seen = self._whole = monotonic()
-        while not self._threads:
-            self._watch(wait=True)
-        self._check_workers()
         return self
 
     def __exit__(self, *of: Any) -> bool | None:
@@ -215,9 +244,9 @@ class Cluster:
         if self._cluster is not None:
             return
         for worker, found in self.client.run(who, on_error="return").items():
-            _check_worker(worker, found, who())
+            _check_worker(worker, found, _own())
 
-    def timed(self, study: Study) -> tuple[float, dict[tuple[str, ...], str]]:
+    def timed(self, study: Study) -> tuple[float, Texts]:
         """Time that a point takes [s] and generated texts, as a worker finds them; where points
         kill their worker or take long, as long as a block, and no texts."""
         future = self.client.submit(timed, study, pure=False)
@@ -226,31 +255,43 @@ class Cluster:
         try:
             if self._next(events, LONGEST) is None:
                 return LONGEST, {}
-            if future.status == "finished":
-                found: tuple[float, dict[tuple[str, ...], str]] = future.result()
-                return found
-            self._judge(future)
-            return 1.0, {}
+            found: tuple[float, Texts] = self._found(future) or (BLOCK, {})
+            return found
         finally:
             future.release()
 
-    def compute(
-        self, store: Store, blocks: Iterator[int], texts: dict[tuple[str, ...], str]
-    ) -> Iterator[task.Done]:
+    def compute(self, store: Store, blocks: Iterator[int], texts: Texts) -> Iterator[task.Done]:
         """Compute blocks, in whatever order they come to an end. Raises StudyError where that
         cannot be gone on with, SceneError for workers that cannot be used."""
+        yield from self._each(store, blocks, texts, compute, compute_alone)
+
+    def pieces(
+        self, store: Store, pieces: Iterator[Indices], texts: Texts
+    ) -> Iterator[tuple[Indices, task.Arrays]]:
+        """Compute points that are no blocks; what comes out is not written. Raises what `compute`
+        raises."""
+        yield from self._each(store, pieces, texts, piece, piece_alone)
+
+    def _each(
+        self, store: Store, wanted: Iterator[Any], texts: Texts, *ways: Callable[..., Any]
+    ) -> Iterator[Any]:
+        """What comes out of tasks; ways: how it is computed first, and how where that killed the
+        worker."""
         context = Context(store, texts, self._cluster is not None)
         self.client.register_plugin(context)
         events: queue.SimpleQueue[distributed.Future] = queue.SimpleQueue()
         works: dict[str, _Work] = {}
         again: list[_Work] = []
+        new = (_Work(what, number) for number, what in enumerate(wanted))
         try:
             while True:
                 while len(works) < AHEAD * self._threads:
-                    work = again.pop() if again else _begun(blocks)
+                    work = again.pop() if again else next(new, None)
                     if work is None:
                         break
-                    future = self._submit(context.name, work)
+                    way = ways[work.deaths >= ENOUGH_DEATHS]
+                    key = f"{way.__name__}-{context.name}-{work.number}-{work.deaths}"
+                    future = self.client.submit(way, context.name, work.what, key=key, pure=False)
                     works[future.key] = work
                     future.add_done_callback(events.put)
                 if not works:
@@ -258,24 +299,19 @@ class Cluster:
                 future = self._next(events)
                 assert future is not None
                 work = works.pop(future.key)
-                if future.status == "finished":
-                    yield future.result()
+                found = self._found(future)
+                if found is not None:
+                    yield found
                 else:
-                    self._judge(future)
                     work.deaths += 1
                     if work.deaths > MOST_LOST:
                         why = f"its workers were lost {work.deaths} times"
-                        raise StudyError(f"block {work.block} cannot be computed: {why}")
+                        raise StudyError(f"a block cannot be computed: {why}")
                     again.append(work)
                 future.release()
         finally:
             if self.client.status == "running":
                 self.client.unregister_worker_plugin(context.name)
-
-    def _submit(self, name: str, work: _Work) -> distributed.Future:
-        function = compute if work.deaths < 2 else compute_alone
-        key = f"{function.__name__}-{name}-{work.block}-{work.deaths}"
-        return self.client.submit(function, name, work.block, key=key, pure=False)
 
     def _next(
         self, events: queue.SimpleQueue[distributed.Future], seconds: float = math.inf
@@ -294,14 +330,22 @@ class Cluster:
             return future
         return None
 
-    def _judge(self, future: distributed.Future) -> None:
-        """Raise what a task that did not finish means for the study, unless its worker was lost."""
-        if future.status == "error":
-            error = future.exception()
-            if not isinstance(error, distributed.KilledWorker):
-                raise error
-        else:
-            self._watch()
+    def _found(self, future: distributed.Future) -> Any:
+        """What came out of a task, None where its worker was lost, be it when the task was done.
+        Raises what the task raised, and StudyError where the scheduler is gone."""
+        try:
+            return future.result(timeout=FETCHED)
+        except (distributed.KilledWorker, CancelledError):
+            pass
+        except OSError as error:  # of the task, or of the way to it
+            if future.status == "error":
+                raise
+            if not isinstance(error, CommClosedError | TimeoutError):
+                raise
+        if future.status == "cancelled":
+            sleep(TICK)  # the client is about to find out why
+        self._watch()
+        return None
 
     def _watch(self, wait: bool = False) -> None:
         """See how many workers there are. Raises StudyError where the scheduler is gone, and where
@@ -335,11 +379,6 @@ class Cluster:
             for name in [name for name in self._cluster.worker_spec if name not in there]:
                 del self._cluster.worker_spec[name]
             self._cluster.scale(self.workers)
-
-
-def _begun(blocks: Iterator[int]) -> _Work | None:
-    block = next(blocks, None)
-    return None if block is None else _Work(block)
 
 
 def _client(address: str) -> distributed.Client:

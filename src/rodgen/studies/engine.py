@@ -12,8 +12,13 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+import numpy as np
+
+from rodgen.integrate.endings import FAILED
 from rodgen.progress import counting, working
 from rodgen.scene import Scene, SceneError
+from rodgen.studies.adaptive import Rounds
+from rodgen.studies.adaptive import rounds as rounds_of
 from rodgen.studies.errors import MISSING, StudyError
 from rodgen.studies.specification import MANY, Kept, Study
 
@@ -21,8 +26,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rodgen.studies.store import Store
-    from rodgen.studies.task import Done
+    from rodgen.studies.task import Arrays, Done
 
+PIECE = 0.2  # seconds of work of points that are refined: a round waits for its last
 BLOCK = 1.0  # seconds of work of a block: a task costs milliseconds
 SHARES = 4  # blocks for every worker at least, so that none waits long for the others at the end
 MOST_POINTS = 10**5  # of a block
@@ -43,6 +49,12 @@ class Workers(Protocol):
         """Compute blocks, in whatever order they are done."""
         ...
 
+    def pieces(
+        self, store: Store, pieces: Iterator[list[int]], texts: Texts
+    ) -> Iterator[tuple[list[int], Arrays]]:
+        """Compute points that are no blocks; what comes out is not written."""
+        ...
+
 
 class Here:
     """This process, which computes one block after the other."""
@@ -60,6 +72,15 @@ class Here:
         for block in blocks:
             yield task.compute(store, block)
 
+    def pieces(
+        self, store: Store, pieces: Iterator[list[int]], texts: Texts
+    ) -> Iterator[tuple[list[int], Arrays]]:
+        """Compute points that are no blocks."""
+        from rodgen.studies import task
+
+        for piece in pieces:
+            yield piece, task.computed(store.study, piece)
+
 
 def study(
     scene: Scene | Study | str | Path,
@@ -73,6 +94,8 @@ def study(
     workers: int | None = None,
     scheduler: str | None = None,
     resume: bool = False,
+    adaptive: float | None = None,
+    by: str | None = None,
     yes: bool = False,
 ) -> xr.Dataset:
     """Compute a scene at many values of its keys.
@@ -85,7 +108,10 @@ def study(
     out: folder of the store, a Zarr group that keeps what is done; without it nothing is kept.
     workers: processes, by default one a processor; with 1, everything is computed in this one,
     to the same bits. scheduler: address of a Dask scheduler whose workers are taken instead.
-    resume: go on with the store that is there. yes: also where there are more than 1e8 points.
+    resume: go on with the store that is there. adaptive: of a grid of two axes, compute only what
+    is needed to find where neighbours differ, to this share of an axis; by: in what they differ, a
+    variable or "variable > level", by default the first; the other points have the status "".
+    yes: also where there are more than 1e8 points.
 
     A point that cannot be computed has status "failed", its reason as message, and not-a-number.
     Returns an xarray.Dataset over the varied keys of a grid, or over the points of a sample.
@@ -97,7 +123,15 @@ def study(
     with ExitStack() as stack:
         if out is None:
             out = Path(stack.enter_context(tempfile.TemporaryDirectory()), "study.zarr")
-        run(made, Path(out), workers=workers, scheduler=scheduler, resume=resume, yes=yes)
+        run(
+            *(made, Path(out)),
+            workers=workers,
+            scheduler=scheduler,
+            resume=resume,
+            adaptive=adaptive,
+            by=by,
+            yes=yes,
+        )
         from rodgen.studies.store import read
 
         found = read(out)
@@ -111,6 +145,8 @@ def run(
     workers: int | None = None,
     scheduler: str | None = None,
     resume: bool = False,
+    adaptive: float | None = None,
+    by: str | None = None,
     yes: bool = False,
     said: Callable[[str], None] = lambda _: None,
 ) -> None:
@@ -123,18 +159,27 @@ def run(
 
     path = path.absolute()
     _check(study, path, workers, scheduler, resume, yes)
+    rounds = None if adaptive is None else rounds_of(study, adaptive, by)
+    first = next(rounds) if rounds is not None else []
+    how = "" if adaptive is None else f"{adaptive!r} {by or ''}"
     with ExitStack() as stack:
         there: Store | None = None
         if path.exists():
-            there = Store.of(path, study)
-            if there.done().all():
+            there = Store.of(path, study, how)
+            if rounds is None and there.done().all():
                 return
         pool = _workers(stack, workers, scheduler, said)
-        with working(f"{study.name}: timing a point"):
-            seconds, texts = pool.timed(study)
+        seconds, texts = PIECE, Texts()
+        if there is None or rounds is not None:
+            with working(f"{study.name}: timing a point"):
+                seconds, texts = pool.timed(study)
         count = workers or os.cpu_count() or 1
-        store = there or Store.make(path, study, size_of(study, seconds, count))
-        _compute(pool, store, texts)
+        size = size_of(study, seconds, count)
+        store = there or Store.make(path, study, size, how)
+        if rounds is None:
+            _compute(pool, store, texts)
+        else:
+            _refine(pool, store, rounds, first, max(1, int(PIECE / seconds)), texts)
 
 
 def check_extra(scheduled: bool = True) -> None:
@@ -208,3 +253,30 @@ def _compute(pool: Workers, store: Store, texts: Texts) -> None:
     missing = int((~store.done()).sum())
     if missing:
         raise StudyError(f"{missing} of {layout.count} blocks are not done")
+
+
+def _refine(
+    pool: Workers, store: Store, rounds: Rounds, wanted: list[int], size: int, texts: Texts
+) -> None:
+    """Compute the points that are asked for round by round, in pieces of a size, but those that the
+    store has; wanted: those of the first round."""
+    from rodgen.studies.store import MARK
+    from rodgen.studies.task import joined
+
+    known = np.asarray(store.arrays[MARK][...]).ravel() != ""
+    with counting(store.study.name, store.study.count, int(known.sum())) as count:
+        while True:
+            new = [index for index in wanted if not known[index]]
+            pieces = (new[at : at + size] for at in range(0, len(new), size))
+            made = []
+            for indices, arrays in pool.pieces(store, pieces, texts):
+                made.append((indices, arrays))
+                count(len(indices), int((np.asarray(arrays[MARK]) == FAILED).sum()))
+            if made:
+                whole = [index for indices, _ in made for index in indices]
+                store.put(whole, joined([arrays for _, arrays in made]))
+                known[whole] = True
+            try:
+                wanted = rounds.send(store.take(wanted))
+            except StopIteration:
+                return

@@ -58,9 +58,10 @@ class Store:
     token: str
 
     @classmethod
-    def make(cls, path: Path, study: Study, size: int) -> Store:
+    def make(cls, path: Path, study: Study, size: int, adaptive: str = "") -> Store:
         """A new store in blocks of about so many points, or the one that another client has made
-        there meanwhile. Raises SceneError where it cannot be written."""
+        there meanwhile; adaptive: how its points are chosen, where not all are computed. Raises
+        SceneError where it cannot be written."""
         layout = Layout.of(study.shape, size)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -68,7 +69,7 @@ class Store:
                 tempfile.mkdtemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
             )
             try:
-                _create(folder, study, layout)
+                _create(folder, study, layout, adaptive)
                 folder.chmod(0o777 & ~_umask())
                 os.rename(folder, path)
             except OSError:
@@ -79,14 +80,14 @@ class Store:
         except OSError as error:
             allowed = f"a place for a store ({error.strerror or error})"
             raise SceneError("out", str(path), allowed) from None
-        return cls.of(path, study)
+        return cls.of(path, study, adaptive)
 
     @classmethod
-    def of(cls, path: Path, study: Study) -> Store:
+    def of(cls, path: Path, study: Study, adaptive: str = "") -> Store:
         """The store at a path, extended to the points of the study where it has fewer. Raises
         SceneError for that of another study or version; nothing is changed then."""
         group = _group(path)
-        _check_same(path, dict(group.attrs), study)
+        _check_same(path, dict(group.attrs), study, adaptive)
         arrays = {name: _array(group, name) for name in _names(study)}
         mark = arrays[MARK]
         if mark.shape != study.shape:
@@ -126,6 +127,25 @@ class Store:
             else:  # a varied key of a sample
                 values = np.array([point[name] for point in points])
             array[box] = values.reshape(shape + values.shape[1:]).astype(array.dtype, copy=False)
+
+    def put(self, indices: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Write some points of a grid into blocks that have others; nobody else may write then."""
+        numbers = np.asarray(indices)
+        at = np.unravel_index(numbers, self.layout.shape)
+        places = [i // size for i, size in zip(at, self.layout.chunk, strict=True)]
+        blocks = np.ravel_multi_index(places, self.layout.grid)
+        for block in np.unique(blocks).tolist():
+            box, chosen = self.layout.box(block), np.flatnonzero(blocks == block)
+            inside = tuple(i[chosen] - s.start for i, s in zip(at, box, strict=True))
+            for name, array in self.arrays.items():
+                values = np.asarray(array[box])
+                values[inside] = np.asarray(arrays[name])[chosen].astype(values.dtype)
+                array[box] = values
+
+    def take(self, indices: Sequence[int]) -> dict[str, NDArray[Any]]:
+        """What the store has of some points of a grid, by the names of its variables."""
+        at = np.unravel_index(np.asarray(indices), self.layout.shape)
+        return {name: np.asarray(array[...])[at] for name, array in self.arrays.items()}
 
 
 def read(path: str | Path) -> xr.Dataset:
@@ -191,7 +211,7 @@ def text_or(name: str) -> Any:
     return np.dtypes.StringDType() if name.startswith("U") else np.dtype(name)
 
 
-def _create(folder: Path, study: Study, layout: Layout) -> None:
+def _create(folder: Path, study: Study, layout: Layout, adaptive: str) -> None:
     """An empty store."""
     import xarray as xr
     import zarr
@@ -215,7 +235,7 @@ def _create(folder: Path, study: Study, layout: Layout) -> None:
     kept = json.dumps([one.name for one in variables(study)])
     named = {"name": study.name, "digest": study.digest, "format": FORMAT, "variables": kept}
     named["token"] = uuid4().hex  # which no other store has
-    group.attrs.update({**named, **study.contents, **identity()})
+    group.attrs.update({**named, **study.contents, "adaptive": adaptive, **identity()})
     if drawn:
         group.attrs["coordinates"] = " ".join(one.name for one in drawn)
 
@@ -232,11 +252,12 @@ def _text(values: NDArray[Any]) -> NDArray[Any]:
     return values.astype(object) if values.dtype.kind == "U" else values
 
 
-def _check_same(path: Path, attributes: Mapping[str, Any], study: Study) -> None:
+def _check_same(path: Path, attributes: Mapping[str, Any], study: Study, adaptive: str) -> None:
     """Raise SceneError for the store of another study or version."""
     if "digest" not in attributes:
         raise SceneError("store", str(path), "the store of a study")
-    other = [name for name, text in study.contents.items() if attributes.get(name) != text]
+    parts = {**study.contents, "adaptive": adaptive}
+    other = [name for name, text in parts.items() if attributes.get(name) != text]
     if other:
         allowed = f"a store of this study (another: {', '.join(other)})"
         raise SceneError("store", str(path), allowed)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rodgen.studies.specification import Study
 
 Arrays = Mapping[str, NDArray[Any]]
-ENOUGH = 0.2  # seconds that tell how long a point takes
+ENOUGH = 0.05  # seconds that tell how long a point takes
 PATIENT = 20.0  # seconds after which what is timed is not timed again
 
 

@@ -20,7 +20,7 @@ from rodgen.scene.integration import AUTO, Integrate
 SLICE = 0.03  # seconds between two looks at the clock and at Ctrl-C
 FIRST, MOST = 8, 10**7  # steps in a slice: at first, and at most
 TRIED = 4.0  # steps ahead in which the failure of a run is looked for
-BLOCK = 256  # steps between two looks for events
+SHORT, BLOCK = 8, 256  # steps between two looks for events, at least and at most
 
 FAILURES = {
     -1: "the rates stop being finite",
@@ -49,7 +49,7 @@ class Compiled:
         method = f"{settings.method}_equal_steps" if equal else settings.method
         self._run = model.Run(method, t, y, p, step, settings.rtol, settings.atol)
         self._numbers = self._run.numbers
-        self._states, self._quota = len(y), FIRST
+        self._states, self._quota, self._block = len(y), FIRST, BLOCK
         self._stretch, self._switch = (-np.inf, np.inf, np.inf), Switching()
         self._jumps = MassJumps(model, p)
 
@@ -135,7 +135,7 @@ class Compiled:
         again from the same bytes, for its dense output."""
         before = self._run.memory.copy()
         times, rows = recorder.room()
-        trace = np.empty((min(BLOCK, self._quota, most) + 1, 1 + 2 * self._states))
+        trace = np.empty((min(self._block, self._quota, most) + 1, 1 + 2 * self._states))
         trace[0, 0] = self.t
         trace[0, 1:] = np.concatenate((self.y, self._run.rates[: self._states]))
         first, start = self._numbers.steps, time.perf_counter()
@@ -144,8 +144,11 @@ class Compiled:
         t, y, f = block[:, 0], block[:, 1 : 1 + self._states], block[:, 1 + self._states :]
         found = self._switch.seen(watch, t, y, f)
         switch = self._first_switch(found, watch, before, t)
+        self._block = min(BLOCK, 2 * self._block)
         if switch:
             k, when, sides = switch
+            # What was stepped beyond a switch is lost: the next one may be as far as this one was.
+            self._block = min(BLOCK, max(SHORT, 2 * k))
             self._run.memory[:] = before
             status, sampled = self._run.on(k, times, rows)
             found = [crossing for crossing in found if crossing[0] < k]

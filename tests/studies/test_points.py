@@ -1,0 +1,87 @@
+"""Points of a study from their numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.stats import qmc
+
+from rodgen import Study
+from rodgen.studies.layout import Layout
+from rodgen.studies.points import points
+from tests.studies.scenes import BECK, scene
+
+VARY: dict[str, Any] = {
+    "loads.follower.force": {"from": 5, "to": 60},
+    "loads.material_damping.time": {"from": 1e-5, "to": 1, "scale": "log"},
+    "rod.links": {"from": 4, "to": 6},
+    "rod.boundary": {"values": ["clamped", "cantilever"]},
+}
+
+
+def sampled(method: str, count: int, seed: int = 3) -> Study:
+    sample = {"method": method, "count": count, "seed": seed}
+    return Study.of(scene(BECK), VARY, what="critical", sample=sample)
+
+
+@pytest.mark.parametrize("method", ["sobol", "latin_hypercube", "random"])
+def test_points_do_not_depend_on_what_they_are_computed_with(method: str) -> None:
+    study = sampled(method, 200)
+    whole = points(study, range(200))
+    for block in ([7], [150, 3, 4, 5], range(90, 200), [199, 0]):
+        assert points(study, list(block)) == [whole[index] for index in block]
+    assert points(sampled(method, 200, seed=4), range(200)) != whole
+
+
+@pytest.mark.parametrize("method", ["sobol", "random"])
+def test_more_points_begin_with_the_fewer(method: str) -> None:
+    few, many = sampled(method, 100), sampled(method, 230)
+    assert points(many, range(100)) == points(few, range(100))
+    assert few.contents == many.contents
+
+
+def test_a_latin_hypercube_of_another_count_is_another_study() -> None:
+    assert sampled("latin_hypercube", 10).contents != sampled("latin_hypercube", 20).contents
+    forces = [
+        point["loads.follower.force"] for point in points(sampled("latin_hypercube", 50), range(50))
+    ]
+    assert np.unique(np.floor((np.array(forces) - 5) / 55 * 50)).size == 50  # one in every fiftieth
+
+
+def test_a_sobol_sequence_is_that_of_scipy() -> None:
+    expected = qmc.Sobol(4, bits=32, seed=np.random.default_rng(3)).random(64)
+    found = points(sampled("sobol", 64), range(64))
+    forces = [point["loads.follower.force"] for point in found]
+    np.testing.assert_allclose(forces, 5 + 55 * expected[:, 0], rtol=1e-14)
+    times = [point["loads.material_damping.time"] for point in found]
+    np.testing.assert_allclose(np.log10(times), -5 + 5 * expected[:, 1], atol=1e-13)
+
+
+def test_a_random_point_is_that_of_its_seed() -> None:
+    share = np.random.default_rng(np.random.SeedSequence(3, spawn_key=(17,))).random(4)
+    (point,) = points(sampled("random", 100), [17])
+    assert point["loads.follower.force"] == 5 + share[0] * 55
+    assert point["rod.links"] == 4 + int(share[2] * 3)
+    assert point["rod.boundary"] == ("clamped", "cantilever")[int(share[3] * 2)]
+
+
+def test_a_grid_counts_its_last_axis_fastest() -> None:
+    vary = {"rod.mass": [1.0, 2.0], "rod.length": [3.0, 4.0, 5.0]}
+    study = Study.of(scene(BECK), vary, what="critical")
+    found = [(point["rod.mass"], point["rod.length"]) for point in points(study, range(6))]
+    assert found == [(1, 3), (1, 4), (1, 5), (2, 3), (2, 4), (2, 5)]
+    with pytest.raises(IndexError):
+        points(study, [6])
+
+
+@pytest.mark.parametrize("shape", [(7,), (5, 3), (4, 3, 5), (1, 1), (100, 1, 2)])
+@pytest.mark.parametrize("wanted", [1, 4, 10, 1000])
+def test_blocks_have_every_point_once(shape: tuple[int, ...], wanted: int) -> None:
+    layout = Layout.of(shape, wanted)
+    found = [index for block in range(layout.count) for index in layout.indices(block)]
+    assert sorted(found) == list(range(int(np.prod(shape))))
+    sizes = [layout.points(block) for block in range(layout.count)]
+    assert max(sizes) <= wanted
+    assert sizes == [len(layout.indices(block)) for block in range(layout.count)]

@@ -1,0 +1,220 @@
+"""Stores of studies: what is marked is kept, and of another study or version nothing is touched."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import rodgen
+from rodgen import SceneError, Study, StudyError
+from rodgen.studies import engine, store
+from rodgen.studies.engine import run
+from rodgen.studies.store import Store, read
+from rodgen.studies.tally import reason, tally
+from tests.studies.conftest import assert_same
+from tests.studies.scenes import PENDULUM, scene
+
+pytestmark = pytest.mark.compiler
+KEEP = ["last(tip_x)", "max(phi_2)", "section(tip_y, where='phi_0', rising=0)"]
+SHORT = scene(PENDULUM, integrate={"span": [0.0, 0.2]})
+
+
+def grid(count: int = 6, **given: Any) -> Study:
+    vary = {"parameters.A": np.linspace(0, 2, count), "integrate.method": ["dop853", "rk45"]}
+    return Study.of(SHORT, vary, **{"keep": KEEP, **given})
+
+
+def sampled(count: int, method: str = "random") -> Study:
+    vary = {"parameters.A": {"from": 0, "to": 2}, "rod.mass": {"from": 1, "to": 3}}
+    sample = {"method": method, "count": count, "seed": 1}
+    return Study.of(SHORT, vary, keep=KEEP[:2], sample=sample)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(p): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+def test_a_study_is_what_its_runs_are() -> None:
+    """By simulate, point by point."""
+    data = rodgen.study(grid(), workers=1)
+    assert [*data["max(phi_2)"].sizes.items()] == [("parameters.A", 6), ("integrate.method", 2)]
+    for at, method in ((1, "dop853"), (5, "rk45")):
+        point = data.isel({"parameters.A": at}).sel({"integrate.method": method})
+        made = scene(
+            PENDULUM,
+            parameters={"A": float(point["parameters.A"])},
+            integrate={"span": [0.0, 0.2], "method": method},
+        )
+        sol = rodgen.simulate(made)
+        np.testing.assert_allclose(point["last(tip_x)"], sol.tip[-1, 0], rtol=1e-12)
+    assert (data.status == "finished").all()
+    assert data["last(tip_x)"].attrs["units"] == "m"
+    assert data.attrs["rodgen"] == rodgen.__version__
+
+
+@pytest.mark.parametrize("size", [1, 5, 100])
+def test_blocks_of_any_size_have_the_same_bits(size: int, tmp_path: Path) -> None:
+    study = grid()
+    Store.make(tmp_path / "a.zarr", study, size)
+    run(study, tmp_path / "a.zarr", workers=1, resume=True)
+    assert_same(read(tmp_path / "a.zarr"), rodgen.study(study, workers=1))
+
+
+def test_any_reader_of_zarr_has_the_study(tmp_path: Path) -> None:
+    run(grid(), tmp_path / "a.zarr", workers=1)
+    data = xr.open_zarr(tmp_path / "a.zarr", consolidated=False)
+    ours = read(tmp_path / "a.zarr")
+    np.testing.assert_array_equal(data["max(phi_2)"], ours["max(phi_2)"])
+    assert data["max(phi_2)"].dims == ("parameters.A", "integrate.method")
+    run(sampled(5), tmp_path / "b.zarr", workers=1)
+    assert {*xr.open_zarr(tmp_path / "b.zarr", consolidated=False).coords} == {
+        "parameters.A",
+        "rod.mass",
+    }
+
+
+def test_what_is_marked_is_not_computed_again(tmp_path: Path) -> None:
+    """A block whose mark is missing is, and what was torn in it is whole again."""
+    log, path = tmp_path / "log", tmp_path / "a.zarr"
+
+    def logged(solution: Any) -> float:
+        with log.open("a") as file:
+            file.write(f"{solution.scene.numbers['A']}\n")
+        return float(solution.t[-1])
+
+    study = Study.of(SHORT, {"parameters.A": np.linspace(0, 2, 8)}, keep=[logged])
+    Store.make(path, study, 2)
+    run(study, path, workers=1, resume=True)
+    whole = read(path)
+    assert len(log.read_text().split()) == 8
+    (path / "status" / "c" / "1").unlink()
+    (path / "logged" / "c" / "1").unlink()
+    assert (read(path).status.values[2:4] == "").all()
+    assert tally(path).computed == 6
+    run(study, path, workers=1, resume=True)
+    assert log.read_text().split()[8:] == [str(a) for a in whole["parameters.A"].values[2:4]]
+    assert_same(read(path), whole)
+    assert (read(path).seconds.values == whole.seconds.values)[[0, 1, 4, 5, 6, 7]].all()
+
+
+@pytest.mark.parametrize("method", ["random", "sobol"])
+def test_a_study_that_is_extended_is_the_larger_one(method: str, tmp_path: Path) -> None:
+    few, many, path = sampled(10, method), sampled(25, method), tmp_path / "a.zarr"
+    Store.make(path, few, 4)  # the last block has 2 points
+    run(few, path, workers=1, resume=True)
+    before = read(path)
+    run(many, path, workers=1, resume=True)
+    data = read(path)
+    assert_same(data, rodgen.study(many, workers=1))
+    assert_same(data.isel(point=slice(10)), before)
+    np.testing.assert_array_equal(data.seconds[:8], before.seconds[:8])  # whole blocks are kept
+    with pytest.raises(SceneError, match="at least 25"):
+        run(few, path, workers=1, resume=True)
+
+
+@pytest.mark.parametrize(
+    ("other", "words"),
+    [
+        (lambda: grid(7), r"another: vary"),
+        (lambda: grid(keep=KEEP[:1]), r"another: keep"),
+        (lambda: Study.of(scene(PENDULUM), {"parameters.A": [1]}, keep=KEEP), "scene, vary"),
+        (lambda: sampled(4), "sample"),
+    ],
+)
+def test_the_store_of_another_study_is_left_alone(other: Any, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.zarr"
+    run(grid(), path, workers=1)
+    before = contents(path)
+    with pytest.raises(SceneError, match=words):
+        run(other(), path, workers=1, resume=True)
+    with pytest.raises(SceneError, match="--resume"):
+        run(grid(), path, workers=1)
+    assert contents(path) == before
+
+
+@pytest.mark.parametrize("key", ["rodgen", "sources"])
+def test_the_store_of_another_version_is_left_alone(
+    key: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.zarr"
+    run(grid(), path, workers=1)
+    before, own = contents(path), store.identity()
+    monkeypatch.setattr(store, "identity", lambda: {**own, key: "another"})
+    with pytest.raises(SceneError, match=f"{key} {own[key]}, not another"):
+        run(grid(), path, workers=1, resume=True)
+    assert contents(path) == before
+
+
+def test_what_is_no_store_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.zarr").mkdir()
+    (tmp_path / "b.zarr").write_text("text")
+    xr.Dataset({"x": ("x", [1.0])}).to_zarr(tmp_path / "c.zarr", zarr_format=3, consolidated=False)
+    for name in ("a", "b", "c", "missing"):
+        path = tmp_path / f"{name}.zarr"
+        with pytest.raises(SceneError, match="store of a study"):
+            read(path)
+        if path.exists():
+            with pytest.raises(SceneError, match="store of a study"):
+                run(grid(), path, workers=1, resume=True)
+    with pytest.raises(SceneError, match="a place for a store"):
+        run(grid(), tmp_path / "b.zarr" / "inside.zarr", workers=1)
+
+
+def test_success_is_what_the_store_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Workers that say that they are done are not believed."""
+    from rodgen.studies.task import Done
+
+    def lying(self: Any, store: Store, blocks: Iterator[int], texts: Any) -> Iterator[Done]:
+        for block in blocks:
+            yield Done(block, store.layout.points(block), 0)
+
+    monkeypatch.setattr(engine.Here, "compute", lying)
+    with pytest.raises(StudyError, match=r"\d+ of \d+ blocks are not done"):
+        run(grid(), tmp_path / "a.zarr", workers=1)
+
+
+def test_failures_are_counted_by_reason(tmp_path: Path, rodgen: Any) -> None:
+    masses = "[-1.0, -2.0, 1.0, 2.0]"
+    (tmp_path / "pendulum.toml").write_text(
+        'name = "pendulum"\n[rod]\nlinks = 3\nlength = 1.0\nbending_stiffness = 1.0\nmass = 2.0\n'
+        'boundary = "pinned"\n[loads.gravity]\n[loads.internal_damping]\ncoefficient = 0.02\n'
+        '[loads.tip]\nx = "A*sin(3*t)"\n[parameters]\nA = 1.0\n'
+        '[integrate]\nspan = [0.0, 0.2]\nmethod = "dop853"\nmax_steps = 500\n'
+    )
+    (tmp_path / "study.toml").write_text(
+        'name = "masses"\nscene = "pendulum.toml"\n[vary]\n'
+        f'"rod.mass" = {{values = {masses}}}\n"integrate.max_steps" = {{values = [1, 500]}}\n'
+        '[compute]\nkeep = ["last(tip_x)"]\n'
+    )
+    done = rodgen("study", tmp_path / "study.toml", "--out", tmp_path, "--workers", 1)
+    assert done.returncode == 0, done.stderr
+    store = tmp_path / "masses" / "study.zarr"
+    found = tally(store)
+    assert (found.points, found.computed, found.failed) == (8, 8, 6)
+    assert sorted(found.reasons.values()) == [2, 4]
+    assert "4 of them" in done.stdout
+    assert "must be greater than #" in max(found.reasons, key=lambda why: found.reasons[why])
+    shown = rodgen("study", "show", store)
+    assert shown.returncode == 0
+    assert list(store.parent.glob("*.png"))
+
+
+def test_a_reason_has_no_numbers() -> None:
+    assert reason("stopped at t = 0.25 s: x_2 beyond -1e-3") == "stopped at t = # s: x_2 beyond #"
+
+
+def test_large_stores_are_read_as_they_are_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run(sampled(20), tmp_path / "a.zarr", workers=1)
+    whole = read(tmp_path / "a.zarr")
+    monkeypatch.setattr(store, "LARGE", 10)
+    lazy = read(tmp_path / "a.zarr")
+    assert not lazy["last(tip_x)"].variable._in_memory
+    assert {*lazy.coords} == {*whole.coords}
+    np.testing.assert_array_equal(lazy["last(tip_x)"], whole["last(tip_x)"])
