@@ -213,7 +213,7 @@ def wait_for_marks(file: Path, count: int, process: subprocess.Popen[str]) -> No
         time.sleep(0.02)
 
 
-def test_a_scheduler_that_dies_ends_in_one_line(file: Path, tmp_path: Path) -> None:
+def test_the_death_of_a_scheduler_ends_in_one_line(file: Path, tmp_path: Path) -> None:
     """And status 3; what is marked is kept, and another client does the rest."""
     where = tmp_path / "scheduler.json"
     start = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0"]
