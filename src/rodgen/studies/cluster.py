@@ -46,7 +46,7 @@ ENOUGH_DEATHS = 1  # of workers of a task, after which it runs apart from them
 FETCHED = 60.0  # seconds in which a worker hands over what it found
 BLOCK = 1.0  # seconds
 LONGEST = 300.0  # seconds after which nobody waits to know how long a point takes
-STARTS = 3  # of workers of our own
+STARTS = 6  # of workers of our own
 MOST_LOST = 10  # tasks of a block alone that are lost
 # What a cluster of our own is started with. A busy machine answers late; workers hold nothing that
 # could be spilled, and one that is paused would never go on; tasks are not worth being stolen.

@@ -16,6 +16,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import psutil
@@ -55,7 +56,7 @@ def workers_of(client: psutil.Process) -> list[psutil.Process]:
 def disturbed(file: Path, chance: random.Random) -> tuple[int, int]:
     """Compute a study under kills; how many workers and how many clients were killed."""
     command = [sys.executable, "-m", "rodgen", "study", str(file), "--out", str(file.parent)]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+    quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
     killed = [0, 0]
     while True:
         client = subprocess.Popen([*command, "--workers", "2", "--resume"], text=True, **quiet)
