@@ -139,16 +139,10 @@ class ImplicitForm:
         return self._cases(values)
 
     def _partial(self, expression: Expr, variable: Expr) -> Expr:
-        """Partial derivative; the speed that drag divides by follows the velocity (at
-        rest, where it is one, what it is a factor of vanishes), and arrays follow numbers."""
+        """Partial derivative; the speed that drag divides by follows the velocity (at rest, where
+        it is one, what it is a factor of vanishes). No array follows a number: those of a load do
+        so by its law."""
         total = expression.diff(variable) if expression.has(variable) else S.Zero
-        if variable.is_Symbol:
-            arrays = self.equations.arrays
-            for element in expression.atoms(Indexed):
-                array = arrays.get(element.base)
-                if array is not None and array.value.has(variable):
-                    value = array.value.subs(array.index, element.indices[0])
-                    total += expression.diff(element) * self._partial(value, variable)
         if isinstance(variable, Indexed) and variable.base in (joint_vx, joint_vy):
             speed = divisor[variable.indices[0]]
             total += expression.diff(speed) * variable / speed if expression.has(speed) else 0

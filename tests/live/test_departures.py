@@ -7,7 +7,7 @@ import os
 import signal
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -44,31 +44,57 @@ def test_closed_page_frees_its_run(serve: Callable[..., Any], another: Callable[
     first.passes(0.0)
 
 
-@pytest.mark.long
-@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="children are found in /proc")
-def test_page_closed_while_its_module_is_made(
+class Waiting(NamedTuple):
+    """A page without a run, as its module is being made by a compiler that waits: the id of that
+    compiler's process, the file that it waits for, the processes that the server has begun, the
+    page, and another one."""
+
+    compiler: int
+    free: Path
+    begun: Callable[[], str]
+    page: Any
+    other: Any
+
+
+@pytest.fixture
+def waiting(
     serve: Callable[..., Any],
     another: Callable[[], Any],
     scene_file: Callable[..., Path],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Its compiler ends before it is done."""
-    started, ended = tmp_path / "started", tmp_path / "ended"
-    scene, script = scene_file(links=2), tmp_path / "cc"
-    script.write_text(f"#!/bin/sh\necho $$ > {started}\nsleep 600\ntouch {ended}\nexit 1\n")
+) -> Waiting:
+    if not Path("/proc/self/task").exists():
+        pytest.skip("children are found in /proc")
+    started, free, script = tmp_path / "started", tmp_path / "free", tmp_path / "cc"
+    wait = f"while [ ! -e {free} ]; do sleep 0.1; done"
+    script.write_text(f'#!/bin/sh\necho $$ > {started}\n{wait}\nexec cc "$@"\n')
     script.chmod(0o755)
     monkeypatch.setenv("CC", str(script))
     monkeypatch.setenv("RODGEN_CACHE", str(tmp_path / "cache"))
-    served = serve(str(scene), "--port", "0")
+    served = serve(str(scene_file(links=2)), "--port", "0")
     page, other = another().page, another()
     page.goto(served.address)
-    other.until(lambda: started.exists() and started.read_text(), bool, "no compiler")
-    page.close()
+    number = other.until(lambda: started.exists() and started.read_text(), bool, "no compiler")
     mine = Path(f"/proc/{served.process.pid}/task/{served.process.pid}/children")
-    other.until(mine.read_text, "", "the process goes on")
-    other.until(lambda: runs(int(started.read_text())), False, "the compiler goes on")
-    assert not ended.exists()
+    return Waiting(int(number), free, mine.read_text, page, other)
+
+
+@pytest.mark.long
+def test_page_closed_while_its_module_is_made(waiting: Waiting) -> None:
+    """Its compiler ends before it is done."""
+    waiting.page.close()
+    waiting.other.until(waiting.begun, "", "the process goes on")
+    waiting.other.until(lambda: runs(waiting.compiler), False, "the compiler goes on")
+
+
+@pytest.mark.long
+@pytest.mark.compiler
+def test_page_closed_just_before_its_module_is_made(waiting: Waiting) -> None:
+    """It might come back: nothing goes wrong as it is built without its browser (`serve` looks)."""
+    waiting.page.close()
+    waiting.free.touch()
+    waiting.other.until(waiting.begun, "", "the process goes on")
 
 
 @pytest.fixture

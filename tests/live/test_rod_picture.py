@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.live.view import expect
@@ -91,8 +92,22 @@ def drawn(view: View, key: str = "0") -> dict[str, Any]:
 
 def arrow(view: View, seen: bool) -> None:
     """The follower force is drawn, or not."""
-    many = lambda count: (count > 100) is seen  # noqa: E731
-    view.until(lambda: coloured(view)["count"], many, "an arrow that is wrong")
+    what = "no arrow" if seen else "an arrow"
+    view.until(lambda: coloured(view)["count"], lambda count: (count > 100) is seen, what)
+
+
+def whole(view: View) -> None:
+    """All of the follower force's arrow is in the picture."""
+
+    def is_whole(found: dict[str, Any]) -> bool:
+        if not found["box"]:
+            return False
+        left, top, right, bottom = found["box"]
+        width, height = found["size"]
+        around = min(left, top, width - 1 - right, height - 1 - bottom)
+        return around >= 3 and bottom - top > 50
+
+    view.until(lambda: coloured(view), is_whole, "the arrow is cut off")
 
 
 def test_load_that_is_gone_is_drawn_no_longer(opened: Open) -> None:
@@ -115,17 +130,7 @@ def test_arrow_at_the_tail_is_in_the_picture(
 ) -> None:
     """All of it, and nothing is behind the legend: neither joints nor centre of gravity."""
     view = opened(viewport, column={"boundary": boundary, "loads": FOLLOWER})
-
-    def room(found: dict[str, Any]) -> tuple[int, int]:
-        """Pixels about the arrow, and its height."""
-        if not found["box"]:
-            return 0, 0
-        left, top, right, bottom = found["box"]
-        width, height = found["size"]
-        return min(left, top, width - 1 - right, height - 1 - bottom), bottom - top
-
-    whole = lambda found: room(found)[0] >= 3 and room(found)[1] > 50  # noqa: E731
-    view.until(lambda: coloured(view), whole, "the arrow is cut off")
+    whole(view)
 
     def hidden(marks: dict[str, Any]) -> list[Any] | None:
         if not marks["images"] or not marks["circles"]:
@@ -134,6 +139,29 @@ def test_arrow_at_the_tail_is_in_the_picture(
         return [p for p in marks["circles"] if x < p[0] < x + w and y < p[1] < y + h]
 
     view.until(lambda: hidden(view.page.evaluate("drawn")), [], "behind the legend")
+
+
+def test_picture_is_fitted_to_its_size_until_a_part_is_chosen(opened: Open) -> None:
+    """As it is while the page is being built, and plots come below it."""
+    view = opened(NARROW, column={"boundary": "clamped", "loads": FOLLOWER})
+    canvas = "document.querySelector('.rodgen-rod canvas').clientHeight"
+
+    def resized(height: int) -> None:
+        before = view.page.evaluate(canvas)
+        view.page.set_viewport_size({**NARROW, "height": height})
+        view.sees(canvas, lambda now: now != before, "not resized")
+
+    def link() -> float:
+        """Pixels from one joint to the next, in a new picture."""
+        (x, y, _), (u, v, _) = drawn(view, "ArrowLeft")["circles"][:2]
+        return float(np.hypot(x - u, y - v))
+
+    resized(500)
+    whole(view)
+    view.page.get_by_role("img", name="rod of").press("+")
+    chosen = link()
+    resized(900)
+    assert link() == pytest.approx(chosen, abs=0.01)
 
 
 def test_bodies_are_drawn_to_scale(opened: Open) -> None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from playwright.sync_api import Locator, LocatorAssertions, Page
 
 T = TypeVar("T")
-PATIENT = 240.0  # seconds that a busy machine may take, for a compilation too
+PATIENT = 600.0  # seconds that a busy machine may take, for a module to be made too
 # What a page sends on its own connection, in window.sent by the names of events, and the texts of
 # all notes that it shows, in window.notes; both from its first moment on.
 WATCHED = """

@@ -212,6 +212,25 @@ def test_both_forms_give_the_same_rates_of_many_links() -> None:
     np.testing.assert_allclose(rates[0], rates[1], rtol=0, atol=1e-12 * np.abs(rates[1]).max())
 
 
+@pytest.mark.parametrize("boundary", ["free", "clamped"])
+def test_forms_differ_by_what_the_condition_of_the_mass_matrix_leaves(boundary: str) -> None:
+    """Of links at random, which are bent as no rod is: the chain form is right to rounding, the
+    dense one loses what rounding the entries of M takes (docs/how-it-works.md, in 50 digits)."""
+    links = 100
+    scene = _scene(TAPERED | {"links": links, "boundary": boundary}, bodies=BODIES, loads=PUSHED)
+    y = _state(scene)
+    chain, dense = (build(scene, "numpy", form) for form in ("chain", "dense"))
+    p = chain.parameters(**scene.parameters)
+    M = dense.mass_matrix(y, p)
+    scale = 1 / np.sqrt(np.diag(M))
+    allowed = np.finfo(float).eps * np.linalg.cond(M * scale[:, None] * scale)
+    assert allowed < 2e-11  # it grows as n^2, or n^3 where links are alike
+    rates = dense.rhs(0.0, y, p)
+    np.testing.assert_allclose(
+        chain.rhs(0.0, y, p), rates, rtol=0, atol=allowed * np.abs(rates).max()
+    )
+
+
 def test_frequencies_of_a_tapered_rod_with_a_body_are_of_second_order() -> None:
     body = [{"name": "payload", "at": 1.0, "mass": 2.0, "inertia": 0.1}]
     found = []

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen import Solution
+from rodgen import SceneError, Solution
 from rodgen.analyse.fourier import peaks_of
 from rodgen.studies import runs, vectors
 from rodgen.studies.block import evaluate
@@ -98,6 +98,21 @@ def test_a_number_of_an_initial_expression_goes_through_the_scene() -> None:
     assert vectors.copied(study) == ()
     alone = rodgen.simulate(study.scene_at({"parameters.A": 0.4}), target="c")
     np.testing.assert_allclose(computed(study)["last(tip_x)"][3], alone.tip[-1, 0], rtol=1e-7)
+
+
+def test_what_an_expression_makes_of_a_number_is_not_copied() -> None:
+    """It may switch at a value that was not tried; and a law may have a value that it refuses."""
+    switching = scene(PENDULUM, initial={"phi": "0.5 if A < 100 else 0.2"})
+    study = Study.of(switching, {"parameters.A": [0.5, 1.0, 2.0, 200.0]}, keep=["last(tip_x)"])
+    assert vectors.copied(study) == ()
+    divided = scene(PENDULUM, parameters={"A": 2.0}, loads={"tip": {"x": "sin(w*t)*(1/(A - 1))"}})
+    study = Study.of(divided, {"parameters.A": [0.5, 1.0, 2.0, 3.0, 4.0]}, keep=["last(tip_x)"])
+    assert vectors.copied(study) == ("parameters.A",)
+    found = computed(study)
+    assert found["status"].tolist() == ["finished", "failed", *["finished"] * 3]
+    with pytest.raises(SceneError) as refused:
+        study.scene_at({"parameters.A": 1.0})
+    assert found["message"][1] == str(refused.value)[:200]
 
 
 def test_points_that_fail_are_alone() -> None:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import starmap
 
-import sympy
-from sympy import Eq, Expr, Indexed, IndexedBase, Piecewise, S, Symbol
+from sympy import Add, Eq, Expr, Indexed, IndexedBase, Piecewise, S, Symbol
 
 from rodgen.derive.emptying import Emptying, Tank
 from rodgen.derive.general import Equations
@@ -301,10 +300,10 @@ class Functions:
         works = self.equations.works.values()
         if self.equations.hold.translates:
             for at, axis in enumerate("xy"):
-                out[f"force_{axis}"] = SCALAR, _total(work.base[at] for work in works)
+                out[f"force_{axis}"] = SCALAR, Add(*(work.base[at] for work in works))
         if self.springs:
             out["link_moment"] = self.compiler.link, self.equations.link_moment
-        out["force_link"] = self.compiler.link, _total(work.link for work in works)
+        out["force_link"] = self.compiler.link, Add(*(work.link for work in works))
         return {name: (domain, e) for name, (domain, e) in out.items() if e != 0}
 
     @property
@@ -391,10 +390,6 @@ def _derive(equations: Equations, law: object) -> tuple[System, ImplicitForm]:
 
 def _element(name: str, at: Expr) -> Indexed:
     return IndexedBase(name, real=True)[at]
-
-
-def _total(parts: Iterable[Expr]) -> Expr:
-    return sympy.Add(*parts)
 
 
 def _scalars(outputs: Mapping[str, Expr]) -> Outputs:

@@ -50,6 +50,7 @@ from rodgen.scene.tables import (
     Table,
     check_bodies,
     check_events,
+    tables_in,
 )
 
 
@@ -105,19 +106,7 @@ class Scene(Table):
         """Each by itself, so that what is wrong is named by its place in the array."""
         key = str(info.field_name)
         kinds: dict[str, type[Table]] = {"events": Event, "bodies": Body, "supports": Support}
-        kind = kinds[key]
-        if not isinstance(tables, list):
-            raise SceneError(key, tables, f"an array of tables, [[{key}]]")
-        made = []
-        for i, table in enumerate(tables):
-            if not isinstance(table, dict | kind):
-                raise SceneError(f"{key}[{i}]", table, "a table")
-            try:
-                made.append(kind.model_validate(table))
-            except ValidationError as error:
-                found = explain(error, dict(table), kind)
-                raise SceneError(f"{key}[{i}].{found.field}", found.value, found.allowed) from None
-        return made
+        return tables_in(key, tables, kinds[key])
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -157,22 +146,7 @@ class Scene(Table):
 
     def _links(self, name: str) -> NDArray[np.float64]:
         """Initial values of the moving links."""
-        n = self.rod.links
-        links = np.arange(self.held, n)
-        value = getattr(self.initial, name)
-        if value is None:  # at rest and straight, along the clamp where there is one
-            value = (self.rod.clamp_angle or 0.0) if name == "phi" else 0.0
-        if isinstance(value, list):
-            if len(value) != len(links):
-                allowed = f"a list of {len(links)} values, one for every moving link"
-                raise SceneError(f"initial.{name}", value, allowed)
-            return np.array(value, dtype=float)
-        values = Law(value, f"initial.{name}", self._numbers).at((links + 0.5) / n)
-        wrong = links[~np.isfinite(values)]
-        if len(wrong):
-            allowed = f"finite at every link (not at link {wrong[0]})"
-            raise SceneError(f"initial.{name}", value, allowed)
-        return values
+        return self.initial.of_links(name, self.rod, self._numbers)
 
     @property
     def hold(self) -> Boundary:

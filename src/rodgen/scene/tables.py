@@ -7,7 +7,16 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model, model_validator
+from numpy.typing import NDArray
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    create_model,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, POSITIVE, Parameter
@@ -16,7 +25,8 @@ from rodgen.model.rod import BOUNDARIES, INERTIAS, Boundary
 from rodgen.model.term import Term
 from rodgen.model.terms import TERMS
 from rodgen.scene import structure as st
-from rodgen.scene.errors import Missing, SceneError
+from rodgen.scene.errors import Missing, SceneError, explain
+from rodgen.scene.law import Law
 from rodgen.scene.places import place_of, point_of
 from rodgen.scene.plain import entry
 
@@ -51,6 +61,23 @@ class Table(BaseModel):
     """A table of a scene: no key that is not known, no value of another type."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+def tables_in(key: str, tables: Any, kind: type[Table]) -> list[Any]:
+    """Those of an array of tables, [[key]], each by itself, so that what is wrong is named by its
+    place. Raises SceneError."""
+    if not isinstance(tables, list):
+        raise SceneError(key, tables, f"an array of tables, [[{key}]]")
+    made = []
+    for i, table in enumerate(tables):
+        if not isinstance(table, dict | kind):
+            raise SceneError(f"{key}[{i}]", table, "a table")
+        try:
+            made.append(kind.model_validate(table))
+        except ValidationError as error:
+            found = explain(error, dict(table), kind)
+            raise SceneError(f"{key}[{i}].{found.field}", found.value, found.allowed) from None
+    return made
 
 
 class Rod(Table):
@@ -291,6 +318,27 @@ class Initial(Table):
     velocity: Pair | None = None
     phi: Finite | Values | str | None = None
     omega: Finite | Values | str | None = None
+
+    def of_links(
+        self, name: str, rod: Rod, numbers: tuple[tuple[str, float], ...]
+    ) -> NDArray[np.float64]:
+        """Angles or rates, by the key, of the moving links of a rod; numbers: those that
+        expressions name. Raises SceneError."""
+        n, field = rod.links, f"initial.{name}"
+        links = np.arange(rod.hold.first, n)
+        value = getattr(self, name)
+        if value is None:  # at rest and straight, along the clamp where there is one
+            value = (rod.clamp_angle or 0.0) if name == "phi" else 0.0
+        if isinstance(value, list):
+            if len(value) != len(links):
+                allowed = f"a list of {len(links)} values, one for every moving link"
+                raise SceneError(field, value, allowed)
+            return np.array(value, dtype=float)
+        values = Law(value, field, numbers).at((links + 0.5) / n)
+        wrong = links[~np.isfinite(values)]
+        if len(wrong):
+            raise SceneError(field, value, f"finite at every link (not at link {wrong[0]})")
+        return values
 
 
 class Event(Table):

@@ -7,6 +7,7 @@ else is varied, and every value that its table refuses, goes through a scene of 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -171,13 +172,24 @@ def _table(scene: Scene, keys: tuple[str, ...]) -> tuple[Table | None, tuple[str
 
 def _laws(scene: Scene, number: str) -> tuple[Expression, ...] | None:
     """The expressions that name a number of [parameters]; None where one is more than a law that
-    the module has as it stands: a table, or what is looked at all along the rod or the span."""
-    whole = [e for _, _, e in scene.distribution.changing] + [*scene.along.values()]
-    whole += [scene.spring_law] if scene.spring_law is not None else []
-    if any(number in e.names for e in whole):
-        return None
+    the module has as it stands: a table, what is looked at all along the rod or the span, or what
+    a scene makes other numbers of, which may switch at a value that was not tried."""
     laws = [e for e in (*scene.expressions.values(), *scene.rates.values()) if number in e.names]
-    return None if any(e.tabulated for e in laws) else tuple(laws)
+    along = {e.text for e in scene.along.values()}
+    if any(e.tabulated or e.text in along for e in laws):
+        return None
+    known, naming = {e.text for e in laws}, re.compile(rf"\b{re.escape(number)}\b")
+    texts = [text for text in _texts(scene.model_dump(exclude_none=True)) if naming.search(text)]
+    return tuple(laws) if {*texts} <= known else None
+
+
+def _texts(table: Any) -> Iterator[str]:
+    """All texts that stand in tables and lists."""
+    if isinstance(table, str):
+        yield table
+    elif isinstance(table, dict | list):
+        for inner in table.values() if isinstance(table, dict) else table:
+            yield from _texts(inner)
 
 
 def groups(points: Sequence[Point], names: Sequence[str]) -> Iterator[tuple[Point, list[int]]]:

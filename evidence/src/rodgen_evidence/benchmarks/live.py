@@ -78,7 +78,7 @@ def live(seconds: float = 20.0, numbers: Sequence[int] = LINKS) -> None:
 
 def watch(page: Page, address: str, process: int, links: int, seconds: float) -> None:
     """Four charts, then a line every few seconds, then how long a click takes."""
-    page.set_default_timeout(240_000)  # ms: it may be busy with more than this
+    page.set_default_timeout(600_000)  # ms: it may be busy with more than this
     page.goto(address)
     for name in CHARTS:
         page.get_by_role("button", name="Add plot").click()
