@@ -179,7 +179,7 @@ phi = 0.8
 [scene.integrate]
 method = "rk4"
 step = 1e-4
-span = [0.0, 20.0]
+span = [0.0, 4.0]
 [vary]
 "parameters.A" = {from = 0.1, to = 2, count = 40}
 [compute]
@@ -189,7 +189,7 @@ keep = ["last(tip_x)"]
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
-    """A study of 40 points of a tenth of a second, in blocks of two."""
+    """A study of 40 points of a few hundredths of a second, in blocks of two."""
     path = tmp_path / "study.toml"
     path.write_text(FILE)
     in_blocks(tmp_path / "swings" / "study.zarr", Study.from_toml(path), 2)
@@ -213,7 +213,7 @@ def wait_for_marks(file: Path, count: int, process: subprocess.Popen[str]) -> No
         time.sleep(0.02)
 
 
-def test_a_scheduler_that_dies_ends_in_one_line(file: Path, tmp_path: Path) -> None:
+def test_the_death_of_a_scheduler_ends_in_one_line(file: Path, tmp_path: Path) -> None:
     """And status 3; what is marked is kept, and another client does the rest."""
     where = tmp_path / "scheduler.json"
     start = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0"]

@@ -224,7 +224,7 @@ static inline double least_step(double past)
     return 16.0 * 2.220446049250313e-16 * (past > 1e-290 ? past : 1e-290);
 }
 
-/* Steps by a method, and states inside the last one: explicit.c and collocation.c. h: length of the
+/* Steps by a method, and states inside the last one: explicit.c, collocation.c, collocation_dense.c. h: length of the
    last step; x: share of it. */
 int rodgen_fixed_step(struct run *r);
 void rodgen_hermite(struct run *r, double h, double x, double *out);

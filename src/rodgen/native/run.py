@@ -28,8 +28,8 @@ METHODS = tuple(name.lower() for name in numbered("methods.h") if name != "METHO
 IMPLICIT = METHODS[METHODS.index("dop853") + 1 :]
 STATUSES = numbered("steps.h")
 REFUSED = STATUSES["REFUSED"]
-HEADERS = ("control.h", "sums.h", "run.h", "steps.h", "methods.h", "tableaux.h")
-FILES = ("steps.c", "explicit.c", "collocation.c", *HEADERS)
+HEADERS = ("collocation.h", "control.h", "sums.h", "run.h", "steps.h", "methods.h", "tableaux.h")
+FILES = ("steps.c", "explicit.c", "collocation.c", "collocation_dense.c", *HEADERS)
 
 
 def step_library() -> tuple[Any, Any]:

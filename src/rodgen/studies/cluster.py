@@ -14,7 +14,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from time import monotonic, sleep
@@ -46,6 +46,7 @@ ENOUGH_DEATHS = 1  # of workers of a task, after which it runs apart from them
 FETCHED = 60.0  # seconds in which a worker hands over what it found
 BLOCK = 1.0  # seconds
 LONGEST = 300.0  # seconds after which nobody waits to know how long a point takes
+STARTS = 6  # of workers of our own
 MOST_LOST = 10  # tasks of a block alone that are lost
 # What a cluster of our own is started with. A busy machine answers late; workers hold nothing that
 # could be spilled, and one that is paused would never go on; tasks are not worth being stolen.
@@ -225,14 +226,7 @@ class Cluster:
             finally:
                 client.close(timeout=5)
             return
-        cluster = distributed.LocalCluster(
-            n_workers=self.workers,
-            threads_per_worker=1,
-            processes=True,
-            dashboard_address="127.0.0.1:0",
-            silence_logs=logging.CRITICAL + 1,
-        )
-        self._cluster = cluster
+        self._cluster = cluster = _started(self.workers)
         try:
             with distributed.Client(cluster, timeout="60s") as client:
                 yield client
@@ -381,6 +375,21 @@ class Cluster:
             self._cluster.scale(self.workers)
 
 
+def _started(workers: int) -> distributed.LocalCluster:
+    """A cluster of so many processes, started again where one dies meanwhile. Raises StudyError
+    where they do not start."""
+    for _ in range(STARTS):
+        with suppress(RuntimeError, OSError, TimeoutError):
+            return distributed.LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address="127.0.0.1:0",
+                silence_logs=logging.CRITICAL + 1,
+            )
+    raise StudyError(f"{workers} worker processes could not be started, {STARTS} times")
+
+
 def _client(address: str) -> distributed.Client:
     """A client of a scheduler that is there. Raises SceneError where none answers."""
     field = "--scheduler"
@@ -400,7 +409,9 @@ def _client(address: str) -> distributed.Client:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Nothing of what Dask tells of workers that come and go."""
-    loggers = [logging.getLogger(name) for name in LOUD]
+    # Dask gives levels and handlers of their own to some of the loggers below its own.
+    names = [*LOUD, *logging.root.manager.loggerDict]
+    loggers = [logging.getLogger(one) for one in names if one.partition(".")[0] in LOUD]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
         logger.setLevel(logging.CRITICAL + 1)

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 Arrays = Mapping[str, NDArray[Any]]
 ENOUGH = 0.05  # seconds that tell how long a point takes
+LONG = 0.5  # seconds that one point alone may take to be timed with others
+SEVERAL = 32  # points side by side
 PATIENT = 20.0  # seconds after which what is timed is not timed again
 
 
@@ -87,20 +89,19 @@ def joined(pieces: Sequence[Arrays]) -> Arrays:
 
 def timed(study: Study) -> float:
     """Time that a point takes [s], of as many as take long enough to tell, from the middle of the
-    study on."""
+    study on. Many side by side take less than each alone, which only tells whether it is long."""
     count, each = study.count, 1
-    while True:
-        first = min(count // 2, count - each)
-        indices = range(first, first + each)
-        seconds = _seconds(study, indices)
-        if ENOUGH <= seconds <= PATIENT:
-            seconds = min(seconds, _seconds(study, indices))  # the first may have been warming up
-        if seconds >= ENOUGH or each == count:
-            return seconds / each
-        each = min(4 * each, count)
+    seconds = _seconds(study, 1)
+    if LONG <= seconds <= PATIENT:
+        seconds = min(seconds, _seconds(study, 1))  # the first may have been warming up
+    while each < count and seconds < (LONG if each == 1 else ENOUGH):
+        each = min(SEVERAL if each == 1 else 4 * each, count)
+        seconds = _seconds(study, each)
+    return seconds / each
 
 
-def _seconds(study: Study, indices: Sequence[int]) -> float:
+def _seconds(study: Study, each: int) -> float:
+    first = min(study.count // 2, study.count - each)
     begun = perf_counter()
-    computed(study, indices)
+    computed(study, range(first, first + each))
     return perf_counter() - begun

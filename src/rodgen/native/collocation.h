@@ -1,0 +1,34 @@
+/* Where a step by collocation keeps what it computes, and its polynomial: what the step and its dense output share. */
+
+#ifndef RODGEN_COLLOCATION_H
+#define RODGEN_COLLOCATION_H
+
+#include "run.h"
+
+#include "tableaux.h"
+
+/* Where arrays of a step by collocation lie among the stages. BEGIN, END: h times what the slope of
+   the polynomial lacks there; BEND: how far the step's end is from the trapezoidal rule; LAST: these
+   three of the last step. MISSING: what its polynomial lacks, in three parts. */
+enum { Z = 0, W = 3, F = 6, Q = 9, SCALE = 12, BEGIN = 13, END = 14, BEND = 15, LAST = 16, MISSING = 19 };
+
+static inline const struct collocation *method_of(const struct run *r)
+{
+    return r->is->method == RADAU ? &radau : &gauss;
+}
+
+/* State of the collocation polynomial of the last step, less the state at its start. */
+static inline double polynomial(double *const *q, double x, ptrdiff_t i)
+{
+    return x * (q[Q][i] + x * (q[Q + 1][i] + x * q[Q + 2][i]));
+}
+
+static inline double quintic(const double *part, double x)
+{
+    return x * (part[0] + x * (part[1] + x * (part[2] + x * (part[3] + x * part[4]))));
+}
+
+/* Have what the polynomial of the last step lacks: collocation_dense.c. */
+void rodgen_collocation_complete(struct run *r, const struct collocation *m);
+
+#endif
