@@ -195,7 +195,7 @@ def test_a_point_that_is_refused_leaves_the_study() -> None:
         (FILE.replace("[vary]", "[varied]"), "varied ="),
         (FILE.replace("keep =", "kept ="), "compute.kept ="),
         (FILE.replace('scene = "beck.toml"', "scene = 3"), "scene = 3"),
-        (FILE.replace("beck.toml", "other.toml"), "other.toml"),
+        (FILE.replace("beck.toml", "other.toml"), "a file that can be read"),
         ("name = ", "valid TOML"),
     ],
 )

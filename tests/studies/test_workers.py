@@ -213,6 +213,7 @@ def wait_for_marks(file: Path, count: int, process: subprocess.Popen[str]) -> No
         time.sleep(0.02)
 
 
+@pytest.mark.long  # it starts workers of its own, twice
 def test_the_death_of_a_scheduler_ends_in_one_line(file: Path, tmp_path: Path) -> None:
     """And status 3; what is marked is kept, and another client does the rest."""
     where = tmp_path / "scheduler.json"
@@ -245,6 +246,7 @@ def test_the_death_of_a_scheduler_ends_in_one_line(file: Path, tmp_path: Path) -
     assert_same(read(path), rodgen.study(Study.from_toml(file), workers=1))
 
 
+@pytest.mark.long  # it starts workers of its own, twice
 def test_ctrl_c_keeps_what_is_marked_and_ends_the_workers(file: Path) -> None:
     """With two workers of its own, in one process group as in a terminal."""
     import psutil
@@ -315,7 +317,9 @@ def test_workers_that_never_come_end_the_study(
 
     monkeypatch.setattr(cluster, "PATIENCE", {True: 0.5, False: 0.5})
     with (
-        distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None) as empty,
+        distributed.LocalCluster(
+            n_workers=0, processes=False, protocol="tcp://", dashboard_address="127.0.0.1:0"
+        ) as empty,
         pytest.raises(StudyError, match="no worker"),
     ):
         run(study_of(), tmp_path / "a.zarr", scheduler=empty.scheduler_address)
