@@ -125,12 +125,13 @@ def test_modes_of_a_free_rod_that_is_damped_and_steered(angle: str) -> None:
 SPAN = 100.0  # s of a run
 
 
-@pytest.mark.parametrize("offset", [0.0, 0.3])
-def test_growth_in_runs_is_that_of_eigenvalues(offset: float) -> None:
+@pytest.mark.parametrize(("links", "offset"), [(3, 0.0), (6, 0.3)])
+def test_growth_in_runs_is_that_of_eigenvalues(links: int, offset: float) -> None:
     """A clamped column whose gimbal lags behind its tail; one that stands askew at rest, by what
-    the thrust makes up for, is known to fewer digits."""
+    the thrust makes up for, is known to fewer digits: of six links, noise would pass for growth
+    at forces that are 1.5 % too low."""
     states = {"z": {"rate": f"({offset!r} + 0.5*phi(1) - z)/0.02"}}
-    table = _scene(3, f"z - {offset!r}", states, boundary="clamped").model_dump(exclude_none=True)
+    table = _scene(links, f"z - {offset!r}", states, boundary="clamped").model_dump(exclude_none=True)
     scene = Scene.from_dict(table | {"loads": table["loads"] | DAMPING})
     exact = rodgen.critical_force(scene).force
     # Within a run what grows by 1 % is seen.
