@@ -86,6 +86,8 @@ EXAMPLES: dict[str, Callable[[], Any]] = {
     "Spectrum": lambda: peaks_of(np.arange(64.0), np.sin(np.arange(64.0))),
     "StepWarning": lambda: rodgen.StepWarning("the step is too long"),
     "Structure": lambda: SCENE.structure,
+    "Study": lambda: rodgen.Study.of(SCENE, {"rod.mass": [1.0, 2.0]}, keep="max(phi_2)"),
+    "StudyError": lambda: rodgen.StudyError("the scheduler does not answer any more"),
     "WorkPrecision": lambda: rodgen.WorkPrecision(
         SCENE,
         [{"method": "rk4", "error_phi": 1e-3}],
