@@ -131,7 +131,9 @@ def test_growth_in_runs_is_that_of_eigenvalues(links: int, offset: float) -> Non
     the thrust makes up for, is known to fewer digits: of six links, noise would pass for growth
     at forces that are 1.5 % too low."""
     states = {"z": {"rate": f"({offset!r} + 0.5*phi(1) - z)/0.02"}}
-    table = _scene(links, f"z - {offset!r}", states, boundary="clamped").model_dump(exclude_none=True)
+    table = _scene(links, f"z - {offset!r}", states, boundary="clamped").model_dump(
+        exclude_none=True
+    )
     scene = Scene.from_dict(table | {"loads": table["loads"] | DAMPING})
     exact = rodgen.critical_force(scene).force
     # Within a run what grows by 1 % is seen.

@@ -122,7 +122,9 @@ def _same(one: Any, other: Any) -> bool:
     if isinstance(one, list | tuple):
         return len(one) == len(other) and all(map(_same, one, other))
     if isinstance(one, ModuleType):
-        return one is other or one.PROVENANCE == other.PROVENANCE
+        # Operations are those of the parts that anybody has asked for so far.
+        made = [{**module.PROVENANCE, "operations": None} for module in (one, other)]
+        return one is other or made[0] == made[1]
     if isinstance(one, BaseException):
         return (
             str(one) == str(other) and _same(one.args, other.args) and _same(vars(one), vars(other))
@@ -130,7 +132,7 @@ def _same(one: Any, other: Any) -> bool:
     if is_dataclass(one):
         names = [field.name for field in fields(one)]
         return all(_same(getattr(one, name), getattr(other, name)) for name in names)
-    return bool(one == other)
+    return bool(one == other) or bool(one != one and other != other)
 
 
 @pytest.mark.parametrize("name", CLASSES)
