@@ -94,7 +94,13 @@ START = time.time()
 
 def _compiled() -> set[str]:
     """Names of the structures that were compiled in this run, in whatever parts."""
-    return {path.stem for path in _cache().rglob("*.so") if path.stat().st_mtime >= START}
+    found = set()
+    for folder, _, files in os.walk(_cache()):  # of what is being built meanwhile, some vanishes
+        for path in (Path(folder, name) for name in files if name.endswith(".so")):
+            with suppress(OSError):
+                if path.stat().st_mtime >= START:
+                    found.add(path.stem)
+    return found
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
