@@ -104,7 +104,7 @@ def border(times: Times, size: int) -> None:
         except StopIteration:
             break
     taken = time.process_time() - start
-    times.add(f"border of a {size} x {size} map", taken, "the whole map", point * study.count)
+    times.add(f"border {size} x {size}", taken, "the whole map", point * study.count)
 
 
 def study(count: int = 2000, few: int = 100, size: int = 200) -> Times:
