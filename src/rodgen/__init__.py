@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rodgen.analyse.critical import Critical, critical_force
+    from rodgen.analyse.cycles.cycle import Cycle, find_cycle
     from rodgen.analyse.errors import AnalysisError, MeshWarning
     from rodgen.analyse.extrapolate import Extrapolation, richardson
     from rodgen.analyse.fourier import Spectrum, spectrum
@@ -63,6 +64,8 @@ _HOMES = {
     "Equilibrium": "rodgen.analyse.statics",
     "critical_force": "rodgen.analyse.critical",
     "Critical": "rodgen.analyse.critical",
+    "find_cycle": "rodgen.analyse.cycles.cycle",
+    "Cycle": "rodgen.analyse.cycles.cycle",
     "simulated_critical_force": "rodgen.analyse.growth",
     "SimulatedCritical": "rodgen.analyse.growth",
     "spectrum": "rodgen.analyse.fourier",
@@ -82,6 +85,7 @@ __all__ = [
     "AnalysisError",
     "BuildError",
     "Critical",
+    "Cycle",
     "Ensemble",
     "Equilibrium",
     "Event",
@@ -104,6 +108,7 @@ __all__ = [
     "build",
     "choose",
     "critical_force",
+    "find_cycle",
     "load",
     "natural_modes",
     "resume",

@@ -15,6 +15,7 @@ from rodgen.cli import (
     animate,
     check,
     critical,
+    cycle,
     derive,
     modes,
     precision,
@@ -38,6 +39,7 @@ OWN: dict[str, Callable[..., object]] = {
     "modes": modes.modes,
     "static": static.static,
     "critical": critical.critical,
+    "cycle": cycle.cycle,
     "precision": precision.precision,
     "study": study.study,
 }

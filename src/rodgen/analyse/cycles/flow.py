@@ -1,0 +1,77 @@
+"""The motion from a state on, and how small changes of that state are carried along."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from types import ModuleType
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from rodgen.analyse.cycles.quotient import Quotient
+from rodgen.analyse.errors import AnalysisError
+from rodgen.integrate.stepper import Array
+
+RTOL, ATOL = 1e-12, 1e-14  # a period is to be right to 1e-8, a trivial multiplier as well
+NUDGE = 1e-4  # of a parameter: central differences of it err by the square, 1e-8
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Motions of a module with parameters p, of the states that count in a quotient.
+
+    rtol, atol: of the integration.
+    """
+
+    model: ModuleType
+    p: Array
+    quotient: Quotient
+    rtol: float = field(default=RTOL, kw_only=True)
+    atol: float = field(default=ATOL, kw_only=True)
+
+    def at(self, p: Array) -> Flow:
+        """With other parameters."""
+        return replace(self, p=p)
+
+    def rates(self, t: float, x: Array) -> Array:
+        """Of the states that count (size,) at time t [s]."""
+        f: Array = self.model.rhs(t, self.quotient.lifted(x), self.p)[self.quotient.kept]
+        return f
+
+    def carried(self, t: float, x: Array, span: float) -> Array:
+        """The state (size,) after a span [s] from x at time t on. Raises AnalysisError."""
+        return self._gone(t, x, span, np.zeros((len(x), 0)))[0]
+
+    def with_tangents(
+        self, t: float, x: Array, span: float, V: Array | None = None
+    ) -> tuple[Array, Array]:
+        """The state (size,) after a span [s], and what directions V (size, k), by default all, have
+        become (size, k). Raises AnalysisError."""
+        return self._gone(t, x, span, np.eye(len(x)) if V is None else V)
+
+    def _gone(self, t: float, x: Array, span: float, V: Array) -> tuple[Array, Array]:
+        kept, size, count = self.quotient.kept, len(x), V.shape[1]
+        inner = np.ix_(kept, kept)
+
+        def rates(t: float, z: Array) -> Array:
+            y = self.quotient.lifted(z[:size])
+            f: Array = self.model.rhs(t, y, self.p)[kept]
+            if not count:
+                return f
+            J = self.model.jac(t, y, self.p)[inner]
+            return np.concatenate((f, (J @ z[size:].reshape(size, count)).ravel()))
+
+        atol = np.concatenate((np.full(size, self.atol), np.full(size * count, 1e-10)))
+        made = solve_ivp(
+            rates,
+            (t, t + span),
+            np.concatenate((x, V.ravel())),
+            "DOP853",
+            t_eval=[t + span],
+            rtol=self.rtol,
+            atol=atol,
+        )
+        if not made.success or not np.isfinite(made.y).all():
+            raise AnalysisError(f"the motion cannot be followed over {span:.6g} s ({made.message})")
+        end = made.y[:, -1]
+        return end[:size], end[size:].reshape(size, count)
