@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rodgen.cli.console import out, print_json, print_values, warn, working, write_picture
+from rodgen.cli.console import print_json, print_values, warn, working, write_picture
 from rodgen.cli.options import AsJson, OutFolder, SceneFile
 from rodgen.cli.results import promised
 

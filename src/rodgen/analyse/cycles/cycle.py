@@ -14,7 +14,7 @@ from rodgen.analyse.cycles.drive import load_period
 from rodgen.analyse.cycles.elimination import Complex
 from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.cycles.quotient import Quotient
-from rodgen.analyse.cycles.settling import Return, last_return, run_of
+from rodgen.analyse.cycles.settling import Return, extent, last_return, run_of
 from rodgen.analyse.cycles.shooting import Orbit, Shooting, cut, multipliers
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.system import frozen
@@ -29,11 +29,13 @@ from rodgen.scene.plain import is_number, plain
 from rodgen.scene.scene import check_scene
 
 SEGMENTS = 4
-PARTS = ("rhs", "jac")  # of the module
+PARTS = ("rhs", "jac", "tangents")  # of the module
 MOST_SEGMENTS = 1000
-SPANS = 5  # runs, each twice as long as all before, until a motion has settled
+SPANS = 5  # runs, each as long as all before, until a motion has settled
 FROM_RUN = 0.2, 5.0  # times its size in the run: a motion that Newton's method has not led away
 STABLE = 1e-7  # by which a multiplier may exceed 1: beyond it, a cycle is unstable
+MOST_TURNS = 5  # of a cycle, in what was taken for its period
+CLOSED = 1e-7  # of its size: a part of the period brings it back
 AT_REST = 1e-9  # of a motion [rad]: none
 
 
@@ -92,7 +94,7 @@ class Cycle:
         every = self.period / 128
         table = self.scene.model_dump(exclude_none=True)
         table["integrate"] = {"span": span, "output_every": every, "rtol": 1e-10, "atol": 1e-12}
-        return simulate(Scene.from_dict(table | {"events": []}), progress=False)
+        return simulate(Scene.from_dict(table | {"events": []}), model=self.model, progress=False)
 
     @cached_property
     def drift(self) -> Array:
@@ -125,7 +127,7 @@ def find_cycle(
 ) -> Cycle:
     """The periodic motion that a scene settles on, and its Floquet multipliers.
 
-    The scene is run from its initial state over its span, and on where it has not settled, up to 31
+    The scene is run from its initial state over its span, and on where it has not settled, up to 16
     spans; from where it comes back to itself Newton's method goes on by multiple shooting in so
     many segments. y0 (states,) and period [s]: a state near a cycle, stable or not, and nearly its
     period, from which Newton's method begins instead. Loads that repeat give the period, which may
@@ -153,9 +155,7 @@ def _count(segments: object) -> int:
     return made
 
 
-def _begun(
-    scene: Scene, y0: ArrayLike | None, period: float | None
-) -> tuple[Array, float] | None:
+def _begun(scene: Scene, y0: ArrayLike | None, period: float | None) -> tuple[Array, float] | None:
     """A state and a period that were given, checked."""
     if y0 is None and period is None:
         return None
@@ -216,8 +216,8 @@ class Search:
             t, y = float(times[-1]), states[-1]
             flow = self.flow(t, y)
             back = last_return(times, states[:, flow.quotient.kept], flow.quotient, self.forced)
-            if back is not None and back.scale < AT_REST:
-                raise AnalysisError(f"no cycle: the motion has come to rest at t = {t:g} s")
+            if extent(states[len(states) // 2 :, flow.quotient.kept], flow.quotient) < AT_REST:
+                raise AnalysisError(f"no cycle: the motion has come to rest before t = {t:g} s")
             if back is None:
                 why = "it does not come back to where it was"
             else:
@@ -225,21 +225,36 @@ class Search:
                     return replace(self._from(flow, back, segments), after=t - start)
                 except AnalysisError as error:
                     why = str(error)
-            span *= 1 + (t - start) / span
+            span = max(span, t - start)
         raise AnalysisError(
-            f"no cycle: the motion has not settled on one in {t - start:g} s, {2**SPANS - 1} spans "
-            f"of the scene ({why})"
+            f"no cycle: the motion has not settled on one in {t - start:g} s, "
+            f"{2 ** (SPANS - 1)} spans of the scene ({why})"
         )
 
     def _from(self, flow: Flow, back: Return, segments: int) -> Cycle:
         """From where a run came back. Raises AnalysisError where that leads to another motion."""
         x = cut(flow, back.t, back.x, back.period, segments)
         orbit = Orbit(x, back.t, back.period, back.angle, back.scale)
-        found = Shooting(flow, bool(self.forced)).solved(orbit)
+        found = self._shortest(flow, Shooting(flow, bool(self.forced)).solved(orbit))
         grown = self._extent(flow, found) / back.scale
         if not FROM_RUN[0] < grown < FROM_RUN[1]:
             raise AnalysisError(f"Newton's method led to a motion {grown:.3g} times as large")
         return self.cycle(flow, found)
+
+    def _shortest(self, flow: Flow, orbit: Orbit) -> Orbit:
+        """The orbit with its least period, where it goes round more than once."""
+        turns = round(orbit.period / self.forced) if self.forced else MOST_TURNS
+        for parts in range(turns, 1, -1):
+            if self.forced and turns % parts:
+                continue
+            period = orbit.period / parts
+            angle = orbit.angle / parts
+            end = flow.quotient.turned(flow.carried(orbit.t, orbit.x[0], period), -angle)
+            if np.abs(end - orbit.x[0]).max() <= CLOSED * orbit.scale:
+                x = cut(flow, orbit.t, orbit.x[0], period, len(orbit.x))
+                fresh = replace(orbit, x=x, period=period, angle=angle, change=np.inf)
+                return Shooting(flow, bool(self.forced)).solved(fresh)
+        return orbit
 
     def polished(self, y: Array, period: float, segments: int) -> Cycle:
         """From a state and a period near a cycle. Raises AnalysisError."""
@@ -255,7 +270,7 @@ class Search:
         every = period / settling.PER_PERIOD
         _, states = run_of(self.scene, y, t, period, every, self.target)
         swing = states[:, x]
-        scale = float((swing.max(axis=0) - swing.min(axis=0)).max()) / 2
+        scale = extent(swing, flow.quotient)
         if scale < AT_REST:
             raise AnalysisError("no cycle: a rod in the state that was given does not move")
         angle = self._angle(flow.quotient, swing[0], swing[-1])
@@ -272,11 +287,7 @@ class Search:
     def _extent(self, flow: Flow, orbit: Orbit) -> float:
         """The largest deviation of a state from the middle, along a motion."""
         x = cut(flow, orbit.t, orbit.x[0], orbit.period, max(16, len(orbit.x)))
-        if flow.quotient.turns:
-            share = np.arange(len(x)) / len(x)
-            pairs = zip(x, share, strict=True)
-            x = np.array([flow.quotient.turned(one, -at * orbit.angle) for one, at in pairs])
-        return float((x.max(axis=0) - x.min(axis=0)).max()) / 2
+        return extent(x, flow.quotient)
 
     def cycle(self, flow: Flow, orbit: Orbit) -> Cycle:
         """What there is to say of an orbit."""

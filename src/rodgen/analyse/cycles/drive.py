@@ -33,7 +33,9 @@ def load_period(scene: Scene, model: ModuleType, p: Array) -> float:
     changing = scene.distribution.changing
     if changing:
         field = changing[0][-1].field
-        raise SceneError(field, changing[0][-1].text, "a number: no motion repeats while it changes")
+        raise SceneError(
+            field, changing[0][-1].text, "a number: no motion repeats while it changes"
+        )
     start, end = scene.integrate.span
     random = np.random.default_rng(2)
     times = end - TAIL * (end - start) * random.random(TIMES)

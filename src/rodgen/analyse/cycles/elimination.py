@@ -2,10 +2,10 @@
 
     G_i d_i - d_{i+1} + B_i e = r_i,    i = 0 .. m-1,    d_m = d_0
 
-Inner unknowns are eliminated by orthogonal transformations, so that A d_0 - B d_m + C e = c remains,
-whose pencil A - mu B has the multipliers: backward stable for any number of segments and for any
-spread of the multipliers, where the product G_{m-1} .. G_0 loses the small ones in the rounding of
-the large (Fairgrieve and Jepson, SIAM J. Numer. Anal. 28 (1991) 1446).
+Inner unknowns are eliminated by orthogonal transformations, so that A d_0 - B d_m + C e = c is
+left, whose pencil A - mu B has the multipliers. That is backward stable for any number of segments
+and any spread of the multipliers, where the product G_{m-1} .. G_0 loses the small ones in the
+rounding of the large (Fairgrieve and Jepson, SIAM J. Numer. Anal. 28 (1991) 1446).
 """
 
 from __future__ import annotations

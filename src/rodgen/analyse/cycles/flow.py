@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 from types import ModuleType
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from rodgen.analyse.cycles.quotient import Quotient
 from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.stepper import Array
+from rodgen.integrate.stepper import Array, StepError
+from rodgen.integrate.variations import Steps, Variations
 
 RTOL, ATOL = 1e-12, 1e-14  # a period is to be right to 1e-8, a trivial multiplier as well
 NUDGE = 1e-4  # of a parameter: central differences of it err by the square, 1e-8
@@ -50,28 +50,17 @@ class Flow:
         return self._gone(t, x, span, np.eye(len(x)) if V is None else V)
 
     def _gone(self, t: float, x: Array, span: float, V: Array) -> tuple[Array, Array]:
-        kept, size, count = self.quotient.kept, len(x), V.shape[1]
-        inner = np.ix_(kept, kept)
-
-        def rates(t: float, z: Array) -> Array:
-            y = self.quotient.lifted(z[:size])
-            f: Array = self.model.rhs(t, y, self.p)[kept]
-            if not count:
-                return f
-            J = self.model.jac(t, y, self.p)[inner]
-            return np.concatenate((f, (J @ z[size:].reshape(size, count)).ravel()))
-
-        atol = np.concatenate((np.full(size, self.atol), np.full(size * count, 1e-10)))
-        made = solve_ivp(
-            rates,
-            (t, t + span),
-            np.concatenate((x, V.ravel())),
-            "DOP853",
-            t_eval=[t + span],
-            rtol=self.rtol,
-            atol=atol,
-        )
-        if not made.success or not np.isfinite(made.y).all():
-            raise AnalysisError(f"the motion cannot be followed over {span:.6g} s ({made.message})")
-        end = made.y[:, -1]
-        return end[:size], end[size:].reshape(size, count)
+        kept = self.quotient.kept
+        y = self.quotient.lifted(x)
+        directions = np.zeros((V.shape[1], len(y)))
+        directions[:, kept] = V.T
+        steps = Steps(rtol=self.rtol, atol=self.atol)
+        try:
+            motion = Variations(self.model, self.p, t, y, directions, steps)
+            motion.on(t + span)
+        except StepError as error:
+            raise AnalysisError(f"the motion cannot be followed: {error}") from None
+        end, grown = motion.y[kept], motion.tangents[:, kept].T
+        if not (np.isfinite(end).all() and np.isfinite(grown).all()):
+            raise AnalysisError("the motion cannot be followed: it leaves the range of numbers")
+        return end, grown

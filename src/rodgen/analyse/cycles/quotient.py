@@ -2,8 +2,8 @@
 
 Where nothing depends on where joint 0 is, nor (without drag) on how fast it moves, these states are
 left out; where loads turn with the rod, or there are none, turning the whole rod turns the motion,
-and a motion that comes back turned by an angle is a cycle: a relative periodic motion. What is so is
-seen from the derivatives of the rates, not from the names of the loads.
+and a motion that comes back turned by an angle is a cycle: a relative periodic motion. What is so
+is seen from the derivatives of the rates, not from the names of the loads.
 """
 
 from __future__ import annotations

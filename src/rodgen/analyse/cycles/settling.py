@@ -26,8 +26,7 @@ MOST_PERIODS = 32  # of loads, after which a motion is expected back
 class Return:
     """A motion that has come back: x: the state that counts (size,) at a time t [s]; period [s];
     angle: by which the rod is turned [rad]; distance: from where it was a period before, as a share
-    of the farthest that it goes away; scale: of the motion, the largest deviation of a state from
-    its mean; fades: how much smaller the motion is than half the run before."""
+    of the farthest that it goes away; scale: `extent` of the motion."""
 
     t: float
     x: Array = field(repr=False)
@@ -77,19 +76,24 @@ def last_return(t: Array, x: Array, quotient: Quotient, forced: float = 0.0) -> 
     if not near:
         return None
     best = min(d for _, d, _ in near)
-    lag, d, at = next(
-        one for one in near if one[1] <= max(ALIKE[0] * best, ALIKE[1] * farthest)
-    )
+    lag, d, at = next(one for one in near if one[1] <= max(ALIKE[0] * best, ALIKE[1] * farthest))
     turned = angles[-1] - angles[at] if quotient.turns else laps[-1] - laps[at]
-    recent = away[t >= t[-1] - 2 * lag]
+    recent = x[t >= t[-1] - 2 * lag]
     return Return(
         t=float(t[-1]),
         x=x[-1].copy(),
         period=lag,
         angle=float(turned),
         distance=float(d / farthest),
-        scale=float((recent.max(axis=0) - recent.min(axis=0)).max()) / 2,
+        scale=extent(recent, quotient),
     )
+
+
+def extent(x: Array, quotient: Quotient) -> float:
+    """The largest deviation of a state from the middle of a motion x (K, size), apart from turning
+    the whole rod where that does not count."""
+    shape = _unturned(x, quotient)[0]
+    return float((shape.max(axis=0) - shape.min(axis=0)).max()) / 2
 
 
 def _unturned(x: Array, quotient: Quotient) -> tuple[Array, Array]:

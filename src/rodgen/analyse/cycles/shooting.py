@@ -1,4 +1,4 @@
-"""Periodic motions by multiple shooting: Newton's method on the states at the starts of segments."""
+"""Periodic motions by multiple shooting: Newton's method on the states where segments start."""
 
 from __future__ import annotations
 
