@@ -59,7 +59,7 @@ class Bordered:
             return sign_of(self._factors)
         pivoted, order = self._dense
         swaps = int((order != np.arange(len(order))).sum())
-        return int(np.sign(np.diagonal(pivoted)).prod()) * (-1) ** swaps
+        return int(np.sign(np.diagonal(pivoted)).prod()) * (-1 if swaps % 2 else 1)
 
 
 def sign_of(factors: Any) -> int:
