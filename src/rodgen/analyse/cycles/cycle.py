@@ -100,7 +100,8 @@ class Cycle:
     def drift(self) -> Array:
         """By how much joint 0 moves in a period (2,) [m]."""
         joints: Array = self.motion.joints[[0, -1], 0]
-        return joints[1] - joints[0]
+        moved: Array = joints[1] - joints[0]
+        return moved
 
     @property
     def work(self) -> dict[str, float]:

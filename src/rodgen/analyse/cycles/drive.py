@@ -70,16 +70,16 @@ def _periods(scene: Scene, end: float) -> Iterator[float]:
     """Of what swings in the expressions of a scene [s]."""
     for e in (*scene.expressions.values(), *scene.rates.values()):
         for node in ast.walk(ast.parse(e.text, mode="eval")):
-            name = node.func.id if isinstance(node, ast.Call) and _named(node.func) else ""
-            if name in SWINGS:
-                assert isinstance(node, ast.Call)
-                slope = _slope(ast.unparse(node.args[0]), e, end)
+            if _swings(node):
+                slope = _slope(ast.unparse(node.args[0]), e, end)  # type: ignore[attr-defined]
                 if slope:
                     yield 2 * math.pi / slope
 
 
-def _named(function: ast.expr) -> bool:
-    return isinstance(function, ast.Name)
+def _swings(node: ast.AST) -> bool:
+    """Whether it is a function that repeats, of something."""
+    named = isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+    return named and node.func.id in SWINGS  # type: ignore[attr-defined]
 
 
 def _slope(text: str, of: Expression, end: float) -> float:

@@ -45,12 +45,13 @@ class Quotient:
         near = [y + ASIDE * random.standard_normal(len(y)) for _ in range(PLACES)]
         J = [model.jac(t, one, p) for one in near]
         out = list[int]()
-        for pair in ([0, 1], [half, half + 1]) if base else ():
+        for first in (0, half) if base else ():
+            pair = np.array([first, first + 1])
             # Places are led by velocities: only what is kept must not follow them.
-            rows = np.setdiff1d(np.arange(len(y)), [*out, *pair])
+            rows = np.setdiff1d(np.arange(len(y)), [*out, *pair.tolist()])
             if any(one[np.ix_(rows, pair)].any() for one in J):
                 break
-            out += pair
+            out += pair.tolist()
         kept = np.setdiff1d(np.arange(len(y)), out)
         angles = np.flatnonzero((kept >= base) & (kept < half))
         velocity = np.flatnonzero((kept >= half) & (kept < half + base))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,10 +13,14 @@ from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.stepper import Array
 
-ITERATIONS = 30
+ITERATIONS = 20
 DONE = 1e-11  # of the size of the motion: the last correction of Newton's method
 ROUNDED = 1e-8  # likewise, of a correction that no longer shrinks
 LONGEST = 0.5  # the largest share by which a correction changes the period or the motion
+CHORD, QUICK = 1e-2, 0.2  # corrections from which older derivatives will do, while they shrink so
+LOST, NEARBY = 30.0, 1e-3  # times the least residual, or of the motion: Newton's method is lost
+PATIENCE, HOPE = 4, 0.3  # iterations in which the residual has to shrink so much
+FARTHEST = 1.5  # times the period that it began with, or a part of it
 
 
 @dataclass(frozen=True)
@@ -37,18 +42,28 @@ class Orbit:
     iterations: int = 0
 
 
+class Linearised(NamedTuple):
+    """Derivatives of segments G_i (m, size, size), columns by period and by angle B_i (m, size, k),
+    and residuals r_i (m, size), as `elimination` has them."""
+
+    G: list[Array]
+    B: list[Array]
+    r: list[Array]
+
+
+def _segments(orbit: Orbit) -> list[tuple[float, Array, float]]:
+    """Start [s], state and span [s] of every segment."""
+    share = orbit.period / len(orbit.x)
+    return [(orbit.t + i * share, x, share) for i, x in enumerate(orbit.x)]
+
+
 @dataclass(frozen=True)
 class Shooting:
     """What closes a motion: after a period (forced: that is given) it is where it began, turned by
-    an angle (turns: that is sought as well).
-
-    gradients: of conserved quantities at a state (size,), (count, size): where there are any, the
-    values that the first state has are kept, for such motions come in families.
-    """
+    an angle (turns: that is sought as well)."""
 
     flow: Flow
     forced: bool = False
-    conserved: Sequence[object] = ()
 
     @property
     def turns(self) -> bool:
@@ -60,26 +75,39 @@ class Shooting:
         """How many multipliers are 1 whatever the motion."""
         return (not self.forced) + self.turns
 
-    def linearised(self, orbit: Orbit) -> tuple[list[Array], list[Array], list[Array]]:
-        """Derivatives of segments G_i, columns by period and by angle B_i, and residuals r_i, as
-        `elimination` has them. Raises AnalysisError."""
+    def linearised(self, orbit: Orbit) -> Linearised:
+        """Derivatives and residuals at an orbit. Raises AnalysisError."""
+        made = [self.flow.with_tangents(t, x, span) for t, x, span in _segments(orbit)]
+        ends, grown = [end for end, _ in made], [G for _, G in made]
+        grown[-1] = self.flow.quotient.turned_columns(grown[-1], -orbit.angle)
+        return Linearised(grown, self._columns(orbit, ends), self._residuals(orbit, ends))
+
+    def anew(self, orbit: Orbit, by: Linearised) -> Linearised:
+        """With the derivatives of an orbit close by, which cost ten times what the residuals do.
+        Raises AnalysisError."""
+        ends = [self.flow.carried(t, x, span) for t, x, span in _segments(orbit)]
+        return Linearised(by.G, self._columns(orbit, ends), self._residuals(orbit, ends))
+
+    def _columns(self, orbit: Orbit, ends: Sequence[Array]) -> list[Array]:
+        """Derivatives of the ends of segments by the period and by the angle (size, k)."""
         count, q = len(orbit.x), self.flow.quotient
-        share = orbit.period / count
-        G, B, r = list[Array](), list[Array](), list[Array]()
-        for i, x in enumerate(orbit.x):
-            start = orbit.t + i * share
-            end, grown = self.flow.with_tangents(start, x, share)
-            columns = [] if self.forced else [self.flow.rates(start + share, end) / count]
-            last = i == count - 1
+        made = list[Array]()
+        for (t, x, span), end in zip(_segments(orbit), ends, strict=True):
+            last = len(made) == count - 1
+            ways = [] if self.forced else [self.flow.rates(t + span, end) / count]
             if last:
-                end, grown = q.turned(end, -orbit.angle), q.turned_columns(grown, -orbit.angle)
-                columns = [q.turned_columns(one[:, None], -orbit.angle)[:, 0] for one in columns]
+                ways = [q.turned_columns(way[:, None], -orbit.angle)[:, 0] for way in ways]
             if self.turns:
-                columns.append(-q.turning(end) if last else np.zeros(len(x)))
-            G.append(grown)
-            B.append(np.array(columns).reshape(-1, len(x)).T)
-            r.append(orbit.x[(i + 1) % count] - end)
-        return G, B, r
+                way = -q.turning(q.turned(end, -orbit.angle)) if last else np.zeros(len(x))
+                ways.append(way)
+            made.append(np.array(ways).reshape(-1, len(x)).T)
+        return made
+
+    def _residuals(self, orbit: Orbit, ends: Sequence[Array]) -> list[Array]:
+        """By how much segments miss where the next ones begin."""
+        last = self.flow.quotient.turned(ends[-1], -orbit.angle)
+        after = [*orbit.x[1:], orbit.x[0]]
+        return [x - end for x, end in zip(after, [*ends[:-1], last], strict=True)]
 
     def conditions(self, orbit: Orbit) -> Array:
         """Directions (k, size) in which the first state is not to move: along the motion, unless it
@@ -90,26 +118,41 @@ class Shooting:
 
     def solved(self, orbit: Orbit) -> Orbit:
         """The periodic motion by an orbit, with its segments' derivatives. Raises AnalysisError."""
-        before, kept = np.inf, orbit
-        for iteration in range(1, ITERATIONS + 1):
-            G, B, r = self.linearised(kept)
-            residual = float(np.abs(r).max()) / kept.scale
-            condensed = Condensed.of(G, B, r)
-            if kept.change <= DONE or (kept.change <= ROUNDED and kept.change >= 0.5 * before):
-                return replace(kept, condensed=condensed, residual=residual)
-            ways = self.conditions(kept)
-            rows = np.hstack((ways, np.zeros((len(ways), len(ways)))))
-            d, more = condensed.solved(rows, np.zeros(len(ways)))
-            if not (np.isfinite(d).all() and np.isfinite(more).all()):
+        kept, at, least = orbit, self.linearised(orbit), list[float]()
+        while kept.iterations < ITERATIONS:
+            residual = float(np.abs(at.r).max()) / kept.scale
+            least.append(min([residual, *least[-1:]]))
+            if not residual <= LOST * max(least[-1], NEARBY):
+                break
+            if len(least) > PATIENCE and least[-1] > HOPE * least[-1 - PATIENCE]:
                 break
             before = kept.change
-            kept = replace(self._moved(kept, d, more), iterations=iteration)
-            if not kept.period > 0:
+            kept = replace(self._corrected(kept, at), residual=residual)
+            if not 1 / FARTHEST < kept.period / orbit.period < FARTHEST:
                 break
+            if kept.change <= DONE or (kept.change <= ROUNDED and kept.change >= 0.5 * before):
+                return self.closed(kept)
+            near = kept.change < CHORD and kept.change < QUICK * before
+            at = self.anew(kept, at) if near else self.linearised(kept)
         raise AnalysisError(
             f"Newton's method found no periodic motion near a period of {orbit.period:.6g} s "
             f"({kept.iterations} iterations, the last correction {kept.change:.1e} of its size)"
         )
+
+    def closed(self, orbit: Orbit) -> Orbit:
+        """An orbit that closes, with its derivatives. Raises AnalysisError."""
+        at = self.linearised(orbit)
+        residual = float(np.abs(at.r).max()) / orbit.scale
+        return replace(orbit, condensed=Condensed.of(at.G, at.B, at.r), residual=residual)
+
+    def _corrected(self, orbit: Orbit, at: Linearised) -> Orbit:
+        """After one correction. Raises AnalysisError."""
+        ways = self.conditions(orbit)
+        rows = np.hstack((ways, np.zeros((len(ways), len(ways)))))
+        d, more = Condensed.of(at.G, at.B, at.r).solved(rows, np.zeros(len(ways)))
+        if not (np.isfinite(d).all() and np.isfinite(more).all()):
+            raise AnalysisError("Newton's method leaves the range of numbers")
+        return self._moved(orbit, d, more)
 
     def _moved(self, orbit: Orbit, d: Array, more: Array) -> Orbit:
         change = float(np.abs(d).max()) / orbit.scale
@@ -123,6 +166,7 @@ class Shooting:
             period=orbit.period + share * longer,
             angle=orbit.angle + share * turn,
             change=most,
+            iterations=orbit.iterations + 1,
         )
 
 
