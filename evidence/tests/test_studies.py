@@ -25,8 +25,8 @@ def test_costs(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_memory(capsys: pytest.CaptureFixture[str]) -> None:
-    memories((100,))
-    assert capsys.readouterr().out.count(" MB, worker ") == 2
+    memories((100,), (1,))
+    assert capsys.readouterr().out.count(" MB, worker ") == 1
 
 
 def test_kills() -> None:

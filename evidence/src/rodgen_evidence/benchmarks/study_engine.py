@@ -12,6 +12,7 @@ from __future__ import annotations
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -131,9 +132,9 @@ def memory(count: int, axes: int) -> tuple[float, float]:
         return peak(this.pid), max(peak(one.pid) for one in this.children(recursive=True))
 
 
-def memories(counts: tuple[int, ...] = (10**4, 10**6)) -> None:
-    """Print the memory of studies of so many points."""
-    for axes in (1, 2):
+def memories(counts: Sequence[int] = (10**4, 10**6), along: Sequence[int] = (1, 2)) -> None:
+    """Print the memory of studies of so many points along so many axes."""
+    for axes in along:
         for count in counts:
             with ProcessPoolExecutor(1, get_context("spawn")) as pool:
                 client, worker = pool.submit(memory, count, axes).result()

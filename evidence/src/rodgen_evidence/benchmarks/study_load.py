@@ -72,10 +72,9 @@ def processes(count: int, folder: Path) -> Iterator[tuple[str, list[int]]]:
             address = client.scheduler.address
         yield address, [one.pid for one in started]
     finally:
-        for one in reversed(started):
-            one.terminate()
         for one in started:
-            one.wait(30)
+            one.kill()
+            one.wait()
 
 
 def used(of: list[int]) -> list[float]:
