@@ -12,14 +12,24 @@ import numpy as np
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.fourier import peaks_of
 from rodgen.integrate.catalogue import Piece
+from rodgen.integrate.crossings import Crossed, Crossing
 from rodgen.integrate.reductions import Numbers, Reduction
 from rodgen.studies.variable import Variable
 
 if TYPE_CHECKING:
     from rodgen.integrate import Solution
+    from rodgen.integrate.equations import Equations
+    from rodgen.integrate.stepper import Array
+    from rodgen.scene.tables import Event
 
 MOST_POINTS = 1000  # of a section, where no other number is given
 EVERY = -math.inf, math.inf
+
+
+def crossing_of(event: Event, *kept: Any, **between: float) -> Crossing:
+    """What runs side by side look out for as an event of their scene; kept, between: the rest of a
+    Crossing."""
+    return Crossing(event.quantity, event.value, event.direction, *kept, **between)
 
 
 @dataclass(frozen=True)
@@ -69,6 +79,14 @@ class Count:
         """What it is of a run."""
         found = [one for one in solution.events if one.name == self.event]
         return {self.text: sum(self.start <= one.t <= self.end for one in found)}
+
+    def crossing(self, event: Event, equations: Equations) -> Crossing:
+        """What runs side by side look out for."""
+        return crossing_of(event, start=self.start, end=self.end)
+
+    def of_many(self, crossed: Crossed, equations: Equations, p: Array) -> dict[str, Any]:
+        """What it is of many runs, with parameters p (runs, parameters)."""
+        return {self.text: crossed.count}
 
 
 @dataclass(frozen=True)
@@ -121,6 +139,28 @@ class Section:
             made[self.text][: len(met)] = places.values(there, self.number)
             made[f"{self.text}.t"][: len(met)] = t
         return made
+
+    def crossing(self, event: Event, equations: Equations) -> Crossing:
+        """What runs side by side look out for: where C does not have the number, the states."""
+        alone = equations.observes(self.number)
+        numbers = (self.number,) if alone else tuple(equations.model.STATE)
+        return crossing_of(event, numbers, self.most, self.start, self.end)
+
+    def of_many(self, crossed: Crossed, equations: Equations, p: Array) -> dict[str, Any]:
+        """What it is of many runs, with parameters p (runs, parameters)."""
+        if equations.observes(self.number):
+            return {self.text: crossed.values[..., 0], f"{self.text}.t": crossed.t}
+        made = np.full(crossed.t.shape, math.nan)
+        for run in np.flatnonzero(crossed.count):
+            met = slice(min(int(crossed.count[run]), self.most))
+            states, t, timed = (
+                crossed.values[run, met],
+                crossed.t[run, met],
+                equations.timed(p[run]),
+            )
+            there = Piece(equations.model, p[run], states, t, timed=timed)
+            made[run, met] = equations.numbers.values(there, self.number)
+        return {self.text: made, f"{self.text}.t": crossed.t}
 
 
 @dataclass(frozen=True)
