@@ -41,10 +41,10 @@ class Crossing:
 
 
 class Crossed(NamedTuple):
-    """count: how many crossings there were, (rods,); t: when [s], (rods, most); values: of what is
+    """counts: how many crossings there were, (rods,); t: when [s], (rods, most); values: of what is
     kept of each, (rods, most, kept); not-a-number behind the last."""
 
-    count: NDArray[np.int64]
+    counts: NDArray[np.int64]
     t: Array
     values: Array
 
@@ -106,11 +106,11 @@ class Watched:
     def found(self, rows: Array) -> Iterator[Crossed]:
         """Crossings of many rods, from what the loops have written, (rods, width)."""
         for place, one in zip(self.table["place"].tolist(), self.crossings, strict=True):
-            count = rows[:, place].astype(np.int64)
+            counts = rows[:, place].astype(np.int64)
             each = rows[:, place + 1 : place + one.width]
             made = each.reshape(len(rows), one.most, 1 + len(one.kept)).copy()
-            made[np.arange(one.most) >= count[:, None]] = np.nan
-            yield Crossed(count, made[..., 0], made[..., 1:])
+            made[np.arange(one.most) >= counts[:, None]] = np.nan
+            yield Crossed(counts, made[..., 0], made[..., 1:])
 
     def stop(self, number: int) -> str:
         """The name of the event that has ended a run, by what its outcome tells."""

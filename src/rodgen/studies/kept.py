@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,10 +26,9 @@ MOST_POINTS = 1000  # of a section, where no other number is given
 EVERY = -math.inf, math.inf
 
 
-def crossing_of(event: Event, *kept: Any, **between: float) -> Crossing:
-    """What runs side by side look out for as an event of their scene; kept, between: the rest of a
-    Crossing."""
-    return Crossing(event.quantity, event.value, event.direction, *kept, **between)
+def crossing_of(event: Event) -> Crossing:
+    """What runs side by side look out for as an event of their scene."""
+    return Crossing(event.quantity, event.value, event.direction)
 
 
 @dataclass(frozen=True)
@@ -82,11 +81,11 @@ class Count:
 
     def crossing(self, event: Event, equations: Equations) -> Crossing:
         """What runs side by side look out for."""
-        return crossing_of(event, start=self.start, end=self.end)
+        return replace(crossing_of(event), start=self.start, end=self.end)
 
     def of_many(self, crossed: Crossed, equations: Equations, p: Array) -> dict[str, Any]:
         """What it is of many runs, with parameters p (runs, parameters)."""
-        return {self.text: crossed.count}
+        return {self.text: crossed.counts}
 
 
 @dataclass(frozen=True)
@@ -144,15 +143,16 @@ class Section:
         """What runs side by side look out for: where C does not have the number, the states."""
         alone = equations.observes(self.number)
         numbers = (self.number,) if alone else tuple(equations.model.STATE)
-        return crossing_of(event, numbers, self.most, self.start, self.end)
+        counted = replace(crossing_of(event), start=self.start, end=self.end)
+        return replace(counted, kept=numbers, most=self.most)
 
     def of_many(self, crossed: Crossed, equations: Equations, p: Array) -> dict[str, Any]:
         """What it is of many runs, with parameters p (runs, parameters)."""
         if equations.observes(self.number):
             return {self.text: crossed.values[..., 0], f"{self.text}.t": crossed.t}
         made = np.full(crossed.t.shape, math.nan)
-        for run in np.flatnonzero(crossed.count):
-            met = slice(min(int(crossed.count[run]), self.most))
+        for run in np.flatnonzero(crossed.counts):
+            met = slice(min(int(crossed.counts[run]), self.most))
             states, t, timed = (
                 crossed.values[run, met],
                 crossed.t[run, met],
