@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csc_array
-from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
+from rodgen.analyse.bordered import sign_of
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import SINGULAR, Cells, Dense, sparse
 from rodgen.analyse.system import System, Unknowns
@@ -62,9 +61,7 @@ class ChainBalance:
             return int((np.linalg.eigvals(np.linalg.solve(dense.M, -dense.K)).real > 0).sum())
         if self.cells.ways is not None:
             return int(np.linalg.slogdet(self.cells.reduced().K)[0])
-        factors = splu(sparse(self.cells.statics))
-        signs = np.sign(factors.U.diagonal()).prod()
-        return int(signs * _parity(factors.perm_r) * _parity(factors.perm_c))
+        return sign_of(splu(sparse(self.cells.statics)))
 
 
 @dataclass(frozen=True)
@@ -216,11 +213,3 @@ def balance(system: System, at: Unknowns, p: Array, bend: Array | float = 0.0) -
 def free_ways(system: System, at: Unknowns, p: Array) -> Array:
     """Directions (k, 2) in which nothing holds a free rod, nor follows its place."""
     return WholeBalance(system, system.at_rest(at), p, 0.0).free
-
-
-def _parity(order: Array) -> int:
-    """1 for an even permutation, -1 for an odd one."""
-    size = len(order)
-    moves = csc_array((np.ones(size), (np.arange(size), order)), shape=(size, size))
-    cycles = connected_components(moves)[0]
-    return 1 if (size - cycles) % 2 == 0 else -1
