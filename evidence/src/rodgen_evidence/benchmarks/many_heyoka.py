@@ -82,7 +82,7 @@ def of_heyoka(links: int, exact: Array, rounds: int, compact: bool) -> list[Poin
     of, rods, width = scene(links), len(exact), hy.recommended_simd_size()
     unknown = [hy.make_vars(*(f"{name}{i}" for i in range(links + 2))) for name in "qu"]
     given = {**of.parameters, "follower_force": hy.par[0]}
-    rates = chain.accelerations(of.structure, given, *unknown, SYMBOLS)
+    rates = chain.accelerations(of.structure, given, unknown[0], unknown[1], SYMBOLS)
     system = list(zip([*unknown[0], *unknown[1]], [*unknown[1], *rates], strict=True))
     start = np.tile(of.initial_state()[:, None], (1, width))
     forces = np.resize(thrusts(rods), (-(-rods // width), width))
@@ -136,5 +136,6 @@ def many_heyoka(
 
 
 if __name__ == "__main__":
-    numbers = [int(one) for one in sys.argv[1:] if one.isdigit()]
-    many_heyoka(*numbers, compact="plain" not in sys.argv).show()
+    given = [int(one) for one in sys.argv[1:] if one.isdigit()]
+    links, rods = [*given, *(20, 64)[len(given) :]]
+    many_heyoka(links, rods, compact="plain" not in sys.argv).show()
