@@ -47,9 +47,8 @@ class Growing:
 
     def motions(self, state: Steady) -> Motions:
         """The motions about a state; those that move or turn the whole rod do not grow."""
-        dense = linearised(state).on(self.basis)
-        parts = (part[None] for part in dense.parts)
-        found = Modal(*parts, self.frequencies, self.singular, self.added).motions()
+        K, C, M = (part[None] for part in linearised(state).on(self.basis).parts)
+        found = Modal(K, C, M, self.frequencies, self.singular, self.added).motions()
         s, growth = found.s[0], found.growth[0]
         return Motions(s, np.where(np.abs(s) <= self.rigid, 0.0, growth))
 
@@ -91,7 +90,8 @@ def crossing(problem: Equilibria, a: Point, b: Point) -> list[Special]:
     """Where motions begin or cease to oscillate more and more between two points of a branch, to
     all digits; of a free rod also where they begin to diverge, which no determinant tells there."""
     free = len(a.u) == 1
-    found, low, share = [], a, 0.0
+    found: list[Special] = []
+    low, share = a, 0.0
     while low.unstable != b.unstable and share < 1 and len(found) < 8:
         left, right, upper = share, 1.0, b
         while right - left > CLOSE:

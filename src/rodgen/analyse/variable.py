@@ -54,8 +54,8 @@ class Variable:
             allowed = "a number that leaves the structure of the equations as it is"
             raise SceneError("vary", self.key, allowed)
         self._scene(high)
-        ends = [self._made(value).parameters() for value in self.ends]
-        if np.array_equal(*ends):
+        first, last = (self._made(value).parameters() for value in self.ends)
+        if np.array_equal(first, last):
             raise SceneError("vary", self.key, "a number that the equations depend on")
 
     def _scene(self, value: float) -> Scene:
