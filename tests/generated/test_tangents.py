@@ -22,8 +22,8 @@ FED = Structure(3, "free", "uniform", ENDS, LAWS, states=STATES)
 def test_tangents_are_products_with_the_jacobian(
     built: Built, point: type, structure: Structure, count: int
 ) -> None:
-    """One direction, which has a function of its own, a few, and more than there are lanes; each row
-    to the rounding of its terms. What comes out does not depend on the directions beside."""
+    """One direction, which has a function of its own, a few, and more than there are lanes; each
+    row to the rounding of its terms. What comes out does not depend on the directions beside."""
     at = point(built(structure, "numpy"))
     v = np.random.default_rng(count).standard_normal((count, len(at.y)))
     J = at.module.jac(at.t, at.y, at.p)

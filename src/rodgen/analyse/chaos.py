@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.signal import fftconvolve
 
 from rodgen.analyse.errors import guarded
 from rodgen.integrate.stepper import Array
@@ -45,7 +46,10 @@ def _correlation(phi: Array, c: float) -> float:
     lags = np.arange(1, size // CUT + 1)
     walk = np.cumsum(phi * np.exp(1j * c * np.arange(1, size + 1)))
     until = size - lags[-1]
-    far = np.array([np.mean(np.abs(walk[n : n + until] - walk[:until]) ** 2) for n in lags])
+    # |a - b|^2 = |a|^2 + |b|^2 - 2 Re a b*, summed over the first samples for all lags at once.
+    squares = np.append(0.0, np.cumsum(np.abs(walk) ** 2))
+    both = fftconvolve(walk, walk[until - 1 :: -1].conj())[until - 1 + lags].real
+    far = (squares[until + lags] - squares[lags] + squares[until] - 2 * both) / until
     far -= phi.mean() ** 2 * (1 - np.cos(lags * c)) / (1 - np.cos(c))
     return float(np.corrcoef(lags, far)[0, 1])
 

@@ -92,7 +92,8 @@ def lyapunov_exponents(
     start = scene.integrate.span[0]
     length = scene.integrate.span[1] - start if span is None else _seconds("span", span)
     states = len(scene.initial_state())
-    if count is not None and (isinstance(count, bool) or not 1 <= count <= states):
+    whole = isinstance(count, int | np.integer) and not isinstance(count, bool)
+    if count is not None and not (whole and 1 <= count <= states):
         raise SceneError("count", count, f"from 1 to {states}, the numbers of the state")
     skipped = TRANSIENT * length if transient is None else transient
     if not 0 <= skipped < length:
