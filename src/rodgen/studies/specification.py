@@ -200,7 +200,7 @@ class Study:
     def contents(self) -> dict[str, str]:
         """What it consists of, part by part, as text that is equal for equal studies. How many
         points a sample has that can be extended is no part of it."""
-        axes = [[a.name, list(a.values), str(a.low), str(a.high), a.scale] for a in self.axes]
+        axes = [one.contents for one in self.axes]
         sample = None if self.sample is None else self.sample.model_dump()
         if sample is not None and sample["method"] in EXTENDABLE:
             del sample["count"]
