@@ -11,8 +11,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rodgen.analyse.chaos import zero_one_test
     from rodgen.analyse.critical import Critical, critical_force
     from rodgen.analyse.errors import AnalysisError, MeshWarning
+    from rodgen.analyse.exponents import Exponents, lyapunov_exponents
     from rodgen.analyse.extrapolate import Extrapolation, richardson
     from rodgen.analyse.fourier import Spectrum, spectrum
     from rodgen.analyse.growth import SimulatedCritical, simulated_critical_force
@@ -65,6 +67,9 @@ _HOMES = {
     "Critical": "rodgen.analyse.critical",
     "simulated_critical_force": "rodgen.analyse.growth",
     "SimulatedCritical": "rodgen.analyse.growth",
+    "lyapunov_exponents": "rodgen.analyse.exponents",
+    "Exponents": "rodgen.analyse.exponents",
+    "zero_one_test": "rodgen.analyse.chaos",
     "spectrum": "rodgen.analyse.fourier",
     "Spectrum": "rodgen.analyse.fourier",
     "richardson": "rodgen.analyse.extrapolate",
@@ -85,6 +90,7 @@ __all__ = [
     "Ensemble",
     "Equilibrium",
     "Event",
+    "Exponents",
     "Extrapolation",
     "FileWarning",
     "Interrupted",
@@ -105,6 +111,7 @@ __all__ = [
     "choose",
     "critical_force",
     "load",
+    "lyapunov_exponents",
     "natural_modes",
     "resume",
     "richardson",
@@ -115,6 +122,7 @@ __all__ = [
     "static_equilibrium",
     "study",
     "work_precision",
+    "zero_one_test",
 ]
 
 

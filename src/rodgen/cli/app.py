@@ -16,6 +16,7 @@ from rodgen.cli import (
     check,
     critical,
     derive,
+    exponents,
     modes,
     precision,
     run,
@@ -38,6 +39,7 @@ OWN: dict[str, Callable[..., object]] = {
     "modes": modes.modes,
     "static": static.static,
     "critical": critical.critical,
+    "exponents": exponents.exponents,
     "precision": precision.precision,
     "study": study.study,
 }
