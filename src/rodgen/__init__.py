@@ -11,9 +11,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rodgen.analyse.chaos import zero_one_test
     from rodgen.analyse.critical import Critical, critical_force
     from rodgen.analyse.cycles.cycle import Cycle, find_cycle
     from rodgen.analyse.errors import AnalysisError, MeshWarning
+    from rodgen.analyse.exponents import Exponents, lyapunov_exponents
     from rodgen.analyse.extrapolate import Extrapolation, richardson
     from rodgen.analyse.fourier import Spectrum, spectrum
     from rodgen.analyse.growth import SimulatedCritical, simulated_critical_force
@@ -68,6 +70,9 @@ _HOMES = {
     "Cycle": "rodgen.analyse.cycles.cycle",
     "simulated_critical_force": "rodgen.analyse.growth",
     "SimulatedCritical": "rodgen.analyse.growth",
+    "lyapunov_exponents": "rodgen.analyse.exponents",
+    "Exponents": "rodgen.analyse.exponents",
+    "zero_one_test": "rodgen.analyse.chaos",
     "spectrum": "rodgen.analyse.fourier",
     "Spectrum": "rodgen.analyse.fourier",
     "richardson": "rodgen.analyse.extrapolate",
@@ -89,6 +94,7 @@ __all__ = [
     "Ensemble",
     "Equilibrium",
     "Event",
+    "Exponents",
     "Extrapolation",
     "FileWarning",
     "Interrupted",
@@ -110,6 +116,7 @@ __all__ = [
     "critical_force",
     "find_cycle",
     "load",
+    "lyapunov_exponents",
     "natural_modes",
     "resume",
     "richardson",
@@ -120,6 +127,7 @@ __all__ = [
     "static_equilibrium",
     "study",
     "work_precision",
+    "zero_one_test",
 ]
 
 
