@@ -41,3 +41,67 @@ OWN: dict[str, Callable[..., object]] = {
     "static": static.static,
     "critical": critical.critical,
     "exponents": exponents.exponents,
+    "cycle": cycle.cycle,
+    "precision": precision.precision,
+    "study": study.study,
+}
+HOW = "`make report`, `make thesis` and `make audit` in a clone of rodgen install and run them"
+
+
+def commands() -> typer.Typer:
+    """All commands: rodgen's, those of installed packages, and for those of evidence/ that are not
+    installed how to get them."""
+    added = {entry.name: entry for entry in entry_points(group=GROUP)}
+    missing = [name for name in EVIDENCE if name not in added]
+    app = typer.Typer(
+        help="Equations of motion of planar flexible rods: derived, proven, generated, integrated.",
+        epilog=f"Not installed: {', '.join(missing)} ({HOW})." if missing else None,
+        add_completion=False,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+    )
+    for name, command in OWN.items():
+        # A negative number is a value to refuse, not an option.
+        app.command(name, context_settings={"ignore_unknown_options": name == "derive"})(command)
+    for name, entry in sorted(added.items()):
+        if name not in OWN:  # a package cannot take the place of a command
+            _add(app, entry)
+    for name in missing:
+        _refuse(app, name, f"{name} is not installed: {HOW}", hidden=True)
+    app.callback(invoke_without_command=True)(_alone)
+    return app
+
+
+def _add(app: typer.Typer, entry: EntryPoint) -> None:
+    """A command of another package; one that cannot be loaded says so when it is called, and leaves
+    the others alone."""
+    try:
+        command = entry.load()
+    except Exception as error:  # whatever another package does when it is imported
+        _refuse(app, entry.name, f"{entry.name} cannot be loaded from {entry.value}: {error}")
+    else:
+        app.command(entry.name)(command)
+
+
+def _refuse(app: typer.Typer, name: str, why: str, hidden: bool = False) -> None:
+    def tell() -> None:
+        fail(why, BAD_INPUT)
+
+    anything = {"ignore_unknown_options": True, "allow_extra_args": True}
+    app.command(name, hidden=hidden, context_settings=anything, add_help_option=False)(tell)
+
+
+def _alone(
+    context: typer.Context,
+    version: bool = typer.Option(False, "--version", help="Print the version and stop."),
+) -> None:
+    if version:
+        import rodgen
+
+        print(rodgen.__version__)
+        raise typer.Exit
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+app = commands()
