@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rodgen.analyse.chaos import zero_one_test
     from rodgen.analyse.critical import Critical, critical_force
+    from rodgen.analyse.cycles.branches import continue_cycles
     from rodgen.analyse.cycles.cycle import Cycle, find_cycle
     from rodgen.analyse.errors import AnalysisError, MeshWarning
     from rodgen.analyse.exponents import Exponents, lyapunov_exponents
@@ -66,6 +67,7 @@ _HOMES = {
     "Equilibrium": "rodgen.analyse.statics",
     "critical_force": "rodgen.analyse.critical",
     "Critical": "rodgen.analyse.critical",
+    "continue_cycles": "rodgen.analyse.cycles.branches",
     "find_cycle": "rodgen.analyse.cycles.cycle",
     "Cycle": "rodgen.analyse.cycles.cycle",
     "simulated_critical_force": "rodgen.analyse.growth",
@@ -113,6 +115,7 @@ __all__ = [
     "WorkPrecision",
     "build",
     "choose",
+    "continue_cycles",
     "critical_force",
     "find_cycle",
     "load",

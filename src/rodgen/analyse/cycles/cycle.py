@@ -141,7 +141,7 @@ def find_cycle(
     or does not settle, and where Newton's method finds no cycle.
     """
     check_scene(scene)
-    segments = _count(segments)
+    segments = segments_of(segments)
     begun = _begun(scene, y0, period)
     search = Search.of(scene, target)
     if begun is not None:
@@ -149,7 +149,8 @@ def find_cycle(
     return search.settled(segments)
 
 
-def _count(segments: object) -> int:
+def segments_of(segments: object) -> int:
+    """How many segments were asked for. Raises SceneError."""
     made = plain(segments, "segments")
     if not (isinstance(made, int) and 1 <= made <= MOST_SEGMENTS):
         raise SceneError("segments", segments, f"a whole number from 1 to {MOST_SEGMENTS}")
