@@ -15,7 +15,8 @@ from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.files import replaced
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.plain import plain
+from rodgen.scene.keys import key_place, with_value
+from rodgen.scene.plain import entry, plain
 
 if TYPE_CHECKING:
     import xarray
@@ -150,11 +151,21 @@ def read(path: Path) -> xarray.Dataset:
     return data
 
 
+def nearest(data: xarray.Dataset, scene: Scene) -> int:
+    """The number of the cycle whose value is nearest to a scene's own. Raises SceneError for the
+    branch of another scene."""
+    key = str(data.attrs["key"])
+    other = Scene.from_dict(json.loads(data.attrs["scene"]))
+    if other.structure != scene.structure:
+        raise SceneError("from", other.name, "a branch of this scene")
+    table = scene.model_dump(exclude_none=True)
+    value = entry(table, *key_place(table, key))
+    return int(np.abs(data["value"].values - float(value)).argmin())
+
+
 def on_branch(data: xarray.Dataset, at: int) -> tuple[Scene, float, Array, float]:
     """The scene, the value, the state and the period [s] of a point of a branch. Raises
     SceneError for a point that it does not have."""
-    from rodgen.scene.keys import with_value
-
     count, number = data.sizes["point"], plain(at, "at")
     if not (isinstance(number, int) and -count <= number < count):
         raise SceneError("at", at, f"the number of a point, 0 to {count - 1}")

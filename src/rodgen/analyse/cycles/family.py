@@ -23,6 +23,7 @@ from rodgen.scene.plain import is_number, plain
 
 NUDGE = 1e-5  # of the range, of differences of motions by the number: errors are the square
 REST = 0.05  # of the first cycle: one that is smaller is none
+CLOSE = 2e-3  # of u: derivatives there, which cost ten times what the motion does, will do
 KEPT = 8  # linearised orbits
 COMPLEX = 1e-6  # of the modulus: an imaginary part below it is rounding
 PERIOD_DOUBLING, TORUS = "period doubling", "torus"
@@ -105,12 +106,12 @@ class Cycles(Problem):
         share = 1 / (self.count * size)
         self.weights = np.append(np.full(self.count * size, share), np.ones(more + 1))
         self.least = REST * float(np.ptp(orbit.x, axis=0).max())
+        self._used: list[tuple[Array, Linearised, list[Array]]] = []
         self._known: dict[bytes, tuple[Orbit, Linearised]] = {}
         self.look_from(orbit, value)
 
     def look_from(self, orbit: Orbit, value: float) -> None:
         """Let the phase be that of an orbit: first states differ from its own across the motion."""
-        self._known.clear()
         ways = self.shooting(value).directions(orbit) / self.scale
         self._ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
         self._reference = orbit.x[0] / self.scale
@@ -155,14 +156,25 @@ class Cycles(Problem):
             self._known[key] = orbit, self.shooting(self.value(u)).linearised(orbit)
         return self._known[key]
 
+    def _near(self, u: Array) -> tuple[Array, Linearised, list[Array]] | None:
+        """Derivatives at a u that is so close that they will do."""
+        near = [one for one in self._used if np.abs(one[0] - u).max() < CLOSE]
+        return near[-1] if near else None
+
     def at(self, u: Array) -> tuple[Array, Array]:
-        orbit, made = self.known(u)
+        orbit, near = self.orbit(u), self._near(u)
+        if near is None:
+            _, made = self.known(u)
+            by_value = self._by_value(u, orbit)
+            self._used = [*self._used[1 - KEPT :], (u.copy(), made, by_value)]
+        else:
+            by_value = near[2]
+            made = self.shooting(self.value(u)).anew(orbit, near[1])
         if np.ptp(orbit.x, axis=0).max() < self.least:
             raise AnalysisError("the cycles shrink to an equilibrium, in a Hopf point")
         m, size = self.count, len(self.scale)
         width = len(u)
         J, F = np.zeros((width - 1, width)), np.zeros(width - 1)
-        by_value = self._by_value(u, orbit)
         for i, (G, B, r) in enumerate(zip(*made, strict=True)):
             rows, after = slice(i * size, (i + 1) * size), (i + 1) % m
             J[rows, i * size : (i + 1) * size] += G * self.scale / self.scale[:, None]

@@ -1,10 +1,10 @@
 """Hopf points of equilibria along a number of a scene, and their normal form: whether the cycles
 that begin there are stable and lie beyond (supercritical), or unstable and before (subcritical).
 
-With A = J at the equilibrium, A q = i w q, A^T p = -i w p, <p, q> = 1, and B, C the second and third
-derivatives of the rates,
+With A = J at the equilibrium, A q = i w q, A^T p = -i w p, <p, q> = 1, and B, C the second and
+third derivatives of the rates,
 
-    c = (<p, C(q, q, q~)> - 2 <p, B(q, A^-1 B(q, q~))> + <p, B(q~, (2 i w - A)^-1 B(q, q))>) / 2,
+    2 c = <p, C(q, q, q~) - 2 B(q, A^-1 B(q, q~)) + B(q~, (2 i w - A)^-1 B(q, q))>,
 
 z' = s z + c z |z|^2 on the centre manifold (Y. A. Kuznetsov, Elements of Applied Bifurcation Theory,
 3rd ed., 2004, section 5.4). B and C are differences of the generated Jacobian, of sixth order.
@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 import scipy.linalg
@@ -37,7 +38,7 @@ REST = 1e-13  # of the correction of an equilibrium
 
 @dataclass(frozen=True)
 class Hopf:
-    """value: of the number of the scene; frequency [rad/s]; slope: of the eigenvalue s by the value;
+    """value: of the number of the scene; frequency [rad/s]; slope: of the eigenvalue s by it;
     coefficient: c of the normal form; x: the equilibrium (size,); way: q (size,)."""
 
     value: float
@@ -95,7 +96,7 @@ def hopf_point(at: Callable[[float], Flow], t: float, x: Array, low: float, high
     values = np.linspace(low, high, FORCES)
     x = equilibrium(at(values[0]), t, x)
     before = _pair(jacobian(at(values[0]), t, x))
-    for a, b in zip(values[:-1], values[1:], strict=True):
+    for a, b in pairwise(values.tolist()):
         after_x = equilibrium(at(b), t, x)
         after = _pair(jacobian(at(b), t, after_x))
         if before is not None and after is not None and before.real * after.real < 0:
