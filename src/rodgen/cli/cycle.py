@@ -1,4 +1,4 @@
-"""rodgen cycle: the periodic motion that a scene settles on, its stability, and branches of such."""
+"""rodgen cycle: the periodic motion that a scene settles on, its stability, and branches."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rodgen.cli.console import print_json, print_values, warn, working, write_picture
+from rodgen.cli.console import out, print_json, print_values, warn, working, write_picture
 from rodgen.cli.options import AsJson, OutFolder, SceneFile
 from rodgen.cli.results import promised
 
