@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rodgen.analyse.critical import Critical, critical_force
     from rodgen.analyse.cycles.branches import continue_cycles
     from rodgen.analyse.cycles.cycle import Cycle, find_cycle
+    from rodgen.analyse.cycles.nonlinear_modes import continue_mode, nonlinear_mode
     from rodgen.analyse.errors import AnalysisError, MeshWarning
     from rodgen.analyse.exponents import Exponents, lyapunov_exponents
     from rodgen.analyse.extrapolate import Extrapolation, richardson
@@ -68,6 +69,8 @@ _HOMES = {
     "critical_force": "rodgen.analyse.critical",
     "Critical": "rodgen.analyse.critical",
     "continue_cycles": "rodgen.analyse.cycles.branches",
+    "continue_mode": "rodgen.analyse.cycles.nonlinear_modes",
+    "nonlinear_mode": "rodgen.analyse.cycles.nonlinear_modes",
     "find_cycle": "rodgen.analyse.cycles.cycle",
     "Cycle": "rodgen.analyse.cycles.cycle",
     "simulated_critical_force": "rodgen.analyse.growth",
@@ -116,11 +119,13 @@ __all__ = [
     "build",
     "choose",
     "continue_cycles",
+    "continue_mode",
     "critical_force",
     "find_cycle",
     "load",
     "lyapunov_exponents",
     "natural_modes",
+    "nonlinear_mode",
     "resume",
     "richardson",
     "simulate",

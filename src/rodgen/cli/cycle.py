@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from rodgen.scene import Scene
 
 SHOWN = 10  # multipliers
-UNSURE = 1e-6  # error of the trivial multiplier, beyond which all of them are doubtful
+# Error of the trivial multipliers, beyond which all of them are doubtful; where they are double,
+# they move by the root of the rounding.
+UNSURE, UNSURE_DOUBLE = 1e-6, 1e-4
 
 
 def cycle(
@@ -58,6 +60,17 @@ def cycle(
         str,
         typer.Option(help="Where the branch begins: hopf (a Hopf point), or run (SCENE's cycle)."),
     ] = "hopf",
+    mode: Annotated[
+        int | None,
+        typer.Option(
+            help="Of a scene without dissipation: the motion of this nonlinear mode, 1 is the "
+            "slowest, and its family from small motions on."
+        ),
+    ] = None,
+    energy: Annotated[
+        float | None,
+        typer.Option(metavar="JOULES", help="With --mode: the energy above that of rest."),
+    ] = None,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
@@ -70,15 +83,27 @@ def cycle(
         raise SceneError("--between", between, "given with --vary, the key that is varied")
     if at is not None and branch_file is None:
         raise SceneError("--at", at, "given with --from, the file of a branch")
+    if (mode is None) != (energy is None):
+        given = ("--mode", mode) if energy is None else ("--energy", energy)
+        other = "--energy" if energy is None else "--mode"
+        raise SceneError(*given, f"given with {other}")
+    if mode is not None:
+        for option, value in (("--vary", vary), ("--from", branch_file)):
+            if value is not None:
+                raise SceneError(option, str(value), "absent beside --mode")
     if vary is not None:
         _branch(scene, vary, between, start, segments, out_folder, as_json)
         return
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("looking for a cycle"):
-            found = _found(scene, segments, branch_file, at)
+            if mode is not None and energy is not None:
+                found = _of_mode(scene, mode, energy, segments)
+            else:
+                found = _found(scene, segments, branch_file, at)
         if not found.stable:
             warn(f"this cycle is unstable: {found.unstable} multipliers are larger than 1")
-        if found.trivial_error > UNSURE:
+        double = not (found.work or found.forced)  # energy is kept
+        if found.trivial_error > (UNSURE_DOUBLE if double else UNSURE):
             warn(f"the multipliers are right to {found.trivial_error:.1e} only")
         if as_json:
             print_json(_object(found))
@@ -88,6 +113,18 @@ def cycle(
 
         write_picture(lambda: film_strip(found), folder, "cycle")
         write_picture(lambda: unit_circle(found), folder, "multipliers")
+        if mode is not None and energy is not None:
+            from rodgen.analyse.cycles.nonlinear_modes import continue_mode
+            from rodgen.show.cycle_pictures import family
+
+            data = continue_mode(scene, mode, energy, segments=segments)
+            write_picture(lambda: family(data, scene), folder, "mode")
+
+
+def _of_mode(scene: Scene, mode: int, energy: float, segments: int) -> Cycle:
+    from rodgen.analyse.cycles.nonlinear_modes import nonlinear_mode
+
+    return nonlinear_mode(scene, mode, energy, segments=segments)
 
 
 def _found(scene: Scene, segments: int, branch_file: Path | None, at: int | None) -> Cycle:
@@ -227,8 +264,9 @@ def _rows(found: Cycle) -> dict[str, str]:
         found.trivial
     ) + (f"{found.trivial_error:.1e}" if found.trivial else "none: the loads give the phase")
     rows["stable"] = "yes" if found.stable else "NO"
-    rows["found"] = (
-        f"after a run of {found.after:g} s, by {found.iterations} iterations of Newton's method; "
-        f"closes to {found.residual:.1e} of its size"
-    )
+    way = f"after a run of {found.after:g} s, " if found.after else ""
+    way += f"by {found.iterations} iterations of Newton's method"
+    if not found.iterations:
+        way = "on the family of a linear mode"
+    rows["found"] = f"{way}; closes to {found.residual:.1e} of its size"
     return rows

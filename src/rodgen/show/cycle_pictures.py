@@ -140,3 +140,21 @@ def _height(data: xarray.Dataset, name: str, special: int) -> float:
     x = float(data["special_value"][special])
     share = float(np.clip((x - a) / (b - a), 0, 1)) if a != b else 0.5
     return float(data[name][after] * (1 - share) + data[name][after + 1] * share)
+
+
+def family(data: xarray.Dataset, scene: Scene) -> Figure:
+    """Frequency against energy of a nonlinear mode: stable motions solid, unstable ones dashed."""
+    figure = canvas(6.0, 4.2)
+    axes = figure.add_subplot()
+    stable = data["unstable"].values == 0
+    energy, frequency = data["energy"].values, data["frequency"].values
+    for at in range(len(energy) - 1):
+        style = "-" if stable[at] and stable[at + 1] else "--"
+        part = slice(at, at + 2)
+        axes.plot(energy[part], frequency[part], style, color="tab:blue", linewidth=LINE)
+    axes.plot([0.0], [data.attrs["linear_frequency"]], "ko", markersize=4, label="linear mode")
+    axes.set(xlabel="energy above rest [J]", ylabel="frequency [Hz]")
+    axes.set_title(f"{scene.name}: nonlinear mode {data.attrs['mode']}", fontsize="medium")
+    axes.legend(fontsize="small")
+    axes.grid(alpha=0.3)
+    return figure

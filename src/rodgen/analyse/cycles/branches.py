@@ -63,8 +63,8 @@ def continue_cycles(
     key: the number, named as in a study, such as loads.follower.force; ends: between which it is
     varied. start: "hopf", the first Hopf point from the first end on, of the equilibrium of the
     straight rod; "run", the cycle that the scene settles on at its own value, or a cycle
-    that was found: from these the branch is followed both ways. segments: as `find_cycle` has
-    them; step: the longest along the branch; most: points, each way; watch: called with every value.
+    that was found: from these the branch is followed both ways. segments: as `find_cycle` has them;
+    step: the longest along the branch; most: points, each way; watch: called with every value.
 
     The Dataset has one dimension along the branch: value, period [s], amplitude (the largest
     deviation of an angle [rad]), tip (likewise, of the tail [m]), energy (its mean [J]), unstable,

@@ -172,22 +172,17 @@ class Cycles(Problem):
             made = self.shooting(self.value(u)).anew(orbit, near[1])
         if np.ptp(orbit.x, axis=0).max() < self.least:
             raise AnalysisError("the cycles shrink to an equilibrium, in a Hopf point")
-        m, size = self.count, len(self.scale)
-        width = len(u)
-        J, F = np.zeros((width - 1, width)), np.zeros(width - 1)
-        for i, (G, B, r) in enumerate(zip(*made, strict=True)):
-            rows, after = slice(i * size, (i + 1) * size), (i + 1) % m
-            J[rows, i * size : (i + 1) * size] += G * self.scale / self.scale[:, None]
-            J[rows, after * size : (after + 1) * size] -= np.eye(size)
-            columns = B.copy()
-            if not self.forced:
-                columns[:, 0] *= orbit.period
-            J[rows, m * size : -1] = columns / self.scale[:, None]
-            J[rows, -1] = by_value[i] / self.scale
-            F[rows] = -r / self.scale
+        states = self.count * len(self.scale)
+        J, F = np.zeros((len(u) - 1, len(u))), np.zeros(len(u) - 1)
+        columns = [one.copy() for one in made.B]
+        if not self.forced:
+            columns = [np.column_stack((one[:, 0] * orbit.period, one[:, 1:])) for one in columns]
+        J[:states, :states], F[:states] = closing(made, self.scale)
+        J[:states, states:-1] = np.vstack([one / self.scale[:, None] for one in columns])
+        J[:states, -1] = np.concatenate([one / self.scale for one in by_value])
         for k, way in enumerate(self._ways):
-            J[m * size + k, :size] = way
-            F[m * size + k] = way @ (orbit.x[0] / self.scale - self._reference)
+            J[states + k, : len(way)] = way
+            F[states + k] = way @ (orbit.x[0] / self.scale - self._reference)
         return F, J
 
     def _by_value(self, u: Array, orbit: Orbit) -> list[Array]:
@@ -248,6 +243,19 @@ class Cycles(Problem):
             frequency = float(turned.max()) / (2 * np.pi * period)
             made.append(Special(kind, here.u, frequency=frequency))
         return made
+
+
+def closing(made: Linearised, scale: Array) -> tuple[Array, Array]:
+    """Derivatives (m size, m size) by the states of the ends of segments less the states where the
+    next begin, and these differences (m size,), all over a scale (size,)."""
+    m, size = len(made.G), len(scale)
+    J, F = np.zeros((m * size, m * size)), np.zeros(m * size)
+    for i, (G, r) in enumerate(zip(made.G, made.r, strict=True)):
+        rows, after = slice(i * size, (i + 1) * size), (i + 1) % m
+        J[rows, i * size : (i + 1) * size] += G * scale / scale[:, None]
+        J[rows, after * size : (after + 1) * size] -= np.eye(size)
+        F[rows] = -r / scale
+    return J, F
 
 
 def _oscillating(mu: Complex) -> Complex:

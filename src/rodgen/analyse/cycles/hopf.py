@@ -6,8 +6,9 @@ third derivatives of the rates,
 
   2 c = <p, C(q, q, q~) - 2 B(q, A^-1 B(q, q~)) + B(q~, (2 i w - A)^-1 B(q, q))>,
 
-z' = s z + c z |z|^2 on the centre manifold (Y. A. Kuznetsov, Elements of Applied Bifurcation Theory,
-3rd ed., 2004, section 5.4). B and C are differences of the generated Jacobian, of sixth order.
+z' = s z + c z |z|^2 on the centre manifold (Y. A. Kuznetsov, Elements of Applied Bifurcation
+Theory, 3rd ed., 2004, section 5.4). B and C are differences of the generated Jacobian, of sixth
+order.
 """
 
 from __future__ import annotations
