@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rodgen.analyse.cycles.branches import Branch
 
 FORMAT = "rodgen cycles 1"
-SAMPLES = 64  # of a period
+SAMPLES = 128  # of a period
 
 
 def dataset(branch: Branch) -> xarray.Dataset:

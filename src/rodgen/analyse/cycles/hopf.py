@@ -100,8 +100,9 @@ def hopf_point(at: Callable[[float], Flow], t: float, x: Array, low: float, high
     for a, b in pairwise(values.tolist()):
         after_x = equilibrium(at(b), t, x)
         after = _pair(jacobian(at(b), t, after_x))
-        if before is not None and after is not None and before.real * after.real < 0:
-            if min(abs(before.real), abs(after.real)) <= NEUTRAL * abs(after):
+        signs = {_growth(before), _growth(after)}
+        if signs == {-1, 1} or signs == {0, 1}:
+            if 0 in signs:
                 raise AnalysisError(
                     f"no Hopf point: near {b:.9g} oscillations meet and do not cross, as they do "
                     "without damping; give the scene some"
@@ -119,6 +120,13 @@ def _pair(J: Array) -> complex | None:
     s = np.linalg.eigvals(J)
     s = s[s.imag > 1e-6 * np.abs(s).max()]
     return complex(s[s.real.argmax()]) if len(s) else None
+
+
+def _growth(s: complex | None) -> int | None:
+    """Whether an oscillation grows (1), decays (-1), or neither but for rounding."""
+    if s is None:
+        return None
+    return 0 if abs(s.real) <= NEUTRAL * abs(s) else int(np.sign(s.real))
 
 
 def _located(at: Callable[[float], Flow], t: float, x: Array, low: float, high: float) -> Hopf:
