@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rodgen.analyse.errors import AnalysisError, MeshWarning
     from rodgen.analyse.exponents import Exponents, lyapunov_exponents
     from rodgen.analyse.extrapolate import Extrapolation, richardson
+    from rodgen.analyse.floquet import Floquet, floquet
     from rodgen.analyse.fourier import Spectrum, spectrum
     from rodgen.analyse.growth import SimulatedCritical, simulated_critical_force
     from rodgen.analyse.modes import Modes, natural_modes
@@ -70,6 +71,8 @@ _HOMES = {
     "lyapunov_exponents": "rodgen.analyse.exponents",
     "Exponents": "rodgen.analyse.exponents",
     "zero_one_test": "rodgen.analyse.chaos",
+    "floquet": "rodgen.analyse.floquet",
+    "Floquet": "rodgen.analyse.floquet",
     "spectrum": "rodgen.analyse.fourier",
     "Spectrum": "rodgen.analyse.fourier",
     "richardson": "rodgen.analyse.extrapolate",
@@ -93,6 +96,7 @@ __all__ = [
     "Exponents",
     "Extrapolation",
     "FileWarning",
+    "Floquet",
     "Interrupted",
     "MeshWarning",
     "Modes",
@@ -110,6 +114,7 @@ __all__ = [
     "build",
     "choose",
     "critical_force",
+    "floquet",
     "load",
     "lyapunov_exponents",
     "natural_modes",

@@ -82,6 +82,7 @@ EXAMPLES: dict[str, Callable[[], Any]] = {
     "Exponents": _exponents,
     "Extrapolation": lambda: rodgen.richardson([5, 10, 20], [1.04, 1.01, 1.0025]),
     "FileWarning": lambda: rodgen.FileWarning("damaged"),
+    "Floquet": lambda: rodgen.Floquet(np.ones(2) + 0j, 3.0, np.ones(2), 1e-10, 0.0, (0, 1)),
     "Interrupted": lambda: rodgen.Interrupted(_solution()),
     "MeshWarning": lambda: rodgen.MeshWarning("damping was not converted"),
     "Modes": lambda: rodgen.natural_modes(SCENE),
