@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rodgen.analyse.chaos import zero_one_test
     from rodgen.analyse.critical import Critical, critical_force
+    from rodgen.analyse.cycles.cycle import Cycle, find_cycle
     from rodgen.analyse.errors import AnalysisError, MeshWarning
     from rodgen.analyse.exponents import Exponents, lyapunov_exponents
     from rodgen.analyse.extrapolate import Extrapolation, richardson
@@ -66,6 +67,8 @@ _HOMES = {
     "Equilibrium": "rodgen.analyse.statics",
     "critical_force": "rodgen.analyse.critical",
     "Critical": "rodgen.analyse.critical",
+    "find_cycle": "rodgen.analyse.cycles.cycle",
+    "Cycle": "rodgen.analyse.cycles.cycle",
     "simulated_critical_force": "rodgen.analyse.growth",
     "SimulatedCritical": "rodgen.analyse.growth",
     "lyapunov_exponents": "rodgen.analyse.exponents",
@@ -90,6 +93,7 @@ __all__ = [
     "AnalysisError",
     "BuildError",
     "Critical",
+    "Cycle",
     "Ensemble",
     "Equilibrium",
     "Event",
@@ -114,7 +118,11 @@ __all__ = [
     "build",
     "choose",
     "critical_force",
+<<<<<<< HEAD
     "floquet",
+=======
+    "find_cycle",
+>>>>>>> main
     "load",
     "lyapunov_exponents",
     "natural_modes",

@@ -15,6 +15,7 @@ from rodgen.cli import (
     animate,
     check,
     critical,
+    cycle,
     derive,
     exponents,
     modes,
@@ -40,6 +41,7 @@ OWN: dict[str, Callable[..., object]] = {
     "static": static.static,
     "critical": critical.critical,
     "exponents": exponents.exponents,
+    "cycle": cycle.cycle,
     "precision": precision.precision,
     "study": study.study,
 }
