@@ -118,11 +118,8 @@ __all__ = [
     "build",
     "choose",
     "critical_force",
-<<<<<<< HEAD
-    "floquet",
-=======
     "find_cycle",
->>>>>>> main
+    "floquet",
     "load",
     "lyapunov_exponents",
     "natural_modes",
