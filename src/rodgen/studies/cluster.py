@@ -62,6 +62,10 @@ SETTINGS: dict[str, Any] = {
     "distributed.worker.memory.spill": False,
     "distributed.worker.memory.pause": False,
     "distributed.worker.profile.enabled": False,
+    # What every process looks at by the clock: 42 ms of two workers and client a second become 12.
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "2s",
+    "distributed.worker.memory.monitor-interval": "1s",
 }
 LOUD = ("distributed", "tornado", "asyncio", "bokeh")
 
