@@ -89,7 +89,8 @@ class Steady:
         angles = np.abs(here.by_angle).sum(axis=0)
         pulls = np.abs(here.by_unknown[..., 1:]).sum(axis=(0, 3))
         sizes = angles + pulls * np.abs(self.force).max(initial=0.0)
-        sizes += np.abs(self._drag_across).sum(axis=(0, 3)) * abs(self.system.speed)
+        if self.system.speed:
+            sizes += np.abs(self._drag_across).sum(axis=(0, 3)) * abs(self.system.speed)
         made = product(Pencil.of(here).S0, self.turning).reshape(sizes.shape)
         return bool((np.abs(made) <= STEADY * sizes).all())
 
@@ -204,7 +205,7 @@ def steady(system: System, start: Steady | None = None, **changes: float) -> Ste
     """
     given = system.given | changes
     p = system.parameters(**changes)
-    at = system.beside(system.straight)
+    at = system.beside_straight
     turning, force = forces(system, at, p)
     scale = np.abs(force).max(initial=0.0) * system.scene.rod.links / system.scene.rod.length
     if np.abs(turning).max() <= STEADY * scale and _settled(system, at, p):
