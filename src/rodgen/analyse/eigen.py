@@ -299,7 +299,7 @@ def _conditions(A: Array, z: Complex) -> Array:
     one behind the other, alike."""
     first = z.imag >= 0
     if not first.all():
-        return _conditions(A, z[first])[np.cumsum(first) - 1]
+        return np.asarray(_conditions(A, z[first])[np.cumsum(first) - 1])
     beside = z + 4 * ROUNDING * np.abs(z)
     inverse = _inverse(A - beside[:, None, None] * np.eye(len(A)))
     x = y = np.tile(np.cos(np.arange(len(A)) ** 2 / 7.0), (len(z), 1))

@@ -116,15 +116,15 @@ class _Search:
         self.at, self.near, self.linear = at, near, linear
         self._by_force: Parts | None = None
         self.size = max(abs(near.force), unit)
-        linear = at(near.force)
+        whole = at(near.force)
         # Full matrices are sums over rows and columns of as many rounded terms, of which the sizes
         # are known or not.
-        known = linear.terms is not None if isinstance(linear, Dense) else False
-        terms = linear.size ** (1 if known else 2) if isinstance(linear, Dense) else 1
+        known = whole.terms is not None if isinstance(whole, Dense) else False
+        terms = whole.size ** (1 if known else 2) if isinstance(whole, Dense) else 1
         self.entry = ENTRY * terms
         self.s = 1j * abs(near.s) if damped else 0.0
         self.square = -(abs(near.s) ** 2)
-        here = Parts.of(linear)
+        here = Parts.of(whole)
         self.scales = here.scales(abs(near.s))
         here = here.scaled(self.scales)
         self.b, self.c = _borders(here.at(self.s) if damped else here.at_square(self.square))
