@@ -68,7 +68,7 @@ def test_both_branches_through_a_simple_branch_point(sparse: bool) -> None:
     before, after = (trivial.points[special.after + at].value for at in (0, 1))
     assert before < 0 < after
     assert special.ways is not None
-    other = Point(special.u, special.ways[1], None, 1, {})
+    other = Point(special.u, special.ways[1], None, 0, {})
     for sign in (1.0, -1.0):
         start = other._replace(tangent=sign * other.tangent)
         bent = continued(problem, start, -1.3, 1.0)

@@ -131,7 +131,7 @@ class WholeBalance:
         return np.asarray(ways[sizes <= LOOSE * max(sizes, default=0.0)])
 
     @cached_property
-    def _basis(self) -> Array:
+    def basis(self) -> Array:
         """Columns of changes that have an effect."""
         base, size = self.system.base, len(self.residual)
         if not len(self.free):
@@ -148,7 +148,7 @@ class WholeBalance:
         slope = self.slope
         if shift:
             slope = slope - shift * self._forced(np.eye(len(slope)))
-        matrix = slope @ self._basis
+        matrix = slope @ self.basis
         try:
             if matrix.shape[0] == matrix.shape[1]:
                 found = np.linalg.solve(matrix, right)
@@ -159,7 +159,7 @@ class WholeBalance:
         if not np.isfinite(found).all():
             raise AnalysisError(SINGULAR)
         base, cells = self.system.base, self.system.cells
-        change: Array = self._basis @ found
+        change: Array = self.basis @ found
         position, phi, added = np.split(change, [base, base + cells])
         return Unknowns(phi, np.zeros((cells, 2)), position, added)
 
@@ -187,16 +187,16 @@ class WholeBalance:
             by_rate[:, :half] = -self._forced(self._jacobian[:, half : 2 * half])
             by_rate[half:, half:] = np.eye(size - half)
         parts = -self.slope, by_rate, inertia
-        K, C, M = (self._basis.T @ part @ self._basis for part in parts)
+        K, C, M = (self.basis.T @ part @ self.basis for part in parts)
         return Dense(K, C, M, size - half)
 
     def signature(self) -> int:
         """How many motions are unstable without damping; with added states, and beyond MOST_DENSE
         links, the sign of the determinant, which tells odd changes alone."""
-        slope = self._basis.T @ self.slope @ self._basis
+        slope = self.basis.T @ self.slope @ self.basis
         if self.system.scene.states or self.system.cells > MOST_DENSE:
             return int(np.linalg.slogdet(slope)[0])
-        mass = self._basis.T @ self._mass @ self._basis
+        mass = self.basis.T @ self._mass @ self.basis
         return int((np.linalg.eigvals(np.linalg.solve(mass, slope)).real > 0).sum())
 
 

@@ -17,14 +17,16 @@ from rodgen.integrate.stepper import Array
 
 Matrix = Any  # a NumPy array, or a sparse one
 SINGULAR = "the bordered equations are singular"
+LIGHT = 1e-3  # times which rows at the border of a band are taken: they are no pivots then
 
 
 class Bordered:
-    """L U of [[J, columns], [rows, 0]], dense or sparse as J is. J: (N, N + k); rows: (m, N + k);
+    """L U of [[J, columns], [rows, 0]], dense, or of a sparse J that is a band but for its last
+    columns, whose factors stay a band. J: (N, N + k); rows: (m, N + k);
     columns: (N, m - k), none by default. Raises AnalysisError for one that is singular."""
 
     def __init__(self, J: Matrix, rows: Array, columns: Array | None = None):
-        self.sparse = issparse(J)
+        self.sparse, self.rows = issparse(J), len(rows)
         more = 0 if columns is None else columns.shape[1]
         if not self.sparse:
             size, width = J.shape
@@ -38,18 +40,22 @@ class Bordered:
             if not np.diagonal(self._dense[0]).all():
                 raise AnalysisError(SINGULAR)
             return
-        blocks: list[list[Any]] = [[J], [csc_array(rows)]]
+        blocks: list[list[Any]] = [[J], [csc_array(LIGHT * rows)]]
         if columns is not None:
-            blocks = [[J, csc_array(columns)], [csc_array(rows), None]]
+            blocks = [[J, csc_array(columns)], [csc_array(LIGHT * rows), None]]
         try:
-            self._factors = splu(csc_array(block_array(blocks)))
+            self._factors = splu(csc_array(block_array(blocks)), permc_spec="NATURAL")
         except (RuntimeError, ValueError):
             raise AnalysisError(SINGULAR) from None
 
     def solve(self, right: NDArray[Any], transposed: bool = False) -> Array:
         """z of (matrix) z = right, or of its transpose."""
         if self.sparse:
-            return np.asarray(self._factors.solve(right, "T" if transposed else "N"))
+            weights = np.ones((len(right), *[1] * (right.ndim - 1)))
+            weights[-self.rows :] = LIGHT
+            if transposed:
+                return np.asarray(self._factors.solve(right, "T")) * weights
+            return np.asarray(self._factors.solve(right * weights))
         return np.asarray(lu_solve(self._dense, right, int(transposed), check_finite=False))
 
     @property

@@ -85,7 +85,7 @@ class _Walk:
         watch: Callable[[Point], None],
     ):
         self.problem, self.steps, self.low, self.high = problem, steps, low, high
-        self.watch, self.curve, self.why = watch, Curve(), ""
+        self.watch, self.curve, self.why, self.before = watch, Curve(), "", 0
 
     def from_(self, start: Point, first: float | None) -> Curve:
         steps, curve = self.steps, self.curve
@@ -169,6 +169,9 @@ class _Walk:
         if self._cosine(t, point.tangent) < TURNED:
             self.why = "its direction jumps"
             return None
+        if not point.sign:
+            self.why = "the equations are singular"
+            return None
         special, doubt, least = self._between(here, point)
         if doubt and h > least * self.steps.longest:
             return None
@@ -183,13 +186,23 @@ class _Walk:
         try:
             found = between(self.problem, a, b)
         except AnalysisError as error:
-            return [], f"next to {b.value:.9g} another branch may be met: {error}", PASSED
+            return (
+                [],
+                f"next to {self.problem.value(b.u):.9g} another branch may be met: {error}",
+                PASSED,
+            )
         special = [one._replace(after=after) for one in found]
         if a.unstable is None or b.unstable is None:
             return special, "", RESOLVED
         real = sum(one.kind in (FOLD, BRANCH) for one in special)
-        if abs(b.unstable - a.unstable) <= real + 2 * (len(special) - real):
+        changed = abs(b.unstable - a.unstable)
+        explained = real + 2 * (len(special) - real)
+        # What lies next to a point may be seen in its sign, and in its stability a step later.
+        if changed <= explained + self.before:
+            self.before = max(explained - changed, 0)
             return special, "", RESOLVED
-        doubt = f"next to {b.value:.9g} the number of unstable directions changes from "
+        doubt = (
+            f"next to {self.problem.value(b.u):.9g} the number of unstable directions changes from "
+        )
         doubt += f"{a.unstable} to {b.unstable} where no special point was found"
         return special, doubt, RESOLVED

@@ -35,6 +35,10 @@ class Problem(ABC):
         """F (N,) and its derivatives (N, N + 1), dense or sparse. AnalysisError where there is
         none."""
 
+    def value(self, u: Array) -> float:
+        """The parameter, as a reader knows it."""
+        return float(u[-1])
+
     def unstable(self, u: Array) -> int | None:
         """How many directions are unstable; None where that is not looked at."""
         return None

@@ -24,6 +24,7 @@ from rodgen.integrate.stepper import Array
 
 ITERATIONS = 30
 CLOSE = 1e-12  # of the way between two points: a special point is known
+ROUNDED = 1e-6  # of u: a correction that may be rounding, of long rods
 NUDGE = 1e-5  # of u, of differences of the derivatives: their error slows Newton's method alone
 WAYS = 3  # steps of inverse iteration
 IMPERFECT = 1e-8  # of what is not in balance in a branch point: there is none
@@ -103,6 +104,7 @@ def branch_point(problem: Problem, a: Point, b: Point) -> Special:
     rows, column = _borders(problem, near)
     u, beta = (a.u + b.u) / 2, 0.0
     reach, size, quick = problem.length(b.u - a.u), len(near.u), False
+    before = np.inf
     for _ in range(ITERATIONS):
         F, J = problem.at(u)
         factors = Bordered(J, rows, column[:, None])
@@ -124,7 +126,9 @@ def branch_point(problem: Problem, a: Point, b: Point) -> Special:
         u, beta = u + change[:-1], beta + change[-1]
         if not problem.length(u - near.u) < FAR * reach:
             raise AnalysisError("Newton's method leaves the branch")
-        if np.abs(change[:-1]).max() <= CLOSE:
+        moved = float(np.abs(change[:-1]).max())
+        settled, before = moved <= CLOSE or (moved < ROUNDED and moved >= before / 2), moved
+        if settled:
             if abs(beta) > IMPERFECT:
                 raise AnalysisError(f"two branches pass each other by {abs(beta):.1e}")
             return Special(BRANCH, u, ways=_ways(problem, form, V[:-1], near.tangent))
@@ -140,8 +144,9 @@ def _borders(problem: Problem, near: Point) -> tuple[Array, Array]:
     for _ in range(WAYS):
         x, y = factors.solve(x), factors.solve(y, transposed=True)
         x, y = x / np.linalg.norm(x), y / np.linalg.norm(y)
-    x = x - (x @ row) / (row @ row) * row
-    left = y[:-1] / np.linalg.norm(y[:-1])
+    # Of what is measured in the length along the curve alone: long borders fill sparse factors.
+    x, left = x * (problem.weights > 0), y[:-1] * (problem.weights[:-1] > 0)
+    x, left = x - (x @ row) / (row @ row) * row, left / np.linalg.norm(left)
     return np.stack((row / np.linalg.norm(row), x / np.linalg.norm(x))), left
 
 

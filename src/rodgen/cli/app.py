@@ -15,7 +15,9 @@ from rodgen.cli import (
     animate,
     check,
     critical,
+    cycle,
     derive,
+    exponents,
     modes,
     precision,
     run,
@@ -38,6 +40,8 @@ OWN: dict[str, Callable[..., object]] = {
     "modes": modes.modes,
     "static": static.static,
     "critical": critical.critical,
+    "exponents": exponents.exponents,
+    "cycle": cycle.cycle,
     "precision": precision.precision,
     "study": study.study,
 }

@@ -46,7 +46,7 @@ ENOUGH_DEATHS = 1  # of workers of a task, after which it runs apart from them
 FETCHED = 60.0  # seconds in which a worker hands over what it found
 BLOCK = 1.0  # seconds
 LONGEST = 300.0  # seconds after which nobody waits to know how long a point takes
-STARTS = 6  # of workers of our own
+STARTS = 6  # of workers of our own, and of telling them of a study
 MOST_LOST = 10  # tasks of a block alone that are lost
 # What a cluster of our own is started with. A busy machine answers late; workers hold nothing that
 # could be spilled, and one that is paused would never go on; tasks are not worth being stolen.
@@ -238,7 +238,8 @@ class Cluster:
         if self._cluster is not None:
             return
         for worker, found in self.client.run(who, on_error="return").items():
-            _check_worker(worker, found, _own())
+            if not isinstance(found, OSError):  # one that died meanwhile is no worker any more
+                _check_worker(worker, found, _own())
 
     def timed(self, study: Study) -> tuple[float, Texts]:
         """Time that a point takes [s] and generated texts, as a worker finds them; where points
@@ -272,7 +273,7 @@ class Cluster:
         """What comes out of tasks; ways: how it is computed first, and how where that killed the
         worker."""
         context = Context(store, texts, self._cluster is not None)
-        self.client.register_plugin(context)
+        self._register(context)
         events: queue.SimpleQueue[distributed.Future] = queue.SimpleQueue()
         works: dict[str, _Work] = {}
         again: list[_Work] = []
@@ -305,7 +306,20 @@ class Cluster:
                 future.release()
         finally:
             if self.client.status == "running":
-                self.client.unregister_worker_plugin(context.name)
+                with suppress(OSError, TimeoutError):  # a worker died meanwhile
+                    self.client.unregister_worker_plugin(context.name)
+
+    def _register(self, context: Context) -> None:
+        """Give all workers what they need, and those that come later; again where one dies
+        meanwhile. Raises StudyError where the scheduler is gone."""
+        for turn in range(STARTS):
+            try:
+                self.client.register_plugin(context)
+                return
+            except (CommClosedError, TimeoutError):
+                self._watch(wait=True)
+                sleep(TICK * turn)
+        raise StudyError("the workers do not answer")
 
     def _next(
         self, events: queue.SimpleQueue[distributed.Future], seconds: float = math.inf
