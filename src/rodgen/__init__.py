@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rodgen.analyse.branches import continue_equilibria
     from rodgen.analyse.chaos import zero_one_test
     from rodgen.analyse.critical import Critical, critical_force
     from rodgen.analyse.errors import AnalysisError, MeshWarning
@@ -63,6 +64,7 @@ _HOMES = {
     "Modes": "rodgen.analyse.modes",
     "static_equilibrium": "rodgen.analyse.statics",
     "Equilibrium": "rodgen.analyse.statics",
+    "continue_equilibria": "rodgen.analyse.branches",
     "critical_force": "rodgen.analyse.critical",
     "Critical": "rodgen.analyse.critical",
     "simulated_critical_force": "rodgen.analyse.growth",
@@ -109,6 +111,7 @@ __all__ = [
     "WorkPrecision",
     "build",
     "choose",
+    "continue_equilibria",
     "critical_force",
     "load",
     "lyapunov_exponents",

@@ -13,6 +13,7 @@ import typer
 
 from rodgen.cli import (
     animate,
+    branch,
     check,
     critical,
     derive,
@@ -39,6 +40,7 @@ OWN: dict[str, Callable[..., object]] = {
     "modes": modes.modes,
     "static": static.static,
     "critical": critical.critical,
+    "branch": branch.branch,
     "exponents": exponents.exponents,
     "precision": precision.precision,
     "study": study.study,
