@@ -16,6 +16,7 @@ from rodgen.cli import (
     branch,
     check,
     critical,
+    cycle,
     derive,
     exponents,
     modes,
@@ -42,6 +43,7 @@ OWN: dict[str, Callable[..., object]] = {
     "critical": critical.critical,
     "branch": branch.branch,
     "exponents": exponents.exponents,
+    "cycle": cycle.cycle,
     "precision": precision.precision,
     "study": study.study,
 }

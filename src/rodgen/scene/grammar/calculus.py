@@ -121,6 +121,15 @@ def _is_variable(node: ast.expr, variable: str) -> bool:
     return isinstance(node, ast.Name) and node.id == variable
 
 
+def phases(node: ast.AST) -> Iterator[ast.expr]:
+    """Arguments of what repeats itself: of sines, cosines and tangents."""
+    match node:
+        case ast.Call(func=ast.Name(id="sin" | "cos" | "tan"), args=[arg]):
+            yield arg
+    for child, _ in children(node):
+        yield from phases(child)
+
+
 def divisors(node: ast.AST) -> Iterator[ast.expr]:
     """What is divided by; the base of a power stands for its negative exponents."""
     match node:
