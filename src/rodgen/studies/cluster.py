@@ -237,6 +237,12 @@ class Cluster:
         finally:
             cluster.close(timeout=20)
 
+    @property
+    def count(self) -> int:
+        """How many blocks are computed at once: by all that there are to be of our own, by all
+        that are there of others."""
+        return self.workers if self._cluster is not None else self._threads
+
     def _check_workers(self) -> None:
         """Raise SceneError for workers that would give other results."""
         if self._cluster is not None:
