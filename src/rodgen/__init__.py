@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rodgen.analyse.branches import continue_equilibria
     from rodgen.analyse.chaos import zero_one_test
     from rodgen.analyse.critical import Critical, critical_force
     from rodgen.analyse.cycles.cycle import Cycle, find_cycle
@@ -65,6 +66,7 @@ _HOMES = {
     "Modes": "rodgen.analyse.modes",
     "static_equilibrium": "rodgen.analyse.statics",
     "Equilibrium": "rodgen.analyse.statics",
+    "continue_equilibria": "rodgen.analyse.branches",
     "critical_force": "rodgen.analyse.critical",
     "Critical": "rodgen.analyse.critical",
     "find_cycle": "rodgen.analyse.cycles.cycle",
@@ -117,6 +119,7 @@ __all__ = [
     "WorkPrecision",
     "build",
     "choose",
+    "continue_equilibria",
     "critical_force",
     "find_cycle",
     "floquet",

@@ -101,7 +101,8 @@ class _Walk:
                 h /= 2
                 if h < steps.least:
                     curve.end = (
-                        f"the step along the branch shrank to nothing ({self.why or 'no solution'})"
+                        "the step along the branch shrank to nothing at "
+                        f"{self.problem.value(here.u):.9g} ({self.why or 'no solution'})"
                     )
                 continue
             point, iterations, special = made

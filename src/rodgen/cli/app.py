@@ -13,6 +13,7 @@ import typer
 
 from rodgen.cli import (
     animate,
+    branch,
     check,
     critical,
     cycle,
@@ -40,6 +41,7 @@ OWN: dict[str, Callable[..., object]] = {
     "modes": modes.modes,
     "static": static.static,
     "critical": critical.critical,
+    "branch": branch.branch,
     "exponents": exponents.exponents,
     "cycle": cycle.cycle,
     "precision": precision.precision,
