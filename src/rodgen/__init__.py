@@ -11,9 +11,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rodgen.analyse.branches import continue_equilibria
+    from rodgen.analyse.chaos import zero_one_test
     from rodgen.analyse.critical import Critical, critical_force
+    from rodgen.analyse.cycles.cycle import Cycle, find_cycle
     from rodgen.analyse.errors import AnalysisError, MeshWarning
+    from rodgen.analyse.exponents import Exponents, lyapunov_exponents
     from rodgen.analyse.extrapolate import Extrapolation, richardson
+    from rodgen.analyse.floquet import Floquet, floquet
     from rodgen.analyse.fourier import Spectrum, spectrum
     from rodgen.analyse.growth import SimulatedCritical, simulated_critical_force
     from rodgen.analyse.modes import Modes, natural_modes
@@ -61,10 +66,18 @@ _HOMES = {
     "Modes": "rodgen.analyse.modes",
     "static_equilibrium": "rodgen.analyse.statics",
     "Equilibrium": "rodgen.analyse.statics",
+    "continue_equilibria": "rodgen.analyse.branches",
     "critical_force": "rodgen.analyse.critical",
     "Critical": "rodgen.analyse.critical",
+    "find_cycle": "rodgen.analyse.cycles.cycle",
+    "Cycle": "rodgen.analyse.cycles.cycle",
     "simulated_critical_force": "rodgen.analyse.growth",
     "SimulatedCritical": "rodgen.analyse.growth",
+    "lyapunov_exponents": "rodgen.analyse.exponents",
+    "Exponents": "rodgen.analyse.exponents",
+    "zero_one_test": "rodgen.analyse.chaos",
+    "floquet": "rodgen.analyse.floquet",
+    "Floquet": "rodgen.analyse.floquet",
     "spectrum": "rodgen.analyse.fourier",
     "Spectrum": "rodgen.analyse.fourier",
     "richardson": "rodgen.analyse.extrapolate",
@@ -82,11 +95,14 @@ __all__ = [
     "AnalysisError",
     "BuildError",
     "Critical",
+    "Cycle",
     "Ensemble",
     "Equilibrium",
     "Event",
+    "Exponents",
     "Extrapolation",
     "FileWarning",
+    "Floquet",
     "Interrupted",
     "MeshWarning",
     "Modes",
@@ -103,8 +119,12 @@ __all__ = [
     "WorkPrecision",
     "build",
     "choose",
+    "continue_equilibria",
     "critical_force",
+    "find_cycle",
+    "floquet",
     "load",
+    "lyapunov_exponents",
     "natural_modes",
     "resume",
     "richardson",
@@ -115,6 +135,7 @@ __all__ = [
     "static_equilibrium",
     "study",
     "work_precision",
+    "zero_one_test",
 ]
 
 

@@ -107,7 +107,9 @@ def test_derive_writes_what_is_asked_for(
 ALONE = "import sys; sys.modules['rodgen'] = None; import rod_pinned_n2_c as rod; rod.{name}"
 
 
-@pytest.mark.parametrize("part", ["lanes", pytest.param("flow", marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "part", ["lanes", "tangents", pytest.param("flow", marks=pytest.mark.long)]
+)
 def test_step_loops_that_a_part_calls_are_beside_it(works: Run, tmp_path: Path, part: str) -> None:
     works("derive", 2, "--boundary", "pinned", "--target", "c", "--parts", part, "--out", tmp_path)
     program = ALONE.format(name=PARTS[part][0])

@@ -238,6 +238,43 @@ def test_statics() -> None:
     assert found["stable"].tolist() == [1, 1]
 
 
+def test_exponents() -> None:
+    """Those of lyapunov_exponents; a transient longer than the span is a failed point."""
+    options = {"span": 8.0, "transient": 1.0}
+    study = Study.of(
+        scene(PENDULUM),
+        {"initial.phi": [0.2, 0.5]},
+        what="lyapunov",
+        keep=["exponent(2)", "error(2)", "exponent", "chaotic"],
+        options=options,
+    )
+    found = computed(study)
+    alone = rodgen.lyapunov_exponents(study.scene_at({"initial.phi": 0.5}), count=2, **options)
+    np.testing.assert_array_equal(found["exponent(2)"][1], alone.exponents)
+    np.testing.assert_array_equal(found["error(2)"][1], alone.errors)
+    assert found["exponent"][1] == alone.exponents[0]
+    assert found["status"].tolist() == ["finished"] * 2
+    refused = Study.of(
+        scene(PENDULUM), {"initial.phi": [0.2]}, what="lyapunov", options={"transient": 1e9}
+    )
+    assert "transient = 1000000000.0" in computed(refused)["message"][0]
+
+
+def test_tongues() -> None:
+    """Mathieu's equation inside and outside of its first tongue."""
+    rod = {"links": 1, "length": 1.0, "bending_stiffness": 0.0, "mass": 3.0, "boundary": "pinned"}
+    mathieu = {
+        "name": "mathieu",
+        "parameters": {"a": 1.0, "b": 0.3},
+        "rod": rod,
+        "loads": {"tip": {"x": "a + b*cos(2*t)"}},
+    }
+    found = computed(Study.of(scene(mathieu), {"parameters.a": [0.8, 1.0, 1.2]}, what="floquet"))
+    assert found["stable"].tolist() == [1, 0, 1]
+    assert found["growth"][1] > 0.05
+    assert found["modulus"][[0, 2]] == pytest.approx(1.0, abs=1e-6)
+
+
 def test_an_analysis_without_a_result_is_a_failed_point() -> None:
     options = {"highest": 20.0}
     study = Study.of(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from scipy.stats import qmc
 
 from rodgen import Study
+from rodgen.studies.axis import axis
 from rodgen.studies.layout import Layout
 from rodgen.studies.points import points
 from tests.studies.scenes import BECK, scene
@@ -85,3 +87,18 @@ def test_blocks_have_every_point_once(shape: tuple[int, ...], wanted: int) -> No
     sizes = [layout.points(block) for block in range(layout.count)]
     assert max(sizes) <= wanted
     assert sizes == [len(layout.indices(block)) for block in range(layout.count)]
+
+
+def test_what_an_axis_consists_of_is_short_and_tells_its_values_apart() -> None:
+    """A million values are neither written into the store nor sent about as text."""
+    values = np.linspace(1, 2, 10**5)
+    long = axis("rod.mass", values.tolist(), drawn=False)
+    assert list(long.values) == values.tolist()
+    assert all(type(value) is float for value in (long.values[0], long.values[-1]))
+    assert len(str(long.contents)) < 200
+    assert len(pickle.dumps(long)) < 1.01 * values.nbytes + 1000
+    assert pickle.loads(pickle.dumps(long)).contents == long.contents
+    values[777] = np.nextafter(values[777], 2)
+    other = axis("rod.mass", values.tolist(), drawn=False)
+    assert other.contents != long.contents
+    assert axis("rod.links", [3, 4], drawn=False).values == (3, 4)

@@ -11,8 +11,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import distributed
 import numpy as np
 import pytest
+from distributed.comm import CommClosedError
 
 import rodgen
 from rodgen import SceneError, Study, StudyError
@@ -44,6 +46,17 @@ def test_workers_and_blocks_leave_the_bits_alone(size: int, tmp_path: Path, sche
     assert_same(read(path), rodgen.study(study_of(), workers=1))
 
 
+def test_there_are_blocks_for_all_workers_of_a_scheduler(
+    tmp_path: Path, scheduler: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However many processors the machine of the client has."""
+    monkeypatch.setattr(cluster.Cluster, "count", property(lambda self: 3 * self._threads))
+    path = tmp_path / "a.zarr"
+    run(study_of(), path, scheduler=scheduler.scheduler_address)
+    assert Store.of(path, study_of()).layout.count == POINTS  # four for each of six workers
+    assert (read(path).status == "finished").all()
+
+
 def test_a_worker_that_is_killed_is_replaced(tmp_path: Path, scheduler: Any) -> None:
     """At three points, each once."""
     flags = tmp_path
@@ -61,6 +74,31 @@ def test_a_worker_that_is_killed_is_replaced(tmp_path: Path, scheduler: Any) -> 
     run(study, path, scheduler=scheduler.scheduler_address, resume=True)
     assert len(list(flags.glob("*.0"))) == 3  # killed they were
     assert_same(read(path), rodgen.study(study, workers=1))
+
+
+def test_a_worker_may_die_while_it_is_told_of_the_study(
+    tmp_path: Path, scheduler: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Then Dask reports a connection that was closed, be it at the start or at the end."""
+    calls: list[str] = []
+
+    def dying(name: str) -> Callable[..., Any]:
+        of = getattr(distributed.Client, name)
+
+        def call(*given: Any, **named: Any) -> Any:
+            calls.append(name)
+            if calls.count(name) == 1:
+                raise CommClosedError("in <TCP (closed)>: Stream is closed")
+            return of(*given, **named)
+
+        return call
+
+    for name in ("register_plugin", "unregister_worker_plugin"):
+        monkeypatch.setattr(distributed.Client, name, dying(name))
+    path = in_blocks(tmp_path / "a.zarr", study_of(), 12)
+    run(study_of(), path, scheduler=scheduler.scheduler_address, resume=True)
+    assert calls == ["register_plugin", "register_plugin", "unregister_worker_plugin"]
+    assert_same(read(path), rodgen.study(study_of(), workers=1))
 
 
 def test_a_point_that_kills_its_worker_is_recorded(tmp_path: Path, scheduler: Any) -> None:

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csc_array
-from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
+from rodgen.analyse.bordered import sign_of
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import SINGULAR, Cells, Dense, sparse
 from rodgen.analyse.system import System, Unknowns
@@ -62,9 +61,7 @@ class ChainBalance:
             return int((np.linalg.eigvals(np.linalg.solve(dense.M, -dense.K)).real > 0).sum())
         if self.cells.ways is not None:
             return int(np.linalg.slogdet(self.cells.reduced().K)[0])
-        factors = splu(sparse(self.cells.statics))
-        signs = np.sign(factors.U.diagonal()).prod()
-        return int(signs * _parity(factors.perm_r) * _parity(factors.perm_c))
+        return sign_of(splu(sparse(self.cells.statics)))
 
 
 @dataclass(frozen=True)
@@ -134,7 +131,7 @@ class WholeBalance:
         return np.asarray(ways[sizes <= LOOSE * max(sizes, default=0.0)])
 
     @cached_property
-    def _basis(self) -> Array:
+    def basis(self) -> Array:
         """Columns of changes that have an effect."""
         base, size = self.system.base, len(self.residual)
         if not len(self.free):
@@ -151,7 +148,7 @@ class WholeBalance:
         slope = self.slope
         if shift:
             slope = slope - shift * self._forced(np.eye(len(slope)))
-        matrix = slope @ self._basis
+        matrix = slope @ self.basis
         try:
             if matrix.shape[0] == matrix.shape[1]:
                 found = np.linalg.solve(matrix, right)
@@ -162,7 +159,7 @@ class WholeBalance:
         if not np.isfinite(found).all():
             raise AnalysisError(SINGULAR)
         base, cells = self.system.base, self.system.cells
-        change: Array = self._basis @ found
+        change: Array = self.basis @ found
         position, phi, added = np.split(change, [base, base + cells])
         return Unknowns(phi, np.zeros((cells, 2)), position, added)
 
@@ -190,16 +187,16 @@ class WholeBalance:
             by_rate[:, :half] = -self._forced(self._jacobian[:, half : 2 * half])
             by_rate[half:, half:] = np.eye(size - half)
         parts = -self.slope, by_rate, inertia
-        K, C, M = (self._basis.T @ part @ self._basis for part in parts)
+        K, C, M = (self.basis.T @ part @ self.basis for part in parts)
         return Dense(K, C, M, size - half)
 
     def signature(self) -> int:
         """How many motions are unstable without damping; with added states, and beyond MOST_DENSE
         links, the sign of the determinant, which tells odd changes alone."""
-        slope = self._basis.T @ self.slope @ self._basis
+        slope = self.basis.T @ self.slope @ self.basis
         if self.system.scene.states or self.system.cells > MOST_DENSE:
             return int(np.linalg.slogdet(slope)[0])
-        mass = self._basis.T @ self._mass @ self._basis
+        mass = self.basis.T @ self._mass @ self.basis
         return int((np.linalg.eigvals(np.linalg.solve(mass, slope)).real > 0).sum())
 
 
@@ -216,11 +213,3 @@ def balance(system: System, at: Unknowns, p: Array, bend: Array | float = 0.0) -
 def free_ways(system: System, at: Unknowns, p: Array) -> Array:
     """Directions (k, 2) in which nothing holds a free rod, nor follows its place."""
     return WholeBalance(system, system.at_rest(at), p, 0.0).free
-
-
-def _parity(order: Array) -> int:
-    """1 for an even permutation, -1 for an odd one."""
-    size = len(order)
-    moves = csc_array((np.ones(size), (np.arange(size), order)), shape=(size, size))
-    cycles = connected_components(moves)[0]
-    return 1 if (size - cycles) % 2 == 0 else -1

@@ -84,12 +84,13 @@ class Steady:
         Its loads turn with it, or there are none."""
         if self.system.anchored or self.system.steered:
             return False
-        here = self._cells
+        here = self.cells
         # Row by row, for a soft spring counts beside a hard one.
         angles = np.abs(here.by_angle).sum(axis=0)
         pulls = np.abs(here.by_unknown[..., 1:]).sum(axis=(0, 3))
         sizes = angles + pulls * np.abs(self.force).max(initial=0.0)
-        sizes += np.abs(self._drag_across).sum(axis=(0, 3)) * abs(self.system.speed)
+        if self.system.speed:
+            sizes += np.abs(self._drag_across).sum(axis=(0, 3)) * abs(self.system.speed)
         made = product(Pencil.of(here).S0, self.turning).reshape(sizes.shape)
         return bool((np.abs(made) <= STEADY * sizes).all())
 
@@ -100,12 +101,12 @@ class Steady:
         return np.column_stack((np.ones(len(self.phi)), across)).ravel()
 
     @cached_property
-    def _cells(self) -> Cells:
+    def cells(self) -> Cells:
         return Cells.at(self.system, self.at, self.p)
 
     def pencil(self) -> Pencil:
         """The equations linearised here, without what follows the velocities of the joints."""
-        return Pencil.of(self._cells)
+        return Pencil.of(self.cells)
 
     @cached_property
     def _drag_across(self) -> Array:
@@ -121,11 +122,11 @@ class Steady:
         if is_kinked(system) and not system.speed:
             return True
         if not (has_drag(system) and system.speed):
-            return bool(self._cells.by_velocity.any())
+            return bool(self.cells.by_velocity.any())
         c, s = np.cos(self.phi[0]), np.sin(self.phi[0])
         felt, all_of_it = (
             np.stack((D[..., 0, :], D[..., 2, :] * c - D[..., 1, :] * s))
-            for D in (self._cells.by_velocity, self._drag_across)
+            for D in (self.cells.by_velocity, self._drag_across)
         )
         sizes = np.abs(all_of_it).max(axis=(1, 2, 3), keepdims=True)
         return bool((np.abs(felt) > STEADY * sizes).any())
@@ -204,19 +205,29 @@ def steady(system: System, start: Steady | None = None, **changes: float) -> Ste
     """
     given = system.given | changes
     p = system.parameters(**changes)
-    at = system.beside(system.straight)
-    turning, force = forces(system, at, p)
-    scale = np.abs(force).max(initial=0.0) * system.scene.rod.links / system.scene.rod.length
-    if np.abs(turning).max() <= STEADY * scale and _settled(system, at, p):
-        return Steady(system, at._replace(force=force), p)
+    found, turning = straight_state(system, p)
+    if found is not None:
+        return found
     if system.scene.hold.translates and not system.anchored:
         raise AnalysisError(
             "the free rod has no steady state to linearise about: straight and at rest, its links "
-            f"turn with {np.abs(turning).max():.3g} rad/s^2 (a load along the rod, or gravity "
+            f"turn with {turning:.3g} rad/s^2 (a load along the rod, or gravity "
             "alone, leaves it straight)"
         )
     rest, _ = settle(system, given, start.at if start else None)
     return Steady(system, rest.at._replace(force=forces(system, rest.at, p)[1]), p)
+
+
+def straight_state(system: System, p: Array) -> tuple[Steady | None, float]:
+    """The straight rod under parameters p, None where it does not stay straight, and how fast its
+    links begin to turn [rad/s^2]."""
+    at = system.beside_straight
+    turning, force = forces(system, at, p)
+    scale = np.abs(force).max(initial=0.0) * system.scene.rod.links / system.scene.rod.length
+    largest = float(np.abs(turning).max())
+    if largest <= STEADY * scale and _settled(system, at, p):
+        return Steady(system, at._replace(force=force), p), largest
+    return None, largest
 
 
 def _settled(system: System, at: Unknowns, p: Array) -> bool:

@@ -13,9 +13,12 @@ import typer
 
 from rodgen.cli import (
     animate,
+    branch,
     check,
     critical,
+    cycle,
     derive,
+    exponents,
     modes,
     precision,
     run,
@@ -38,6 +41,9 @@ OWN: dict[str, Callable[..., object]] = {
     "modes": modes.modes,
     "static": static.static,
     "critical": critical.critical,
+    "branch": branch.branch,
+    "exponents": exponents.exponents,
+    "cycle": cycle.cycle,
     "precision": precision.precision,
     "study": study.study,
 }

@@ -16,7 +16,7 @@ from rodgen.scene.errors import SceneError
 from rodgen.scene.structure import choose
 
 # The names that a part brings into the Python module; flow and newton are for compiled steps,
-# lanes are for those of many rods side by side.
+# VARIATIONS for those of a state with its tangents, lanes are for those of many rods side by side.
 PARTS = {
     "rhs": ("rhs",),
     "batch": ("rhs_batch",),
@@ -28,13 +28,14 @@ PARTS = {
         *("energy", "joints", "centre_of_gravity", "inertia"),
         *("bending_moments", "forces", "generalised_force", "signals"),
     ),
+    "tangents": ("tangents", "VARIATIONS"),
     "flow": ("Run", "WORKS"),
     "newton": ("NEWTON",),
     "lanes": ("LANES",),
 }
 COMMON = ("mass", "implicit", "power", "quantities")  # written for NumPy, whatever the target
 STEPS = ("flow", "newton")
-ASKED = (*STEPS, "lanes")  # what nobody has who does not ask for it
+ASKED = (*STEPS, "tangents", "lanes")  # what nobody has who does not ask for it
 PART_OF = {name: part for part, names in PARTS.items() for name in names}
 FORMS = ("chain", "dense")
 
@@ -91,6 +92,8 @@ def closed(target: str, parts: Iterable[str] | None = None, steps: bool = False)
         raise SceneError("with_steps", True, "given with target c: NumPy modules take no steps")
     if "batch" in wanted:
         wanted.add("rhs")
+    if "tangents" in wanted and not target_of(target).compiled:
+        wanted.add("jac")
     if steps:
         wanted |= set(STEPS)
     return tuple(part for part in allowed if part in wanted)

@@ -9,6 +9,11 @@ from rodgen.integrate.solution import Solution
 FINISHED, FAILED, INTERRUPTED = "finished", "failed", "interrupted"
 
 
+def ended_by(t: float, name: str) -> str:
+    """What there is to say of a run that an event has ended at a time [s]."""
+    return f"ended at t = {t:.12g} s by the event {name!r}"
+
+
 class RunError(ArithmeticError):
     """A run that could not be finished. solution: all samples up to there."""
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.integrate.crossings import Crossed
+from rodgen.integrate.endings import FAILED
 from rodgen.integrate.stepper import Array
 
 
@@ -18,9 +20,9 @@ class Ensemble:
     [s] that the runs reached, (rods,); y: states there, (rods, states), in the order of the
     module's STATE; work: work done by each load without potential until then [J], by term, each
     (rods,); status: "finished" or "failed", (rods,); message: what there is to say of those that
-    failed, by rod; steps, rejected, rhs: of each, (rods,), -1 where the method does not tell;
-    energy_error: largest error of the energy balance at the samples [J], (rods,), not-a-number for
-    runs that failed.
+    failed or that an event has ended, by rod; steps, rejected, rhs: of each, (rods,), -1 where the
+    method does not tell; energy_error: largest error of the energy balance at the samples [J],
+    (rods,), not-a-number for runs that failed; crossed: of what was watched.
     """
 
     values: dict[str, Array]
@@ -33,6 +35,7 @@ class Ensemble:
     rejected: NDArray[np.int64]
     rhs: NDArray[np.int64]
     energy_error: Array
+    crossed: tuple[Crossed, ...] = ()
 
     def __len__(self) -> int:
         return len(self.t)
@@ -43,4 +46,5 @@ class Ensemble:
 
     def __repr__(self) -> str:
         kept = f"; {', '.join(self.values)}" if self.values else ""
-        return f"<Ensemble of {len(self)} runs, {len(self.message)} failed{kept}>"
+        failed = int((self.status == FAILED).sum())
+        return f"<Ensemble of {len(self)} runs, {failed} failed{kept}>"

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.integrate.crossings import Crossing
 from rodgen.integrate.lanes import Courses, Plan, Rows, explicit
 from rodgen.integrate.mass_jumps import may_jump
 from rodgen.integrate.reductions import Numbers, Reduction, checked
@@ -68,19 +69,36 @@ class Equations:
             _remember(self._reductions, texts, found)
         return found
 
-    def plan(self, settings: Integrate, reductions: tuple[Reduction, ...]) -> Plan | None:
+    def plan(
+        self,
+        settings: Integrate,
+        reductions: tuple[Reduction, ...],
+        crossings: tuple[Crossing, ...] = (),
+    ) -> Plan | None:
         """How runs go side by side; None where they cannot."""
-        key = settings.method, settings.fixed, reductions
+        key = settings.method, settings.fixed, reductions, crossings
         if key not in self._plans:
-            _remember(self._plans, key, self._planned(settings, reductions))
+            _remember(self._plans, key, self._planned(settings, reductions, crossings))
         return self._plans[key]
 
-    def _planned(self, settings: Integrate, reductions: Sequence[Reduction]) -> Plan | None:
+    def _planned(
+        self,
+        settings: Integrate,
+        reductions: Sequence[Reduction],
+        crossings: Sequence[Crossing],
+    ) -> Plan | None:
         switches = self._switching and not settings.fixed
         if switches or not explicit(settings.method) or not hasattr(self.model, "LANES"):
             return None
-        rows = Rows(self.lanes, self.model.STATE, self.structure.links)
-        return Plan.of(rows, reductions, may_jump(self.model))
+        return Plan.of(self._rows, reductions, may_jump(self.model), crossings)
+
+    @cached_property
+    def _rows(self) -> Rows:
+        return Rows(self.lanes, self.model.STATE, self.structure.links)
+
+    def observes(self, number: str) -> bool:
+        """Whether a number of a quantity is to be had side by side."""
+        return hasattr(self.model, "LANES") and self._rows.terms(number) is not None
 
     # What changes with time ---------------------------------------------------------------------
 

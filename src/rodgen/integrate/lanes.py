@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.integrate.crossings import Crossing, Sums, Watched
 from rodgen.integrate.methods.compiled import FAILURES
 from rodgen.integrate.reductions import Reduction
 from rodgen.integrate.stepper import Array
@@ -81,7 +82,7 @@ class Plan:
     """Reductions as the loops know them; the last two are least and largest of the balance.
 
     energies: how many of the rows that are observed are parts of the energy, of a rod whose masses
-    may jump; else 0.
+    may jump; else 0; watched: what is watched.
     """
 
     keep: NDArray[Any]
@@ -89,32 +90,41 @@ class Plan:
     weights: Array
     observes: bool
     energies: int
+    watched: Watched
 
     @cached_property
     def shared(self) -> Shared:
         """Its arrays."""
-        return Shared(keep=self.keep, rows=self.rows, weights=self.weights)
+        watched = {"watch": self.watched.table, "numbers": self.watched.numbers}
+        return Shared(keep=self.keep, rows=self.rows, weights=self.weights, **watched)
 
     @classmethod
-    def of(cls, rows: Rows, reductions: Sequence[Reduction], jumps: bool) -> Plan | None:
+    def of(
+        cls,
+        rows: Rows,
+        reductions: Sequence[Reduction],
+        jumps: bool,
+        crossings: Sequence[Crossing] = (),
+    ) -> Plan | None:
         """None where a number is not to be had in lanes; jumps: whether masses may jump."""
         balance = (Reduction("", kind, BALANCE) for kind in ("min", "max"))
         every = (*reductions, *balance)
-        found = [rows.terms(one.number) for one in every]
-        if None in found:
+        numbers = [one.number for one in every]
+        numbers += (name for one in crossings for name in (one.number, *one.kept))
+        terms = {name: of for name in numbers if (of := rows.terms(name)) is not None}
+        if {*numbers} - {*terms}:
             return None
-        terms = [term for term in found if term is not None]
+        sums, known = Sums(), len(rows.state) + len(rows.lanes.works)
+        places = [sums.add(terms[one.number]) for one in every]
+        watched = Watched.of(crossings, terms, known, sums)
         keep = np.zeros(len(every), KEPT)
         keep["reduction"] = [KEEPS[one.kind] for one in every]
         keep["less_start"] = [one.number == BALANCE for one in every]
-        keep["terms"] = [len(term) for term in terms]
-        keep["first"] = np.cumsum(keep["terms"]) - keep["terms"]
+        keep["first"], keep["terms"] = np.array(places).T
         keep["from"], keep["to"] = [one.start for one in every], [one.end for one in every]
-        at = np.array([row for term in terms for row in term], dtype=np.int64)
-        weights = np.array([weight for term in terms for weight in term.values()])
-        known = len(rows.state) + len(rows.lanes.works)
+        at, weights = sums.arrays()
         energies = sum(name in ENERGIES for name in rows.lanes.observed) if jumps else 0
-        return cls(keep, at, weights, bool((at >= known).any()), energies)
+        return cls(keep, at, weights, bool((at >= known).any()), energies, watched)
 
 
 @dataclass(frozen=True)
@@ -172,6 +182,9 @@ def run(
         "observes": plan.observes,
         "energies": plan.energies,
         "kept": len(plan.keep),
+        "watched": len(plan.watched.table),
+        "looks": bool(plan.watched.table["looks"].any()),
+        "crossed_width": plan.watched.width,
     }
     each = Shared(times=times, course_of=EVERY if which is None else which)
     block = Block(lanes, rods, p, y, (plan.shared, courses.shared, each), fields)

@@ -13,8 +13,9 @@ from pydantic import ValidationError
 
 from rodgen.integrate import lanes
 from rodgen.integrate.catalogue import Piece
+from rodgen.integrate.crossings import Crossing
 from rodgen.integrate.diagnosis import advice
-from rodgen.integrate.endings import FAILED, FINISHED
+from rodgen.integrate.endings import FAILED, FINISHED, ended_by
 from rodgen.integrate.ensemble import Ensemble
 from rodgen.integrate.equations import Equations, equations_of
 from rodgen.integrate.events import Watch
@@ -24,6 +25,7 @@ from rodgen.integrate.samples import Recorder
 from rodgen.integrate.stepper import Array, Machine, StepError
 from rodgen.integrate.stretches import UNBOUNDED, Stretches, inside, step_to
 from rodgen.model.methods import METHODS
+from rodgen.native.many import STOPPED
 from rodgen.native.run import STATUSES
 from rodgen.scene.errors import SceneError, check_type, explain
 from rodgen.scene.integration import AUTO, Integrate
@@ -64,6 +66,30 @@ def simulate_many(
     TypeError for what is no module.
     """
     check_type("model", model, ModuleType, see="rodgen.build")
+    return watched_many(model, p, y0, keep=keep, workers=workers, **settings)
+
+
+def goes_side_by_side(
+    model: ModuleType, keep: Sequence[str], crossings: Sequence[Crossing], **settings: Any
+) -> bool:
+    """Whether runs with these settings go side by side in C."""
+    equations = equations_of(model)
+    used, _ = _settings(tuple((name, _plain(name, v)) for name, v in settings.items()))
+    return equations.plan(used, equations.reductions(tuple(keep)), tuple(crossings)) is not None
+
+
+def watched_many(
+    model: ModuleType,
+    p: ArrayLike | Mapping[str, ArrayLike],
+    y0: ArrayLike,
+    *,
+    keep: Sequence[str] = (),
+    crossings: Sequence[Crossing] = (),
+    workers: int = 1,
+    **settings: Any,
+) -> Ensemble:
+    """Integrate many rods, as `simulate_many` does; crossings: what is looked out for in runs that
+    go side by side, those that do not have none. Raises what that raises."""
     equations = equations_of(model)
     used, times = _settings(tuple((name, _plain(name, v)) for name, v in settings.items()))
     whole = isinstance(workers, int) and not isinstance(workers, bool)
@@ -77,7 +103,7 @@ def simulate_many(
         raise SceneError("y0", _Shape(y.shape), allowed)
     rods = min(len(packed), len(y)) and max(len(packed), len(y))
     reductions = equations.reductions((keep,) if isinstance(keep, str) else tuple(keep))
-    plan = equations.plan(used, reductions)
+    plan = equations.plan(used, reductions, tuple(crossings))
     if plan is None:
         return _one_by_one(equations, reductions, used, times, packed, y, rods)
     return _side_by_side(equations, plan, reductions, used, times, packed, y, rods, workers)
@@ -148,13 +174,17 @@ def _side_by_side(
         equations.lanes, plan, settings, times, p, y, courses, which, rods, jobs, workers
     )
     outcome, works = block.outcome, equations.lanes.works
-    ended = outcome["status"] == STATUSES["REACHED"]
+    stopped = outcome["status"] == STOPPED
+    ended = stopped | (outcome["status"] == STATUSES["REACHED"])
     message = {}
     for rod in np.flatnonzero(~ended).tolist():
         status, t = int(outcome["status"][rod]), float(outcome["t"][rod])
         message[rod] = refused.get(rod) or _said(lanes.why(status, settings, t), t, settings)
     for rod in refused:
         block.values[rod], block.state[rod], outcome["t"][rod] = np.nan, np.nan, settings.span[0]
+    for rod in np.flatnonzero(stopped).tolist():
+        name = plan.watched.stop(int(outcome["stopped"][rod]))
+        message[rod] = ended_by(float(outcome["t"][rod]), name)
     least, most = block.values[:, -2], block.values[:, -1]
     return Ensemble(
         values={one.text: block.values[:, at] for at, one in enumerate(reductions)},
@@ -167,6 +197,7 @@ def _side_by_side(
         rejected=outcome["rejected"],
         rhs=outcome["rhs"],
         energy_error=np.maximum(most, -least),
+        crossed=tuple(plan.watched.found(block.crossed)),
     )
 
 

@@ -22,6 +22,7 @@ from rodgen.integrate.endings import (
     Interrupted,
     RunError,
     StepWarning,
+    ended_by,
 )
 from rodgen.integrate.error_growth import error_growth as growth_of
 from rodgen.integrate.events import Watch
@@ -205,7 +206,7 @@ class _Run:
                 )
         except Happened as event:
             name = self.scene.events[event.number].name
-            return f"ended at t = {event.t:.12g} s by the event {name!r}"
+            return ended_by(event.t, name)
         if self.pole:  # a step across it would be finite, and wrong
             raise StepError(UNBOUNDED)
         return ""

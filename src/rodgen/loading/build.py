@@ -128,6 +128,7 @@ def sources(
 LOOPS = {
     "flow": ("run.py", *run.FILES),
     "newton": ("run.py", *run.FILES),
+    "tangents": ("run.py", *run.FILES),
     "lanes": ("run.py", "many.py", *many.FILES),
 }
 

@@ -55,6 +55,8 @@ class Model(ModuleType):
                 self.__dict__.update((name, names[name]) for name in kept)
                 if part == "flow":
                     self.Run.equations.newton = lambda: self.NEWTON
+                if part == "tangents" and "VARIATIONS" in names:
+                    self.VARIATIONS.newton = lambda: self.NEWTON
 
     def __getattr__(self, name: str) -> Any:
         if self.__dict__.get("_more") is not None:

@@ -277,8 +277,7 @@ static void try_fixed(struct many *m, const double *going, const double *h, cons
     }
 }
 
-/* Sums of DOP853's dense output in the steps that are kept, for lanes of a mask. */
-static void prepare_dense(struct many *m, const double *mask, const double *h)
+void rodgen_prepare_dense(struct many *m, const double *mask, const double *h)
 {
     double t[LANES];
     for (int stage = 0; stage < MORE; ++stage) {
@@ -313,43 +312,21 @@ static void between(const struct many *m, const double *h, const double *x, doub
         }
 }
 
-/* All samples that lie in the steps that are kept. */
-static void samples(struct many *m, const double *kept, const double *next)
+void rodgen_between(struct many *m, const double *mask, const double *h, const double *next, const double *t, double *out)
 {
-    double due[LANES], inner[LANES], h[LANES], x[LANES], t[LANES];
-    int any = 0, dense = 0;
+    double ends[LANES], x[LANES];
+    int dense = 0;
     SIDE_BY_SIDE {
-        const struct lane *const lane = m->lane + w;
-        const double at = next_sample(m, lane);
-        const double lag = m->job->method == DOP853 ? lane->lag - lane->is.lag : 0.0;
-        h[w] = kept[w] > 0.0 ? (next[w] - lane->is.t) + lag : 0.0;
-        due[w] = kept[w] > 0.0 && at <= next[w] ? 1.0 : 0.0;
-        inner[w] = due[w] > 0.0 && at < next[w] ? 1.0 : 0.0;
-        any |= due[w] > 0.0;
-        dense |= inner[w] > 0.0;
+        const int inner = mask[w] > 0.0 && t[w] < next[w];
+        ends[w] = inner ? 0.0 : 1.0;
+        x[w] = inner ? ((t[w] - m->lane[w].is.t) - m->lane[w].is.lag) / h[w] : 1.0;
+        dense |= inner;
     }
-    if (dense && m->job->method == DOP853)
-        prepare_dense(m, inner, h);
-    while (any) {
-        any = dense = 0;
-        SIDE_BY_SIDE {
-            const struct lane *const lane = m->lane + w;
-            t[w] = due[w] > 0.0 ? next_sample(m, lane) : next[w];
-            inner[w] = t[w] < next[w] ? 0.0 : 1.0; /* at the end of a step */
-            x[w] = inner[w] > 0.0 ? 1.0 : ((t[w] - lane->is.t) - lane->is.lag) / h[w];
-            dense |= t[w] < next[w];
-        }
-        if (dense)
-            between(m, h, x, m->sample);
-        blend(inner, m->on, m->all, m->sample);
-        SIDE_BY_SIDE
-            m->sample[(m->all - 1) * LANES + w] += inner[w] * m->come[w];
-        rodgen_take_samples(m, due, t, m->sample);
-        SIDE_BY_SIDE {
-            due[w] = due[w] > 0.0 && next_sample(m, m->lane + w) <= next[w] ? 1.0 : 0.0;
-            any |= due[w] > 0.0;
-        }
-    }
+    if (dense)
+        between(m, h, x, out);
+    blend(ends, m->on, m->all, out);
+    SIDE_BY_SIDE
+        out[(m->all - 1) * LANES + w] += ends[w] * m->come[w];
 }
 
 /* The work, until now, of masses that jump where the stretches of steps that are kept end. */
@@ -378,7 +355,7 @@ void rodgen_lanes_step(struct many *m, double *kept)
     choose(m, going, h, next);
     (dop853_too ? try_dop853 : try_fixed)(m, going, h, next, kept);
     have_come(m, kept, next);
-    samples(m, kept, next);
+    rodgen_inside_steps(m, kept, next);
     blend(kept, m->on, m->all, m->y);
     SIDE_BY_SIDE
         m->y[(m->all - 1) * LANES + w] += m->come[w];

@@ -46,6 +46,7 @@ static size_t parts(struct many *m, const struct rodgen_lanes *system, struct ro
     m->p = part(&store, system->parameters * lanes);
     m->q = part(&store, system->parameters * lanes);
     m->tally = part(&store, job->kept * sizeof *m->tally);
+    m->levels = part(&store, job->watched * WATCHED * lanes);
     m->work = part(&store, system->work_size);
     return store.size;
 }
@@ -56,9 +57,9 @@ void rodgen_finish(struct many *m, int w, long long status)
     struct rodgen_many *const job = m->job;
     for (ptrdiff_t j = 0; j < m->all; ++j)
         job->state[lane->rod * (size_t)m->all + (size_t)j] = m->y[j * LANES + w];
-    rodgen_write_results(m, w, status == REACHED);
+    rodgen_write_results(m, w, status == REACHED || status == RODGEN_STOPPED);
     const struct rodgen_outcome outcome
-        = {lane->is.t, status, lane->is.steps, lane->is.rejected, lane->is.rhs};
+        = {lane->is.t, status, lane->is.steps, lane->is.rejected, lane->is.rhs, lane->stopped};
     job->outcome[lane->rod] = outcome;
     lane->phase = EMPTY;
 }
@@ -159,6 +160,7 @@ static void begin(struct many *m)
     if (any) {
         double due[LANES];
         rodgen_note_start(m, fresh, t, m->y);
+        rodgen_watch_start(m, fresh, t, m->y);
         SIDE_BY_SIDE
             due[w] = fresh[w] > 0.0 && next_sample(m, m->lane + w) <= t[w] ? 1.0 : 0.0;
         rodgen_take_samples(m, due, t, m->y);
@@ -183,6 +185,10 @@ static void settle(struct many *m, int w)
     struct lane *const lane = m->lane + w;
     rodgen_run *const is = &lane->is;
     const struct rodgen_course *const course = course_of(m, lane);
+    if (lane->stopped) {
+        rodgen_finish(m, w, RODGEN_STOPPED);
+        return;
+    }
     if (is->t >= is->end) {
         lane->phase = BEFORE;
         if (++lane->stretch == course->count) {

@@ -45,6 +45,24 @@ struct rodgen_kept {
     double from, to;
 };
 
+/* A number as the weighed sum of some rows. */
+struct rodgen_number {
+    size_t first, terms; /* among rows and weights */
+};
+
+/* A number that is watched: where it passes a level, from below or from above, between two times. Of its crossings the
+   first ones are kept, each with its time and some numbers; or a run ends with the first of them. */
+struct rodgen_watched {
+    long long rising, falling;
+    long long looks; /* whether one of the rows is observed */
+    long long stops; /* 0, or what the outcome of a run that it ends tells */
+    double level, from, to;
+    size_t first, terms; /* among rows and weights */
+    size_t place;        /* of what is kept, among what is kept of a rod: how many crossings there are, then each of them */
+    size_t most;         /* how many of them are kept */
+    size_t first_number, numbers; /* of each of them */
+};
+
 /* A stretch of a run up to a time that steps must meet, and between what times loads may be asked for their values
    there; and what rods of the same loads in time share: their stretches, and the longest step. */
 struct rodgen_stretch {
@@ -59,13 +77,14 @@ struct rodgen_course {
 /* How a rod has ended, by the statuses of steps.h or of these. */
 enum {
     RODGEN_HUNGRY = 3,    /* of many rods: some lanes are empty, and no rod waits */
+    RODGEN_STOPPED = 4,   /* by a number that was watched */
     RODGEN_SPENT = -5,    /* its budget of steps is used up */
     RODGEN_CREEPING = -6, /* many steps brought it no further */
     RODGEN_POLE = -7      /* a load grows beyond all bounds */
 };
 struct rodgen_outcome {
     double t;
-    long long status, steps, rejected, rhs;
+    long long status, steps, rejected, rhs, stopped;
 };
 
 /* Many runs by one method. The caller sets everything: rods from next to end are taken one by one; whoever sets
@@ -82,15 +101,21 @@ struct rodgen_many {
     const long long *course_of; /* of every rod; NULL: the first of all */
     const struct rodgen_course *courses;
     const struct rodgen_stretch *stretches;
-    long long observes; /* whether a reduction asks for what is observed */
+    long long observes; /* whether a number that is kept asks for what is observed */
     size_t energies;    /* where masses may jump, whose work is the last: how many of what is observed, from the first
                            on, are parts of the energy; else 0 */
     size_t kept;
     const struct rodgen_kept *keep;
     const long long *rows;
     const double *weights;
+    size_t watched;
+    long long looks; /* whether one of these looks at what is observed */
+    const struct rodgen_watched *watch;
+    const struct rodgen_number *numbers;
+    size_t crossed_width; /* of what is kept of the crossings of a rod */
     double *state;  /* (rods, states + works) at the end */
     double *values; /* (rods, kept) */
+    double *crossed; /* (rods, crossed_width), zero at first */
     struct rodgen_outcome *outcome;
     size_t next, end;
     long long more;

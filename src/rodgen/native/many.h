@@ -17,6 +17,7 @@ struct lane {
     rodgen_run is;
     long long phase, again;
     size_t rod, stretch, sampled, look_at;
+    long long stopped; /* by what the run ends in this step */
     double seen, creep;
     /* The step that is tried: its length, its end, what rounding takes from that. */
     double h, next, lag;
@@ -47,6 +48,7 @@ struct many {
     double *come; /* energy of the masses that have come at the end of a stretch, of each lane */
     double *k[ROWS]; /* the first: rates at the start of a step */
     struct tally *tally;
+    double *levels; /* of all numbers that are watched, at the points of a step */
     void *work;
 };
 
@@ -87,6 +89,27 @@ static inline double next_sample(const struct many *m, const struct lane *lane)
    under way: which are kept; they are moved on. */
 void rodgen_first_steps(struct many *m, double *mask);
 void rodgen_lanes_step(struct many *m, double *kept);
+
+/* What lies within the steps that are kept: lane_samples.c. Where a run is stopped in one, that is where it ends. */
+void rodgen_inside_steps(struct many *m, const double *kept, double *next);
+
+/* Sums of DOP853's dense output in the steps of lengths h, for the lanes of a mask that have asked for it. */
+void rodgen_prepare_dense(struct many *m, const double *mask, const double *h);
+
+/* States at times of each within the steps that are kept, in the lanes of a mask; in the others, at their ends. */
+void rodgen_between(struct many *m, const double *mask, const double *h, const double *next, const double *t, double *out);
+
+/* Numbers that are watched: crossings.c. What they are at the start of the lanes of a mask; in which lanes some pass
+   their level in the steps of lengths h that are kept, if any; then where, which is written, but not behind a time at
+   which a run is stopped, to which until is set. */
+enum { WATCHED = 9 }; /* points of a step, both ends among them */
+void rodgen_watch_start(struct many *m, const double *mask, const double *t, const double *states);
+int rodgen_watch(struct many *m, const double *kept, const double *h, const double *next, double *crossed);
+void rodgen_cross(struct many *m, const double *crossed, const double *h, const double *next, double *until);
+
+/* The weighed sum of rows in a lane; what is observed of states at times of each. */
+double rodgen_value(const struct many *m, size_t first, size_t terms, const double *states, int w);
+void rodgen_observe(struct many *m, const double *t, const double *states);
 
 /* What is made of samples: reductions.c. Values at the start of the lanes of a mask; a sample at times of each; results
    of a lane whose run has come to its end, or not. */

@@ -20,9 +20,13 @@ Indices = NDArray[np.int64]
 NUMBERS = numbered("lanes.h")
 LANES, HUNGRY = NUMBERS["LANES"], NUMBERS["HUNGRY"]
 REACHED, REFUSED = STATUSES["REACHED"], STATUSES["REFUSED"]
+STOPPED = NUMBERS["STOPPED"]
 # What is made of the samples of a number, by name.
 KEEPS = {name[5:].lower(): at for name, at in NUMBERS.items() if name.startswith("KEEP_")}
-FILES = ("lanes.c", "lane_steps.c", "reductions.c", "lanes.h", "many.h", *HEADERS)
+FILES = (
+    *("lanes.c", "lane_steps.c", "lane_samples.c", "crossings.c", "reductions.c"),
+    *("lanes.h", "many.h", *HEADERS),
+)
 ROUNDS = 64  # steps of all lanes between two looks at whether to stop
 
 # Structures of lanes.h.
@@ -35,7 +39,20 @@ KEPT = np.dtype(
 STRETCH = np.dtype([("end", "f8"), ("low", "f8"), ("high", "f8")])
 COURSE = np.dtype([("first", "u8"), ("count", "u8"), ("longest", "f8"), ("pole", "i8")])
 OUTCOME = np.dtype(
-    [("t", "f8"), ("status", "i8"), ("steps", "i8"), ("rejected", "i8"), ("rhs", "i8")]
+    [
+        *(("t", "f8"), ("status", "i8"), ("steps", "i8"), ("rejected", "i8"), ("rhs", "i8")),
+        ("stopped", "i8"),
+    ]
+)
+NUMBER = np.dtype([("first", "u8"), ("terms", "u8")])
+WATCHED = np.dtype(
+    {
+        "names": [
+            *("rising", "falling", "looks", "stops", "level", "from", "to"),
+            *("first", "terms", "place", "most", "first_number", "numbers"),
+        ],
+        "formats": ["i8"] * 4 + ["f8"] * 3 + ["u8"] * 6,
+    }
 )
 JOB = np.dtype(
     [
@@ -44,7 +61,9 @@ JOB = np.dtype(
         *(("p_stride", "u8"), ("y_stride", "u8"), ("samples", "u8"), ("times", "u8")),
         *(("course_of", "u8"), ("courses", "u8"), ("stretches", "u8"), ("observes", "i8")),
         *(("energies", "u8"), ("kept", "u8"), ("keep", "u8"), ("rows", "u8"), ("weights", "u8")),
-        *(("state", "u8"), ("values", "u8"), ("outcome", "u8")),
+        *(("watched", "u8"), ("looks", "i8"), ("watch", "u8"), ("numbers", "u8")),
+        *(("crossed_width", "u8"), ("state", "u8"), ("values", "u8")),
+        *(("crossed", "u8"), ("outcome", "u8")),
         *(("next", "u8"), ("end", "u8"), ("more", "i8")),
     ]
 )
@@ -117,7 +136,8 @@ class Block:
 
     p: parameters (rods or 1, parameters); y: states (rods or 1, states) at the start; shared: all
     other arrays; fields: all other numbers of struct rodgen_many, by name. state (rods, states +
-    works), values (rods, kept) and outcome (rods,) are filled as runs end.
+    works), values (rods, kept), crossed (rods, crossed_width) and outcome (rods,) are filled as
+    runs go and end.
     """
 
     def __init__(
@@ -131,10 +151,12 @@ class Block:
     ):
         self.state = np.empty((rods, lanes.states + len(lanes.works)))
         self.values = np.empty((rods, int(fields["kept"])))
+        self.crossed = np.zeros((rods, int(fields["crossed_width"])))
         self.outcome = np.zeros(rods, OUTCOME)
         self.stopped = False
         self._loops = lanes.loops
-        own = Shared(p=p, y=y, state=self.state, values=self.values, outcome=self.outcome)
+        filled = {"state": self.state, "values": self.values, "crossed": self.crossed}
+        own = Shared(p=p, y=y, outcome=self.outcome, **filled)
         self._shared = (*shared, own)
         known = {"next": 0, "end": 0, "more": 1, **fields}
         known["p_stride"] = p.shape[1] if len(p) > 1 else 0

@@ -2,11 +2,10 @@
 
 #include "many.h"
 
-/* The value of a reduction's number in a lane. */
-static double value_of(const struct many *m, const struct rodgen_kept *kept, const double *states, int w)
+double rodgen_value(const struct many *m, size_t first, size_t terms, const double *states, int w)
 {
     double value = 0.0;
-    for (size_t at = kept->first; at < kept->first + kept->terms; ++at) {
+    for (size_t at = first; at < first + terms; ++at) {
         const ptrdiff_t row = (ptrdiff_t)m->job->rows[at];
         const double *const from = row < m->all ? states + row * LANES : m->observed + (row - m->all) * LANES;
         value += m->job->weights[at] * from[w];
@@ -14,11 +13,22 @@ static double value_of(const struct many *m, const struct rodgen_kept *kept, con
     return value;
 }
 
-/* What is observed of states, where it is asked for. */
+/* The value of a reduction's number in a lane. */
+static double value_of(const struct many *m, const struct rodgen_kept *kept, const double *states, int w)
+{
+    return rodgen_value(m, kept->first, kept->terms, states, w);
+}
+
+void rodgen_observe(struct many *m, const double *t, const double *states)
+{
+    m->of->observe(t, states, m->p, m->q, m->observed, m->work);
+}
+
+/* What is observed of states, where a reduction asks for it. */
 static void observe(struct many *m, const double *t, const double *states)
 {
     if (m->job->observes)
-        m->of->observe(t, states, m->p, m->q, m->observed, m->work);
+        rodgen_observe(m, t, states);
 }
 
 void rodgen_masses_gain(struct many *m, const double *states, const double *before, const double *after, double *gain)
@@ -27,7 +37,7 @@ void rodgen_masses_gain(struct many *m, const double *states, const double *befo
     SIDE_BY_SIDE
         gain[w] = 0.0;
     for (int of = 0; of < 2; ++of) {
-        m->of->observe(times[of], states, m->p, m->q, m->observed, m->work);
+        rodgen_observe(m, times[of], states);
         for (size_t at = 0; at < m->job->energies; ++at)
             SIDE_BY_SIDE
                 gain[w] += (of ? 1.0 : -1.0) * m->observed[at * LANES + (size_t)w];

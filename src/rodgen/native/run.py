@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, ClassVar
@@ -80,6 +80,12 @@ def newton(ffi: Any, library: Any, stem: str) -> Part:
     """What implicit methods need besides."""
     names = ("linearise", "factor", "solve_real", "solve_complex")
     return Part.of(ffi, library, stem, "newton_work", names)
+
+
+def variations(ffi: Any, library: Any, stem: str) -> Part:
+    """What explicit methods need for the tangents too."""
+    part = Part.of(ffi, library, stem, "variations_work", ("variations",))
+    return Part(library, {"flow": part.functions["variations"]}, part.size)
 
 
 @dataclass
@@ -211,6 +217,17 @@ class Run:
             row = self._ffi.from_buffer("double *", row)
             self._library.rodgen_run_at(self._system, self.numbers, self._p, t, row)
         return out
+
+
+def with_tangents(equations: Equations, count: int) -> type[Run]:
+    """Runs of equations with so many tangents: state and rates end with their numbers
+    (count * states,), direction after direction."""
+
+    def packed(p: Any) -> Array:
+        return np.append(equations.packed(p), float(count))
+
+    names = (*equations.works, *("tangent",) * (count * equations.states))
+    return type("Run", (Run,), {"equations": replace(equations, works=names, packed=packed)})
 
 
 def _rows(name: str, out: Any, count: int, width: int) -> Array:

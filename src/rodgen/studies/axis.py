@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
+from array import array
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
@@ -34,10 +37,17 @@ class Axis:
     """
 
     name: str
-    values: tuple[Value, ...] = ()
+    values: Sequence[Value] = ()
     low: float = math.nan
     high: float = math.nan
     scale: str = LINEAR
+
+    @property
+    def contents(self) -> list[str | int]:
+        """What it consists of: equal for equal axes, and short, however many values there are."""
+        values = np.array(self.values)
+        digest = hashlib.sha256(values.dtype.str.encode() + values.tobytes()).hexdigest()
+        return [self.name, len(self.values), digest, str(self.low), str(self.high), self.scale]
 
     def drawn(self, share: float) -> Value:
         """The value that a share, from 0 to below 1, of the range or of the list stands for."""
@@ -96,7 +106,7 @@ def _listed(name: str, field: str, read: _Range) -> Axis:
         raise SceneError(f"{field}.values", values, "either all numbers or all text")
     if len(set(values)) < len(values):
         raise SceneError(f"{field}.values", values, "values that are all different")
-    return Axis(name, tuple(_whole(name, field, value) for value in values))
+    return Axis(name, _compact([_whole(name, field, value) for value in values]))
 
 
 def _ranged(name: str, field: str, low: float, high: float, read: _Range, drawn: bool) -> Axis:
@@ -117,7 +127,14 @@ def _ranged(name: str, field: str, low: float, high: float, read: _Range, drawn:
         raise SceneError(f"{field}.to", high, f"other than {low:g}, where the range begins")
     spaced = np.geomspace if read.scale == LOG else np.linspace
     values = spaced(low, high, read.count).tolist()
-    return Axis(name, tuple(_whole(name, field, value) for value in values), low, high, read.scale)
+    whole = _compact([_whole(name, field, value) for value in values])
+    return Axis(name, whole, low, high, read.scale)
+
+
+def _compact(values: list[Value]) -> Sequence[Value]:
+    """The values; as plain numbers a million of them would take four times the memory."""
+    numbers = [one for one in values if isinstance(one, float)]
+    return array("d", numbers) if len(numbers) == len(values) else tuple(values)
 
 
 def _whole(name: str, field: str, value: Any) -> Value:

@@ -46,7 +46,7 @@ ENOUGH_DEATHS = 1  # of workers of a task, after which it runs apart from them
 FETCHED = 60.0  # seconds in which a worker hands over what it found
 BLOCK = 1.0  # seconds
 LONGEST = 300.0  # seconds after which nobody waits to know how long a point takes
-STARTS = 6  # of workers of our own
+STARTS = 6  # of workers of our own, and of telling them of a study
 MOST_LOST = 10  # tasks of a block alone that are lost
 # What a cluster of our own is started with. A busy machine answers late; workers hold nothing that
 # could be spilled, and one that is paused would never go on; tasks are not worth being stolen.
@@ -62,6 +62,10 @@ SETTINGS: dict[str, Any] = {
     "distributed.worker.memory.spill": False,
     "distributed.worker.memory.pause": False,
     "distributed.worker.profile.enabled": False,
+    # What every process looks at by the clock: 42 ms of two workers and client a second become 12.
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "2s",
+    "distributed.worker.memory.monitor-interval": "1s",
 }
 LOUD = ("distributed", "tornado", "asyncio", "bokeh")
 
@@ -233,12 +237,19 @@ class Cluster:
         finally:
             cluster.close(timeout=20)
 
+    @property
+    def count(self) -> int:
+        """How many blocks are computed at once: by all that there are to be of our own, by all
+        that are there of others."""
+        return self.workers if self._cluster is not None else self._threads
+
     def _check_workers(self) -> None:
         """Raise SceneError for workers that would give other results."""
         if self._cluster is not None:
             return
         for worker, found in self.client.run(who, on_error="return").items():
-            _check_worker(worker, found, _own())
+            if not isinstance(found, OSError):  # one that died meanwhile is no worker any more
+                _check_worker(worker, found, _own())
 
     def timed(self, study: Study) -> tuple[float, Texts]:
         """Time that a point takes [s] and generated texts, as a worker finds them; where points
@@ -272,7 +283,7 @@ class Cluster:
         """What comes out of tasks; ways: how it is computed first, and how where that killed the
         worker."""
         context = Context(store, texts, self._cluster is not None)
-        self.client.register_plugin(context)
+        self._register(context)
         events: queue.SimpleQueue[distributed.Future] = queue.SimpleQueue()
         works: dict[str, _Work] = {}
         again: list[_Work] = []
@@ -305,7 +316,20 @@ class Cluster:
                 future.release()
         finally:
             if self.client.status == "running":
-                self.client.unregister_worker_plugin(context.name)
+                with suppress(OSError, TimeoutError):  # a worker died meanwhile
+                    self.client.unregister_worker_plugin(context.name)
+
+    def _register(self, context: Context) -> None:
+        """Give all workers what they need, and those that come later; again where one dies
+        meanwhile. Raises StudyError where the scheduler is gone."""
+        for turn in range(STARTS):
+            try:
+                self.client.register_plugin(context)
+                return
+            except (CommClosedError, TimeoutError):
+                self._watch(wait=True)
+                sleep(TICK * turn)
+        raise StudyError("the workers do not answer")
 
     def _next(
         self, events: queue.SimpleQueue[distributed.Future], seconds: float = math.inf

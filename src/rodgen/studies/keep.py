@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 RUN = "run"
 PARTS = ("rhs", "flow", "power", "lanes")  # of a module, that runs ask for
 LIMIT = 10**6  # of these
+SUMMED = "total_work", "energy_balance"  # beside the work of each load
 
 _CALL = re.compile(r"\s*(\w+)\s*(?:\((.*)\))?\s*", re.DOTALL)
 _PART = re.compile(r"""\s*(?:(\w+)\s*=\s*)?('[^']*'|"[^"]*"|[^,'"=()]+?)\s*(?:,|$)""")
@@ -114,6 +115,9 @@ def _section(
     numbers: Numbers,
 ) -> Section:
     """A section from what is said of it."""
+    if number in SUMMED or numbers.places[number][0].startswith("work_"):
+        allowed = "a section of what the states tell: work and balance are known at samples alone"
+        raise SceneError(place, text, allowed)
     where, most = named.pop("where", ""), named.pop("most", str(MOST_POINTS))
     known = [*watched(scene.hold, scene.rod.links), *((name, range(1)) for name in scene.states)]
     if not any(number_in(where, name) in range_ for name, range_ in known):

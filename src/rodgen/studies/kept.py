@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,14 +12,23 @@ import numpy as np
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.fourier import peaks_of
 from rodgen.integrate.catalogue import Piece
+from rodgen.integrate.crossings import Crossed, Crossing
 from rodgen.integrate.reductions import Numbers, Reduction
 from rodgen.studies.variable import Variable
 
 if TYPE_CHECKING:
     from rodgen.integrate import Solution
+    from rodgen.integrate.equations import Equations
+    from rodgen.integrate.stepper import Array
+    from rodgen.scene.tables import Event
 
 MOST_POINTS = 1000  # of a section, where no other number is given
 EVERY = -math.inf, math.inf
+
+
+def crossing_of(event: Event) -> Crossing:
+    """What runs side by side look out for as an event of their scene."""
+    return Crossing(event.quantity, event.value, event.direction)
 
 
 @dataclass(frozen=True)
@@ -69,6 +78,14 @@ class Count:
         """What it is of a run."""
         found = [one for one in solution.events if one.name == self.event]
         return {self.text: sum(self.start <= one.t <= self.end for one in found)}
+
+    def crossing(self, event: Event, equations: Equations) -> Crossing:
+        """What runs side by side look out for."""
+        return replace(crossing_of(event), start=self.start, end=self.end)
+
+    def of_many(self, crossed: Crossed, equations: Equations, p: Array) -> dict[str, Any]:
+        """What it is of many runs, with parameters p (runs, parameters)."""
+        return {self.text: crossed.counts}
 
 
 @dataclass(frozen=True)
@@ -121,6 +138,29 @@ class Section:
             made[self.text][: len(met)] = places.values(there, self.number)
             made[f"{self.text}.t"][: len(met)] = t
         return made
+
+    def crossing(self, event: Event, equations: Equations) -> Crossing:
+        """What runs side by side look out for: where C does not have the number, the states."""
+        alone = equations.observes(self.number)
+        numbers = (self.number,) if alone else tuple(equations.model.STATE)
+        counted = replace(crossing_of(event), start=self.start, end=self.end)
+        return replace(counted, kept=numbers, most=self.most)
+
+    def of_many(self, crossed: Crossed, equations: Equations, p: Array) -> dict[str, Any]:
+        """What it is of many runs, with parameters p (runs, parameters)."""
+        if equations.observes(self.number):
+            return {self.text: crossed.values[..., 0], f"{self.text}.t": crossed.t}
+        made = np.full(crossed.t.shape, math.nan)
+        for run in np.flatnonzero(crossed.counts):
+            met = slice(min(int(crossed.counts[run]), self.most))
+            states, t, timed = (
+                crossed.values[run, met],
+                crossed.t[run, met],
+                equations.timed(p[run]),
+            )
+            there = Piece(equations.model, p[run], states, t, timed=timed)
+            made[run, met] = equations.numbers.values(there, self.number)
+        return {self.text: made, f"{self.text}.t": crossed.t}
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rodgen.integrate.endings import FAILED, FINISHED
 from rodgen.studies.variable import MESSAGE, Variable
@@ -26,6 +27,23 @@ class Made:
             self.arrays[name][at] = value
         self.arrays["energy_error"][at] = energy_error
         self.arrays["status"][at], self.arrays["message"][at] = FINISHED, message[:MESSAGE]
+
+    def set_many(
+        self,
+        at: NDArray[np.intp],
+        values: Mapping[str, NDArray[Any]],
+        energy_error: NDArray[np.float64],
+        status: NDArray[np.str_],
+        messages: Mapping[int, str],
+    ) -> None:
+        """Points that were computed together, or were not; messages: by their place among them."""
+        whole = status == FINISHED
+        for name, value in values.items():
+            self.arrays[name][at[whole]] = value[whole]
+        self.arrays["energy_error"][at[whole]] = energy_error[whole]
+        self.arrays["status"][at] = status
+        for place, message in messages.items():
+            self.arrays["message"][at[place]] = message[:MESSAGE]
 
     def fail(self, at: int, message: str) -> None:
         """A point that was not, and why."""

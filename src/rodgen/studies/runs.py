@@ -5,14 +5,16 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rodgen.integrate.crossings import Crossing
 from rodgen.integrate.endings import RunError, StepWarning
-from rodgen.integrate.equations import equations_of
-from rodgen.integrate.many import simulate_many
+from rodgen.integrate.equations import Equations, equations_of
+from rodgen.integrate.many import goes_side_by_side, watched_many
 from rodgen.integrate.methods.choose import choose
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.stepper import Array
@@ -20,7 +22,7 @@ from rodgen.loading import build_fastest
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.integration import AUTO
 from rodgen.studies.keep import PARTS, check_numbers, kept
-from rodgen.studies.kept import Kept, Sampled, Section
+from rodgen.studies.kept import Count, Kept, Sampled, Section, crossing_of
 from rodgen.studies.made import Made
 from rodgen.studies.points import Point
 from rodgen.studies.reference import reference
@@ -29,17 +31,17 @@ from rodgen.studies.vectors import Copying, copied, copying, groups, packed
 if TYPE_CHECKING:
     from rodgen.studies.specification import Study
 
+MOST_CROSSED = 2**22  # numbers of crossings that are kept at once
 FEW = 3  # points of a group whose scenes are made sooner than what they share is found
 
 
 def compute(study: Study, points: list[Point], made: Made) -> None:
     """Fill in what is kept of a run of every point."""
     wanted = kept(study)
-    together = all(isinstance(one, Sampled) for one in wanted)
-    if together and not any(event.action == "stop" for event in study.base.events):
-        _together(study, points, made)
+    if all(isinstance(one, Sampled | Count | Section) for one in wanted):
+        _together(study, points, made, wanted)
     else:
-        _one_by_one(study, points, made, wanted)
+        _one_by_one(study, points, range(len(points)), made, wanted)
 
 
 # Together -----------------------------------------------------------------------------------------
@@ -60,14 +62,14 @@ class _Batch:
         self.y.append(y)
 
 
-def _together(study: Study, points: list[Point], made: Made) -> None:
+def _together(study: Study, points: list[Point], made: Made, wanted: tuple[Kept, ...]) -> None:
     names = _copied(study)
     others = tuple(name for axis in study.axes if (name := axis.name) not in names)
     batches: dict[Any, _Batch] = {}
 
     def batch(scene: Scene) -> _Batch:
-        settings = scene.integrate
-        key = scene.structure, settings.model_dump_json()
+        events = tuple(event.model_dump_json() for event in scene.events)
+        key = scene.structure, scene.integrate.model_dump_json(), events
         return batches.setdefault(key, _Batch(scene))
 
     start = time.process_time()
@@ -89,36 +91,55 @@ def _together(study: Study, points: list[Point], made: Made) -> None:
                 made.fail(at, str(error))
     made.arrays["seconds"][:] = (time.process_time() - start) / max(1, len(points))
     for one in batches.values():
-        _run(study, one, made)
+        try:
+            _run(study, one, points, made, wanted)
+        except SceneError as error:
+            for at in one.points:
+                made.fail(at, str(error))
 
 
-def _run(study: Study, batch: _Batch, made: Made) -> None:
-    """Runs of a batch, in lanes."""
-    start, at = time.process_time(), np.array(batch.points)
-    reductions = [one.reduction for one in kept(study) if isinstance(one, Sampled)]
-    texts = [one.text for one in reductions]
-    try:
-        model = build_fastest(batch.scene, PARTS)
-        check_numbers(batch.scene, (one.number for one in reductions), equations_of(model))
-        result = simulate_many(
-            model,
-            np.concatenate(batch.p),
-            np.concatenate(batch.y),
-            keep=texts,
-            **_settings(batch.scene),
-        )
-    except SceneError as error:
-        for point in batch.points:
-            made.fail(point, str(error))
+def _run(
+    study: Study, batch: _Batch, points: list[Point], made: Made, wanted: tuple[Kept, ...]
+) -> None:
+    """Runs of a batch, in lanes if they can be. Raises SceneError."""
+    scene = _watching(batch.scene, wanted)
+    model = build_fastest(scene, PARTS)
+    equations, settings = equations_of(model), _settings(scene)
+    check_numbers(scene, (number for one in wanted for number in one.numbers), equations)
+    texts = [one.text for one in wanted if isinstance(one, Sampled)]
+    crossings, crossing = _crossings(scene, wanted, equations)
+    if crossings and not goes_side_by_side(model, texts, crossings, **settings):
+        _one_by_one(study, points, batch.points, made, wanted)
         return
-    for text in texts:
-        made.arrays[text][at] = result[text]
-    made.arrays["energy_error"][at] = result.energy_error
-    made.arrays["status"][at] = result.status
-    for rod, message in result.message.items():
-        made.fail(int(at[rod]), message)
-    shares = np.maximum(result.rhs, 1)
-    made.arrays["seconds"][at] += (time.process_time() - start) * shares / shares.sum()
+    p, y = np.concatenate(batch.p), np.concatenate(batch.y)
+    width = 1 + sum(one.width for one in crossings)
+    for few in np.array_split(np.arange(len(p)), -(-len(p) * width // MOST_CROSSED)):
+        start, at = time.process_time(), np.array(batch.points)[few]
+        found = watched_many(*(model, p[few], y[few]), keep=texts, crossings=crossings, **settings)
+        values: dict[str, Any] = {text: found[text] for text in texts}
+        for one, number in crossing:
+            values |= one.of_many(found.crossed[number], equations, p[few])
+        made.set_many(at, values, found.energy_error, found.status, found.message)
+        shares = np.maximum(found.rhs, 1)
+        made.arrays["seconds"][at] += (time.process_time() - start) * shares / shares.sum()
+
+
+def _crossings(
+    scene: Scene, wanted: tuple[Kept, ...], equations: Equations
+) -> tuple[list[Crossing], list[tuple[Count | Section, int]]]:
+    """What runs of a scene look out for, and of which of it what is kept is made."""
+    found = [
+        replace(crossing_of(event), stop=event.name)
+        for event in scene.events
+        if event.action == "stop"
+    ]
+    made: list[tuple[Count | Section, int]] = []
+    events = {event.name: event for event in scene.events}
+    for one in wanted:
+        if isinstance(one, Count | Section):
+            made.append((one, len(found)))
+            found.append(one.crossing(events[one.event], equations))
+    return found, made
 
 
 def _settings(scene: Scene) -> dict[str, Any]:
@@ -168,11 +189,18 @@ def _choice(scene: Scene) -> str:
 # One by one ---------------------------------------------------------------------------------------
 
 
-def _one_by_one(study: Study, points: list[Point], made: Made, wanted: tuple[Kept, ...]) -> None:
+def _one_by_one(
+    study: Study,
+    points: list[Point],
+    places: Iterable[int],
+    made: Made,
+    wanted: tuple[Kept, ...],
+) -> None:
+    """Runs of the points at some places, by `simulate`."""
     names = _copied(study)
     others = [axis.name for axis in study.axes if axis.name not in names]
-    for at, point in enumerate(points):
-        start = time.process_time()
+    for at in places:
+        start, point = time.process_time(), points[at]
         shared = tuple((name, point[name]) for name in others)
         try:
             scene = _watching(study.scene_at(point), wanted)

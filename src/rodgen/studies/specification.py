@@ -14,12 +14,13 @@ from typing import Any, Self
 
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.errors import check_type
-from rodgen.scene.plain import entry, plain, put, read_table
+from rodgen.scene.keys import key_place
+from rodgen.scene.plain import plain, put, read_table
 from rodgen.studies.axis import EXTENDABLE, Axis, Sample, Value, axis
 from rodgen.studies.points import points
 
-WHAT = ("run", "critical", "modes", "static")
-LATER = ("lyapunov", "cycle")
+WHAT = ("run", "critical", "modes", "static", "lyapunov", "floquet")
+LATER = ("cycle",)
 KEYS = {"": ("name", "scene", "vary", "sample", "compute"), "compute": ("what", "keep", "options")}
 LINKS = "rod.links"
 MOST_TRIED = 1000  # points that are made to find one that the scene takes
@@ -34,7 +35,7 @@ class Study:
     """A study, checked. Raises SceneError for what is none, before anything is computed.
 
     scene: tables of the scene as it stands, checked; axes: what is varied, in order; sample: how
-    points are drawn from them, None for a grid; what: "run", "critical", "modes" or "static";
+    points are drawn from them, None for a grid; what: one of WHAT;
     keep: what is kept of every point, texts or functions; options: of what is computed.
     Two studies are equal where their `digest` is.
     """
@@ -176,7 +177,7 @@ class Study:
     @cached_property
     def places(self) -> dict[str, tuple[str, ...]]:
         """Keys of tables and lists of the scene that are varied, by name."""
-        return {one.name: _place(self.scene, one.name) for one in self.axes}
+        return {one.name: key_place(self.scene, one.name) for one in self.axes}
 
     def place(self, name: str) -> tuple[str, ...]:
         """Keys of tables and lists where a varied name stands in the scene, a body by its place
@@ -200,7 +201,7 @@ class Study:
     def contents(self) -> dict[str, str]:
         """What it consists of, part by part, as text that is equal for equal studies. How many
         points a sample has that can be extended is no part of it."""
-        axes = [[a.name, list(a.values), str(a.low), str(a.high), a.scale] for a in self.axes]
+        axes = [one.contents for one in self.axes]
         sample = None if self.sample is None else self.sample.model_dump()
         if sample is not None and sample["method"] in EXTENDABLE:
             del sample["count"]
@@ -245,36 +246,6 @@ def _check_keys(table: str, given: Mapping[str, Any]) -> None:
         if key not in known:
             name = f"{table}.{key}" if table else key
             raise SceneError(name, value, f"{UNKNOWN} (known: {', '.join(known)})")
-
-
-def _place(scene: dict[str, Any], name: str) -> tuple[str, ...]:
-    """Where a dotted name stands in the tables of a scene. Raises SceneError for one that does not
-    stand in any, or that is no single value."""
-    *outer, last = name.split(".")
-    place: list[str] = []
-    for key in [*outer, last]:
-        inner = entry(scene, *place)
-        if isinstance(inner, list):
-            names = [one.get("name") if isinstance(one, dict) else None for one in inner]
-            key = str(names.index(key)) if key in names else key
-            known = [str(n or at) for at, n in enumerate(names)]
-            there = key.isascii() and key.isdigit() and int(key) < len(inner)
-        else:
-            known = list(inner) if isinstance(inner, dict) else []
-            # What a table may have beside what it has, the scene itself tells when it is made.
-            there = key in known or (isinstance(inner, dict) and bool(outer) and key is last)
-        if not there:
-            at = ".".join(place) or "the scene"
-            allowed = f"a key of the scene ({at} has {', '.join(known) or 'none'})"
-            raise SceneError("vary", name, allowed)
-        place.append(key)
-    found = entry(scene, *place[:-1])
-    value = found[int(place[-1])] if isinstance(found, list) else found.get(place[-1])
-    if isinstance(value, dict | list) or place == ["name"]:
-        inside = f", such as {name}.{next(iter(value), 0)}" if isinstance(value, dict) else ""
-        inside = f", such as {name}.0" if isinstance(value, list) else inside
-        raise SceneError("vary", name, f"a key that has one value{inside}")
-    return tuple(place)
 
 
 def _is_of(error: SceneError, place: tuple[str, ...]) -> bool:

@@ -6,7 +6,8 @@ python -m rodgen_evidence.benchmarks.many
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from types import ModuleType
 from typing import Any
 
@@ -42,27 +43,34 @@ def one_by_one(model: ModuleType, p: Array, y0: Array, t: Array) -> None:
         run.on(10**7, t, np.empty((len(t), len(run.state))))
 
 
-def prepared(model: ModuleType, p: Array, y0: Array, keep: Sequence[str]) -> tuple[float, float]:
-    """Time that one run takes in Python beside that in C, and that in C."""
-    inside: list[float] = []
+@contextmanager
+def inside() -> Iterator[list[float]]:
+    """Processor times of this process in the step loops of C, call by call [s]."""
+    taken: list[float] = []
     work = native.Block.work
 
     def timed(self: native.Block, take: Any) -> bool:
         start = time.process_time()
         done = work(self, take)
-        inside.append(time.process_time() - start)
+        taken.append(time.process_time() - start)
         return done
 
     native.Block.work = timed  # type: ignore[method-assign]
     try:
-        beside = []
+        yield taken
+    finally:
+        native.Block.work = work  # type: ignore[method-assign]
+
+
+def prepared(model: ModuleType, p: Array, y0: Array, keep: Sequence[str]) -> tuple[float, float]:
+    """Time that one run takes in Python beside that in C, and that in C."""
+    beside = []
+    with inside() as taken:
         for _ in range(100):
             start = time.process_time()
             rodgen.simulate_many(model, p, y0, keep=keep, **SETTINGS)
-            beside.append(time.process_time() - start - inside[-1])
-    finally:
-        native.Block.work = work  # type: ignore[method-assign]
-    return min(beside), min(inside)
+            beside.append(time.process_time() - start - taken[-1])
+    return min(beside), min(taken)
 
 
 def measure(times: Times, links: int, rods: int, rounds: int) -> None:

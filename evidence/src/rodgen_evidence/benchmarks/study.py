@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 
 import rodgen
-from rodgen.native import many as native
 from rodgen.studies import adaptive
 from rodgen.studies.block import evaluate
 from rodgen.studies.points import points
 from rodgen.studies.specification import Study
 from rodgen_evidence.benchmarks import Times
-from rodgen_evidence.benchmarks.many import FEW, SETTINGS, best
+from rodgen_evidence.benchmarks.many import FEW, SETTINGS, best, inside
 from rodgen_evidence.report.costs.rod import VALUES, scene
 
 FORCE, TIME, MASS = "loads.follower.force", "loads.material_damping.time", "rod.mass"
@@ -47,26 +46,13 @@ def runs(times: Times, count: int, span: float) -> None:
     keep = ["last(phi_19)", "max(phi_19)", "max(tip_x)"]
     study = Study.of(of, {FORCE: forces}, keep=keep)
     every = list(range(count))
-    inside: list[float] = []
-    work = native.Block.work
-
-    def timed(self: native.Block, take: Any) -> bool:
-        start = time.process_time()
-        done = work(self, take)
-        inside.append(time.process_time() - start)
-        return done
-
-    native.Block.work = timed  # type: ignore[method-assign]
-    try:
-        computed(study, every[:8])
-        inside.clear()
+    computed(study, every[:8])
+    with inside() as taken:
         start = time.process_time()
         computed(study, every)
         whole = time.process_time() - start
-    finally:
-        native.Block.work = work  # type: ignore[method-assign]
     what = f"{count} runs of {span:g} s, n=20, in a study"
-    times.add(what, whole / count, "their own time in C", sum(inside) / count)
+    times.add(what, whole / count, "their own time in C", sum(taken) / count)
     model = rodgen.build(of, "c")
     some = forces[:: max(1, count // FEW)].tolist()
 

@@ -1,183 +1,159 @@
 """What studies cost beside the runs that they consist of.
 
-python -m rodgen_evidence.benchmarks.study_engine [TASKS]
+python -m rodgen_evidence.benchmarks.study_engine [RUNS] [TASKS]
 
 Processor times of all processes, as ratios; blocks of points that do nothing tell what a task and a
-chunk cost. TASKS: how many of them, by default 500.
+chunk cost. RUNS: of about 5 ms each, in a study by two workers, by default 2000; TASKS: how many
+empty blocks, by default 500.
 """
 
 from __future__ import annotations
 
-import logging
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
 
-import dask
-import distributed
 import numpy as np
 import psutil
 
 from rodgen.studies import task
-from rodgen.studies.block import Block, evaluate
-from rodgen.studies.cluster import SETTINGS
+from rodgen.studies.block import evaluate
 from rodgen.studies.engine import BLOCK, run, size_of
-from rodgen.studies.keep import variables
-from rodgen.studies.made import Made
 from rodgen.studies.points import points
 from rodgen.studies.specification import Study
-from rodgen.studies.store import Store
+from rodgen.studies.store import Store, read
 from rodgen_evidence.benchmarks import Times
-from rodgen_evidence.report.costs.rod import scene
+from rodgen_evidence.benchmarks.clusters import (
+    FORCE,
+    KEEP,
+    MASS,
+    Empty,
+    ended,
+    peak,
+    spent,
+    study_of,
+    workers,
+)
+from rodgen_evidence.benchmarks.many import inside
 
-KEEP = ["last(tip_x)", "max(phi_19)", "max(omega_19)"]
-RUNS = 400  # of about 5 ms
+RUN = 5e-3  # s of processor time
 WORKERS = 2
 
 
-class Nothing(distributed.WorkerPlugin):  # type: ignore[misc]
-    """Points that cost nothing."""
-
-    def setup(self, worker: Any) -> None:
-        vars(task)["evaluate"] = nothing
-
-
-def nothing(
-    study: Study, points: Sequence[Mapping[str, Any]], indices: Sequence[int] = ()
-) -> Block:
-    """Points that are all finished, without a run."""
-    made = Made(variables(study), len(points))
-    made.arrays["status"][:] = "finished"
-    return Block({name: np.asarray(values) for name, values in made.arrays.items()})
-
-
-def study_of(count: int, span: float) -> Study:
-    """So many runs of a free rod of 20 links."""
-    base = scene(20).with_integrate(span=[0.0, span], method="dop853", rtol=1e-6)
-    return Study.of(base, {"rod.mass": {"from": 10, "to": 20, "count": count}}, keep=KEEP)
-
-
-@contextmanager
-def workers(count: int = WORKERS) -> Iterator[distributed.LocalCluster]:
-    """A cluster as studies start it."""
-    with (
-        dask.config.set(SETTINGS),
-        distributed.LocalCluster(
-            n_workers=count,
-            threads_per_worker=1,
-            dashboard_address=None,
-            silence_logs=logging.CRITICAL + 1,
-        ) as cluster,
-    ):
-        yield cluster
-
-
-def processes() -> list[psutil.Process]:
-    """This one and its workers."""
-    this = psutil.Process()
-    return [this, *this.children(recursive=True)]
-
-
-def spent() -> float:
-    """Processor time of all of them until now [s]."""
-    return float(sum(sum(one.cpu_times()[:2]) for one in processes()))
-
-
-def largest() -> float:
-    """Memory of the largest of them [MB]."""
-    return float(max(one.memory_info().rss for one in processes())) / 1e6
-
-
-def alone(times: Times, folder: Path) -> None:
-    """A whole study in this process, beside its points in one go."""
-    study = study_of(RUNS, 5.0)
-    given = points(study, range(RUNS))
-    evaluate(study, given[:8])
-    owns, wholes = [], []
-    for turn in range(3):
+def span_of(seconds: float = RUN, some: int = 64) -> float:
+    """How long runs have to be that take so many seconds of a processor, side by side [s]."""
+    span = 5.0
+    for _ in range(2):
+        study = study_of(some, span)
+        given = points(study, range(some))
+        evaluate(study, given[:8])
         start = time.process_time()
         evaluate(study, given)
-        owns.append(time.process_time() - start)
+        span *= seconds * some / (time.process_time() - start)
+    return span
+
+
+def in_c(study: Study) -> float:
+    """Processor time of the runs of a study in the step loops of C, of some made all [s]."""
+    some = min(study.count, 400)
+    given = points(study, np.linspace(0, study.count - 1, some, dtype=int).tolist())
+    evaluate(study, given[:8])
+    with inside() as taken:
+        evaluate(study, given)
+    return sum(taken) * study.count / some
+
+
+def alone(times: Times, folder: Path, count: int, span: float, turns: int = 3) -> None:
+    """A whole study in this process, beside its runs in C."""
+    study, owns, wholes = study_of(count, span), [], []
+    for turn in range(turns):
+        owns.append(in_c(study))
         start = time.process_time()
         run(study, folder / f"alone{turn}.zarr", workers=1)
         wholes.append(time.process_time() - start)
-    times.add(f"{RUNS} runs as a study, one process", min(wholes), "in one go", min(owns))
+    times.add(f"{count} runs as a study, one process", min(wholes), "in C", min(owns))
+
+
+def whole(times: Times, folder: Path, count: int, span: float) -> None:
+    """A whole study by workers that are started and ended, beside its runs in C; and of all this
+    the share that the engine and the store take."""
+    study, path = study_of(count, span), folder / f"whole{count}.zarr"
+    own, start = in_c(study), ended()
+    run(study, path, workers=WORKERS)
+    taken = ended() - start
+    points_own = float(read(path)["seconds"].sum())
+    times.add(f"{count} runs as a study, {WORKERS} workers, from start to end", taken, "in C", own)
+    times.add(f"of it {WORKERS} workers started, engine, store", taken - points_own, "all", taken)
+    with workers(WORKERS) as address:
+        run(study_of(20, span), folder / f"warm{count}.zarr", scheduler=address)
+        start = spent()
+        run(study, path.with_suffix(".again"), scheduler=address)
+        taken = spent() - start
+    points_own = float(read(path.with_suffix(".again"))["seconds"].sum())
+    times.add(f"{count} runs: engine and store, workers there", taken - points_own, "all", taken)
 
 
 def tasks(times: Times, folder: Path, count: int) -> None:
     """Blocks that do nothing: what a task and its chunks cost, in all processes."""
-    study = study_of(count, 0.1)
-    with workers() as cluster:
-        client = distributed.Client(cluster)
-        client.register_plugin(Nothing())
+    study = study_of(count)
+    with workers(WORKERS, Empty()) as address:
         store = folder / "tasks.zarr"
         Store.make(store, study, 1)
-        few = folder / "few.zarr"
-        run(study_of(20, 0.1), few, scheduler=cluster.scheduler_address)
+        run(study_of(20), folder / "few.zarr", scheduler=address)
         start = spent()
-        run(study, store, scheduler=cluster.scheduler_address, resume=True)
+        run(study, store, scheduler=address, resume=True)
         each = (spent() - start) / count
-        client.close()
     start = time.process_time()
     made, arrays = Store.make(folder / "chunks.zarr", study, 1), task.computed(study, [0])
-    for block in range(100):
+    for block in range(min(100, count)):
         made.write(block, points(study, [block]), arrays)
-    chunks = (time.process_time() - start) / 100
+    chunks = (time.process_time() - start) / min(100, count)
     times.add("a task and its chunks, all processes", each, "a block", BLOCK)
     times.add("chunks of a block", chunks, "the task with them", each)
 
 
-def shared(times: Times, folder: Path) -> None:
-    """The same blocks by one worker and by two, by the clock."""
-    study = study_of(RUNS, 5.0)
-    taken = []
-    for count in (1, 2):
-        with workers(count) as cluster:
-            path = folder / f"shared{count}.zarr"
-            Store.make(path, study, RUNS // 20)
-            address = cluster.scheduler_address
-            run(study_of(20, 5.0), folder / f"warm{count}.zarr", scheduler=address)
-            start = time.perf_counter()
-            run(study, path, scheduler=address, resume=True)
-            taken.append(time.perf_counter() - start)
-    times.add("one worker, by the clock", taken[0], "two", taken[1])
+def memory(count: int, axes: int) -> tuple[float, float]:
+    """The most memory of client and of worker in a study of empty points that count as 0.1 ms
+    each [MB]; axes: along one or two of which they lie. To be called in a process of its own."""
+    side = round(count ** (1 / axes))
+    ends = {MASS: (10, 20), FORCE: (1, 10)}
+    some = [*ends][:axes]
+    vary = {n: {"from": ends[n][0], "to": ends[n][1], "count": side} for n in some}
+    study = Study.of(study_of(1).base, vary, keep=KEEP)
+    with tempfile.TemporaryDirectory() as made, workers(WORKERS, Empty()) as address:
+        path = Path(made, "memory.zarr")
+        Store.make(path, study, size_of(study, 1e-4, WORKERS))
+        run(study, path, scheduler=address, resume=True)
+        this = psutil.Process()
+        return peak(this.pid), max(peak(one.pid) for one in this.children(recursive=True))
 
 
-def memory(folder: Path) -> None:
-    """The largest process of studies of 1e4 and 1e6 points of 0.1 ms."""
-    found = []
-    for count in (10**4, 10**6):
-        side = round(count**0.5)
-        axes = {"rod.mass": (10, 20), "loads.follower.force": (1, 10)}
-        vary = {name: {"from": a, "to": b, "count": side} for name, (a, b) in axes.items()}
-        study = Study.of(study_of(1, 0.1).base, vary, keep=KEEP)
-        with workers() as cluster:
-            client = distributed.Client(cluster)
-            client.register_plugin(Nothing())
-            path = folder / f"memory{count}.zarr"
-            Store.make(path, study, size_of(study, 1e-4, WORKERS))
-            run(study, path, scheduler=cluster.scheduler_address, resume=True)
-            found.append(largest())
-            client.close()
-    print("largest process, 1e4 and 1e6 points: " + ", ".join(f"{mb:.0f} MB" for mb in found))
+def memories(counts: Sequence[int] = (10**4, 10**6), along: Sequence[int] = (1, 2)) -> None:
+    """Print the memory of studies of so many points along so many axes."""
+    for axes in along:
+        for count in counts:
+            with ProcessPoolExecutor(1, get_context("spawn")) as pool:
+                client, worker = pool.submit(memory, count, axes).result()
+            what = f"{count:.0e} points along {axes} axes"
+            print(f"{what}: client {client:.0f} MB, worker {worker:.0f} MB", flush=True)
 
 
-def main() -> None:
-    """Measure and print."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 500
+def study_engine(runs: int = 2000, count: int = 500) -> Times:
+    """Whole studies beside their runs in C, and what tasks and chunks cost."""
     times = Times("Studies: processor times")
+    span = span_of()
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
-        alone(times, folder)
-        shared(times, folder)
+        alone(times, folder, runs, span)
+        whole(times, folder, runs, span)
         tasks(times, folder, count)
-        memory(folder)
-    times.show()
+    return times
 
 
 if __name__ == "__main__":
-    main()
+    study_engine(*map(int, sys.argv[1:])).show()
+    memories()

@@ -17,7 +17,7 @@ TARGET = Target(
     templates={
         "chain": {"py": "c/module.py.jinja", "c": "c/module.c.jinja", "h": "c/module.h.jinja"}
     },
-    parts=("rhs", "batch", "jac", "flow", "newton", "lanes"),
+    parts=("rhs", "batch", "jac", "tangents", "flow", "newton", "lanes"),
     programs=_programs,
     compiled=True,
 )

@@ -33,7 +33,7 @@ def programs(
     ratios = [f"ratio_{r}{c}" for r in width for c in width]
     analysed: dict[str, Analysed] = {}
     codes: dict[str, Code] = {}
-    more: dict[str, Any] = {"jac_tangents": []}
+    more: dict[str, Any] = {"tangents_made": []}
     outputs = {"rhs": functions.chain_outputs, "flow": functions.chain_outputs | functions.power}
     for part in (part for part in outputs if part in parts):
         analysed[part] = functions.compiler.analyse(outputs[part])
@@ -45,8 +45,12 @@ def programs(
         links = _links(functions, ("phi", "omega", *masses_in_time))
         codes |= lanes.codes(functions, links, _given(functions, ratios))
         more |= lanes.context(functions)
-    if "jac" in parts:
-        codes["jac"], analysed["jac"], more["jac_tangents"] = _jac(functions, [*pivots, *ratios])
+    values = functions.derivatives[2]
+    motion = [*functions.rates, *functions.added, *functions.power]
+    for part, wanted in {"jac": values, "tangents": [*values, *motion]}.items():
+        if part in parts:
+            made = _directions(functions, wanted, [*pivots, *ratios])
+            codes[part], analysed[part], more["tangents_made"] = made
     if "newton" in parts:
         codes["newton"] = _newton(functions)
     rates = [codes[part] for part in ("rhs", "flow") if part in codes]
@@ -89,13 +93,13 @@ def programs(
         ),
         "ends_of": {
             "": list(functions.ends),
-            "d_": [name for name in functions.ends if name in more["jac_tangents"]],
+            "d_": [name for name in functions.ends if name in more["tangents_made"]],
         },
         "cut": segments(functions),
         "methods": COMPILED,
         "statuses": STATUSES,
     }
-    return {name: of for name, of in analysed.items() if name in ("rhs", "jac")}, more
+    return {name: of for name, of in analysed.items() if name in ("rhs", "jac", "tangents")}, more
 
 
 def _called(lines: Iterable[str]) -> set[str]:
@@ -225,9 +229,12 @@ def _newton(functions: Functions) -> Code:
     return LoopWriter(program.analysis, [statements], given, lambda _: False, outputs).code()
 
 
-def _jac(functions: Functions, pivots: Iterable[str]) -> tuple[Code, Analysed, list[str]]:
-    outputs, tangents, values = functions.derivatives
-    program = functions.compiler.analyse(outputs, tangents, values)
+def _directions(
+    functions: Functions, values: Collection[str], pivots: Iterable[str]
+) -> tuple[Code, Analysed, list[str]]:
+    """Values at a state, and tangents in many directions; what has one."""
+    outputs, tangents, _ = functions.derivatives
+    program = functions.compiler.analyse(outputs | functions.power, tangents, values)
     made = [st.name for phase in program.phases for st in phase]
     given = _given(functions, pivots)
     if functions.equations.hold.first:

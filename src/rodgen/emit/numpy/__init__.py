@@ -25,6 +25,6 @@ def _programs(
 
 TARGET = Target(
     templates={"chain": {"py": "numpy/chain.py.jinja"}, "dense": {"py": "numpy/dense.py.jinja"}},
-    parts=("rhs", "jac"),
+    parts=("rhs", "jac", "tangents"),
     programs=_programs,
 )

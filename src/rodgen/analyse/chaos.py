@@ -1,0 +1,64 @@
+"""The 0-1 test for chaos, of a series alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.signal import fftconvolve
+
+from rodgen.analyse.errors import guarded
+from rodgen.integrate.stepper import Array
+from rodgen.scene import SceneError
+
+LEAST = 100  # samples
+CUT = 10  # lags go up to the length of the series over this
+FREQUENCIES = np.pi / 5, 4 * np.pi / 5  # away from resonances of the sampling
+
+
+@guarded
+def zero_one_test(series: ArrayLike, *, count: int = 100, seed: int = 0) -> float:
+    """K of a series (samples,), evenly spaced in time: about 0 for regular, about 1 for chaotic
+    motion (G. A. Gottwald, I. Melbourne, SIAM J. Appl. Dyn. Syst. 8 (2009) 129-145).
+
+    The series drives a walk in a plane that turns by c from sample to sample; its mean square
+    displacement, less the part that oscillates, grows with the lag where the motion is chaotic.
+    K is the median over count frequencies c (seed: of their random numbers) of the correlation of
+    displacement and lag. Samples that follow one another too closely look regular: a few in a
+    period are best. Not-a-number for a series that is not finite, zero for one that does not vary.
+    Raises SceneError for fewer than 100 samples.
+    """
+    phi = np.asarray(series, dtype=float)
+    if phi.ndim != 1 or len(phi) < LEAST:
+        raise SceneError("series", f"of shape {phi.shape}", f"at least {LEAST} samples, one axis")
+    if not np.isfinite(phi).all():
+        return float("nan")
+    scale = float(np.abs(phi - phi.mean()).max())
+    if scale <= 1e-12 * float(np.abs(phi).max(initial=0.0)):
+        return 0.0
+    phi = phi / scale
+    found = np.random.default_rng(seed).uniform(*FREQUENCIES, count)
+    return float(np.median([_correlation(phi, c) for c in found]))
+
+
+def _correlation(phi: Array, c: float) -> float:
+    """Correlation of lag and displacement of the walk that turns by c."""
+    size = len(phi)
+    lags = np.arange(1, size // CUT + 1)
+    walk = np.cumsum(phi * np.exp(1j * c * np.arange(1, size + 1)))
+    until = size - lags[-1]
+    # |a - b|^2 = |a|^2 + |b|^2 - 2 Re a b*, summed over the first samples for all lags at once.
+    squares = np.append(0.0, np.cumsum(np.abs(walk) ** 2))
+    both = fftconvolve(walk, walk[until - 1 :: -1].conj())[until - 1 + lags].real
+    far = (squares[until + lags] - squares[lags] + squares[until] - 2 * both) / until
+    far -= phi.mean() ** 2 * (1 - np.cos(lags * c)) / (1 - np.cos(c))
+    return float(np.corrcoef(lags, far)[0, 1])
+
+
+def spaced(series: Array) -> Array:
+    """Every so many samples of a series that what follows has forgotten a good part of what was:
+    the first lag at which its autocorrelation falls below 1/e."""
+    off = series - series.mean()
+    spectrum = np.fft.rfft(off, 2 * len(off))
+    together = np.fft.irfft(np.abs(spectrum) ** 2)[: len(off)]
+    below = np.flatnonzero(together < together[0] / np.e)
+    return series[:: max(1, int(below[0]))] if len(below) else series

@@ -1,0 +1,209 @@
+"""Pseudo-arclength continuation of a curve F(u) = 0 with its special points (H. B. Keller,
+Numerical solution of bifurcation and nonlinear eigenvalue problems, 1977).
+
+A step goes along the tangent t and comes back to the curve in the plane across it, by Newton's
+method on F bordered by that plane, which is regular in folds too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from rodgen.analyse.curve import (
+    BRANCH,
+    FOLD,
+    Curve,
+    Point,
+    Problem,
+    Special,
+    corrected,
+    point_at,
+)
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.special_points import between
+from rodgen.integrate.stepper import Array
+
+QUICK = 4  # iterations after which the next step is longer
+STRAIGHT, TURNED = 0.98, 0.9  # cosine between two tangents: for a longer step, at least
+ASTRAY = 0.5  # of a step, by which it may be corrected at most
+FEW = 5  # points after which a branch may have closed in itself
+# Of the longest step: over so short a one changes of stability, or of the sign of a determinant,
+# may have no reason that was found.
+RESOLVED, PASSED = 1 / 64, 1e-4
+
+
+@dataclass(frozen=True)
+class Steps:
+    """first, least and longest step along the curve; most points."""
+
+    first: float = 0.02
+    least: float = 1e-9
+    longest: float = 0.1
+    most: int = 2000
+
+
+def started(problem: Problem, u: Array, way: float = 1.0) -> Point:
+    """The point at the parameter of u, which is close to it, with its tangent so that the
+    parameter grows (way 1) or falls (-1). Raises AnalysisError where u is next to no solution."""
+    last = np.append(np.zeros(len(u) - 1), 1.0)
+    found = corrected(problem, u, last)
+    point = point_at(problem, found, last)
+    if point.tangent[-1] * way < 0:
+        point = point._replace(tangent=-point.tangent, sign=-point.sign)
+    return point
+
+
+def continued(
+    problem: Problem,
+    start: Point,
+    low: float,
+    high: float,
+    steps: Steps | None = None,
+    first: float | None = None,
+    watch: Callable[[Point], None] = lambda point: None,
+) -> Curve:
+    """The curve from a point on along its tangent, while its parameter is within low and high.
+
+    first: the first step, if not that of steps; watch: called with every point. A step is taken
+    where the correction is short, the tangent turns little and the number of unstable directions
+    changes as the special points found on the way tell, else it is halved, so that no other branch
+    is jumped to. What was found so far is kept where it ends; why is told by ``end``.
+    """
+    return _Walk(problem, steps or Steps(), low, high, watch).from_(start, first)
+
+
+class _Walk:
+    def __init__(
+        self,
+        problem: Problem,
+        steps: Steps,
+        low: float,
+        high: float,
+        watch: Callable[[Point], None],
+    ):
+        self.problem, self.steps, self.low, self.high = problem, steps, low, high
+        self.watch, self.curve, self.why, self.before = watch, Curve(), "", 0
+
+    def from_(self, start: Point, first: float | None) -> Curve:
+        steps, curve = self.steps, self.curve
+        curve.points.append(start)
+        self.watch(start)
+        h = min(first or steps.first, steps.longest)
+        while not curve.end:
+            here = curve.points[-1]
+            if self._leaves(here):
+                break
+            made = self._step(here, h)
+            if made is None:
+                h /= 2
+                if h < steps.least:
+                    curve.end = (
+                        "the step along the branch shrank to nothing at "
+                        f"{self.problem.value(here.u):.9g} ({self.why or 'no solution'})"
+                    )
+                continue
+            point, iterations, special = made
+            curve.special += special
+            curve.points.append(point)
+            self.watch(point)
+            turned = self._cosine(here.tangent, point.tangent)
+            if iterations <= QUICK and turned > STRAIGHT:
+                h = min(2 * h, steps.longest)
+            elif turned < STRAIGHT:
+                h = max(0.7 * h, steps.least)
+            self._finish(point, h)
+        return curve
+
+    def _leaves(self, here: Point) -> bool:
+        """Whether the curve ends at the start, as its tangent leads out of the range."""
+        if not self._outward(here):
+            return False
+        self.curve.end, self.curve.complete = "the end of the range was reached", True
+        return True
+
+    def _outward(self, here: Point) -> bool:
+        away = here.tangent[-1]
+        return (here.value <= self.low and away < 0) or (here.value >= self.high and away > 0)
+
+    def _finish(self, point: Point, h: float) -> None:
+        curve, start = self.curve, self.curve.points[0]
+        if point.value in (self.low, self.high):
+            curve.end, curve.complete = "the end of the range was reached", True
+        elif len(curve.points) >= self.steps.most:
+            curve.end = f"{self.steps.most} points were computed"
+        elif len(curve.points) > FEW and self._returns(point, start, h):
+            curve.points.append(start)
+            curve.end, curve.complete = "the branch closes in itself", True
+
+    def _returns(self, point: Point, start: Point, h: float) -> bool:
+        """Whether a point lies beside the start, and goes its way."""
+        near = self.problem.length(point.u - start.u) < h
+        return near and self._cosine(point.tangent, start.tangent) > TURNED
+
+    def _cosine(self, a: Array, b: Array) -> float:
+        return float(a @ (self.problem.weights * b))
+
+    def _step(self, here: Point, h: float) -> tuple[Point, int, list[Special]] | None:
+        """The next point, and what lies on the way; None where the step is too long."""
+        problem, t = self.problem, here.tangent
+        guess, row = here.u + h * t, problem.weights * t
+        bound = self.high if t[-1] > 0 else self.low
+        beyond = (guess[-1] - bound) * np.sign(t[-1]) > 0
+        if beyond:  # the last step ends at the end of the range
+            h = (bound - here.value) / t[-1]
+            guess = here.u + h * t
+            row = np.append(np.zeros(len(t) - 1), 1.0)
+        try:
+            found = corrected(problem, guess, row)
+            if problem.length(found.u - guess) > ASTRAY * h:
+                self.why = "the next point lies off its tangent"
+                return None
+            if beyond:
+                found.u[-1] = bound
+            point = point_at(problem, found, t)
+        except AnalysisError as error:
+            self.why = str(error)
+            return None
+        if self._cosine(t, point.tangent) < TURNED:
+            self.why = "its direction jumps"
+            return None
+        if not point.sign:
+            self.why = "the equations are singular"
+            return None
+        special, doubt, least = self._between(here, point)
+        if doubt and h > least * self.steps.longest:
+            return None
+        if doubt:
+            self.curve.notes.append(doubt)
+        return point, found.iterations, special
+
+    def _between(self, a: Point, b: Point) -> tuple[list[Special], str, float]:
+        """Special points between two points, in order, why the second may be of another branch, and
+        down to which share of the longest step that is a reason for a shorter one."""
+        after = len(self.curve.points) - 1
+        try:
+            found = between(self.problem, a, b)
+        except AnalysisError as error:
+            return (
+                [],
+                f"next to {self.problem.value(b.u):.9g} another branch may be met: {error}",
+                PASSED,
+            )
+        special = [one._replace(after=after) for one in found]
+        if a.unstable is None or b.unstable is None:
+            return special, "", RESOLVED
+        real = sum(one.kind in (FOLD, BRANCH) for one in special)
+        changed = abs(b.unstable - a.unstable)
+        explained = real + 2 * (len(special) - real)
+        # What lies next to a point may be seen in its sign, and in its stability a step later.
+        if changed <= explained + self.before:
+            self.before = max(explained - changed, 0)
+            return special, "", RESOLVED
+        doubt = (
+            f"next to {self.problem.value(b.u):.9g} the number of unstable directions changes from "
+        )
+        doubt += f"{a.unstable} to {b.unstable} where no special point was found"
+        return special, doubt, RESOLVED

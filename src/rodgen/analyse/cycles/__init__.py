@@ -1,0 +1,1 @@
+"""Periodic motions: found by shooting, their multipliers, their branches, nonlinear modes."""

@@ -1,0 +1,108 @@
+"""Whether the loads of a scene have come to rest, or repeat, and after which period."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Iterable, Iterator
+from fractions import Fraction
+from types import ModuleType
+
+import numpy as np
+
+from rodgen.analyse.errors import AnalysisError
+from rodgen.integrate.stepper import Array
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.expression import Expression
+
+TAIL = 0.1  # share of the span at its end in which loads have to be what they stay
+TIMES = 48  # in it, at which they are compared
+SAME = 1e-10  # of the rates: roundings of t times a frequency
+MOST_TURNS = 60  # of one load while another makes a whole number as well
+PARTS = (6, 5, 4, 3, 2)  # of a common period that may be one already: sin(t)**2
+SWINGS = ("sin", "cos", "tan")
+
+
+def load_period(scene: Scene, model: ModuleType, p: Array) -> float:
+    """The period [s] with which the loads of a scene repeat at the end of its span; 0 where they do
+    not change there any more.
+
+    It is read off the arguments of sin, cos and tan, and seen to be one by the rates themselves.
+    Raises SceneError for masses that change, AnalysisError for loads that do neither.
+    """
+    changing = scene.distribution.changing
+    if changing:
+        field = changing[0][-1].field
+        raise SceneError(
+            field, changing[0][-1].text, "a number: no motion repeats while it changes"
+        )
+    start, end = scene.integrate.span
+    random = np.random.default_rng(2)
+    times = end - TAIL * (end - start) * random.random(TIMES)
+    y = scene.initial_state()
+    y = y + 0.1 * random.standard_normal(len(y))
+
+    def rates(at: Array) -> Array:
+        return np.array([model.rhs(float(t), y, p) for t in at])
+
+    here = rates(times)
+    size = np.abs(here).max()
+
+    def repeats(period: float) -> bool:
+        return bool(np.abs(rates(times + period) - here).max() <= SAME * size)
+
+    if np.abs(here - here[0]).max() <= SAME * size:
+        return 0.0
+    found = _common(_periods(scene, end))
+    for part in PARTS if found else ():
+        if repeats(found / part):
+            return found / part
+    if found and repeats(found):
+        return found
+    texts = [e.text for e in (*scene.expressions.values(), *scene.rates.values())]
+    raise AnalysisError(
+        f"no cycle: the loads ({'; '.join(texts)}) neither come to rest nor are seen to repeat "
+        f"in the last tenth of the span, up to {end:g} s"
+    )
+
+
+def _periods(scene: Scene, end: float) -> Iterator[float]:
+    """Of what swings in the expressions of a scene [s]."""
+    for e in (*scene.expressions.values(), *scene.rates.values()):
+        for node in ast.walk(ast.parse(e.text, mode="eval")):
+            if _swings(node):
+                slope = _slope(ast.unparse(node.args[0]), e, end)  # type: ignore[attr-defined]
+                if slope:
+                    yield 2 * math.pi / slope
+
+
+def _swings(node: ast.AST) -> bool:
+    """Whether it is a function that repeats, of something."""
+    named = isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+    return named and node.func.id in SWINGS  # type: ignore[attr-defined]
+
+
+def _slope(text: str, of: Expression, end: float) -> float:
+    """By how much an argument grows in a second, 0 where it is not linear in t alone."""
+    try:
+        argument = Expression(text, of.variable, of.field, of.numbers)
+        values = [float(argument(t)) for t in (end, end + 1.0, end + 2.0)]
+    except (SceneError, TypeError, NameError, KeyError):
+        return 0.0
+    slope = values[1] - values[0]
+    even = abs(values[2] - values[1] - slope) <= 1e-9 * max(abs(slope), 1e-9)
+    return abs(slope) if even and math.isfinite(slope) else 0.0
+
+
+def _common(periods: Iterable[float]) -> float:
+    """The shortest time that is a whole number of each; 0 where there is none."""
+    common = 0.0
+    for period in periods:
+        if not common:
+            common = period
+            continue
+        ratio = Fraction(common / period).limit_denominator(MOST_TURNS)
+        if not ratio or abs(float(ratio) * period - common) > 1e-9 * common:
+            return 0.0
+        common *= ratio.denominator
+    return common

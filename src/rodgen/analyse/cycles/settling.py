@@ -1,0 +1,144 @@
+"""A run on its way to a periodic motion: whether it has come near, and with which period."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rodgen.analyse.cycles.quotient import Quotient
+from rodgen.analyse.errors import AnalysisError
+from rodgen.integrate.endings import RunError
+from rodgen.integrate.simulate import simulate
+from rodgen.integrate.stepper import Array
+from rodgen.scene import Scene
+from rodgen.scene.overrides import with_state
+
+SAMPLES = 20_000  # of a run: tens of every turn of the slowest motions
+PER_PERIOD = 64  # samples of a run under loads that repeat
+AWAY = 0.3  # of the farthest that a motion goes away, before it can be said to come back
+NEAR = 0.1  # likewise, from where Newton's method is tried
+ALIKE = 1.5, 1e-3  # times the nearest return, and beside it: a return that counts as much
+MOST_PERIODS = 32  # of loads, after which a motion is expected back
+
+
+@dataclass(frozen=True)
+class Return:
+    """A motion that has come back: x: the state that counts (size,) at a time t [s]; period [s];
+    angle: by which the rod is turned [rad]; distance: from where it was a period before, as a share
+    of the farthest that it goes away; scale: `extent` of the motion."""
+
+    t: float
+    x: Array = field(repr=False)
+    period: float
+    angle: float
+    distance: float
+    scale: float
+
+
+def run_of(
+    scene: Scene, y: Array, t: float, span: float, every: float, target: str | None = None
+) -> tuple[Array, Array]:
+    """Times (K,) and states (K, states) of a scene from y at a time t [s] on, without its events.
+    Raises AnalysisError."""
+    table = with_state(scene, y).model_dump(exclude_none=True)
+    settings = {k: v for k, v in table["integrate"].items() if k not in ("t_eval", "max_steps")}
+    settings |= {"span": [t, t + span], "output_every": every}
+    try:
+        made = Scene.from_dict(table | {"integrate": settings, "events": []})
+        run = simulate(made, target=target, progress=False)
+    except RunError as error:
+        raise AnalysisError(f"the run up to {t + span:g} s cannot be finished: {error}") from error
+    return run.t, run.y
+
+
+def last_return(t: Array, x: Array, quotient: Quotient, forced: float = 0.0) -> Return | None:
+    """The nearest return of a motion to where it ends, None where it has not been near before.
+
+    t (K,), x (K, size): of the run, forced: the period of its loads [s], whole numbers of which
+    are asked for.
+    """
+    shape, angles = _unturned(x, quotient)
+    away = shape - shape.mean(axis=0)
+    scales = _scales(away, quotient)
+    laps = np.zeros(len(t))
+    if not quotient.turns and len(quotient.angles):
+        mean = shape[:, quotient.angles].mean(axis=1)
+        laps = 2 * np.pi * np.round((mean - mean[-1]) / (2 * np.pi))
+        shape = shape.copy()
+        shape[:, quotient.angles] -= laps[:, None]
+    distance = np.linalg.norm((shape - shape[-1]) / scales, axis=1)
+    farthest = distance.max()
+    if not (np.isfinite(farthest) and farthest > 0):
+        return None
+    found = _forced(t, distance, forced) if forced else _free(t, distance)
+    near = [(lag, d, at) for lag, d, at in found if d <= NEAR * farthest]
+    if not near:
+        return None
+    best = min(d for _, d, _ in near)
+    lag, d, at = next(one for one in near if one[1] <= max(ALIKE[0] * best, ALIKE[1] * farthest))
+    turned = angles[-1] - angles[at] if quotient.turns else laps[-1] - laps[at]
+    recent = x[t >= t[-1] - 2 * lag]
+    return Return(
+        t=float(t[-1]),
+        x=x[-1].copy(),
+        period=lag,
+        angle=float(turned),
+        distance=float(d / farthest),
+        scale=extent(recent, quotient),
+    )
+
+
+def extent(x: Array, quotient: Quotient) -> float:
+    """The largest deviation of a state from the middle of a motion x (K, size), apart from turning
+    the whole rod where that does not count."""
+    shape = _unturned(x, quotient)[0]
+    return float((shape.max(axis=0) - shape.min(axis=0)).max()) / 2
+
+
+def _unturned(x: Array, quotient: Quotient) -> tuple[Array, Array]:
+    """States of the rod turned back by the mean of its angles, where turning does not count, and
+    these angles."""
+    angles = np.zeros(len(x))
+    if not quotient.turns:
+        return x, angles
+    angles = x[:, quotient.angles].mean(axis=1)
+    back = np.array([quotient.turned(one, -angle) for one, angle in zip(x, angles, strict=True)])
+    return back, angles
+
+
+def _scales(away: Array, quotient: Quotient) -> Array:
+    """By which states are compared: angles and places by the largest of them, the others too."""
+    sizes = away.std(axis=0)
+    made = np.ones(len(sizes))
+    for part in (slice(None, quotient.positions), slice(quotient.positions, None)):
+        largest = sizes[part].max(initial=0.0)
+        made[part] = largest if largest > 0 else 1.0
+    return made
+
+
+def _free(t: Array, distance: Array) -> list[tuple[float, float, int]]:
+    """How long before the end [s] the motion was nearest to where it ends, how near, and the
+    sample; the latest first."""
+    gone = np.flatnonzero(distance > AWAY * distance.max())
+    last = int(gone[-1]) if len(gone) else 0
+    square = distance[: last + 1] ** 2
+    low = np.flatnonzero((square[1:-1] <= square[:-2]) & (square[1:-1] < square[2:])) + 1
+    found = []
+    for k in low[::-1].tolist():
+        before, here, after = square[k - 1 : k + 2]
+        bend = before - 2 * here + after
+        shift = 0.5 * (before - after) / bend if bend > 0 else 0.0
+        nearest = max(0.0, here - 0.25 * (before - after) * shift)
+        at = t[k] + shift * (t[k + 1] - t[k])
+        found.append((float(t[-1] - at), float(np.sqrt(nearest)), k))
+    return found
+
+
+def _forced(t: Array, distance: Array, period: float) -> list[tuple[float, float, int]]:
+    """The same for whole numbers of a period, of which samples are parts."""
+    most = min(MOST_PERIODS, int((t[-1] - t[0]) / period * (1 + 1e-9)))
+    at = [len(t) - 1 - k * PER_PERIOD for k in range(1, most + 1)]
+    return [
+        (k * period, float(distance[one]), one) for k, one in enumerate(at, start=1) if one >= 0
+    ]

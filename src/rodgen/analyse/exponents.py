@@ -1,0 +1,246 @@
+"""Lyapunov exponents: how fast neighbouring motions come apart, in every direction of the state.
+
+Tangents of a motion are brought back to an orthonormal frame again and again, and the logarithms of
+how they grew in between are averaged (G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn,
+Meccanica 15 (1980) 9-30; I. Shimada, T. Nagashima, Prog. Theor. Phys. 61 (1979) 1605).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from types import ModuleType
+
+import numpy as np
+
+from rodgen.analyse.chaos import LEAST, spaced, zero_one_test
+from rodgen.analyse.conserved import zero_exponents
+from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.volume import Kinetic, Plain, VolumeForm
+from rodgen.integrate.stepper import Array, StepError
+from rodgen.integrate.stretches import window
+from rodgen.integrate.variations import METHODS, PARTS, Steps, Variations
+from rodgen.loading import build_fastest
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.integration import AUTO
+from rodgen.scene.scene import check_scene
+
+PIECES = 2000  # of the time that is averaged over, at whose ends there is a sample
+BATCHES = 25  # of pieces, whose means the errors are estimated from
+TRANSIENT = 0.1  # share of the span that is left out
+# Between two frames, logarithms of the ratio of what grows most and least in a frame: more are done
+# again in shorter parts, as what grows least is lost in rounding; far less, and parts are longer.
+TOO_MUCH, MUCH, LITTLE = 16.0, 8.0, 3.0
+SHORTEST = 2.0**-40  # of a piece
+
+
+@dataclass(frozen=True, eq=False)
+class Exponents:
+    """Lyapunov exponents of a motion, the largest first.
+
+    exponents, errors (k,): [1/s]; t (T,): times [s] at which running (T, k) are the means so far;
+    rates (T, k): of the pieces before these; transient: seconds at the start that were left out;
+    zero_one: the 0-1 test of the velocity of the tail's link, about 0 for regular and about 1 for
+    chaotic motion, not-a-number where the samples are too few; divergence: mean of the trace of the
+    Jacobian [1/s], at which volumes of the state's numbers grow, not-a-number unless all exponents
+    were asked for; zeros: how many exponents are zero by what the motion keeps and by where and
+    when it is, by reason; notes: what else is to be said.
+    """
+
+    exponents: Array
+    errors: Array
+    t: Array
+    running: Array
+    rates: Array
+    transient: float
+    zero_one: float
+    divergence: float
+    zeros: dict[str, int]
+    notes: tuple[str, ...]
+
+    @property
+    def chaotic(self) -> bool | None:
+        """Whether neighbours come apart exponentially; None where that cannot be told."""
+        largest, error = float(self.exponents[0]), float(self.errors[0])
+        return True if largest > 3 * error else None if largest > 1.5 * error else False
+
+
+@guarded
+def lyapunov_exponents(
+    scene: Scene,
+    *,
+    count: int | None = None,
+    span: float | None = None,
+    transient: float | None = None,
+    model: ModuleType | None = None,
+    progress: Callable[[float], None] = lambda t: None,
+) -> Exponents:
+    """Exponents of the motion of a scene from its initial state on.
+
+    count: how many, from the largest on, all of the state if not given; span: seconds of motion,
+    those of the scene if not given; transient: seconds at its start that are left out of the means,
+    a tenth if not given, in which tangents find their directions; model: built before; progress:
+    called with the time [s]. Lengths of tangents are those of the state's numbers; where all
+    exponents are asked for, those of the metric of kinetic energy, in which a motion without
+    damping keeps volumes. An error has a standard error by batch means in it, widened where these
+    are correlated, and what an exponent of zero may look like at the end of such a span. Raises
+    SceneError for what is not possible, AnalysisError where the motion cannot go on.
+    """
+    check_scene(scene)
+    start = scene.integrate.span[0]
+    length = scene.integrate.span[1] - start if span is None else _seconds("span", span)
+    states = len(scene.initial_state())
+    whole = isinstance(count, int | np.integer) and not isinstance(count, bool)
+    if count is not None and not (whole and 1 <= count <= states):
+        raise SceneError("count", count, f"from 1 to {states}, the numbers of the state")
+    skipped = TRANSIENT * length if transient is None else transient
+    if not 0 <= skipped < length:
+        raise SceneError("transient", transient, f"from 0 to below the span, {length:g} s")
+    over = window(scene, start, start + length)
+    model = model if model is not None else build_fastest(scene, PARTS)
+    course = _Course(over, model, count or states, progress)
+    try:
+        if skipped:
+            course.over(start, start + skipped, max(1, round(PIECES * skipped / length)))
+        before = course.log_volume
+        rates, signal = course.over(start + skipped, start + length, PIECES)
+    except StepError as error:
+        raise AnalysisError(f"{scene.name}: the motion cannot go on: {error}") from None
+    return _found(over, course, rates, signal, skipped, before)
+
+
+def _seconds(name: str, value: float) -> float:
+    if not (math.isfinite(value) and value > 0):
+        raise SceneError(name, value, "seconds above 0")
+    return float(value)
+
+
+class _Course:
+    """A motion with a frame of tangents, from piece to piece."""
+
+    def __init__(
+        self, scene: Scene, model: ModuleType, count: int, progress: Callable[[float], None]
+    ):
+        self.model, self._progress = model, progress
+        self._p = model.parameters(**scene.parameters)
+        y = scene.initial_state()
+        self.volumes = count == len(y)
+        self._form: VolumeForm = Kinetic(model, self._p) if self.volumes else Plain()
+        frame = np.linalg.qr(np.random.default_rng(0).standard_normal((len(y), count)))[0].T
+        self._steps = Steps.of(scene)
+        start = scene.integrate.span[0]
+        frame = self._form.tangents(start, y, frame)
+        self.on = Variations(model, self._p, start, y, frame, self._steps)
+        self._parts = 1.0  # of a piece, between two frames
+
+    @property
+    def log_volume(self) -> float:
+        """Logarithm of the density of the volumes that a motion without damping keeps."""
+        return self._form.log_density(self.on.t, self.on.y)
+
+    def over(self, start: float, end: float, pieces: int) -> tuple[Array, Array]:
+        """Rates of growth [1/s] (pieces, count) in equal pieces of time, and the velocity of the
+        tail's link at their ends."""
+        times = np.linspace(start, end, pieces + 1)
+        grown = np.empty((pieces, len(self.on.tangents)))
+        signal = np.empty(pieces)
+        where = len(self.on.y) - 1 - len(getattr(self.model, "STATES", ()))
+        for at, (left, right) in enumerate(pairwise(times)):
+            grown[at] = self._piece(left, right)
+            signal[at] = self.on.y[where]
+            self._progress(float(right))
+        return grown / ((end - start) / pieces), signal
+
+    def _piece(self, start: float, end: float) -> Array:
+        """Logarithms of what every direction grows by."""
+        total = np.zeros(len(self.on.tangents))
+        t = start
+        while t < end:
+            length = self._parts * (end - start)
+            goal = end if t + 1.5 * length > end else t + length
+            t_, y, frame = self.on.t, self.on.y, self.on.tangents
+            try:
+                self.on.on(goal)
+                grown, found = self._frame()
+                spread = float(np.ptp(np.append(grown, 0.0)))
+            except StepError:
+                spread = math.inf
+                if self._parts * 0.5 < SHORTEST:
+                    raise
+            if not spread < TOO_MUCH:
+                self._parts *= 0.5
+                if self._parts < SHORTEST:
+                    raise StepError(f"tangents grow beyond all bounds at t = {t_:.9g} s")
+                self.on = Variations(self.model, self._p, t_, y, frame, self._steps)
+                continue
+            total += grown
+            self.on.tangents = found
+            t = goal
+            if spread > MUCH:
+                self._parts *= 0.5
+            elif spread < LITTLE:
+                self._parts = min(1.0, 2.0 * self._parts)
+        return total
+
+    def _frame(self) -> tuple[Array, Array]:
+        """Logarithms of how the tangents have grown, and an orthonormal frame of theirs."""
+        t, y = self.on.t, self.on.y
+        q, r = np.linalg.qr(self._form.measured(t, y, self.on.tangents).T)
+        return np.log(np.abs(np.diag(r))), self._form.tangents(t, y, q.T)
+
+
+def _found(
+    scene: Scene, course: _Course, rates: Array, signal: Array, skipped: float, before: float
+) -> Exponents:
+    """Means and errors of the rates in pieces."""
+    start, end = scene.integrate.span
+    mean = rates.mean(axis=0)
+    order = np.argsort(-mean, kind="stable")
+    rates, mean = rates[:, order], mean[order]
+    running = np.cumsum(rates, axis=0) / np.arange(1, len(rates) + 1)[:, None]
+    t = np.linspace(start + skipped, end, len(rates) + 1)[1:]
+    errors = np.hypot(standard_errors(rates), _of_zero(start, start + skipped, end))
+    divergence = math.nan
+    if course.volumes:
+        divergence = float(mean.sum()) - (course.log_volume - before) / (end - start - skipped)
+    signal = spaced(signal)
+    return Exponents(
+        *(mean, errors, t, running, rates, skipped),
+        zero_one=zero_one_test(signal) if len(signal) >= LEAST else math.nan,
+        divergence=divergence,
+        zeros=zero_exponents(scene, course.model),
+        notes=tuple(_limits(scene)),
+    )
+
+
+def standard_errors(rates: Array) -> Array:
+    """Standard errors (k,) of the means of rates (pieces, k) that are correlated in time: by the
+    means of BATCHES longer parts, widened as these are still correlated from one to the next."""
+    batches = np.stack([part.mean(axis=0) for part in np.array_split(rates, BATCHES)])
+    off = batches - batches.mean(axis=0)
+    variance = (off**2).sum(axis=0) / (len(off) - 1)
+    least = np.finfo(float).tiny
+    together = (off[1:] * off[:-1]).sum(axis=0) / np.maximum((off**2).sum(axis=0), least)
+    together = np.clip(together, 0.0, 0.9)
+    errors: Array = np.sqrt(variance / len(off) * (1 + together) / (1 - together))
+    return errors
+
+
+def _of_zero(start: float, begin: float, end: float) -> float:
+    """What an exponent of zero looks like at the end of a span: tangents of regular motions grow
+    in proportion to the time since the start, which is a mean rate of ln(end/begin)/(end - begin)
+    from begin to end, and turn among one another, which is a few logarithms more or less."""
+    grown = math.log((end - start) / max(begin - start, TRANSIENT * (end - start)))
+    return grown / (end - begin)
+
+
+def _limits(scene: Scene) -> list[str]:
+    """What is to be said of the method and of the laws."""
+    method, notes = scene.integrate.method, list[str]()
+    if method not in (*METHODS, AUTO):
+        notes.append(f"by dop853: {method} takes no tangents along")
+    if scene.course.switches():
+        notes.append("a law switches as it follows the motion: where it jumps, tangents do not")
+    return notes

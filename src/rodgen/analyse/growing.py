@@ -1,0 +1,150 @@
+"""Motions that grow about the states of a branch: how many, and where one begins or ceases to."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.linalg import eigh
+
+from rodgen.analyse.curve import BRANCH, Point, Special, corrected
+from rodgen.analyse.eigen import Complex, Modal, Motions, lowest_values
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.family import RIGID, RIGID_DENSE, ROUNDED
+from rodgen.analyse.onset import Onset, onset
+from rodgen.analyse.pencil import Dense, Linear, Pencil
+from rodgen.analyse.special_points import on_chord
+from rodgen.analyse.steady import Steady, linearised
+from rodgen.integrate.stepper import Array
+
+if TYPE_CHECKING:
+    from rodgen.analyse.equilibria import Equilibria
+
+HOPF = "hopf"
+MODES = 24  # of the rod at the start of a branch, in which its motions are counted
+MOST_DENSE = 200  # links up to which all modes may be looked at
+CLOSE = 1e-5  # of the way between two points, to which a crossing is narrowed
+REAL = 1e-6  # of the modulus: an imaginary part below it is rounding
+
+
+class Growing:
+    """Small motions in the lowest modes of a steady state, or in all of them."""
+
+    def __init__(self, start: Steady, every: bool = False):
+        self.every = every or start.system.cells <= MODES
+        linear = linearised(start)
+        self.added = len(start.system.scene.states)
+        self.dragged = isinstance(linear, Dense)
+        self.singular = self.dragged and start.turns_freely
+        squares, self.basis = _modes(start, linear, self.every)
+        rates = np.sqrt(np.abs(squares))
+        self.lowest = float(rates[rates > RIGID * rates.max()].min())
+        self.frequencies = np.maximum(rates, self.lowest)
+        held = not (start.system.base and start.system.cells)
+        self.rigid = 0.0 if held else RIGID * self.lowest
+        if not held and self.dragged:
+            self.rigid = max(RIGID_DENSE * self.lowest, ROUNDED * float(rates.max()))
+
+    def motions(self, state: Steady) -> Motions:
+        """The motions about a state; those that move or turn the whole rod do not grow."""
+        K, C, M = (part[None] for part in linearised(state).on(self.basis).parts)
+        found = Modal(K, C, M, self.frequencies, self.singular, self.added).motions()
+        s, growth = found.s[0], found.growth[0]
+        return Motions(s, np.where(np.abs(s) <= self.rigid, 0.0, growth))
+
+    def count(self, state: Steady) -> int:
+        """How many directions are unstable: one of a motion that diverges, two of one that
+        flutters."""
+        return len(grown(self.motions(state)))
+
+
+def grown(found: Motions) -> Complex:
+    """The eigenvalues that grow; of undamped motions, of which one of every pair is known, with
+    their conjugates."""
+    s = found.s[found.growth > 0]
+    turned = s[np.abs(s.imag) > REAL * np.abs(s)]
+    if (turned.imag < 0).any() or not len(turned):
+        return s
+    return np.concatenate((s, turned.conj()))
+
+
+def _modes(start: Steady, linear: Linear, every: bool) -> tuple[Array, Array]:
+    """Squared frequencies and shapes (coordinates, k), the slowest first."""
+    if isinstance(linear, Pencil) and linear.cells > MOST_DENSE:
+        bare = Pencil(linear.S0, np.zeros_like(linear.S1), linear.S2)
+        turns = start.turns_freely
+        found = lowest_values(bare, MODES, start.turning if turns else None)
+        first = np.argsort(np.abs(found.s))[:MODES]
+        shapes = found.vectors[:, first].real
+        if turns:  # virtual work on turning the whole rod is to be none
+            turn = np.ones((len(shapes), 1))
+            pull = bare.eliminated(turn)[2].T
+            shapes = shapes - turn @ (pull @ shapes) / (pull @ turn)
+        return -(found.s[first] ** 2).real, shapes / np.abs(shapes).max(axis=0)
+    assert isinstance(linear, Pencil | Dense)
+    dense = linear.reduced()
+    own = len(dense.K) - dense.added
+    K, M = ((matrix + matrix.T)[:own, :own] / 2 for matrix in (dense.K, dense.M))
+    squares, shapes = eigh(K, M)
+    order = np.argsort(np.abs(squares), kind="stable")
+    if isinstance(linear, Pencil):  # turning alone, which every load leaves as it is
+        order = order[int(start.turns_freely) :]
+    order = order[: None if every else MODES]
+    return squares[order], shapes[:, order]
+
+
+def crossing(problem: Equilibria, a: Point, b: Point) -> list[Special]:
+    """Where motions begin or cease to oscillate more and more between two points of a branch, to
+    all digits; of a free rod also where they begin to diverge, which no determinant tells there."""
+    free = len(a.u) == 1
+    found: list[Special] = []
+    low, share = a, 0.0
+    while low.unstable != b.unstable and share < 1 and len(found) < 8:
+        left, right, upper = share, 1.0, b
+        while right - left > CLOSE:
+            middle = (left + right) / 2
+            point = on_chord(problem, a, b, middle)
+            if point.unstable == low.unstable:
+                left = middle
+            else:
+                right, upper = middle, point
+        beside = low if left == share else on_chord(problem, a, b, left)
+        s = _crosses(problem, beside, upper)
+        if s.imag > 0 or free:
+            found.append(_solved(problem, upper, s))
+        low, share = upper, right
+    return found
+
+
+def _crosses(problem: Equilibria, a: Point, b: Point) -> complex:
+    """The eigenvalue that grows beside one point and not beside the other."""
+    one, two = (grown(problem.growing.motions(problem.steady(point.u))) for point in (a, b))
+    here, there = (one, two) if len(one) > len(two) else (two, one)
+    if not len(here):
+        return 0j
+    near = np.abs(here[:, None] - there[None, :]).min(axis=1, initial=np.inf)
+    s = here[np.argmax(near / np.abs(here))]
+    return 0j if abs(s.imag) <= abs(s.real) else complex(1j * abs(s.imag))
+
+
+def _solved(problem: Equilibria, near: Point, s: complex) -> Special:
+    """The crossing next to a point, by Newton's method on the linearised equations along the
+    branch."""
+    last = np.append(np.zeros(len(near.u) - 1), 1.0)
+    slope = near.tangent / near.tangent[-1]
+
+    def state(value: float) -> Array:
+        guess = near.u + (problem.scaled(value) - near.u[-1]) * slope
+        return corrected(problem, guess, last).u
+
+    def at(value: float) -> Linear:
+        return linearised(problem.steady(state(value)))
+
+    kind = HOPF if s else BRANCH
+    value = problem.value(near.u)
+    try:
+        found = onset(at, Onset(value, s), problem.variable.unit)
+    except AnalysisError as error:
+        note = f"known to about {CLOSE:g} of a step only: {error}"
+        return Special(kind, near.u, frequency=s.imag / (2 * np.pi), note=note)
+    return Special(kind, state(found.force), frequency=found.s.imag / (2 * np.pi))

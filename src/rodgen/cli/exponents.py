@@ -1,0 +1,105 @@
+"""rodgen exponents: Lyapunov exponents of the motion of a scene."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.table import Table
+
+from rodgen.cli.console import out, print_json, print_notes, progress, write_picture
+from rodgen.cli.options import AsJson, OutFolder, SceneFile
+from rodgen.cli.results import promised
+
+if TYPE_CHECKING:
+    from rodgen.analyse.exponents import Exponents
+
+VERDICT = {True: "chaotic", False: "not chaotic", None: "cannot be told; take a longer span"}
+
+
+def exponents(
+    scene_file: SceneFile,
+    count: Annotated[
+        int | None,
+        typer.Option(help="How many, from the largest on; all of the state, if not given."),
+    ] = None,
+    span: Annotated[
+        float | None,
+        typer.Option(help="Seconds of motion, from the start of SCENE; its own, if not given."),
+    ] = None,
+    transient: Annotated[
+        float | None,
+        typer.Option(help="Seconds at the start that are left out; a tenth, if not given."),
+    ] = None,
+    out_folder: OutFolder = Path("results"),
+    as_json: AsJson = False,
+) -> None:
+    """Show how fast neighbours of the motion of SCENE come apart: its Lyapunov exponents."""
+    from rodgen.analyse.exponents import lyapunov_exponents
+    from rodgen.scene import Scene
+
+    scene = Scene.from_toml(scene_file)
+    start, end = scene.integrate.span
+    length = end - start if span is None else span
+    with promised(None if as_json else out_folder / scene.name) as folder:
+        with progress(scene.name, start, start + length) as step:
+            found = lyapunov_exponents(
+                scene, count=count, span=span, transient=transient, progress=step
+            )
+        if as_json:
+            print_json(_object(found))
+            return
+        print_notes(found.notes)
+        out.print(_table(found, scene.name))
+        for line in _words(found):
+            out.print(line)
+        from rodgen.show.exponent_pictures import convergence
+
+        write_picture(lambda: convergence(found, scene.name), folder, "exponents")
+
+
+def _object(found: Exponents) -> dict[str, object]:
+    return {
+        "exponents": found.exponents.tolist(),
+        "errors": found.errors.tolist(),
+        "zero_one": _number(found.zero_one),
+        "divergence": _number(found.divergence),
+        "transient": found.transient,
+        "zeros": found.zeros,
+        "notes": list(found.notes),
+    }
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _table(found: Exponents, name: str) -> Table:
+    table = Table(title=f"{name}: Lyapunov exponents")
+    for column in ("", "exponent [1/s]", "error [1/s]", ""):
+        table.add_column(column, justify="right")
+    for at, (mean, error) in enumerate(zip(found.exponents, found.errors, strict=True)):
+        said = "zero within its error" if abs(mean) <= 2 * error else ""
+        table.add_row(str(at + 1), f"{mean:.6g}", f"{error:.2g}", said)
+    return table
+
+
+def _words(found: Exponents) -> list[str]:
+    """What the numbers mean."""
+    largest = float(found.exponents[0])
+    lines = [f"The motion: {VERDICT[found.chaotic]}."]
+    if found.chaotic:
+        lines[0] += f" Errors grow tenfold in {math.log(10) / largest:.3g} s."
+    if math.isfinite(found.zero_one):
+        lines.append(f"0-1 test: {found.zero_one:.3f} (0: regular, 1: chaotic).")
+    else:
+        lines.append("0-1 test: too few independent samples.")
+    if found.zeros:
+        parts = (f"{number} by {reason}" for reason, number in found.zeros.items())
+        lines.append(f"Zero whatever the motion, unless it comes to rest: {', '.join(parts)}.")
+    if math.isfinite(found.divergence):
+        total = float(found.exponents.sum())
+        lines.append(f"Their sum: {total:.3g} 1/s; mean divergence: {found.divergence:.3g} 1/s.")
+    return lines

@@ -1,0 +1,282 @@
+"""Motions with tangents: how small changes of a state go on with its motion, to first order.
+
+The tangents V obey dV/dt = J(t, y) V along the motion y, by the exact derivatives of the equations.
+They are integrated by the very stages that the motion is, outside of the error control: the motion
+is that of a run without them, step by step, and V is the derivative of the steps themselves.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rodgen.integrate.methods.compiled import FAILURES, FIRST, MOST, SLICE
+from rodgen.integrate.stepper import Array, StepError
+from rodgen.integrate.stretches import Stretches, inside
+from rodgen.loading import build_fastest
+from rodgen.model.methods import TABLEAUX
+from rodgen.native import run
+from rodgen.scene import Scene
+from rodgen.scene.integration import Integrate
+
+PARTS = ("rhs", "tangents")  # of a module
+# Whose steps take tangents along: those by a sum of stages, in which every state moves alike.
+METHODS = ("dop853", *(name for name, tableau in TABLEAUX.items() if not tableau.follow))
+
+
+@dataclass(frozen=True)
+class Steps:
+    """How steps are taken: by a method of METHODS, with a fixed step [s] or tolerances; breaks:
+    times [s], ascending, that steps meet; longest: step [s] of a method that chooses its own."""
+
+    method: str = "dop853"
+    step: float = 0.0
+    rtol: float = 1e-8
+    atol: float = 1e-10
+    breaks: Sequence[float] = ()
+    longest: float = np.inf
+
+    @classmethod
+    def of(cls, scene: Scene) -> Steps:
+        """Those of a scene in its span; by dop853 where its method takes no tangents along."""
+        settings: Integrate = scene.integrate
+        method = settings.method if settings.method in METHODS else "dop853"
+        stretches = Stretches.of(scene.course, settings.fixed)
+        step = settings.step if settings.step is not None and method == settings.method else 0.0
+        tolerances = settings.rtol, settings.atol
+        return cls(method, step, *tolerances, stretches.ends, stretches.swing)
+
+
+class _Machine(Protocol):
+    """What takes the steps; row: y and V, rates: of these, as they are kept."""
+
+    @property
+    def t(self) -> float: ...
+
+    @property
+    def y(self) -> Array: ...
+
+    @property
+    def tangents(self) -> Array: ...
+
+    @property
+    def tangent_rates(self) -> Array: ...
+
+    @property
+    def taken(self) -> tuple[int, int]: ...
+
+    def begin(self, end: float, low: float, high: float, longest: float) -> None: ...
+
+    def advance(self, most: int) -> bool: ...
+
+
+class Variations:
+    """A motion on its way, with its tangents (count, states).
+
+    t [s], y (states,) and tangents are where it is; counts: steps and evaluations so far. In C
+    where the module is, else by SciPy's DOP853.
+    """
+
+    def __init__(
+        self,
+        model: ModuleType,
+        p: ArrayLike,
+        t: float,
+        y: ArrayLike,
+        tangents: ArrayLike,
+        steps: Steps | None = None,
+    ):
+        """At the state y at time t [s]. Raises ValueError for arrays of other shapes."""
+        self._model, self._steps = model, steps or Steps()
+        self._p = np.array(p, dtype=float)
+        y = np.array(y, dtype=float)
+        self._shape = np.shape(tangents)
+        if len(self._shape) != 2 or self._shape[1:] != y.shape:
+            allowed = f"directions of the state, (count, {len(y)})"
+            raise ValueError(f"tangents have shape {self._shape}: must be {allowed}")
+        kind = _InC if hasattr(model, "VARIATIONS") else _InPython
+        with np.errstate(all="ignore"):
+            self._machine: _Machine = kind(model, self._p, t, y, np.array(tangents), self._steps)
+        self._window, self._goal, self._quota = (t, t), np.nan, FIRST
+
+    @classmethod
+    def of(
+        cls,
+        scene: Scene,
+        tangents: ArrayLike | None = None,
+        *,
+        model: ModuleType | None = None,
+        t: float | None = None,
+        y: ArrayLike | None = None,
+    ) -> Variations:
+        """Those of a scene from its start, or from y at t; tangents: if not given, in all
+        directions of the state."""
+        model = model if model is not None else build_fastest(scene, PARTS)
+        y = scene.initial_state() if y is None else np.asarray(y, dtype=float)
+        start = scene.integrate.span[0] if t is None else t
+        tangents = np.eye(len(y)) if tangents is None else tangents
+        p = model.parameters(**scene.parameters)
+        return cls(model, p, start, y, tangents, Steps.of(scene))
+
+    @property
+    def t(self) -> float:
+        return self._machine.t
+
+    @property
+    def y(self) -> Array:
+        return self._machine.y.copy()
+
+    @property
+    def tangents(self) -> Array:
+        return self._machine.tangents.copy()
+
+    @tangents.setter
+    def tangents(self, tangents: ArrayLike) -> None:
+        """Go on with others, along the same motion."""
+        v = np.array(tangents, dtype=float).reshape(self._shape)
+        self._machine.tangents[:] = v
+        low, high = self._window
+        at = min(max(self.t, low), high)
+        self._machine.tangent_rates[:] = self._model.tangents(at, self.y, self._p, v)
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """Steps, and evaluations of the rates."""
+        return self._machine.taken
+
+    def on(self, end: float, most: int | None = None) -> bool:
+        """Go on to a time [s], or for at most so many steps towards it; True where it is reached.
+        Raises StepError where the motion cannot go on."""
+        left = MOST if most is None else most
+        with np.errstate(all="ignore"):
+            while self.t < end:
+                if left <= 0:
+                    return False
+                left -= self._some(end, left)
+        return True
+
+    def _some(self, end: float, most: int) -> int:
+        """Some steps, for a few hundredths of a second; how many they were."""
+        t, before = self.t, self.counts[0]
+        goal = min((at for at in self._steps.breaks if t < at < end), default=end)
+        if goal != self._goal:
+            self._goal, self._window = goal, inside(t, goal)
+            self._machine.begin(goal, *self._window, self._steps.longest)
+        start = time.perf_counter()
+        if self._machine.advance(min(self._quota, most)):
+            self._goal = np.nan
+        elif self._quota <= most:
+            took = time.perf_counter() - start
+            change = min(4.0, max(0.25, SLICE / max(took, 1e-9)))
+            self._quota = int(min(MOST, max(1, self._quota * change)))
+        return self.counts[0] - before
+
+
+class _InC:
+    """Steps of the module's own."""
+
+    def __init__(
+        self, model: ModuleType, p: Array, t: float, y: Array, tangents: Array, steps: Steps
+    ):
+        count, states = tangents.shape
+        kind = run.with_tangents(model.VARIATIONS, count)
+        self._run = kind(steps.method, t, y, p, steps.step, steps.rtol, steps.atol)
+        first = len(self._run.state) - count * states
+        self._states = states
+        self.tangents = self._run.state[first:].reshape(count, states)
+        self.tangent_rates = self._run.rates[first:].reshape(count, states)
+        self.tangents[:] = tangents
+
+    @property
+    def t(self) -> float:
+        return float(self._run.numbers.t)
+
+    @property
+    def y(self) -> Array:
+        state: Array = self._run.state[: self._states]
+        return state
+
+    @property
+    def taken(self) -> tuple[int, int]:
+        return self._run.numbers.steps, self._run.numbers.rhs
+
+    def begin(self, end: float, low: float, high: float, longest: float) -> None:
+        self._judge(self._run.begin(end, low, high, longest))
+
+    def advance(self, most: int) -> bool:
+        status, _ = self._run.on(most, np.empty(0), np.empty((0, len(self._run.state))))
+        return self._judge(status)
+
+    def _judge(self, status: int) -> bool:
+        if status in FAILURES:
+            raise StepError(f"{FAILURES[status]} at t = {self.t:.9g} s")
+        return bool(status == run.STATUSES["REACHED"])
+
+
+class _InPython:
+    """Steps of SciPy's DOP853, where there is no compiler."""
+
+    def __init__(
+        self, model: ModuleType, p: Array, t: float, y: Array, tangents: Array, steps: Steps
+    ):
+        self._model, self._p, self._steps = model, p, steps
+        self._shape, self.t, self._count = tangents.shape, t, [0, 0]
+        self._row = np.concatenate((y, tangents.ravel()))
+        self._rates = np.zeros_like(self._row)
+        self._window = (t, t)
+        self._solver: Any = None
+
+    @property
+    def y(self) -> Array:
+        return self._row[: self._shape[1]]
+
+    @property
+    def tangents(self) -> Array:
+        return self._row[self._shape[1] :].reshape(self._shape)
+
+    @property
+    def tangent_rates(self) -> Array:
+        return self._rates[self._shape[1] :].reshape(self._shape)
+
+    @property
+    def taken(self) -> tuple[int, int]:
+        return self._count[0], self._count[1]
+
+    def _flow(self, t: float, row: Array) -> Array:
+        low, high = self._window
+        at, states = min(max(t, low), high), self._shape[1]
+        self._count[1] += 1
+        v = row[states:].reshape(self._shape)
+        changes = self._model.tangents(at, row[:states], self._p, v)
+        return np.concatenate((self._model.rhs(at, row[:states], self._p), changes.ravel()))
+
+    def begin(self, end: float, low: float, high: float, longest: float) -> None:
+        from scipy.integrate import DOP853
+
+        self._window, states = (low, high), self._shape[1]
+        # Tangents have no part in the error: in its mean they only count as numbers.
+        share = np.sqrt(states / len(self._row))
+        atol = np.where(np.arange(len(self._row)) < states, self._steps.atol * share, np.inf)
+        rtol = max(self._steps.rtol * share, 2.3e-14)
+        options = {"rtol": rtol, "atol": atol, "max_step": longest}
+        self._solver = DOP853(self._flow, self.t, self._row, end, **options)
+        self._row, self._rates = self._solver.y, self._solver.f
+
+    def advance(self, most: int) -> bool:
+        for _ in range(most):
+            message = self._solver.step()
+            self._row, self._rates = self._solver.y, self._solver.f
+            self.t = float(self._solver.t)
+            self._count[0] += 1
+            if self._solver.status == "failed" or not np.isfinite(self._rates).all():
+                why = message or FAILURES[run.STATUSES["NOT_FINITE"]]
+                raise StepError(f"{why} at t = {self.t:.9g} s")
+            if self._solver.status == "finished":
+                return True
+        return False

@@ -1,0 +1,90 @@
+"""Pictures of a cycle, made for print: a film strip of its shapes, and its multipliers."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rodgen.analyse.cycles.cycle import Cycle
+from rodgen.integrate.stepper import Array
+from rodgen.show.pictures import LINE, canvas, draw_anchors, draw_bodies
+
+FRAMES = 8  # of a film strip
+TRAIL = 4  # earlier shapes behind each
+MARGIN = 0.06  # of the largest side, around the shapes
+INSIDE = 1.25  # what is drawn of the plane, at least
+
+
+def film_strip(cycle: Cycle) -> Figure:
+    """The rod at eight times of a period, with the shapes just before each behind it."""
+    motion = cycle.motion
+    joints = _beside(motion.joints, cycle)
+    low, high = joints.min(axis=(0, 1)), joints.max(axis=(0, 1))
+    room = MARGIN * max(high - low)
+    low, high = low - room, high + room
+    width, height = high - low
+    upright = height > 1.5 * width
+    rows, columns = (1, FRAMES) if upright else (2, FRAMES // 2)
+    across = 7.4 / columns
+    tall = float(np.clip(across * height / width, 0.5, 4.0))
+    figure = canvas(7.8, rows * (tall + 0.35) + 0.9)
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    step = (len(joints) - 1) // FRAMES
+    for frame, axes in enumerate(panels.flat):
+        at = frame * step
+        for back in range(TRAIL, 0, -1):
+            before = (at - back * step // TRAIL) % (len(joints) - 1)
+            axes.plot(
+                *joints[before].T, "-", color="tab:blue", alpha=0.45 - 0.09 * back, linewidth=0.8
+            )
+        axes.plot(*joints[at].T, "-", color="tab:blue", linewidth=LINE)
+        axes.plot(*joints[at, 0], "ko", markersize=3)
+        draw_bodies(axes, cycle.scene, joints[at], "tab:blue")
+        draw_anchors(axes, cycle.scene, joints[at], "tab:blue")
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+        axes.set_title(f"{frame}/{FRAMES} T", fontsize="small")
+        axes.tick_params(labelsize="x-small")
+        axes.grid(alpha=0.3)
+    kind = "stable" if cycle.stable else "unstable"
+    seen = ", seen from its centre of gravity" if _moves(cycle) else ""
+    figure.suptitle(
+        f"{cycle.scene.name}: {kind} cycle, T = {cycle.period:.6g} s{seen}", fontsize="medium"
+    )
+    figure.supxlabel("x [m]", fontsize="small")
+    figure.supylabel("y [m]", fontsize="small")
+    return figure
+
+
+def _moves(cycle: Cycle) -> bool:
+    """Whether nothing holds the rod in its place."""
+    return bool(cycle.scene.hold.translates and not cycle.scene.anchors.terms)
+
+
+def _beside(joints: Array, cycle: Cycle) -> Array:
+    """Joints (T, n+1, 2) as they are, or of a rod that flies from its centre of gravity."""
+    if not _moves(cycle):
+        return joints
+    return joints - cycle.motion.centre_of_gravity[:, None]
+
+
+def unit_circle(cycle: Cycle) -> Figure:
+    """The multipliers in the complex plane, with the unit circle; those that are 1 by symmetry as
+    rings."""
+    figure = canvas(4.6, 4.6)
+    axes = figure.add_subplot()
+    turn = np.linspace(0, 2 * np.pi, 361)
+    axes.plot(np.cos(turn), np.sin(turn), "-", color="grey", linewidth=LINE)
+    mu = cycle.nontrivial[np.isfinite(cycle.nontrivial)]
+    grows = np.abs(mu) > 1 + 1e-7
+    axes.plot(mu[~grows].real, mu[~grows].imag, "o", color="tab:blue", markersize=4)
+    axes.plot(mu[grows].real, mu[grows].imag, "X", color="tab:red", markersize=7)
+    if cycle.trivial:
+        axes.plot([1.0], [0.0], "o", markersize=9, fillstyle="none", color="black")
+    side = max(INSIDE, 1.1 * float(np.abs(mu).max(initial=0.0)))
+    axes.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
+    axes.set(xlabel="real part", ylabel="imaginary part")
+    said = f"{cycle.unstable} outside" if cycle.unstable else "none outside"
+    rings = f"; ring: {cycle.trivial} that are 1" if cycle.trivial else ""
+    axes.set_title(f"{cycle.scene.name}: multipliers, {said}{rings}", fontsize="small")
+    axes.grid(alpha=0.3)
+    return figure

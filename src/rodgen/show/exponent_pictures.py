@@ -1,0 +1,60 @@
+"""Pictures of Lyapunov exponents: how their means settle, and all of them together."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rodgen.analyse.exponents import Exponents
+from rodgen.show.pictures import LINE, canvas
+
+CURVES = 12  # of means that settle
+NAMED = 6  # of these, with a name each
+SPECTRUM = 3  # exponents from which on there is a picture of all of them
+
+
+def convergence(found: Exponents, name: str) -> Figure:
+    """Means over time with their errors at the end; beside them all exponents by number."""
+    several = len(found.exponents) >= SPECTRUM
+    figure = canvas(9.5 if several else 6.5, 4.0)
+    panels = figure.subplots(1, 1 + several, squeeze=False, width_ratios=[3, 2][: 1 + several])[0]
+    _means(panels[0], found)
+    if several:
+        _spectrum(panels[1], found)
+    figure.suptitle(f"{name}: Lyapunov exponents", fontsize="medium")
+    return figure
+
+
+def _means(axes: Axes, found: Exponents) -> None:
+    count = len(found.exponents)
+    shown = range(count)
+    if count > CURVES:  # the largest, and the smallest that answer them
+        shown = [*range(CURVES // 2), *range(count - CURVES // 2, count)]  # type: ignore[assignment]
+    colours = colormaps["viridis"](np.linspace(0.0, 0.85, len(shown)))
+    few = found.t - (found.t[0] - (found.t[1] - found.t[0])) if len(found.t) > 1 else found.t
+    for at, colour in zip(shown, colours, strict=True):
+        label = rf"$\lambda_{{{at + 1}}}$ = {found.exponents[at]:.4g}" if count <= NAMED else None
+        axes.plot(few, found.running[:, at], color=colour, linewidth=LINE, label=label)
+        error = found.errors[at]
+        axes.errorbar(few[-1] * 1.08, found.exponents[at], error, color=colour, capsize=2.5)
+    axes.axhline(0.0, color="grey", linewidth=0.7)
+    axes.set(xscale="log", xlabel="time averaged over [s]", ylabel="mean rate of growth [1/s]")
+    late = found.running[len(found.running) // 50 :]
+    low, high = float(late.min()), float(late.max())
+    room = 0.08 * (high - low) + float(found.errors.max())
+    axes.set_ylim(low - room, high + room)
+    axes.grid(alpha=0.3)
+    if count <= NAMED:
+        axes.legend(fontsize="small")
+
+
+def _spectrum(axes: Axes, found: Exponents) -> None:
+    numbers = np.arange(1, len(found.exponents) + 1)
+    axes.axhline(0.0, color="grey", linewidth=0.7)
+    axes.errorbar(numbers, found.exponents, found.errors, fmt="o", markersize=3.5, capsize=2.5)
+    axes.set(xlabel="number", ylabel="exponent [1/s]")
+    if len(numbers) <= CURVES:
+        axes.set_xticks(numbers)
+    axes.grid(alpha=0.3)

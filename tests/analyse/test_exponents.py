@@ -1,0 +1,255 @@
+"""Lyapunov exponents against a program of its own, spectra of matrices, and what theory says."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import DOP853, simpson
+
+import rodgen
+from rodgen.analyse.conserved import zero_exponents
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.exponents import BATCHES, lyapunov_exponents, standard_errors
+from rodgen.analyse.volume import Kinetic
+from rodgen.integrate.stepper import StepError
+from rodgen.integrate.variations import Variations
+from rodgen.scene import Scene, SceneError
+from rodgen.show.exponent_pictures import convergence
+
+G = 9.81
+PHI = (1.5, 0.5)
+
+
+@pytest.fixture(scope="module")
+def pendulum() -> Scene:
+    """A double pendulum of two uniform rods, each of 1 m and 1 kg, let go from angles that make it
+    tumble."""
+    rod = {"links": 2, "length": 2.0, "bending_stiffness": 0.0, "mass": 2.0, "boundary": "pinned"}
+    return Scene.from_dict(
+        {
+            "name": "pendulum",
+            "rod": rod,
+            "loads": {"gravity": {"g": G}},
+            "initial": {"phi": list(PHI)},
+            "integrate": {"span": [0.0, 10.0], "rtol": 1e-12, "atol": 1e-13},
+        }
+    )
+
+
+def _by_hand(t: float, z: np.ndarray) -> np.ndarray:
+    """A double pendulum of uniform rods (m = l = 1), its angles from the horizontal, and a tangent
+    of it; from T = (4/3 w1^2 + 1/3 w2^2 + w1 w2 cos(a - b)) / 2 and V = g (3 sin a + sin b) / 2."""
+    a, b, v, w, da, db, dv, dw = z
+    c, s = np.cos(a - b), np.sin(a - b)
+    M = np.array([[4 / 3, c / 2], [c / 2, 1 / 3]])
+    Q = np.array([-s / 2 * w * w - 1.5 * G * np.cos(a), s / 2 * v * v - 0.5 * G * np.cos(b)])
+    rates = np.linalg.solve(M, Q)
+    turned = da - db
+    dM = -s / 2 * turned * np.array([[0, 1], [1, 0]])
+    dQ = np.array(
+        [
+            -c / 2 * turned * w * w - s * w * dw + 1.5 * G * np.sin(a) * da,
+            c / 2 * turned * v * v + s * v * dv + 0.5 * G * np.sin(b) * db,
+        ]
+    )
+    changes = np.linalg.solve(M, dQ - dM @ rates)
+    return np.array([v, w, *rates, dv, dw, *changes])
+
+
+def _first_exponent(start: float, end: float) -> float:
+    """The mean rate of growth of a tangent between two times, by SciPy, step by step."""
+    solver = DOP853(_by_hand, 0.0, [*PHI, 0, 0, 1, 0, 0, 0], end, rtol=1e-12, atol=1e-13)
+    grown = 0.0
+    for until in (start, end):
+        solver.t_bound, solver.status = until, "running"
+        begun = np.log(np.linalg.norm(solver.y[4:]))
+        while solver.status == "running":
+            solver.step()
+        grown = np.log(np.linalg.norm(solver.y[4:])) - begun
+    return float(grown / (end - start))
+
+
+@pytest.mark.compiler
+def test_first_exponent_of_a_double_pendulum(pendulum: Scene) -> None:
+    """Over a span in which both motions are the same: what the tangents began with has died out
+    after three seconds, to e^-8, and the motions are apart by 1e-12 e^14 at the end."""
+    found = lyapunov_exponents(pendulum, count=1, transient=3.0)
+    assert found.exponents[0] == pytest.approx(_first_exponent(3.0, 10.0), rel=1e-3)
+
+
+@pytest.mark.compiler
+def test_exponents_without_damping(pendulum: Scene) -> None:
+    """Volumes are kept (Liouville); exponents come in pairs, one is zero by the time and one by the
+    energy; what the errors say holds."""
+    found = lyapunov_exponents(pendulum, span=200.0)
+    one, two, three, four = found.exponents
+    assert abs(found.exponents.sum()) < 1e-6
+    assert found.chaotic
+    assert found.zero_one > 0.95
+    assert abs(one + four) < found.errors[0]
+    for zero, error in ((two, found.errors[1]), (three, found.errors[2])):
+        assert abs(zero) < 2 * error < 0.1
+    assert found.zeros == {"time": 1, "energy": 1}
+    alone = lyapunov_exponents(pendulum, span=200.0, count=1)
+    assert abs(alone.exponents[0] - one) < 3 * np.hypot(alone.errors[0], found.errors[0])
+    assert found.running[-1] == pytest.approx(found.exponents)
+    assert len(convergence(found, "pendulum").axes) == 2
+    assert len(convergence(alone, "pendulum").axes) == 1
+
+
+@pytest.mark.compiler
+def test_small_swings_are_regular(pendulum: Scene) -> None:
+    scene = Scene.from_dict(
+        pendulum.model_dump(exclude_none=True) | {"initial": {"phi": [-1.4, -1.5]}}
+    )
+    found = lyapunov_exponents(scene, span=200.0)
+    assert (np.abs(found.exponents) < 2 * found.errors).all()
+    assert found.chaotic is False
+    assert found.zero_one < 0.1
+
+
+@pytest.fixture(scope="module")
+def damped() -> Scene:
+    """Three links on a pin, bent and let go, damped across their joints."""
+    rod = {"links": 3, "length": 1.0, "bending_stiffness": 1.0, "mass": 3.0, "boundary": "pinned"}
+    return Scene.from_dict(
+        {
+            "name": "damped",
+            "rod": {**rod, "inertia": "lumped"},
+            "loads": {"internal_damping": {"coefficient": 0.05}},
+            "initial": {"phi": "2*s", "omega": "3 - 4*s"},
+            "integrate": {"span": [0.0, 10.0], "rtol": 1e-11, "atol": 1e-12},
+        }
+    )
+
+
+@pytest.mark.compiler
+def test_exponents_add_up_to_the_mean_divergence(damped: Scene) -> None:
+    """That of the numbers of the state is the trace of the Jacobian, here by Simpson's rule along
+    a run; that of positions and momenta has the density of mass besides."""
+    found = lyapunov_exponents(damped, transient=0.0)
+    sol = rodgen.simulate(damped, output_every=0.0125)
+    model = rodgen.build(damped, "numpy")
+    p = model.parameters(**damped.parameters)
+    traces = [np.trace(model.jac(t, y, p)) for t, y in zip(sol.t, sol.y, strict=True)]
+    mean = simpson(traces, x=sol.t) / 10.0
+    assert mean < -0.1
+    assert found.divergence == pytest.approx(mean, abs=1e-6)
+    dense = Kinetic(model, p).log_density
+    kept = (dense(10.0, sol.y[-1]) - dense(0.0, sol.y[0])) / 10.0
+    assert found.exponents.sum() == pytest.approx(mean + kept, abs=1e-6)
+
+
+@pytest.mark.compiler
+def test_exponents_at_rest_are_those_of_the_matrix(damped: Scene) -> None:
+    """A rod that is straight and still stays so: growth rates of its linear motion, of which two
+    are zero, as it may turn freely."""
+    still = Scene.from_dict(damped.model_dump(exclude_none=True) | {"initial": {"phi": 0.3}})
+    found = lyapunov_exponents(still, span=400.0)
+    model = rodgen.build(still, "numpy")
+    J = model.jac(0.0, still.initial_state(), model.parameters(**still.parameters))
+    exact = np.sort(np.linalg.eigvals(J).real)[::-1]
+    assert (np.abs(found.exponents - exact) < found.errors).all()
+    assert np.abs(found.exponents - exact)[2:].max() < 2 / 360  # logarithms of how modes turn
+    assert (found.errors < 0.02).all()
+    assert found.zero_one == 0.0
+
+
+def test_errors_take_account_of_correlations() -> None:
+    """Of autoregressive series, whose means have a known variance: s^2/N (1 + r)/(1 - r)."""
+    draw, size, r = np.random.default_rng(5), 4000, 0.9
+    noise = draw.standard_normal((size, 300))
+    series = np.empty_like(noise)
+    series[0] = noise[0] / np.sqrt(1 - r * r)
+    for at in range(1, size):
+        series[at] = r * series[at - 1] + noise[at]
+    exact = np.sqrt(1 / (1 - r * r) / size * (1 + r) / (1 - r))
+    errors = standard_errors(series)
+    # An error by 25 means is itself uncertain by a seventh; of 300 the mean by a hundredth.
+    assert errors.mean() == pytest.approx(exact, rel=0.12)
+    assert series.mean(axis=0).std() == pytest.approx(exact, rel=0.12)
+    assert BATCHES < 50
+
+
+@pytest.mark.parametrize(
+    ("boundary", "loads", "zeros"),
+    [
+        ("free", {}, 8),
+        ("free", {"gravity": {"g": 9.81}}, 6),
+        ("free", {"follower": {"force": 5.0}}, 4),
+        ("free", {"follower": {"force": "5*sin(t)"}}, 3),
+        ("free", {"drag": {"normal": 1.0, "tangential": 0.1, "wind": [1.0, 0.0]}}, 3),
+        ("pinned", {}, 4),
+        ("clamped", {"external_damping": {"coefficient": 1.0}}, 1),
+    ],
+)
+def test_zero_exponents_by_what_the_motion_keeps(
+    boundary: str, loads: dict[str, Any], zeros: int
+) -> None:
+    """Time, energy, place and momentum (two each), direction and angular momentum."""
+    rod = {"links": 2, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0, "boundary": boundary}
+    scene = Scene.from_dict({"name": "kept", "rod": rod, "loads": loads})
+    assert sum(zero_exponents(scene, rodgen.build(scene, "numpy")).values()) == zeros
+
+
+@pytest.mark.compiler
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"count": 0}, "count = 0: must be from 1 to 4"),
+        ({"count": 5}, "count = 5"),
+        ({"count": 1.5}, "count = 1.5"),
+        ({"span": -1.0}, "span = -1.0: must be seconds above 0"),
+        ({"span": float("inf")}, "span = inf"),
+        ({"transient": 10.0}, "transient = 10.0: must be from 0 to below the span"),
+        ({"transient": float("nan")}, "transient = nan"),
+    ],
+)
+def test_what_cannot_be_is_refused(pendulum: Scene, options: dict[str, Any], says: str) -> None:
+    with pytest.raises(SceneError, match=says):
+        lyapunov_exponents(pendulum, **options)
+
+
+@pytest.mark.compiler
+def test_motion_that_cannot_go_on(pendulum: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(self: Variations, end: float, most: int | None = None) -> bool:
+        raise StepError("the step becomes too small to move on at t = 0 s")
+
+    monkeypatch.setattr(Variations, "on", fail)
+    with pytest.raises(AnalysisError, match="pendulum: the motion cannot go on: the step becomes"):
+        lyapunov_exponents(pendulum)
+
+
+@pytest.mark.compiler
+def test_command(
+    pendulum: Scene, rodgen: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "pendulum.toml"
+    file.write_text(
+        'name = "pendulum"\n[rod]\nlinks = 2\nlength = 2.0\nmass = 2.0\nbending_stiffness = 0.0\n'
+        'boundary = "pinned"\n[loads.gravity]\ng = 9.81\n[initial]\nphi = [1.5, 0.5]\n'
+        "[integrate]\nmethod = 'radau'\nspan = [0.0, 40.0]\n",
+        encoding="utf-8",
+    )
+    done = rodgen("exponents", file, "--count", 2, "--span", 20, "--json")
+    assert done.returncode == 0
+    told = json.loads(done.stdout)
+    assert len(told["exponents"]) == len(told["errors"]) == 2
+    assert told["exponents"][0] > told["exponents"][1]
+    assert told["notes"] == ["by dop853: radau takes no tangents along"]
+    done = rodgen("exponents", file)
+    for said in ("The motion: chaotic. Errors grow tenfold in", "1 by time, 1 by energy", "0-1"):
+        assert said in done.stdout
+    (picture,) = (tmp_path / "results" / "pendulum").iterdir()
+    assert picture.name == "exponents.png"
+    done = rodgen("exponents", file, "--count", 9)
+    assert (done.returncode, done.stderr) == (
+        2,
+        "rodgen: count = 9: must be from 1 to 4, the numbers of the state\n",
+    )

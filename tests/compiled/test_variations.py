@@ -1,0 +1,126 @@
+"""Motions with tangents in compiled steps: derivatives of the steps themselves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.integrate.stepper import StepError
+from rodgen.integrate.variations import METHODS, PARTS, Steps, Variations
+from rodgen.scene import Scene
+
+SPAN, JUMP = 0.4, 0.13
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    """Three links, a thrust, dampings, and a load at the tail that jumps at a time."""
+    rod = {"links": 3, "length": 2.0, "bending_stiffness": 30.0, "mass": 3.0, "boundary": "clamped"}
+    loads = {
+        "follower": {"force": 40.0, "angle": 0.1},
+        "gravity": {"g": 9.81},
+        "internal_damping": {"coefficient": 0.2},
+        "external_damping": {"coefficient": 0.7},
+        "tip": {"x": 6.0, "y": f"-4*cos(3*t) if t < {JUMP} else 5.0"},
+    }
+    initial = {"phi": "0.4*cos(pi*s)", "omega": "0.5*s"}
+    table = {"name": "jump", "rod": rod, "loads": loads, "initial": initial}
+    return Scene.from_dict(
+        {**table, "integrate": {"span": [0.0, SPAN], "rtol": 1e-12, "atol": 1e-13}}
+    )
+
+
+def _with(
+    scene: Scene,
+    y: np.ndarray | None = None,
+    tangents: np.ndarray | None = None,
+    **steps: object,
+) -> Variations:
+    """In C, from the scene's state in all directions if not told otherwise."""
+    model = rodgen.build(scene, "c", parts=PARTS)
+    p, y = model.parameters(**scene.parameters), scene.initial_state() if y is None else y
+    along = np.eye(len(y)) if tangents is None else tangents
+    return Variations(model, p, 0.0, y, along, replace(Steps.of(scene), **steps))
+
+
+def _moved(scene: Scene, at: int, by: float, **steps: object) -> np.ndarray:
+    """The end of a motion that begins beside that of the scene."""
+    y = scene.initial_state()
+    y[at] += by
+    on = _with(scene, y, np.empty((0, len(y))), **steps)
+    on.on(SPAN)
+    return on.y
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_tangents_are_derivatives_of_the_steps(scene: Scene, method: str) -> None:
+    """Of equal steps, differences are exact but for h^2 and rounding over h; where steps are
+    chosen, the motion beside takes others, to the tolerance over h."""
+    steps = {"method": method, "step": 0.0 if method == "dop853" else 0.0005}
+    on, h = _with(scene, **steps), 1e-5
+    assert on.on(SPAN)
+    for at, tangent in enumerate(on.tangents):
+        ends = [_moved(scene, at, by, **steps) for by in (h, -h)]
+        off = np.abs((ends[0] - ends[1]) / (2 * h) - tangent).max()
+        assert off < (1e-6 if method == "dop853" else 1e-8) * np.abs(on.tangents).max()
+
+
+def test_motion_is_that_of_a_run(scene: Scene) -> None:
+    """The tangents have no part in the error control: as many steps, and the same state but for
+    the rounding of another order of sums."""
+    on = _with(scene)
+    on.on(SPAN)
+    sol = rodgen.simulate(scene, target="c", method="dop853")
+    assert on.counts[0] == sol.stats.steps
+    np.testing.assert_allclose(on.y, sol.y[-1], rtol=1e-11, atol=1e-12)
+
+
+def test_tangents_go_on_from_others(scene: Scene) -> None:
+    """Exchanged on the way, they go on as their combinations do: the equations are linear."""
+    whole, cut = _with(scene), _with(scene)
+    whole.on(SPAN)
+    assert not cut.on(SPAN, most=5)
+    q, r = np.linalg.qr(cut.tangents.T)
+    cut.tangents = q.T
+    assert cut.on(SPAN)
+    np.testing.assert_array_equal(cut.y, whole.y)
+    size = np.abs(whole.tangents).max()
+    np.testing.assert_allclose(r.T @ cut.tangents, whole.tangents, atol=1e-12 * size)
+
+
+def test_steps_of_scipy_agree(scene: Scene) -> None:
+    """Where there is no compiler. The derivative of the external damping jumps inside of steps, and
+    tangents have no error control: what is left is some 1e-7, not the tolerance."""
+    here = _with(scene)
+    model = rodgen.build(scene, "numpy")
+    there = Variations.of(scene, model=model)
+    assert not there.on(0.2, most=3)
+    there.tangents = there.tangents
+    for on in (here, there):
+        on.on(SPAN)
+    np.testing.assert_allclose(there.y, here.y, atol=1e-9)
+    size = np.abs(here.tangents).max()
+    np.testing.assert_allclose(there.tangents, here.tangents, atol=1e-6 * size)
+
+
+def test_steps_meet_break_points(scene: Scene) -> None:
+    """One ends where the load jumps."""
+    on, met = _with(scene), []
+    while not on.on(SPAN, most=1):
+        met.append(on.t)
+    assert JUMP in met
+
+
+def test_what_cannot_go_on_says_when(scene: Scene) -> None:
+    on = _with(scene)
+    on.tangents = np.full_like(on.tangents, 1e308)
+    with pytest.raises(StepError, match="stop being finite at t = "):
+        on.on(SPAN)
+
+
+def test_directions_are_as_long_as_the_state(scene: Scene) -> None:
+    with pytest.raises(ValueError, match=r"tangents have shape \(2, 2\)"):
+        Variations.of(scene, np.eye(2))

@@ -1,0 +1,126 @@
+"""Crossings side by side in C: those that runs one by one find, by other code, in Python."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rodgen import SceneError
+from rodgen.studies import runs
+from rodgen.studies.keep import kept, variables
+from rodgen.studies.made import Made
+from rodgen.studies.points import points
+from rodgen.studies.specification import Study
+from tests.studies.scenes import PENDULUM, scene
+from tests.studies.test_block import computed, same
+
+pytestmark = pytest.mark.compiler
+EVENTS = [
+    {"quantity": "phi_0", "value": -1.0, "direction": "rising", "name": "up"},
+    {"quantity": "kinetic_energy", "value": 2.0, "name": "fast"},
+    {"quantity": "joint_3_x", "value": 0.1, "direction": "falling", "name": "left"},
+]
+STOP = {"quantity": "tip_x", "value": -0.9, "direction": "falling", "name": "end", "action": "stop"}
+# Counts of what is a state and of what is observed, between times and not; sections of numbers that
+# C has and of some that it has not, with fewer crossings than there are.
+KEEP = [
+    *("count(up)", "count(fast, from=0.3)", "count('left', to=2.5)", "max(phi_2)"),
+    "section(tip_y, where='tip_x', rising=0.1, from=0.2, most=5)",
+    "section(phi_1, where='omega_1', either=0.0, most=3)",
+    "section(tip_vx, where='omega_1', falling=0.0)",
+    "section(t, where='total_energy', falling=-6)",
+]
+STOPPED = ["count(end)", "last(tip_x)", "time_of_max(phi_0)", "mean(tip_y)"]
+STATES = ["section(tip_y, where='omega_0', either=0)", "count(up)"]
+
+
+def study(keep: list[str], *events: dict[str, Any], **integrate: Any) -> Study:
+    """Pendulums let go from several angles, with a load that shakes them and without."""
+    table = scene(PENDULUM, events=list(events), integrate={"span": [0.0, 3.0]} | integrate)
+    vary = {"initial.phi": [-0.5, 0.4, 1.3, 2.2, 2.5], "parameters.w": [0.0, 2.0]}
+    return Study.of(table, vary, keep=keep)
+
+
+def one_by_one(of: Study) -> dict[str, np.ndarray]:
+    """All points by `simulate`."""
+    every, made = points(of, range(of.count)), Made(variables(of), of.count)
+    with np.errstate(all="ignore"):
+        runs._one_by_one(of, every, range(of.count), made, kept(of))
+    return made.arrays
+
+
+@pytest.mark.parametrize(
+    ("keep", "events", "integrate"),
+    [
+        (KEEP, EVENTS, {"rtol": 1e-9}),
+        (KEEP, EVENTS, {"method": "rk4", "step": 2e-3}),
+        (STATES, EVENTS[:1], {"rtol": 1e-9}),
+        ([*KEEP, *STOPPED], [*EVENTS, STOP], {"rtol": 1e-9}),
+    ],
+    ids=["dop853", "rk4", "states alone", "stopped"],
+)
+def test_crossings_are_those_of_runs_one_by_one(
+    keep: list[str],
+    events: list[dict[str, Any]],
+    integrate: dict[str, Any],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """To the tolerance of the run; velocities of points are differences, of 1e-10 of their size."""
+    table = study(keep, *events, **integrate)
+    expected = one_by_one(table)
+    monkeypatch.setattr(runs, "simulate", None)  # so that it is not asked
+    found = computed(table)
+    assert {*found} == {*expected}
+    assert (found["status"] == "finished").all()
+    assert sum(np.isfinite(v).sum() for name, v in expected.items() if name.endswith(".t")) > 20
+    for name, values in expected.items():
+        if name == "seconds":
+            continue
+        if values.dtype.kind == "f":
+            np.testing.assert_allclose(found[name], values, rtol=1e-8, atol=1e-9, err_msg=name)
+        elif name == "message":
+            short = [
+                [text.partition(" s by")[2] for text in each] for each in (values, found[name])
+            ]
+            assert short[0] == short[1]
+        else:
+            assert found[name].tolist() == values.tolist(), name
+    if "count(end)" in keep:
+        assert 0 < (found["message"] != "").sum() < table.count
+        np.testing.assert_array_equal(found["count(end)"], found["message"] != "")
+        stopped = found["message"] != ""
+        np.testing.assert_allclose(found["last(tip_x)"][stopped], -0.9, atol=1e-12)
+
+
+def test_neighbours_and_order_do_not_matter() -> None:
+    table = study([*KEEP, *STOPPED], *EVENTS, STOP)
+    every = computed(table)
+    order = np.random.default_rng(1).permutation(table.count).tolist()
+    same(every, computed(table, order), order)
+    same(every, computed(table, [7]), [7])
+
+
+def test_many_crossings_are_kept_of_few_runs_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    table = study(KEEP, *EVENTS)
+    every = computed(table)
+    monkeypatch.setattr(runs, "MOST_CROSSED", 20_000)
+    same(every, computed(table))
+
+
+def test_a_run_that_fails_has_no_crossings() -> None:
+    table = study(KEEP, *EVENTS, max_steps=20)
+    found = computed(table)
+    assert (found["status"] == "failed").all()
+    assert (found["count(up)"] == -1).all()
+    assert np.isnan(found[KEEP[4]]).all()
+    assert all("the budget of 20 steps is used up" in text for text in found["message"])
+
+
+@pytest.mark.parametrize("number", ["total_work", "work_tip_load", "energy_balance"])
+def test_a_section_of_what_is_summed_up_over_a_run_is_refused(number: str) -> None:
+    """At a crossing there are the states alone."""
+    with pytest.raises(SceneError) as refused:
+        study([f"section({number}, where='phi_0', rising=0)"])
+    assert refused.value.field == "compute.keep[0]"
