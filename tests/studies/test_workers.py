@@ -18,7 +18,7 @@ from distributed.comm import CommClosedError
 
 import rodgen
 from rodgen import SceneError, Study, StudyError
-from rodgen.studies import cluster
+from rodgen.studies import cluster, worker
 from rodgen.studies.engine import run
 from rodgen.studies.store import Store, read
 from tests.studies.conftest import assert_same
@@ -312,8 +312,8 @@ def test_workers_of_another_version_are_refused(
     key: str, tmp_path: Path, scheduler: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """That of the client is changed: what matters is that they differ."""
-    own = cluster.who()
-    monkeypatch.setattr(cluster, "_own", lambda: {**own, key: "another"})
+    own = worker.who()
+    monkeypatch.setattr(cluster, "of_client", lambda: {**own, key: "another"})
     with pytest.raises(SceneError, match=f"{key} {own[key]}, not another"):
         run(study_of(), tmp_path / "a.zarr", scheduler=scheduler.scheduler_address)
     assert not list(tmp_path.iterdir())
