@@ -176,13 +176,15 @@ def _side_by_side(
     ended = np.full(rods, FINISHED)
     message: dict[int, str] = {}
     # Of what has come to its end there is nothing to say: most often that is all of it.
-    for rod in () if (reached := outcome["status"] == REACHED).all() else np.flatnonzero(~reached):
+    for rod in (
+        () if (reached := outcome["status"] == REACHED).all() else np.flatnonzero(~reached).tolist()
+    ):
         status, t = int(outcome["status"][rod]), float(outcome["t"][rod])
         if status == STOPPED:
-            message[int(rod)] = ended_by(t, plan.watched.stop(int(outcome["stopped"][rod])))
+            message[rod] = ended_by(t, plan.watched.stop(int(outcome["stopped"][rod])))
             continue
-        said = refused.get(int(rod)) or _said(lanes.why(status, settings, t), t, settings)
-        message[int(rod)], ended[rod] = said, FAILED
+        said = refused.get(rod) or _said(lanes.why(status, settings, t), t, settings)
+        message[rod], ended[rod] = said, FAILED
     for rod in refused:
         block.values[rod], block.state[rod], outcome["t"][rod] = np.nan, np.nan, settings.span[0]
     least, most = block.values[:, -2], block.values[:, -1]
