@@ -47,6 +47,17 @@ def test_workers_and_blocks_leave_the_bits_alone(size: int, tmp_path: Path, sche
     assert_same(read(path), rodgen.study(study_of(), workers=1))
 
 
+def test_there_are_blocks_for_all_workers_of_a_scheduler(
+    tmp_path: Path, scheduler: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However many processors the machine of the client has."""
+    monkeypatch.setattr(cluster.Cluster, "count", property(lambda self: 3 * self._threads))
+    path = tmp_path / "a.zarr"
+    run(study_of(), path, scheduler=scheduler.scheduler_address)
+    assert Store.of(path, study_of()).layout.count == POINTS  # four for each of six workers
+    assert (read(path).status == "finished").all()
+
+
 def test_a_worker_that_is_killed_is_replaced(tmp_path: Path, scheduler: Any) -> None:
     """At three points, each once."""
     flags = tmp_path

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rodgen.analyse.conserved import zero_exponents
+from rodgen.analyse.cycles.drive import load_period
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.integrate.stepper import Array, StepError
@@ -95,10 +96,10 @@ def floquet(
     SceneError for what is not possible, AnalysisError where there is no such motion.
     """
     check_scene(scene)
-    seconds = _period(scene, period)
     if isinstance(segments, bool) or not isinstance(segments, int) or not 1 <= segments <= 1000:
         raise SceneError("segments", segments, "a whole number from 1 to 1000")
     model = model if model is not None else build_fastest(scene, PARTS)
+    seconds = _period(scene, model, period)
     map_ = _Map(scene, model, seconds, segments)
     for guess in _guesses(scene, y):
         try:
@@ -108,17 +109,18 @@ def floquet(
     raise AnalysisError(f"{scene.name}: no motion of period {seconds:.6g} s was found: {why}")
 
 
-def _period(scene: Scene, given: float | None) -> float:
+def _period(scene: Scene, model: ModuleType, given: float | None) -> float:
     if given is not None:
         if not (isinstance(given, int | float) and math.isfinite(given) and given > 0):
             raise SceneError("period", given, "seconds above 0")
         return float(given)
-    found = scene.course.period()
-    if found is None:
-        raise SceneError("period", given, "given in seconds: no load changes with the time")
-    if math.isnan(found):
+    try:
+        found = load_period(scene, model, model.parameters(**scene.parameters))
+    except AnalysisError:
         allowed = "given in seconds: none is found from the sines of the time in the loads"
-        raise SceneError("period", given, allowed)
+        raise SceneError("period", given, allowed) from None
+    if not found:
+        raise SceneError("period", given, "given in seconds: no load changes with the time")
     return found
 
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from functools import cached_property, lru_cache
 from typing import Any, Self
 
@@ -25,7 +24,6 @@ PLACES = (0.05, 0.5, 0.95)  # s at which a load along the rod is looked at
 # rad: so close to a corner of its law a spring is on it. What a step makes of the wrong side of the
 # corner is of the order of the square.
 ON_A_CORNER = 1e-7
-MOST_PERIODS = 64  # of one load until it meets another again
 FEW = 5_000  # numbers that are computed with at once
 MOST_FRONTS = 20_000  # break points of what moves along the rod, beyond which they are left out
 BENDS = "bend"
@@ -188,26 +186,6 @@ class Course:
     def swing(self) -> float:
         """Half a period [s] of the load that swings fastest; infinity where none swings."""
         return min((e.swing(self.start, self.end) for e in self.loads), default=math.inf)
-
-    def period(self) -> float | None:
-        """The time [s] after which all loads are what they were; None where none of them changes,
-        not-a-number where no such time is found from the phases of sines in them."""
-        changing = [e for e in self.all if e.changes]
-        if not changing:
-            return None
-        if any(e.changes for e in self.fed) or any(e.changes for e in self.masses):
-            return math.nan
-        rates = sorted({rate for e in self.loads for rate in e.frequencies()})
-        if not rates:
-            return math.nan
-        shares = [Fraction(rate / rates[0]).limit_denominator(MOST_PERIODS) for rate in rates]
-        period = 2 * math.pi / rates[0] * math.lcm(*(share.denominator for share in shares))
-        t = self.start + period * np.linspace(0.0, 1.0, 101)
-        for e in self.loads:
-            now, then = np.asarray(e(t)), np.asarray(e(t + period))
-            if not np.allclose(now, then, rtol=0, atol=1e-9 * float(np.abs(now).max(initial=0.0))):
-                return math.nan
-        return period
 
     def pole(self) -> tuple[float, Expression] | None:
         """The first time in the span at which a load grows beyond all bounds, and that load."""

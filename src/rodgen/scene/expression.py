@@ -319,12 +319,6 @@ class Expression:
         """Whether what it compares changes its sign no more often than can be looked at."""
         return all(sampled(kink, start, end)[2] for kink in self.kinks())
 
-    def frequencies(self) -> list[float]:
-        """Rates [rad/s] of the phases in it that grow evenly with the variable."""
-        found = [self._difference(node, None) for node in grammar.phases(self._tree)]
-        rates = [(f(1.0) - f(0.0), f(3.0) - f(1.0)) for f in found]
-        return [abs(a) for a, b in rates if a and abs(b - 2 * a) <= 1e-9 * abs(a)]
-
     def divisors(self) -> list[Callable[[Any], Any]]:
         """Functions of the variable by which it divides."""
         return [self._difference(node, None) for node in grammar.divisors(self._tree)]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import random
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -40,6 +39,11 @@ Texts = dict[tuple[str, ...], str]
 
 class Workers(Protocol):
     """Who computes blocks."""
+
+    @property
+    def count(self) -> int:
+        """How many blocks are computed at once."""
+        ...
 
     def timed(self, study: Study) -> tuple[float, Texts]:
         """Time that a point takes [s], and generated texts by their entries in the cache."""
@@ -148,8 +152,7 @@ def run(
         if there is None or rounds is not None:
             with working(f"{study.name}: timing a point"):
                 seconds, texts = pool.timed(study)
-        count = workers or os.cpu_count() or 1
-        size = size_of(study, seconds, count)
+        size = size_of(study, seconds, pool.count)
         store = there or Store.make(path, study, size, how)
         if rounds is None:
             _compute(pool, store, texts)

@@ -32,6 +32,8 @@ TIMING, UNKNOWN = "timing", 1.0  # seconds of a point that kills its process whi
 class Here:
     """One block after the other. A context manager: at its end the process that was forked ends."""
 
+    count = 1
+
     def __init__(self) -> None:
         self._child: _Child | None = None
         self._status = 0  # of the last one that died

@@ -10,7 +10,7 @@ the list above, and the tree is walked to compute values, to find break points a
 """
 
 from rodgen.scene.grammar.affine import core, scale_and_offset
-from rodgen.scene.grammar.calculus import derivative, divisors, kinks, knots, phases
+from rodgen.scene.grammar.calculus import derivative, divisors, kinks, knots
 from rodgen.scene.grammar.code import NUMPY, Language, source_of
 from rodgen.scene.grammar.substitution import with_names, with_values
 from rodgen.scene.grammar.syntax import (
@@ -54,7 +54,6 @@ __all__ = [
     "knots",
     "names_in",
     "parse",
-    "phases",
     "scale_and_offset",
     "sensors_in",
     "signals_in",

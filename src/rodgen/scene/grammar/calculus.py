@@ -130,15 +130,6 @@ def _is_variable(node: ast.expr, variable: str) -> bool:
     return isinstance(node, ast.Name) and node.id == variable
 
 
-def phases(node: ast.AST) -> Iterator[ast.expr]:
-    """Arguments of what repeats itself: of sines, cosines and tangents."""
-    match node:
-        case ast.Call(func=ast.Name(id="sin" | "cos" | "tan"), args=[arg]):
-            yield arg
-    for child, _ in children(node):
-        yield from phases(child)
-
-
 @lru_cache(maxsize=KEPT)
 def divisors(node: ast.AST) -> tuple[ast.expr, ...]:
     """What is divided by; the base of a power stands for its negative exponents."""
