@@ -10,7 +10,7 @@ import pytest
 import rodgen
 from rodgen import SceneError, Solution
 from rodgen.analyse.fourier import peaks_of
-from rodgen.studies import runs, vectors
+from rodgen.studies import runs, task, vectors
 from rodgen.studies.block import evaluate
 from rodgen.studies.points import points
 from rodgen.studies.specification import Study
@@ -286,3 +286,15 @@ def test_an_analysis_without_a_result_is_a_failed_point() -> None:
     found = computed(study)
     assert found["status"][0] == "failed"
     assert "neither flutter nor divergence" in found["message"][0]
+
+
+@pytest.mark.parametrize(("beside", "taken"), [(1, 0.01), (10, 0.01), (100, 1.0)])
+def test_how_long_a_point_takes_does_not_depend_on_who_shares_the_processor(
+    beside: int, taken: float, grid: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Points take 10 ms of it; by the clock so many times as much, the last as they wait."""
+    done: list[int] = []
+    monkeypatch.setattr(task, "computed", lambda study, indices: done.append(len(indices)))
+    monkeypatch.setattr(task, "process_time", lambda: 0.01 * sum(done))
+    monkeypatch.setattr(task, "perf_counter", lambda: 0.01 * sum(done) * beside)
+    assert task.timed(grid) == pytest.approx(taken)
