@@ -14,6 +14,8 @@ BIN := .venv/bin
 LAYOUT := build/layout
 # Each worker begins with a stretch of neighbours, which share what is compiled for them.
 SPREAD := -n auto --dist worksteal
+# They start a hundred processes, which do not compile the sources anew each, whatever is set.
+PYTEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest
 
 N ?= 20
 BOUNDARY ?= free
@@ -40,11 +42,11 @@ derive: .venv/installed
 		$(if $(STEPS),--with-steps) $(if $(EXPLICIT),--explicit) --out generated
 
 test: .venv/developing
-	$(BIN)/python -m pytest $(SPREAD)
+	$(PYTEST) $(SPREAD)
 
 test-all: test .venv/evidence
-	$(BIN)/python -m pytest $(SPREAD) -m long
-	$(BIN)/python -m pytest $(SPREAD) -m "long or not long" evidence/tests
+	$(PYTEST) $(SPREAD) -m long
+	$(PYTEST) $(SPREAD) -m "long or not long" evidence/tests
 
 # The packages as they lie in a wheel: derive/ and templates/ inside rodgen/.
 $(LAYOUT): .venv/developing .venv/evidence

@@ -17,6 +17,7 @@ from typing import Any
 
 import pytest
 from hypothesis import settings
+from threadpoolctl import threadpool_limits
 
 from rodgen.loading.cache import PACKAGES, source_hash
 from rodgen.model.terms import TERMS
@@ -36,6 +37,9 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "long: takes long; `make test-all` alone runs it")
     settings.register_profile("any machine", deadline=None)  # A busy one is no fault.
     settings.load_profile("any machine")
+    # Matrices of tests are small, and test processes are as many as cores: threads of OpenBLAS,
+    # here and in what is loaded or started later, would only wait for each other.
+    threadpool_limits(int(os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")))
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -11,6 +11,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rodgen.analyse.boundary import stability_boundary
+    from rodgen.analyse.branches import continue_equilibria
     from rodgen.analyse.chaos import zero_one_test
     from rodgen.analyse.critical import Critical, critical_force
     from rodgen.analyse.cycles.branches import continue_cycles
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     from rodgen.analyse.errors import AnalysisError, MeshWarning
     from rodgen.analyse.exponents import Exponents, lyapunov_exponents
     from rodgen.analyse.extrapolate import Extrapolation, richardson
+    from rodgen.analyse.floquet import Floquet, floquet
     from rodgen.analyse.fourier import Spectrum, spectrum
     from rodgen.analyse.growth import SimulatedCritical, simulated_critical_force
     from rodgen.analyse.modes import Modes, natural_modes
@@ -66,6 +69,8 @@ _HOMES = {
     "Modes": "rodgen.analyse.modes",
     "static_equilibrium": "rodgen.analyse.statics",
     "Equilibrium": "rodgen.analyse.statics",
+    "continue_equilibria": "rodgen.analyse.branches",
+    "stability_boundary": "rodgen.analyse.boundary",
     "critical_force": "rodgen.analyse.critical",
     "Critical": "rodgen.analyse.critical",
     "continue_cycles": "rodgen.analyse.cycles.branches",
@@ -78,6 +83,8 @@ _HOMES = {
     "lyapunov_exponents": "rodgen.analyse.exponents",
     "Exponents": "rodgen.analyse.exponents",
     "zero_one_test": "rodgen.analyse.chaos",
+    "floquet": "rodgen.analyse.floquet",
+    "Floquet": "rodgen.analyse.floquet",
     "spectrum": "rodgen.analyse.fourier",
     "Spectrum": "rodgen.analyse.fourier",
     "richardson": "rodgen.analyse.extrapolate",
@@ -102,6 +109,7 @@ __all__ = [
     "Exponents",
     "Extrapolation",
     "FileWarning",
+    "Floquet",
     "Interrupted",
     "MeshWarning",
     "Modes",
@@ -119,9 +127,11 @@ __all__ = [
     "build",
     "choose",
     "continue_cycles",
+    "continue_equilibria",
     "continue_mode",
     "critical_force",
     "find_cycle",
+    "floquet",
     "load",
     "lyapunov_exponents",
     "natural_modes",
@@ -132,6 +142,7 @@ __all__ = [
     "simulate_many",
     "simulated_critical_force",
     "spectrum",
+    "stability_boundary",
     "static_equilibrium",
     "study",
     "work_precision",

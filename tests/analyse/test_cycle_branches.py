@@ -21,7 +21,7 @@ from rodgen.scene import Scene, SceneError
 from tests.analyse.test_cycles import ZIEGLER
 
 FORCE = "loads.follower.force"
-# Structures of the palette, compiled for other tests as well: loads of no size leave the others alone.
+# Structures of the palette, compiled for other tests as well; loads of no size change nothing.
 NOTHING = {
     "gravity": {"g": 0.0},
     "external_damping": {"coefficient": 0.0},

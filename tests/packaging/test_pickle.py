@@ -65,6 +65,12 @@ def _critical() -> rodgen.SimulatedCritical:
     return rodgen.SimulatedCritical(**values)  # type: ignore[arg-type]
 
 
+def _exponents() -> rodgen.Exponents:
+    several = [np.ones((1, 3)) for _ in range(2)]
+    means = [np.arange(3.0), np.ones(3), np.ones(1)]
+    return rodgen.Exponents(*means, *several, 0.5, 0.9, float("nan"), {"time": 1}, ("a note",))
+
+
 # How to come by one of every class that is public. What is missing here fails the test below.
 EXAMPLES: dict[str, Callable[[], Any]] = {
     "AnalysisError": lambda: rodgen.AnalysisError("none found"),
@@ -73,8 +79,10 @@ EXAMPLES: dict[str, Callable[[], Any]] = {
     "Ensemble": _ensemble,
     "Equilibrium": lambda: rodgen.static_equilibrium(SCENE),
     "Event": lambda: _solution().events[0],
+    "Exponents": _exponents,
     "Extrapolation": lambda: rodgen.richardson([5, 10, 20], [1.04, 1.01, 1.0025]),
     "FileWarning": lambda: rodgen.FileWarning("damaged"),
+    "Floquet": lambda: rodgen.Floquet(np.ones(2) + 0j, 3.0, np.ones(2), 1e-10, 0.0, (0, 1)),
     "Interrupted": lambda: rodgen.Interrupted(_solution()),
     "MeshWarning": lambda: rodgen.MeshWarning("damping was not converted"),
     "Modes": lambda: rodgen.natural_modes(SCENE),

@@ -10,6 +10,7 @@ import pytest
 from rodgen.loading import build
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import Scene, SceneError
+from tests.scene.tables import table_of
 
 DERIVED = (
     *("tip_x", "tip_y", "centre_of_gravity_x", "centre_of_gravity_y"),
@@ -19,14 +20,8 @@ DERIVED = (
 
 
 def _scene(*events: Any, boundary: str = "free", links: int = 3) -> Scene:
-    rod = {
-        "links": links,
-        "length": 1.0,
-        "bending_stiffness": 1.0,
-        "mass": 1.0,
-        "boundary": boundary,
-    }
-    return Scene.from_dict({"name": "test", "rod": rod, "events": [*events]})
+    rod = {"links": links, "boundary": boundary}
+    return Scene.from_dict(table_of(rod=rod, events=[*events]))
 
 
 def _event(**changes: Any) -> dict[str, Any]:

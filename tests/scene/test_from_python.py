@@ -12,8 +12,8 @@ import pytest
 
 import rodgen
 from rodgen.scene import Scene, SceneError
+from tests.scene.tables import ROD
 
-ROD = {"links": 5, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0}
 PHI = [0.0, 0.1, 0.2, 0.3, 0.4]
 # As Python has them, and as a file has them.
 SAME: list[tuple[dict[str, Any], dict[str, Any]]] = [

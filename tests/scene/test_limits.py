@@ -12,8 +12,8 @@ import pytest
 
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.plain import DEEPEST, LARGEST, LONGEST, MOST_KEYS
+from tests.scene.tables import ROD
 
-ROD = {"links": 5, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0}
 HEAD = 'name = "a"\n[rod]\n' + "".join(f"{key} = {value}\n" for key, value in ROD.items())
 LONG = 30.0  # seconds: ten times and more what it takes; read twice, it would be hours
 

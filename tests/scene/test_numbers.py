@@ -14,14 +14,14 @@ from scipy.interpolate import PchipInterpolator
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.overrides import with_parameters
+from tests.scene.tables import table_of
 
 Make = Callable[..., Scene]
-ROD = {"links": 3, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0}
 
 
 def scene(force: object, angle: float = 0.0, **tables: Any) -> Scene:
     loads = {"follower": {"force": force, "angle": angle}}
-    return Scene.from_dict({"name": "test", "rod": ROD, "loads": loads, **tables})
+    return Scene.from_dict(table_of(rod={"links": 3}, loads=loads, **tables))
 
 
 @pytest.mark.parametrize(
@@ -65,13 +65,12 @@ def test_scenes_that_differ_in_numbers_share_a_module() -> None:
 
 def test_a_named_number_serves_in_several_places() -> None:
     made = Scene.from_dict(
-        {
-            "name": "test",
-            "rod": ROD,
-            "parameters": {"P0": 300.0, "T": 2},
-            "loads": {"follower": {"force": "P0*min(t/T, 1)"}, "tip": {"x": "P0/10", "y": "-P0*t"}},
-            "initial": {"phi": "P0*s/1000"},
-        }
+        table_of(
+            rod={"links": 3},
+            parameters={"P0": 300.0, "T": 2},
+            loads={"follower": {"force": "P0*min(t/T, 1)"}, "tip": {"x": "P0/10", "y": "-P0*t"}},
+            initial={"phi": "P0*s/1000"},
+        )
     )
     p = made.parameters
     assert (p["P0"], p["T"], p["tip_force_x"]) == (300.0, 2.0, 30.0)

@@ -13,22 +13,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rodgen.emit.targets import check_output
 from rodgen.model.parameter import JOINTS, POSITIVE
-from rodgen.model.rod import BOUNDARIES, INERTIAS, STEADY, UNEVEN
-from rodgen.model.terms import PARAMETERS, PLACES, TERMS, THESIS_TERMS
+from rodgen.model.rod import BOUNDARIES
+from rodgen.model.terms import PARAMETERS, PLACES, TERMS
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.contents import contents, in_words
-from rodgen.scene.structure import MOST_LINKS, Structure, parse_terms
+from rodgen.scene.structure import MOST_LINKS
+from tests.scene.tables import ROD, table_of
 
 SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("*.toml"))
-ROD = {"links": 5, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0}
-
-
-def _scene(**tables: Any) -> dict[str, Any]:
-    rod = {**ROD, **tables.pop("rod", {})}
-    rod = {key: value for key, value in rod.items() if value is not None}
-    return {"name": "test", "rod": rod, **tables}
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
@@ -104,7 +96,7 @@ REFUSED: list[tuple[dict[str, Any], str] | tuple[dict[str, Any], str, str, str]]
 @pytest.mark.parametrize("row", REFUSED, ids=str)
 def test_bad_input_names_field_value_and_what_is_allowed(row: tuple[Any, ...]) -> None:
     changes, allowed, *other = row
-    table = _scene()
+    table = table_of()
     for field, value in changes.items():
         *path, key = field.split(".")
         inner = table
@@ -143,149 +135,34 @@ def test_files_that_are_no_scenes_are_refused(
 
 def test_initial_state_is_in_the_order_of_the_contract() -> None:
     initial = {"position": [1.0, 2.0], "velocity": [3.0, 4.0], "phi": "s", "omega": [5, 6, 7, 8, 9]}
-    state = Scene.from_dict(_scene(initial=initial)).initial_state()
+    state = Scene.from_dict(table_of(initial=initial)).initial_state()
     middles = [0.1, 0.3, 0.5, 0.7, 0.9]
     np.testing.assert_allclose(state, [1, 2, *middles, 3, 4, 5, 6, 7, 8, 9], atol=1e-15)
-    held = _scene(rod={"boundary": "cantilever"}, initial={"phi": "s", "omega": 2})
+    held = table_of(rod={"boundary": "cantilever"}, initial={"phi": "s", "omega": 2})
     np.testing.assert_allclose(
         Scene.from_dict(held).initial_state(), [*middles[1:], 2, 2, 2, 2], atol=1e-15
     )
 
 
 def test_rod_is_straight_along_its_clamp_unless_told_otherwise() -> None:
-    held = _scene(rod={"boundary": "cantilever", "clamp_angle": 0.7})
+    held = table_of(rod={"boundary": "cantilever", "clamp_angle": 0.7})
     np.testing.assert_array_equal(Scene.from_dict(held).initial_state(), [0.7] * 4 + [0.0] * 4)
-    held = _scene(rod={"boundary": "clamped", "clamp_angle": 0.7})
+    held = table_of(rod={"boundary": "clamped", "clamp_angle": 0.7})
     np.testing.assert_array_equal(Scene.from_dict(held).initial_state(), [0.7] * 5 + [0.0] * 5)
-    np.testing.assert_array_equal(Scene.from_dict(_scene()).initial_state(), np.zeros(14))
-
-
-@pytest.mark.parametrize(("table", "key"), [("follower", "force"), ("tip", "x"), ("tip", "y")])
-def test_force_without_t_is_a_number(table: str, key: str) -> None:
-    text = Scene.from_dict(_scene(loads={table: {key: "2*150"}}))
-    number = Scene.from_dict(_scene(loads={table: {key: 300.0}}))
-    assert text.structure == number.structure
-    assert text.parameters == number.parameters
-    assert 300.0 in text.parameters.values()
-    assert text.breaks() == []
-
-
-def test_forces_in_t_are_part_of_the_structure_and_no_parameters() -> None:
-    loads = {"tip": {"y": "abs(t - 2)", "x": 5.0}, "follower": {"force": "min(t, 3)"}}
-    scene = Scene.from_dict(_scene(loads=loads))
-    assert scene.structure.expressions == (
-        ("follower_force", "min(t, follower_force_1)"),
-        ("tip_force_y", "abs(t - tip_force_y_1)"),
-    )
-    assert scene.parameters["tip_force_x"] == 5.0
-    assert not {"follower_force", "tip_force_y"} & set(scene.parameters)
-    shown = {piece.piece: piece.reason for piece in contents(scene)}
-    assert shown["tip load"] == "y is a function of t, part of the code: abs(t - 2)"
-    assert shown["follower"] == "force is a function of t, part of the code: min(t, 3)"
-
-
-def test_what_a_scene_holds_names_every_load_body_support_and_state() -> None:
-    loads = {
-        "follower": [{"force": 1.0}, {"force": "2*phi(0)", "at": 0.5}, {"force": 3.0, "at": 0.1}],
-        "gravity": {},
-    }
-    scene = Scene.from_dict(
-        _scene(
-            rod={"links": 5},
-            loads=loads,
-            bodies=[{"name": "engine", "at": 1.0, "mass": 2.0}],
-            supports=[{"at": 0.3, "stiffness": [0.0, 7.0]}, {"at": 0.9, "rotation": 4.0}],
-            foundation={"stiffness": 8.0},
-            states={"lag": {"rate": "-lag"}},
-        )
-    )
-    present = {piece.piece: piece.reason for piece in contents(scene) if piece.present}
-    first, *rest = (name for name in present if name.startswith("follower"))
-    assert [first, *rest] == ["follower", "follower 2", "follower 3"]
-    assert "s = 0.5" in present["follower 2"]
-    assert "phi(0)" in present["follower 2"]
-    assert "link 0" in present["follower 3"]
-    assert {"gravity", "body engine", "support 1", "support 2", "state lag"} <= {*present}
-    assert "7 N/m along y" in present["support 1"]
-    assert "4 N m/rad" in present["support 2"]
-    assert in_words(scene) == [
-        "follower",
-        "follower 2",
-        "follower 3",
-        "gravity",
-        "foundation",
-        "2 supports",
-        "state lag",
-    ]
-
-
-def test_break_points_of_all_forces_are_those_of_the_scene() -> None:
-    loads = {
-        "follower": {"force": "max(t - 3, 0) + abs(t - 0.1*3)"},
-        # the same times but for a rounding
-        "tip": {"x": "1 if t < 3 else 2", "y": "abs(10*t - 3) + abs(sin(t))"},
-    }
-    breaks = Scene.from_dict(_scene(loads=loads, integrate={"span": [0, 4]})).breaks()
-    assert breaks == pytest.approx([0.3, 3.0, math.pi], abs=1e-13)
-
-
-def test_first_pole_of_all_forces_is_that_of_the_scene() -> None:
-    loads = {"follower": {"force": "1/(t - 3)"}, "tip": {"x": "2/(t - 2)", "y": "t"}}
-    at, force = Scene.from_dict(_scene(loads=loads)).course.pole() or (None, None)
-    assert at == 2.0
-    assert force is not None
-    assert force.not_finite(2.0) == "loads.tip.x = '2/(t - 2)' is not finite at t = 2"
-    assert Scene.from_dict(_scene(loads={"tip": {"y": "1/(t - 30)"}})).course.pole() is None
-
-
-@pytest.mark.parametrize("boundary", ["free", "clamped", "pinned"])
-def test_one_lumped_link_is_a_rod(boundary: str) -> None:
-    scene = Scene.from_dict(_scene(rod={"links": 1, "inertia": "lumped", "boundary": boundary}))
-    assert scene.structure.inertia == "lumped"
-    assert len(scene.initial_state()) == (6 if boundary == "free" else 2)
-    present = {piece.piece: piece.present for piece in contents(scene)}
-    assert not present["rotary springs"]
-    assert not present["rotary inertia of links"]
-    assert present["root spring"] == (boundary == "clamped")
+    np.testing.assert_array_equal(Scene.from_dict(table_of()).initial_state(), np.zeros(14))
 
 
 @pytest.mark.parametrize(
     ("every", "expected"), [(0.25, [0, 0.25, 0.5, 0.75, 1]), (0.4, [0, 0.4, 0.8, 1]), (7, [0, 1])]
 )
 def test_samples_start_and_end_with_the_span(every: float, expected: list[float]) -> None:
-    scene = Scene.from_dict(_scene(integrate={"span": [0, 1], "output_every": every}))
+    scene = Scene.from_dict(table_of(integrate={"span": [0, 1], "output_every": every}))
     np.testing.assert_allclose(scene.integrate.samples, expected, atol=1e-15)
     assert scene.integrate.samples[-1] == 1.0
 
 
-DIFFERING = {one.name for way in UNEVEN.values() for one in way.parameters} | {
-    one.name for one in STEADY.values()
-}
 numbers = st.floats(1e-6, 1e6)
 forces = st.floats(-1e6, 1e6) | st.sampled_from(["7*2", "sin(t)", "t if t < 1 else 2"])
-terms = st.lists(st.sampled_from([t for t in TERMS if TERMS[t].loads]), unique=True)
-
-
-def test_every_parameter_has_its_place_in_p_and_in_a_scene() -> None:
-    everything = Structure(3, "clamped", terms=tuple(TERMS))
-    assert (
-        everything.parameters
-        == tuple(name for name in PARAMETERS if name not in DIFFERING)
-        == (
-            *("mass", "length", "bending_stiffness", "follower_force", "follower_angle", "gravity"),
-            *("internal_damping", "external_damping", "clamp_angle", "tip_force_x", "tip_force_y"),
-            *("material_damping_time", "foundation_angle", "support_angle"),
-            *("drag_normal", "drag_tangential", "wind_x", "wind_y"),
-            *("fin_factor", "distributed_follower", "foundation_stiffness", "foundation_damping"),
-            *(one.name for one in TERMS["supports"].parameters if one.several),
-        )
-    )  # modules, files and programs in C rely on the order
-    computed = ("foundation_", "support_")
-    assert set(PLACES) == {name for name in everything.parameters if not name.startswith(computed)}
-    assert len(set(PLACES.values())) == len(PLACES)
-    for name, term in TERMS.items():
-        assert name == term.name
-        assert term.table == name.removesuffix("_load")
 
 
 @pytest.mark.parametrize("name", PLACES)
@@ -302,7 +179,7 @@ def test_a_scene_and_a_module_allow_the_same_values(name: str) -> None:
         if term.loads
     }
     for value in (-1.0, 0.0, 1e-9, 1.0):
-        scene = _scene(rod={"boundary": "clamped"}, loads=copy.deepcopy(loads))
+        scene = table_of(rod={"boundary": "clamped"}, loads=copy.deepcopy(loads))
         inner = scene[table] if table == "rod" else scene[table][keys[0]]
         if parameter.part is None:
             inner[parameter.key] = [value] * 6 if parameter.each == JOINTS else value
@@ -315,95 +192,6 @@ def test_a_scene_and_a_module_allow_the_same_values(name: str) -> None:
         else:
             with pytest.raises(SceneError, match=re.escape(".".join(PLACES[name]))):
                 Scene.from_dict(scene)
-
-
-def test_order_of_expressions_does_not_matter() -> None:
-    pairs = (("tip_force_x", "t"), ("follower_force", "2 * t"))
-    one, two = (Structure(3, terms=TERMS, expressions=e) for e in (pairs, pairs[::-1]))
-    assert one == two
-    assert one.hash == two.hash
-    for name, terms in (("gravity", TERMS), ("tip_force_x", THESIS_TERMS), ("follower_force", ())):
-        with pytest.raises(SceneError, match=f"expressions = '{name}': must be"):
-            Structure(3, terms=terms, expressions=((name, "t"),))
-
-
-NAMES = [
-    (("numpy", "chain"), ""),
-    (("numpy", "dense"), "_dense"),
-    (("c", "chain"), "_c"),
-]
-
-
-@pytest.mark.parametrize(("output", "ending"), NAMES)
-def test_names_of_modules(output: tuple[str, str], ending: str) -> None:
-    structures = {
-        Structure(20): "rod_free_n20",
-        Structure(5, "pinned", terms=()): "rod_pinned_n5_conservative",
-        Structure(5, "clamped", "lumped", ("tip_load",)): "rod_clamped_n5_tip_load_lumped",
-        Structure(5, inertia="lumped"): "rod_free_n5_lumped",
-        Structure(2, terms=TERMS): f"rod_free_n2_{'_'.join(TERMS)}",
-    }
-    for structure, stem in structures.items():
-        assert structure.stem == structure.module_stem() == stem
-        assert structure.module_stem(*output) == stem + ending
-
-
-@pytest.mark.parametrize(("output", "ending"), NAMES)
-def test_modules_that_differ_in_an_expression_differ_in_name(
-    output: tuple[str, str], ending: str
-) -> None:
-    stems = set()
-    for text in ("sin(t)", "cos(t)"):
-        structure = Structure(5, expressions=(("follower_force", text),))
-        stem = structure.module_stem(*output)
-        assert stem == f"rod_free_n5{ending}_{structure.hash[:6]}"
-        assert stem.isidentifier()
-        stems.add(stem)
-    assert len(stems) == 2
-
-
-def test_what_cannot_be_written_is_refused() -> None:
-    for target, form, message in (
-        ("fortran", "chain", "target = 'fortran': must be one of numpy, c"),
-        ("numpy", "sparse", "form = 'sparse': must be one of chain, dense"),
-        ("c", "dense", "form = 'dense': must be chain for target c"),
-    ):
-        with pytest.raises(SceneError, match=message):
-            check_output(target, form)
-
-
-def test_all_terms_are_those_of_the_thesis() -> None:
-    assert parse_terms("all") == THESIS_TERMS == Structure(3).terms
-    assert "tip_load" not in THESIS_TERMS
-    assert parse_terms("tip_load, follower") == ("follower", "tip_load")
-    assert parse_terms("tip_load") == ("tip_load",)
-    with pytest.raises(SceneError, match="gravity, internal_damping, external_damping, tip_load, "):
-        parse_terms("tip")
-
-
-@given(
-    links=st.integers(-3, 40),
-    boundary=st.sampled_from(list(BOUNDARIES)),
-    inertia=st.sampled_from(list(INERTIAS)),
-    names=terms,
-)
-def test_structures_are_checked_and_have_a_name_of_their_own(
-    links: int, boundary: str, inertia: str, names: list[str]
-) -> None:
-    if links < BOUNDARIES[boundary].least_links:
-        with pytest.raises(SceneError, match="links"):
-            Structure(links, boundary, inertia, tuple(names))
-        return
-    structure = Structure(links, boundary, inertia, tuple(names))
-    assert structure.stem.isidentifier()
-    assert structure.stem.startswith(f"rod_{boundary}_n{links}")
-    assert structure.stem.endswith("_lumped") == (inertia == "lumped")
-    assert structure == Structure(links, boundary, inertia, tuple(reversed(names)))
-    assert structure.hash == Structure(links, boundary, inertia, structure.terms).hash
-    if names:
-        assert structure.terms == parse_terms(",".join(names))
-    if names and set(names) != set(THESIS_TERMS):
-        assert all(name in structure.stem for name in names)
 
 
 @given(
@@ -465,7 +253,7 @@ JUNK_IN = [
 def test_junk_anywhere_is_accepted_or_refused_in_one_line(
     place: tuple[str, ...], value: object
 ) -> None:
-    table: dict[str, Any] = _scene()
+    table: dict[str, Any] = table_of()
     inner = table
     for key in place[:-1]:
         inner = inner.setdefault(key, {})

@@ -10,7 +10,7 @@ import pytest
 import rodgen
 from rodgen import SceneError, Solution
 from rodgen.analyse.fourier import peaks_of
-from rodgen.studies import runs, vectors
+from rodgen.studies import runs, task, vectors
 from rodgen.studies.block import evaluate
 from rodgen.studies.points import points
 from rodgen.studies.specification import Study
@@ -238,6 +238,43 @@ def test_statics() -> None:
     assert found["stable"].tolist() == [1, 1]
 
 
+def test_exponents() -> None:
+    """Those of lyapunov_exponents; a transient longer than the span is a failed point."""
+    options = {"span": 8.0, "transient": 1.0}
+    study = Study.of(
+        scene(PENDULUM),
+        {"initial.phi": [0.2, 0.5]},
+        what="lyapunov",
+        keep=["exponent(2)", "error(2)", "exponent", "chaotic"],
+        options=options,
+    )
+    found = computed(study)
+    alone = rodgen.lyapunov_exponents(study.scene_at({"initial.phi": 0.5}), count=2, **options)
+    np.testing.assert_array_equal(found["exponent(2)"][1], alone.exponents)
+    np.testing.assert_array_equal(found["error(2)"][1], alone.errors)
+    assert found["exponent"][1] == alone.exponents[0]
+    assert found["status"].tolist() == ["finished"] * 2
+    refused = Study.of(
+        scene(PENDULUM), {"initial.phi": [0.2]}, what="lyapunov", options={"transient": 1e9}
+    )
+    assert "transient = 1000000000.0" in computed(refused)["message"][0]
+
+
+def test_tongues() -> None:
+    """Mathieu's equation inside and outside of its first tongue."""
+    rod = {"links": 1, "length": 1.0, "bending_stiffness": 0.0, "mass": 3.0, "boundary": "pinned"}
+    mathieu = {
+        "name": "mathieu",
+        "parameters": {"a": 1.0, "b": 0.3},
+        "rod": rod,
+        "loads": {"tip": {"x": "a + b*cos(2*t)"}},
+    }
+    found = computed(Study.of(scene(mathieu), {"parameters.a": [0.8, 1.0, 1.2]}, what="floquet"))
+    assert found["stable"].tolist() == [1, 0, 1]
+    assert found["growth"][1] > 0.05
+    assert found["modulus"][[0, 2]] == pytest.approx(1.0, abs=1e-6)
+
+
 def test_an_analysis_without_a_result_is_a_failed_point() -> None:
     options = {"highest": 20.0}
     study = Study.of(
@@ -249,3 +286,15 @@ def test_an_analysis_without_a_result_is_a_failed_point() -> None:
     found = computed(study)
     assert found["status"][0] == "failed"
     assert "neither flutter nor divergence" in found["message"][0]
+
+
+@pytest.mark.parametrize(("beside", "taken"), [(1, 0.01), (10, 0.01), (100, 1.0)])
+def test_how_long_a_point_takes_does_not_depend_on_who_shares_the_processor(
+    beside: int, taken: float, grid: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Points take 10 ms of it; by the clock so many times as much, the last as they wait."""
+    done: list[int] = []
+    monkeypatch.setattr(task, "computed", lambda study, indices: done.append(len(indices)))
+    monkeypatch.setattr(task, "process_time", lambda: 0.01 * sum(done))
+    monkeypatch.setattr(task, "perf_counter", lambda: 0.01 * sum(done) * beside)
+    assert task.timed(grid) == pytest.approx(taken)

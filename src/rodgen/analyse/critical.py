@@ -137,6 +137,9 @@ def critical_force(
     found = _first(search, end, growth)
     looked = forces[: int(np.searchsorted(forces, found.force)) + 1]
     complete = family.system.cells <= MOST_DENSE
+    # A rod that is held and stays straight is what it is without the load.
+    same = family.straight and not family.system.base
+    state = family.state(0.0 if same else found.force)
     return Critical(
         force=found.force,
         factor=found.force / family.load.reference,
@@ -146,11 +149,11 @@ def critical_force(
         turning=family.turning(found.force),
         error=found.error,
         searched=(low, float(looked[-1]), len(looked)),
-        state=family.state(found.force).words,
+        state=state.words,
         complete=complete,
         t=family.system.t,
         speed=family.system.speed,
-        notes=family.state(found.force).notes + mesh_notes(scene),
+        notes=state.notes + mesh_notes(scene),
         load=family.load.name,
         unit=unit_of(family.load.name),
         end=end,
@@ -285,7 +288,7 @@ def _onset(search: Search, near: Onset) -> Onset:
         if near.force - lowest < AT_ONCE * family.unit:
             return Onset(lowest, near.s, near.force - lowest)
         return near
-    found = onset(_equations(family, near), near, family.unit)
+    found = onset(_equations(family, near), near, family.unit, family.straight)
     if found.error > KNOWN * abs(found.force) and family.whole <= BASIS:
         raise AnalysisError(
             f"an onset near {digits(found.force, found.error)} {unit_of(family.load.name)} is "

@@ -3,6 +3,7 @@ small pencils which motions grow, and how far that can be trusted."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -173,6 +174,10 @@ class Motions:
     s: Complex
     growth: Array
 
+    def each(self) -> Iterator[Motions]:
+        """The motions under every force, one after the other."""
+        return map(Motions, self.s, self.growth)
+
     @property
     def count(self) -> NDArray[np.int_]:
         """How many grow under every force, one that oscillates counted twice."""
@@ -204,12 +209,18 @@ class Modal:
         """All of them. Undamped ones by s^2; a weak damping by its work on them, since what it
         does is lost in the rounding of a frequency; a strong one by the inverse, in which slow
         motions keep their digits beside fast ones."""
+        every = list(self.each())
+        return Motions(np.stack([one.s for one in every]), np.stack([one.growth for one in every]))
+
+    def each(self) -> Iterator[Motions]:
+        """The motions under every force, one after the other; damped ones are found where they are
+        asked for."""
         if self.added:
-            return self._of_rates()
+            return self._of_rates().each()
         damping = self.damping
         if not damping:
-            return self._undamped()
-        return self._weak() if damping < WEAK else self._strong()
+            return self._undamped().each()
+        return self._weak().each() if damping < WEAK else self._strong()
 
     def _of_rates(self) -> Motions:
         """With states that are added, of whose rates nothing is known."""
@@ -238,19 +249,21 @@ class Modal:
         pairs = np.concatenate((s + change, -s + change), axis=-1)
         return Motions(pairs, np.concatenate((np.where(grown > 0, grown, small), shrunk), axis=-1))
 
-    def _strong(self) -> Motions:
-        A = self._by_rates() if self.singular else self._by_inverse()
-        size = np.linalg.norm(A, axis=(-2, -1))[..., None]
-        z: Complex = np.linalg.eigvals(A).astype(np.complex128)
-        growth = np.where(z.real > CRUDE * ROUNDING * size, z.real, 0.0)
-        for at in np.flatnonzero(growth.any(axis=-1)):
-            grows = growth[at] > 0
-            limit = SAFE * ROUNDING * size[at] * _conditions(A[at], z[at, grows])
-            growth[at, grows] = np.where(z[at, grows].real > limit, z[at, grows].real, 0.0)
-        if self.singular:
-            return Motions(z, growth)
-        s = 1 / z
-        return Motions(s, np.where(growth > 0, s.real, 0.0))
+    def _strong(self) -> Iterator[Motions]:
+        every = self._by_rates() if self.singular else self._by_inverse()
+        sizes = np.linalg.norm(every, axis=(-2, -1))
+        for A, size in zip(every, sizes, strict=True):
+            z: Complex = np.linalg.eigvals(A).astype(np.complex128)
+            growth = np.where(z.real > CRUDE * ROUNDING * size, z.real, 0.0)
+            grows = np.flatnonzero(growth)
+            if len(grows):
+                limit = SAFE * ROUNDING * size * _conditions(A, z[grows])
+                growth[grows] = np.where(z[grows].real > limit, z[grows].real, 0.0)
+            if self.singular:
+                yield Motions(z, growth)
+            else:
+                s = 1 / z
+                yield Motions(s, np.where(growth > 0, s.real, 0.0))
 
     def _by_rates(self) -> Array:
         """s of (W q, q'), W the frequencies."""
@@ -282,7 +295,11 @@ class Modal:
 
 def _conditions(A: Array, z: Complex) -> Array:
     """How many times its size a small change of a matrix can move each of some eigenvalues: by
-    their left and right vectors, from two steps of inverse iteration."""
+    their left and right vectors, from two steps of inverse iteration; those of a conjugate pair,
+    one behind the other, alike."""
+    first = z.imag >= 0
+    if not first.all():
+        return np.asarray(_conditions(A, z[first])[np.cumsum(first) - 1])
     beside = z + 4 * ROUNDING * np.abs(z)
     inverse = _inverse(A - beside[:, None, None] * np.eye(len(A)))
     x = y = np.tile(np.cos(np.arange(len(A)) ** 2 / 7.0), (len(z), 1))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from types import ModuleType
 
@@ -34,6 +34,9 @@ TRANSIENT = 0.1  # share of the span that is left out
 # again in shorter parts, as what grows least is lost in rounding; far less, and parts are longer.
 TOO_MUCH, MUCH, LITTLE = 16.0, 8.0, 3.0
 SHORTEST = 2.0**-40  # of a piece
+# Radians or decays of the fastest motion at the start, in which a step of dop853 makes an error of
+# 1e-7 of a tangent; of rods of more states it is not looked for.
+FOLLOWED, MOST_STATES = 1.0, 400
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,9 +65,12 @@ class Exponents:
 
     @property
     def chaotic(self) -> bool | None:
-        """Whether neighbours come apart exponentially; None where that cannot be told."""
+        """Whether neighbours come apart exponentially; None where that cannot be told, by its error
+        or because the 0-1 test says otherwise."""
         largest, error = float(self.exponents[0]), float(self.errors[0])
-        return True if largest > 3 * error else None if largest > 1.5 * error else False
+        if largest > 3 * error:
+            return True
+        return None if largest > 1.5 * error or self.zero_one > 0.5 else False
 
 
 @guarded
@@ -85,7 +91,8 @@ def lyapunov_exponents(
     called with the time [s]. Lengths of tangents are those of the state's numbers; where all
     exponents are asked for, those of the metric of kinetic energy, in which a motion without
     damping keeps volumes. An error has a standard error by batch means in it, widened where these
-    are correlated, and what an exponent of zero may look like at the end of such a span. Raises
+    are correlated, half the difference of both halves of the time, and what an exponent of zero
+    may look like at the end of such a span. Raises
     SceneError for what is not possible, AnalysisError where the motion cannot go on.
     """
     check_scene(scene)
@@ -129,8 +136,10 @@ class _Course:
         self.volumes = count == len(y)
         self._form: VolumeForm = Kinetic(model, self._p) if self.volumes else Plain()
         frame = np.linalg.qr(np.random.default_rng(0).standard_normal((len(y), count)))[0].T
-        self._steps = Steps.of(scene)
-        start = scene.integrate.span[0]
+        start, steps = scene.integrate.span[0], Steps.of(scene)
+        if count > 1:
+            steps = replace(steps, longest=min(steps.longest, _followed(model, start, y, self._p)))
+        self._steps = steps
         frame = self._form.tangents(start, y, frame)
         self.on = Variations(model, self._p, start, y, frame, self._steps)
         self._parts = 1.0  # of a piece, between two frames
@@ -191,6 +200,19 @@ class _Course:
         return np.log(np.abs(np.diag(r))), self._form.tangents(t, y, q.T)
 
 
+def _followed(model: ModuleType, t: float, y: Array, p: Array) -> float:
+    """The longest step [s] that follows all tangents where the fastest motions are at rest, whose
+    error then lets steps grow up to their limit of stability. There, fast motions decay by the
+    steps alone, by several 1/s; what grows most, the first exponent, does not see that."""
+    if len(y) > MOST_STATES:
+        return math.inf
+    matrix = model.tangents(t, y, p, np.eye(len(y))).T
+    if not np.isfinite(matrix).all():
+        return math.inf
+    fastest = float(np.abs(np.linalg.eigvals(matrix)).max())
+    return FOLLOWED / fastest if fastest else math.inf
+
+
 def _found(
     scene: Scene, course: _Course, rates: Array, signal: Array, skipped: float, before: float
 ) -> Exponents:
@@ -201,7 +223,8 @@ def _found(
     rates, mean = rates[:, order], mean[order]
     running = np.cumsum(rates, axis=0) / np.arange(1, len(rates) + 1)[:, None]
     t = np.linspace(start + skipped, end, len(rates) + 1)[1:]
-    errors = np.hypot(standard_errors(rates), _of_zero(start, start + skipped, end))
+    spread = standard_errors(rates), trends(rates), _of_zero(start, start + skipped, end)
+    errors = np.sqrt(sum(np.square(one) for one in spread))
     divergence = math.nan
     if course.volumes:
         divergence = float(mean.sum()) - (course.log_volume - before) / (end - start - skipped)
@@ -226,6 +249,13 @@ def standard_errors(rates: Array) -> Array:
     together = np.clip(together, 0.0, 0.9)
     errors: Array = np.sqrt(variance / len(off) * (1 + together) / (1 - together))
     return errors
+
+
+def trends(rates: Array) -> Array:
+    """Half of what the means of the two halves of rates (pieces, k) differ by, (k,): the directions
+    of the slowest exponents take long to be found."""
+    half = len(rates) // 2
+    return np.asarray(rates[:half].mean(axis=0) - rates[-half:].mean(axis=0)) / 2
 
 
 def _of_zero(start: float, begin: float, end: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -260,6 +261,12 @@ class Family:
         if elastic and self.bare is not None and self.system.base:
             away |= self._turns(found.s, np.asarray(forces), modes, ~away)
         return Motions(np.where(away, np.nan, found.s), np.where(away, 0.0, found.growth))
+
+    def each(self, forces: Array, modes: int = BASIS, elastic: bool = False) -> Iterator[Motions]:
+        """The same motions under one load after the other, each when it is asked for."""
+        if self.dragged:
+            return self.motions(forces, modes, elastic).each()
+        return self._modal(forces, modes).each()
 
     def _turns(self, s: Complex, forces: Array, modes: int, kept: Flags) -> Flags:
         """Which motions turn the whole rod, among those that are kept."""

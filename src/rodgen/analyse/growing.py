@@ -72,17 +72,24 @@ def _modes(start: Steady, linear: Linear, every: bool) -> tuple[Array, Array]:
     """Squared frequencies and shapes (coordinates, k), the slowest first."""
     if isinstance(linear, Pencil) and linear.cells > MOST_DENSE:
         bare = Pencil(linear.S0, np.zeros_like(linear.S1), linear.S2)
-        turning = start.turning if start.turns_freely else None
-        found = lowest_values(bare, MODES, turning)
+        turns = start.turns_freely
+        found = lowest_values(bare, MODES, start.turning if turns else None)
         first = np.argsort(np.abs(found.s))[:MODES]
         shapes = found.vectors[:, first].real
+        if turns:  # virtual work on turning the whole rod is to be none
+            turn = np.ones((len(shapes), 1))
+            pull = bare.eliminated(turn)[2].T
+            shapes = shapes - turn @ (pull @ shapes) / (pull @ turn)
         return -(found.s[first] ** 2).real, shapes / np.abs(shapes).max(axis=0)
     assert isinstance(linear, Pencil | Dense)
     dense = linear.reduced()
     own = len(dense.K) - dense.added
     K, M = ((matrix + matrix.T)[:own, :own] / 2 for matrix in (dense.K, dense.M))
     squares, shapes = eigh(K, M)
-    order = np.argsort(np.abs(squares), kind="stable")[: None if every else MODES]
+    order = np.argsort(np.abs(squares), kind="stable")
+    if isinstance(linear, Pencil):  # turning alone, which every load leaves as it is
+        order = order[int(start.turns_freely) :]
+    order = order[: None if every else MODES]
     return squares[order], shapes[:, order]
 
 

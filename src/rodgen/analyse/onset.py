@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve, null_space
+from scipy.linalg import null_space
+from scipy.linalg.lapack import get_lapack_funcs
 from scipy.optimize import brentq
 from scipy.sparse import block_array, csc_array, issparse
 from scipy.sparse.linalg import splu
@@ -41,9 +43,9 @@ class Onset:
     rate_error: float = 0.0
 
 
-def onset(at: At, near: Onset, unit: float) -> Onset:
+def onset(at: At, near: Onset, unit: float, linear: bool = False) -> Onset:
     """The onset next to an estimate, as closely as the matrices tell; unit: a size of the load
-    that matters.
+    that matters; linear: whether S is linear in the load.
 
     Divergence: S(0, P) is singular. Flutter of a damped rod: S(i omega, P) is, for two real
     unknowns. Flutter without damping, where two frequencies meet: S is, and stays so to first
@@ -54,7 +56,7 @@ def onset(at: At, near: Onset, unit: float) -> Onset:
     that any damping will do. Raises AnalysisError.
     """
     damped = near.s != 0 and at(near.force).damped
-    search = _Search(at, near, unit, damped)
+    search = _Search(at, near, unit, damped, linear)
     if near.s == 0:
         (force,), (error,) = search.newton(search.divergence, np.array([near.force]))
         return Onset(force, 0j, error)
@@ -110,18 +112,19 @@ Measured = tuple[Array, Array, Array]  # residuals (k,), derivatives (k, k), rou
 class _Search:
     """Newton's method next to an estimate, with scales and borders that are taken there."""
 
-    def __init__(self, at: At, near: Onset, unit: float, damped: bool):
-        self.at, self.near = at, near
+    def __init__(self, at: At, near: Onset, unit: float, damped: bool, linear: bool):
+        self.at, self.near, self.linear = at, near, linear
+        self._by_force: Parts | None = None
         self.size = max(abs(near.force), unit)
-        linear = at(near.force)
+        whole = at(near.force)
         # Full matrices are sums over rows and columns of as many rounded terms, of which the sizes
         # are known or not.
-        known = linear.terms is not None if isinstance(linear, Dense) else False
-        terms = linear.size ** (1 if known else 2) if isinstance(linear, Dense) else 1
+        known = whole.terms is not None if isinstance(whole, Dense) else False
+        terms = whole.size ** (1 if known else 2) if isinstance(whole, Dense) else 1
         self.entry = ENTRY * terms
         self.s = 1j * abs(near.s) if damped else 0.0
         self.square = -(abs(near.s) ** 2)
-        here = Parts.of(linear)
+        here = Parts.of(whole)
         self.scales = here.scales(abs(near.s))
         here = here.scaled(self.scales)
         self.b, self.c = _borders(here.at(self.s) if damped else here.at_square(self.square))
@@ -152,12 +155,15 @@ class _Search:
 
     def _parts(self, force: float) -> tuple[Parts, Parts]:
         """At a load, and their derivative by it."""
-        step = DIFFERENCE * self.size
-        here, up, down = (
-            Parts.of(self.at(float(P))).scaled(self.scales)
-            for P in (force, force + step, force - step)
-        )
-        return here, up.less(down, 2 * step)
+        here = self._scaled(force)
+        if self._by_force is None or not self.linear:
+            step = DIFFERENCE * self.size
+            up, down = self._scaled(force + step), self._scaled(force - step)
+            self._by_force = up.less(down, 2 * step)
+        return here, self._by_force
+
+    def _scaled(self, force: float) -> Parts:
+        return Parts.of(self.at(float(force))).scaled(self.scales)
 
     def divergence(self, values: Array) -> Measured:
         """g(P)."""
@@ -215,6 +221,14 @@ def _unit(z: Matrix) -> Matrix:
     return np.asarray(z / np.linalg.norm(z))
 
 
+@lru_cache(maxsize=2)
+def _lapack(is_complex: bool) -> tuple[Any, Any]:
+    """What factors full matrices and what solves with the factors: SciPy's own functions look at
+    what they are given for longer than it takes to factor small ones."""
+    found = get_lapack_funcs(("getrf", "getrs"), dtype=complex if is_complex else float)
+    return found[0], found[1]
+
+
 class _Factors:
     """L U of a matrix; of one that is singular, next to it."""
 
@@ -222,7 +236,8 @@ class _Factors:
         self.complex = np.iscomplexobj(S)
         self.sparse = issparse(S)
         if not self.sparse:
-            pivoted, order = lu_factor(S, check_finite=False)
+            factor, self._solve = _lapack(self.complex)
+            pivoted, order, _ = factor(S)
             zero = np.flatnonzero(np.diag(pivoted) == 0)
             pivoted[zero, zero] = ROUNDING * np.abs(S).max()
             self.factors: Any = pivoted, order
@@ -235,7 +250,12 @@ class _Factors:
 
     def solve(self, right: Matrix, transposed: bool = False) -> Matrix:
         if not self.sparse:
-            made = lu_solve(self.factors, right, trans=int(transposed), check_finite=False)
+            if np.iscomplexobj(right) and not self.complex:
+                real, imaginary = (
+                    self.solve(part, transposed) for part in (right.real, right.imag)
+                )
+                return real + 1j * imaginary
+            made, _ = self._solve(*self.factors, right, trans=int(transposed))
             return np.asarray(made)
         if self.complex:
             right = right.astype(complex)

@@ -16,19 +16,21 @@ from rodgen.integrate.stepper import Array
 
 FINE, COARSE = 0.5, 0.01  # step of the search: EI/L^2, and of the force
 LEAST = 200  # forces at which a range is searched
-BLOCK = 8  # forces that are looked at together
+BLOCK = 16  # forces whose matrices are made together
 CLOSE, NEXT = 1e-6, 1e-3  # width to which an event is narrowed: of the load; of the least step
 NEARER = 0.4  # of that width: how far to either side of a guess is looked
 
 
 @dataclass(frozen=True)
 class Event:
-    """low, high: loads between which the number of growing motions changes, and these numbers."""
+    """low, high: loads between which the number of growing motions changes, these numbers, and the
+    motions under both loads."""
 
     low: float
     high: float
     before: int
     after: int
+    ends: tuple[Motions, Motions]
 
 
 @dataclass(frozen=True)
@@ -52,12 +54,14 @@ class Search:
 
     def events(self) -> Iterator[Event]:
         """Every change of the number of growing motions along the grid."""
-        low, before = float(self.forces[0]), int(self.first.count[0])
+        low, (last,) = float(self.forces[0]), self.first.each()
+        before = int(last.count)
         for block in np.array_split(self.forces[1:], max(1, len(self.forces) // BLOCK)):
-            for high, after in zip(block.tolist(), self.counts(block).tolist(), strict=True):
+            for high, found in zip(block.tolist(), self._looked(block), strict=True):
+                after = int(found.count)
                 if after != before:
-                    yield Event(low, high, before, after)
-                low, before = high, after
+                    yield Event(low, high, before, after, (last, found))
+                low, before, last = high, after, found
 
     def begins(self) -> Iterator[Event]:
         """Where another motion begins to grow."""
@@ -72,7 +76,7 @@ class Search:
         secants of its real part, which with damping is smooth there."""
         rises, (low, high) = event.after > event.before, (event.low, event.high)
         least, turn = NEXT * FINE * self.family.unit, 0
-        ends = self._looked(np.array([low, high]))
+        ends = list(event.ends)
         while high - low > CLOSE * max(abs(low), abs(high), least):
             near = NEARER * CLOSE * max(abs(low), abs(high), least)
             looked, turn = np.array([(low + high) / 2]), turn + 1
@@ -89,10 +93,9 @@ class Search:
                     low, ends[0] = force, found
         return Onset(high, _crosses(ends[not rises], ends[rises]), high - low)
 
-    def _looked(self, forces: Array) -> list[Motions]:
-        """The motions under every load."""
-        found = self.family.motions(forces, self.modes, self.elastic)
-        return [Motions(*one) for one in zip(found.s, found.growth, strict=True)]
+    def _looked(self, forces: Array) -> Iterator[Motions]:
+        """The motions under every load, one after the other."""
+        return self.family.each(forces, self.modes, self.elastic)
 
 
 def _crossing(low: Motions, high: Motions, rank: int) -> float:

@@ -37,7 +37,8 @@ def between(problem: Problem, a: Point, b: Point) -> list[Special]:
     found: list[Special] = []
     if a.sign * b.sign < 0:
         found.append(branch_point(problem, a, b))
-    if a.tangent[-1] * b.tangent[-1] < 0:
+    # In a branch point, which has no sign, a branch that is left may have a fold.
+    if a.sign and a.tangent[-1] * b.tangent[-1] < 0:
         fold = located(problem, a, b, lambda point: float(point.tangent[-1]))
         found.append(Special(FOLD, fold.u))
     for kind, value in a.measures.items():

@@ -75,7 +75,7 @@ def static_equilibrium(
     nothing holds and an imperfection out of range, AnalysisError where no equilibrium is found;
     both say why.
     """
-    bend = 0.0 if imperfection is None else _checked(imperfection)
+    bend = 0.0 if imperfection is None else checked_imperfection(imperfection)
     system = System.of(scene, t)
     p = system.parameters()
     if system.base:
@@ -104,7 +104,7 @@ def _check_held(system: System, p: Array) -> None:
         raise SceneError("rod.boundary", system.scene.rod.boundary, allowed)
 
 
-def _checked(imperfection: float) -> float:
+def checked_imperfection(imperfection: float) -> float:
     size = plain(imperfection, "imperfection")
     if not (is_number(size) and 0 < size <= MOST_BENT):
         allowed = f"an angle of the tail above 0 and at most {MOST_BENT:g} rad"

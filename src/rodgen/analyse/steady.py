@@ -89,7 +89,8 @@ class Steady:
         angles = np.abs(here.by_angle).sum(axis=0)
         pulls = np.abs(here.by_unknown[..., 1:]).sum(axis=(0, 3))
         sizes = angles + pulls * np.abs(self.force).max(initial=0.0)
-        sizes += np.abs(self._drag_across).sum(axis=(0, 3)) * abs(self.system.speed)
+        if self.system.speed:
+            sizes += np.abs(self._drag_across).sum(axis=(0, 3)) * abs(self.system.speed)
         made = product(Pencil.of(here).S0, self.turning).reshape(sizes.shape)
         return bool((np.abs(made) <= STEADY * sizes).all())
 
@@ -220,7 +221,7 @@ def steady(system: System, start: Steady | None = None, **changes: float) -> Ste
 def straight_state(system: System, p: Array) -> tuple[Steady | None, float]:
     """The straight rod under parameters p, None where it does not stay straight, and how fast its
     links begin to turn [rad/s^2]."""
-    at = system.beside(system.straight)
+    at = system.beside_straight
     turning, force = forces(system, at, p)
     scale = np.abs(force).max(initial=0.0) * system.scene.rod.links / system.scene.rod.length
     largest = float(np.abs(turning).max())

@@ -229,6 +229,11 @@ class System:
         at = self.unsettled(phi)
         return at._replace(added=self._staying(self.at_rest(at))) if len(at.added) else at
 
+    @cached_property
+    def beside_straight(self) -> Unknowns:
+        """The straight rod, its added states where they stay beside it. Raises AnalysisError."""
+        return self.beside(self.straight)
+
     def at_rest(self, at: Unknowns) -> Array:
         """y (states,) without velocities."""
         base, half = self.base, self.base + self.cells

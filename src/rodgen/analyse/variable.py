@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import replace
 from functools import cached_property
 
@@ -10,18 +11,62 @@ import numpy as np
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.system import System, frozen
 from rodgen.integrate.stepper import Array
+from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.keys import key_place, with_value
-from rodgen.scene.plain import entry, is_number, plain
+from rodgen.scene.keys import with_value
+from rodgen.scene.plain import is_number, plain
 
 TRIED = (0.0, 0.21, 0.5, 0.83, 1.0)  # of the range: whether parameters lie on a line
 LINE = 1e-14  # of the largest: what a line may miss parameters by
 STEP = 1e-3  # of the range, of differences of fourth order: their error is its fourth power
 FOURTH = ((1, 8 / 12), (-1, -8 / 12), (2, -1 / 12), (-2, 1 / 12))
+SAME = "a number that leaves the structure of the equations as it is"
+WHOLE = ("rod.links", "integrate.max_steps")  # keys that no branch can follow
 KEPT = 64  # systems remembered
 
 
-class Variable:
+class Variable(ABC):
+    """A number between two ends that a system of equations depends on."""
+
+    ends: tuple[float, float]
+    base: System
+
+    @property
+    def unit(self) -> float:
+        """How far the ends are apart."""
+        return abs(self.ends[1] - self.ends[0])
+
+    @abstractmethod
+    def parameters(self, value: float) -> Array:
+        """p of the module at a value."""
+
+    def system(self, value: float) -> System:
+        """The system at a value. AnalysisError where there is none."""
+        return self.base
+
+    def near(self, value: float) -> list[tuple[Array, float]]:
+        """Parameters beside a value, and how much each counts in a derivative by the value over the
+        range."""
+        step = STEP * self.unit
+        return [(self.parameters(value + k * step), share / STEP) for k, share in FOURTH]
+
+
+class LoadFactor(Variable):
+    """How much of its loads a rod bears, from none to all."""
+
+    ends = (0.0, 1.0)
+
+    def __init__(self, system: System):
+        self.base = system
+        names = [one.name for term in system.scene.structure.loads for one in TERMS[term].sizes]
+        given = system.given
+        self._loads = {name: np.asarray(given[name]) for name in names if name in given}
+
+    def parameters(self, value: float) -> Array:
+        return self.base.parameters(**{k: value * load for k, load in self._loads.items()})
+
+
+class Key(Variable):
     """A key of a scene between two values.
 
     Raises SceneError for a key that the scene does not have, that is no number, that changes the
@@ -33,26 +78,16 @@ class Variable:
         self.base, self.scene, self.key, self.ends = system, scene, key, ends
         self._systems: dict[float, System] = {}
         self._check()
-        self.unit = abs(ends[1] - ends[0])
 
     def _check(self) -> None:
-        table = self.scene.model_dump(exclude_none=True)
-        place = key_place(table, self.key)
-        try:
-            own = entry(table, *place)
-        except KeyError:
-            own = 0.0
         low, high = self.ends
         for value in self.ends:
             if not (is_number(plain(value, self.key)) and np.isfinite(value)):
                 raise SceneError(f"vary.{self.key}", value, "a finite number")
         if low == high:
             raise SceneError(f"vary.{self.key}", high, f"a range: its ends are both {low:g}")
-        whole = isinstance(own, int) and self.key in ("rod.links", "integrate.max_steps")
-        changed = self._scene(low) if not whole else None
-        if changed is None or changed.structure != self.base.scene.structure:
-            allowed = "a number that leaves the structure of the equations as it is"
-            raise SceneError("vary", self.key, allowed)
+        if self._scene(low).structure != self.base.scene.structure:
+            raise SceneError("vary", self.key, SAME)
         self._scene(high)
         first, last = (self._made(value).parameters() for value in self.ends)
         if np.array_equal(first, last):
@@ -81,7 +116,6 @@ class Variable:
         return a, b
 
     def system(self, value: float) -> System:
-        """The system at a value. AnalysisError where the scene refuses it."""
         if self._line is not None:
             return self.base
         if value not in self._systems:
@@ -94,15 +128,8 @@ class Variable:
         return self._systems[value]
 
     def parameters(self, value: float) -> Array:
-        """p of the module at a value."""
         if self._line is None:
             return self.system(value).parameters()
         (a, b), (low, high) = self._line, self.ends
         share = (value - low) / (high - low)
         return np.asarray(a + share * (b - a))
-
-    def near(self, value: float) -> list[tuple[Array, float]]:
-        """Parameters beside a value, and how much each counts in a derivative by the value over the
-        range."""
-        step = STEP * self.unit
-        return [(self.parameters(value + k * step), share / STEP) for k, share in FOURTH]

@@ -13,6 +13,8 @@ import typer
 
 from rodgen.cli import (
     animate,
+    boundary,
+    branch,
     check,
     critical,
     cycle,
@@ -40,6 +42,8 @@ OWN: dict[str, Callable[..., object]] = {
     "modes": modes.modes,
     "static": static.static,
     "critical": critical.critical,
+    "branch": branch.branch,
+    "boundary": boundary.boundary,
     "exponents": exponents.exponents,
     "cycle": cycle.cycle,
     "precision": precision.precision,

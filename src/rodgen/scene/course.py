@@ -18,7 +18,7 @@ from rodgen.scene.law import points
 from rodgen.scene.spring import STIFFNESS
 from rodgen.scene.spring import law as spring_law
 from rodgen.scene.structure import Structure
-from rodgen.scene.zeros import met, onsets
+from rodgen.scene.zeros import met
 
 PLACES = (0.05, 0.5, 0.95)  # s at which a load along the rod is looked at
 # rad: so close to a corner of its law a spring is on it. What a step makes of the wrong side of the
@@ -181,7 +181,7 @@ class Course:
 
     def pulses(self) -> list[tuple[float, float, float]]:
         """Begin, peak and end of what a load does after a rest that is longer, ascending."""
-        return sorted(pulse for e in self.loads for pulse in onsets(e, self.start, self.end))
+        return sorted(pulse for e in self.loads for pulse in e.pulses(self.start, self.end))
 
     def swing(self) -> float:
         """Half a period [s] of the load that swings fastest; infinity where none swings."""

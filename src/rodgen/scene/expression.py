@@ -6,7 +6,7 @@ import ast
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from typing import Any
 
@@ -14,17 +14,11 @@ import numpy as np
 
 from rodgen.scene import grammar
 from rodgen.scene.errors import SceneError, short
-from rodgen.scene.zeros import sampled, zeros
+from rodgen.scene.singularities import Apart, breaks, poles, swing
+from rodgen.scene.zeros import Pulse, onsets, sampled
 
 # What a law switches by: of its variable and of what it follows, by name.
 Difference = Callable[[Any, Mapping[str, Any]], Any]
-FEWEST_TURNS = 3  # of what swings
-COMMON = 0.2  # share of the times between turns that are shorter
-TURNS = 1e-6  # of the largest value: changes from one sample to the next that are none
-
-# Towards a pole: shares of the time scale, and how much more from each to the next. A power of
-# -1/4 grows as much; what min or max bounds, and a logarithm, do not.
-NEARER, LARGER = 2.0 ** np.array([-20, -32, -44]), 7.9
 
 
 @dataclass(frozen=True)
@@ -44,8 +38,12 @@ class Expression:
     def __post_init__(self) -> None:
         names, states = self._values, self.states
         grammar.check(self._tree, self.variable, names, self._refused, states=states)
-        for part in grammar.constants(self._tree, self._known):
-            with np.errstate(all="ignore"):
+        self._check_constants()
+
+    def _check_constants(self) -> None:
+        """Raise SceneError where a part that is constant is not finite."""
+        with np.errstate(all="ignore"):
+            for part in _constants(self._tree, frozenset(self._known)):
                 if not np.isfinite(grammar.value_of(part, self._values)):
                     raise self._refused(part)
 
@@ -204,13 +202,17 @@ class Expression:
         numbers, as they are to be."""
         names = self._values | {name: np.float64(value) for name, value in values.items()}
         with np.errstate(all="ignore"):
-            parts = grammar.constants(self._tree, self._known)
+            parts = _constants(self._tree, frozenset(self._known))
             return all(bool(np.isfinite(grammar.value_of(part, names))) for part in parts)
 
-    def with_values(self, values: Mapping[str, float]) -> Expression:
+    def with_values(self, values: Mapping[str, Any]) -> Expression:
         """The expression with values of its numbers; those of other names are left out."""
         known = tuple((name, float(values[name])) for name in self.names)
-        return replace(self, numbers=known)
+        # What follows from the text alone is checked and known.
+        made = object.__new__(Expression)
+        made.__dict__.update(self.__dict__, numbers=known, _values=dict(known))
+        made._check_constants()
+        return made
 
     def __call__(self, at: Any) -> Any:
         """Value at a number or an array; not-a-number and infinity where the maths has them."""
@@ -234,6 +236,20 @@ class Expression:
         states and sensors.
         """
         return grammar.source_of(self._tree, language, positions or {}, start, signals)
+
+    def affine(self) -> tuple[Expression, float, float]:
+        """What of it changes, its core, and a and b of a times that plus b, which it is; itself
+        where that is not so, as where a is zero."""
+        node, steps = grammar.core(self._tree, frozenset((self.variable, *self.signals)))
+        with np.errstate(all="ignore"):
+            a, b = grammar.scale_and_offset(steps, self._values)
+        if not (steps and a and math.isfinite(a) and math.isfinite(b)):
+            return self, 1.0, 0.0
+        return _open_core(node, self.variable, self.states).with_values(self._values), a, b
+
+    def pulses(self, start: float, end: float) -> tuple[Pulse, ...]:
+        """What it does after rests, see zeros.onsets: a matter of its core alone."""
+        return onsets(self.affine()[0], start, end)
 
     def kinks(self) -> list[Callable[[Any], Any]]:
         """Functions of the variable alone in whose zeros the expression is not smooth; knots of a
@@ -273,29 +289,31 @@ class Expression:
         found = grammar.knots(self._tree, self.variable)
         return sorted({float(grammar.value_of(knot, self._values)) for knot in found})
 
-    def _difference(self, a: ast.expr, b: ast.expr | None) -> Callable[[Any], Any]:
-        return lambda at: self._at(a, at) if b is None else self._at(a, at) - self._at(b, at)
+    def _difference(self, a: ast.expr, b: ast.expr | None) -> Apart:
+        named = dict.fromkeys((*grammar.names_in(a), *(grammar.names_in(b) if b else ())))
+        numbers = ((name, self._values[name]) for name in named if name in self._values)
+        return Apart(a, b, self.variable, tuple(numbers))
 
     def breaks(self, start: float, end: float) -> list[float]:
         """Zeros of the kinks (see zeros.py) and knots strictly between start and end, ascending."""
-        return list(_breaks(self, start, end))
+        return list(breaks(self, start, end))
 
     def poles(self, start: float, end: float) -> list[float]:
         """Places from start to end towards which it grows beyond all bounds, ascending.
 
         They are looked for where it divides by zero, in the way of the break points.
         """
-        return list(_poles(self, start, end))
+        return list(poles(self, start, end))
 
     def swing(self, start: float, end: float) -> float:
         """Half a period of what it does between start and end, of the fastest that is common there;
         infinity where it does not swing, or changes too often to be followed."""
-        half, enough = _swing(self, start, end)
+        half, enough = swing(self, start, end)
         return half if enough else math.inf
 
     def followed(self, start: float, end: float) -> bool:
         """Whether its break points and swings are found, or it changes too often for that."""
-        return self.kinks_are_found(start, end) and _swing(self, start, end)[1]
+        return self.kinks_are_found(start, end) and swing(self, start, end)[1]
 
     def kinks_are_found(self, start: float, end: float) -> bool:
         """Whether what it compares changes its sign no more often than can be looked at."""
@@ -316,6 +334,19 @@ class Expression:
     def not_finite(self, at: float) -> str:
         """What is said of it at a place where it is no number."""
         return f"{self.field} = {short(self.text)} is not finite at {self.variable} = {at:.9g}"
+
+
+@lru_cache(maxsize=256)
+def _constants(node: ast.expr, known: frozenset[str]) -> tuple[ast.AST, ...]:
+    return tuple(grammar.constants(node, set(known)))
+
+
+@lru_cache(maxsize=256)
+def _open_core(node: ast.expr, variable: str, states: tuple[str, ...] | None) -> Expression:
+    """A part of an expression, whose numbers have no values yet."""
+    others = {variable, *grammar.signals_in(node, states or ())}
+    numbers = tuple((name, None) for name in grammar.names_in(node) if name not in others)
+    return Expression(ast.unparse(node), variable, "expression", numbers, states)
 
 
 @lru_cache(maxsize=256)
@@ -340,40 +371,3 @@ def parsed(
 ) -> Expression:
     """An expression of a scene."""
     return Expression(text, variable, field, numbers, states)
-
-
-@lru_cache(maxsize=256)
-def _breaks(e: Expression, start: float, end: float) -> tuple[float, ...]:
-    found = {*zeros(e.kinks(), start, end), *e.knots()}
-    return tuple(sorted(x for x in found if start < x < end))
-
-
-@lru_cache(maxsize=256)
-def _poles(e: Expression, start: float, end: float) -> tuple[float, ...]:
-    scale = max(abs(start), abs(end))
-
-    def grows(x: float, side: int) -> bool:
-        points = x + side * scale * NEARER
-        sizes = np.abs(e(points))
-        larger = bool((sizes[1:] > LARGER * sizes[:-1]).all()) or np.isinf(sizes[-1])
-        return bool(start <= points[0] <= end and larger)
-
-    found = zeros([*e.kinks(), *e.divisors()], start, end)
-    return tuple(x for x in found if grows(x, 1) or grows(x, -1))
-
-
-@lru_cache(maxsize=256)
-def _swing(e: Expression, start: float, end: float) -> tuple[float, bool]:
-    grid, values, enough = sampled(e, start, end, lambda values: len(_turns(values)))
-    turns = grid[_turns(values)]
-    if len(turns) < FEWEST_TURNS:
-        return math.inf, enough
-    return float(np.quantile(np.diff(turns), COMMON) + grid[1] - grid[0]), enough
-
-
-def _turns(values: Any) -> Any:
-    """Where values that rise begin to fall, or the other way; rounding is no such thing."""
-    finite = values[np.isfinite(values)]
-    change = np.diff(values)
-    moves = np.flatnonzero(np.abs(change) > TURNS * np.abs(finite).max(initial=0.0))
-    return moves[1:][change[moves[1:]] * change[moves[:-1]] < 0]

@@ -25,6 +25,7 @@ MOMENTS = 201  # of the span at which one in t is looked at
 CELLS = 40  # at whose points one in s and t is looked at, of a rod that has as many links
 STAGES = 21  # times of the span at which a pole along the rod is looked for
 SOME = 0.0, 0.5, 1.0  # s at which a divisor that changes with time is looked at
+BREAKS = 10_000  # at both sides of which an expression in t is looked at; of more, at some
 
 
 @dataclass(frozen=True)
@@ -178,7 +179,8 @@ def _times(law: Law, span: tuple[float, float]) -> Array:
         return np.array(span[:1])
     e, grid = law.expression, np.linspace(*span, MOMENTS)
     poles = (partial(_alone, one, s=s) for one in e.denominators() for s in SOME)
-    found = {*e.breaks(*span), *between(poles, grid)}
+    breaks = e.breaks(*span)
+    found = {*breaks[:: len(breaks) // BREAKS + 1], *between(poles, grid)}
     return np.unique(np.concatenate((grid, sides(found, *span))))
 
 

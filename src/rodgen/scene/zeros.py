@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Function = Callable[[Any], Any]
+Pulse = tuple[float, float, float]  # begin, peak and end
 Array = NDArray[np.float64]
 
 SAMPLES = 4001  # to begin with
@@ -21,6 +22,7 @@ MOST_SAMPLES = 2_000_000
 MORE = 3.01  # times as many: no whole number, for what repeats with the samples
 TOGETHER = 250  # places that are looked at together, by the memory that they take
 LOOKED_AT = 10  # places by which it is told how many samples are enough for all
+KEPT = 1024  # of what was found, by functions that are equal
 DIPS = 1000  # extrema that are looked at between samples
 
 # A method with error control sees a load at its stages alone. While nothing happens its steps grow
@@ -37,18 +39,20 @@ def zeros(functions: Iterable[Function], start: float, end: float) -> list[float
     Found where the sign changes between two samples, and on both sides of an extremum between
     samples that reaches beyond zero.
     """
-    found: set[float] = set()
-    for function in functions:
-        grid, values, _ = sampled(function, start, end)
-        points = np.concatenate((grid, _dips(function, grid, values)))
-        points.sort()
-        signs = np.sign(_values(function, points))
-        flat = np.zeros(len(points), bool)  # a zero with zeros on both sides is no break
-        flat[1:-1] = (signs[:-2] == 0) & (signs[2:] == 0)
-        found.update(points[(signs == 0) & ~flat].tolist())
-        at = np.flatnonzero(signs[:-1] * signs[1:] < 0)
-        found.update(bisected(function, points[at], points[at + 1]).tolist())
-    return sorted(found)
+    return sorted({at for function in functions for at in _zeros(function, start, end)})
+
+
+@lru_cache(maxsize=KEPT)
+def _zeros(function: Function, start: float, end: float) -> tuple[float, ...]:
+    grid, values, _ = sampled(function, start, end)
+    points = np.concatenate((grid, _dips(function, grid, values)))
+    points.sort()
+    signs = np.sign(_values(function, points))
+    flat = np.zeros(len(points), bool)  # a zero with zeros on both sides is no break
+    flat[1:-1] = (signs[:-2] == 0) & (signs[2:] == 0)
+    at = np.flatnonzero(signs[:-1] * signs[1:] < 0)
+    between = bisected(function, points[at], points[at + 1])
+    return (*points[(signs == 0) & ~flat].tolist(), *between.tolist())
 
 
 def sampled(
@@ -154,10 +158,8 @@ def _seen(start: float, end: float) -> Array:
     return grid
 
 
-@lru_cache(maxsize=64)
-def onsets(
-    value: Callable[[Any], Any], start: float, end: float
-) -> tuple[tuple[float, float, float], ...]:
+@lru_cache(maxsize=KEPT)
+def onsets(value: Function, start: float, end: float) -> tuple[Pulse, ...]:
     """Begin, peak and end of every pulse that is shorter than the rest before it, ascending.
 
     value: of a load at times (...,), hashable.

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rodgen.scene import Scene
 
 CRITICAL, MODES, STATIC = "critical", "modes", "static"
+LYAPUNOV, FLOQUET = "lyapunov", "floquet"
 FEW = 16  # modes that are looked at for whether one grows
 YES, NO, UNKNOWN = 1, 0, -1
 
@@ -79,6 +80,21 @@ FINDINGS: Mapping[str, Mapping[str, Finding]] = {
         "stable": Finding(lambda rest, _: _stable(rest.stable), "", "i8", UNKNOWN, True),
         "instability": Finding(lambda rest, _: rest.instability or "", dtype="U12", fill=""),
     },
+    LYAPUNOV: {
+        "exponent": Finding(lambda f, k: _first(f.exponents, k), "1/s", usual=True, several=1),
+        "error": Finding(lambda f, k: _first(f.errors, k), "1/s", usual=True, several=1),
+        "zero_one": Finding(lambda found, _: found.zero_one, usual=True),
+        "chaotic": Finding(lambda found, _: _stable(found.chaotic), "", "i8", UNKNOWN, True),
+    },
+    FLOQUET: {
+        "growth": Finding(lambda found, _: found.growth, "1/s", usual=True),
+        "modulus": Finding(lambda found, _: found.modulus, usual=True),
+        "stable": Finding(lambda found, _: _stable(found.stable), "", "i8", UNKNOWN, True),
+        "argument": Finding(lambda found, _: found.argument, "rad"),
+        "moduli": Finding(lambda f, k: _first(np.abs(f.multipliers), k), several=4),
+        "period": Finding(lambda found, _: found.period, "s"),
+        "error": Finding(lambda found, _: found.error),
+    },
 }
 
 
@@ -92,6 +108,14 @@ def function_of(what: str) -> Callable[..., Any]:
         from rodgen.analyse.modes import natural_modes
 
         return natural_modes
+    if what == LYAPUNOV:
+        from rodgen.analyse.exponents import lyapunov_exponents
+
+        return lyapunov_exponents
+    if what == FLOQUET:
+        from rodgen.analyse.floquet import floquet
+
+        return floquet
     from rodgen.analyse.statics import static_equilibrium
 
     return static_equilibrium
@@ -102,4 +126,7 @@ def analysed(what: str, scene: Scene, options: Mapping[str, Any], count: int) ->
     SceneError, AnalysisError and RunError."""
     if what == MODES:
         return function_of(what)(scene, max(count, FEW), **options)
+    if what == LYAPUNOV:
+        states = len(scene.initial_state())
+        return function_of(what)(scene, count=min(max(count, 1), states), **options)
     return function_of(what)(scene, **options)

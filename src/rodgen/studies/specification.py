@@ -19,8 +19,8 @@ from rodgen.scene.plain import plain, put, read_table
 from rodgen.studies.axis import EXTENDABLE, Axis, Sample, Value, axis
 from rodgen.studies.points import points
 
-WHAT = ("run", "critical", "modes", "static")
-LATER = ("lyapunov", "cycle")
+WHAT = ("run", "critical", "modes", "static", "lyapunov", "floquet")
+LATER = ("cycle",)
 KEYS = {"": ("name", "scene", "vary", "sample", "compute"), "compute": ("what", "keep", "options")}
 LINKS = "rod.links"
 MOST_TRIED = 1000  # points that are made to find one that the scene takes
@@ -35,7 +35,7 @@ class Study:
     """A study, checked. Raises SceneError for what is none, before anything is computed.
 
     scene: tables of the scene as it stands, checked; axes: what is varied, in order; sample: how
-    points are drawn from them, None for a grid; what: "run", "critical", "modes" or "static";
+    points are drawn from them, None for a grid; what: one of WHAT;
     keep: what is kept of every point, texts or functions; options: of what is computed.
     Two studies are equal where their `digest` is.
     """

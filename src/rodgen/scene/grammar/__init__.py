@@ -9,6 +9,7 @@ The text is parsed to a syntax tree (which runs nothing), every node of it is ch
 the list above, and the tree is walked to compute values, to find break points and to print code.
 """
 
+from rodgen.scene.grammar.affine import core, scale_and_offset
 from rodgen.scene.grammar.calculus import derivative, divisors, kinks, knots
 from rodgen.scene.grammar.code import NUMPY, Language, source_of
 from rodgen.scene.grammar.substitution import with_names, with_values
@@ -44,6 +45,7 @@ __all__ = [
     "check",
     "children",
     "constants",
+    "core",
     "derivative",
     "divisors",
     "interpolated",
@@ -52,6 +54,7 @@ __all__ = [
     "knots",
     "names_in",
     "parse",
+    "scale_and_offset",
     "sensors_in",
     "signals_in",
     "source_of",

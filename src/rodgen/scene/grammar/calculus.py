@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 
-from rodgen.scene.grammar.syntax import children, is_table, names_in, table_of, tables
+from rodgen.scene.grammar.syntax import KEPT, children, is_table, names_in, table_of, tables
 from rodgen.scene.grammar.vocabulary import FUNCTIONS, SLOPE, TABLE
 
 
@@ -92,9 +93,17 @@ def _less_square(node: ast.expr, sign: type[ast.operator]) -> ast.expr:
     return ast.BinOp(ast.Constant(1.0), sign(), _product(node, node))
 
 
-def kinks(node: ast.AST, variable: str) -> Iterator[tuple[ast.expr, ast.expr | None]]:
+Pair = tuple[ast.expr, ast.expr | None]
+
+
+@lru_cache(maxsize=KEPT)
+def kinks(node: ast.AST, variable: str) -> tuple[Pair, ...]:
     """Pairs whose difference is zero where the tree is not smooth; a table's knots are among them
     unless it is one of the variable itself (see ``knots``)."""
+    return tuple(_kinks(node, variable))
+
+
+def _kinks(node: ast.AST, variable: str) -> Iterator[Pair]:
     match node:
         case ast.Compare(left=left, comparators=[right]):
             yield left, right
@@ -121,8 +130,13 @@ def _is_variable(node: ast.expr, variable: str) -> bool:
     return isinstance(node, ast.Name) and node.id == variable
 
 
-def divisors(node: ast.AST) -> Iterator[ast.expr]:
+@lru_cache(maxsize=KEPT)
+def divisors(node: ast.AST) -> tuple[ast.expr, ...]:
     """What is divided by; the base of a power stands for its negative exponents."""
+    return tuple(_divisors(node))
+
+
+def _divisors(node: ast.AST) -> Iterator[ast.expr]:
     match node:
         case ast.BinOp(op=ast.Div(), right=divisor) | ast.BinOp(op=ast.Pow(), left=divisor):
             yield divisor

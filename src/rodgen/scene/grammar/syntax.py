@@ -6,6 +6,7 @@ import ast
 import math
 import warnings
 from collections.abc import Callable, Container, Iterator
+from functools import lru_cache
 from itertools import accumulate, pairwise
 from typing import NamedTuple
 
@@ -24,6 +25,7 @@ LONGEST = 20_000  # characters
 BRACKETS = 50  # in each other
 DEEPEST = 200  # nested operations, of which a sum of as many terms is one
 MOST_KNOTS = 1000  # of a table
+KEPT = 4096  # parts of trees of which something is remembered
 # The error for a part, None for the whole, and what is allowed in its place: "" for the grammar.
 Refusal = Callable[[ast.AST | None, str], SceneError]
 
@@ -136,8 +138,18 @@ def _check_table(node: ast.Call, numbers: Container[str], refuse: Refusal) -> No
         raise refuse(node, "of knots that ascend")
 
 
-def children(node: ast.AST) -> Iterator[tuple[ast.expr, bool]]:
+def children(node: ast.AST) -> tuple[tuple[ast.expr, bool], ...]:
     """The parts of a node, and whether each is to be a condition; a table's numbers are none."""
+    return _children(node)
+
+
+# Trees are never changed, and walked again and again.
+@lru_cache(maxsize=KEPT)
+def _children(node: ast.AST) -> tuple[tuple[ast.expr, bool], ...]:
+    return tuple(_parts(node))
+
+
+def _parts(node: ast.AST) -> Iterator[tuple[ast.expr, bool]]:
     match node:
         case ast.BinOp(left=left, right=right):
             yield from ((left, False), (right, False))
@@ -154,11 +166,16 @@ def children(node: ast.AST) -> Iterator[tuple[ast.expr, bool]]:
 def names_in(node: ast.AST) -> list[str]:
     """Names of the variable, of numbers and states, and sensors in a tree, in the order of the
     text."""
+    return list(_names_in(node))
+
+
+@lru_cache(maxsize=KEPT)
+def _names_in(node: ast.AST) -> tuple[str, ...]:
     found = [inner for inner in ast.walk(node) if isinstance(inner, ast.Name) or is_sensor(inner)]
     found.sort(key=lambda name: (getattr(name, "lineno", 0), getattr(name, "col_offset", 0)))
     known = {*FUNCTIONS, *SENSORS, TABLE, "pi"}
     names = (of.text if (of := sensor_of(one)) else getattr(one, "id", "") for one in found)
-    return list(dict.fromkeys(name for name in names if name and name not in known))
+    return tuple(dict.fromkeys(name for name in names if name and name not in known))
 
 
 def is_number(node: ast.AST) -> bool:
@@ -207,6 +224,7 @@ def is_sensor(node: ast.AST) -> bool:
     return sensor_of(node) is not None
 
 
+@lru_cache(maxsize=KEPT)
 def sensor_of(node: ast.AST) -> Sensor | None:
     """The sensor that a part names; None for any other part, and for one beside the rod."""
     match node:

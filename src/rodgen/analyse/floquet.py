@@ -1,0 +1,253 @@
+"""Stability of a periodic motion under periodic loads: Floquet multipliers.
+
+The tangents of a state go on over a period, in segments of it; the multipliers are the eigenvalues
+of the product of their maps. Products of many maps lose what is small, and all digits where a map
+grows much: the eigenvalues are those of a block-cyclic matrix of the single maps, whose m-th powers
+they are (T. F. Fairgrieve, A. D. Jepson, SIAM J. Numer. Anal. 28 (1991) 1446; K. Lust, Int. J.
+Bifurcation Chaos 11 (2001) 2389).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rodgen.analyse.conserved import zero_exponents
+from rodgen.analyse.cycles.drive import load_period
+from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.statics import static_equilibrium
+from rodgen.integrate.stepper import Array, StepError
+from rodgen.integrate.stretches import window
+from rodgen.integrate.variations import PARTS, Steps, Variations
+from rodgen.loading import build_fastest
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.scene import check_scene
+
+Complex = NDArray[np.complex128]
+
+SEGMENTS = 4  # of a period
+FIRST, MOST = 8, 2**16  # steps in a period at least, at first and at most
+# What doubling these may change of the multipliers above so much of the largest, relative to it.
+ENOUGH, LARGER = 1e-8, 0.3
+SAME = 1e-11  # of a map, that is found: multipliers that meet are known to the root of its error
+MEETING = 1e-5
+RTOL, ATOL = 1e-11, 1e-13
+ITERATIONS = 12  # of Newton's method
+CLOSED, FAR = 1e-9, 30.0  # of the state: a motion is periodic, and is none that Newton reaches
+
+
+@dataclass(frozen=True, eq=False)
+class Floquet:
+    """Multipliers of a periodic motion, the largest first.
+
+    multipliers (k,): factors by which small changes of the state grow in a period; period [s]; y:
+    the state (states,) at the start of the span, to which the motion returns; error: of the
+    larger multipliers, relative to the largest; closed: how far the motion is from its start after
+    a period; places: of the numbers in y that the multipliers are of (of a rod that flies, those
+    beside its place).
+    """
+
+    multipliers: Complex
+    period: float
+    y: Array = field(repr=False)
+    error: float
+    closed: float
+    places: tuple[int, ...] = field(repr=False)
+
+    @property
+    def modulus(self) -> float:
+        """Of the largest multiplier."""
+        return float(np.abs(self.multipliers[0]))
+
+    @property
+    def argument(self) -> float:
+        """Of the largest multiplier, from 0 to pi [rad]: 0 grows with the period, pi with twice."""
+        return float(abs(np.angle(self.multipliers[0])))
+
+    @property
+    def growth(self) -> float:
+        """Rate [1/s] at which the largest change grows."""
+        return math.log(max(self.modulus, 1e-300)) / self.period
+
+    @property
+    def stable(self) -> bool:
+        """Whether no small change grows, within the error; multipliers of a motion without damping
+        that meet on the unit circle are as far from it as the root of the maps' error."""
+        return self.modulus <= 1 + max(10 * self.error, MEETING)
+
+
+@guarded
+def floquet(
+    scene: Scene,
+    *,
+    period: float | None = None,
+    y: ArrayLike | None = None,
+    segments: int = SEGMENTS,
+    model: ModuleType | None = None,
+) -> Floquet:
+    """Multipliers of the periodic motion of a scene under its periodic loads, rest included.
+
+    period: seconds, found from the sines in the loads if not given; y: near which state the motion
+    is looked for, that of rest in the shape of the initial state if not given, else in the
+    equilibrium of the start; segments: of the period, between which tangents begin anew; model:
+    built before. The place of a free rod that its motion does not depend on is left out. Raises
+    SceneError for what is not possible, AnalysisError where there is no such motion.
+    """
+    check_scene(scene)
+    if isinstance(segments, bool) or not isinstance(segments, int) or not 1 <= segments <= 1000:
+        raise SceneError("segments", segments, "a whole number from 1 to 1000")
+    model = model if model is not None else build_fastest(scene, PARTS)
+    seconds = _period(scene, model, period)
+    map_ = _Map(scene, model, seconds, segments)
+    for guess in _guesses(scene, y):
+        try:
+            y, multipliers, error, closed = map_.fixed(guess)
+            return Floquet(multipliers, seconds, y, error, closed, map_.places)
+        except (AnalysisError, StepError) as error:
+            why = error
+    raise AnalysisError(f"{scene.name}: no motion of period {seconds:.6g} s was found: {why}")
+
+
+def _period(scene: Scene, model: ModuleType, given: float | None) -> float:
+    if given is not None:
+        if not (isinstance(given, int | float) and math.isfinite(given) and given > 0):
+            raise SceneError("period", given, "seconds above 0")
+        return float(given)
+    try:
+        found = load_period(scene, model, model.parameters(**scene.parameters))
+    except AnalysisError:
+        allowed = "given in seconds: none is found from the sines of the time in the loads"
+        raise SceneError("period", given, allowed) from None
+    if not found:
+        raise SceneError("period", given, "given in seconds: no load changes with the time")
+    return found
+
+
+def _guesses(scene: Scene, y: ArrayLike | None) -> Iterator[Array]:
+    """States near which the motion is looked for."""
+    given = scene.initial_state()
+    if y is not None:
+        state = np.array(y, dtype=float)
+        if state.shape != given.shape:
+            raise SceneError("y", f"of shape {state.shape}", f"a state, ({len(given)},)")
+        yield state
+        return
+    half = (len(given) - len(scene.states)) // 2
+    still = given.copy()
+    still[half : 2 * half] = 0.0
+    yield still
+    with suppress(SceneError, AnalysisError):
+        yield static_equilibrium(scene).y
+
+
+class _Map:
+    """What a period makes of a state and of its changes."""
+
+    def __init__(self, scene: Scene, model: ModuleType, period: float, segments: int):
+        self.period, self._model = period, model
+        self._start = scene.integrate.span[0]
+        self._times = self._start + period * np.linspace(0.0, 1.0, segments + 1)
+        self._p = model.parameters(**scene.parameters)
+        steps = Steps.of(window(scene, self._start, self._start + period))
+        self._steps = replace(steps, method="dop853", step=0.0, rtol=RTOL, atol=ATOL)
+        states = len(scene.initial_state())
+        self.places = _places(scene, model, states)
+
+    def over(self, y: Array, least: int) -> tuple[Array, list[Array], int]:
+        """The state after a period, the maps (k, k) of its segments with so many steps, and how
+        many steps were taken."""
+        longest = min(self._steps.longest, self.period / least)
+        on = Variations(
+            *(self._model, self._p, self._start, y, np.eye(len(y))),
+            replace(self._steps, longest=longest),
+        )
+        maps = []
+        for end in self._times[1:]:
+            on.on(end)
+            maps.append(on.tangents.T[np.ix_(self.places, self.places)])
+            on.tangents = np.eye(len(y))
+        return on.y, maps, on.counts[0]
+
+    def resolved(self, y: Array, maps: list[Array], steps: int) -> tuple[Complex, float]:
+        """The multipliers with steps short enough for tangents, and by how much the larger ones
+        change with half of them: about a motion that rests there is no error that would tell
+        steps how long to be, and fast motions that are quiet let them be as long as is stable."""
+        found = multipliers_of(maps)
+        while steps < MOST:
+            steps *= 2
+            before = maps
+            _, maps, _ = self.over(y, steps)
+            finer = multipliers_of(maps)
+            off = _apart(finer, found)
+            changes = (
+                np.abs(b - a).max() / np.abs(a).max() for a, b in zip(maps, before, strict=True)
+            )
+            if off < ENOUGH or max(changes) < SAME:
+                return finer, off
+            found = finer
+        raise AnalysisError(f"{steps} steps are too few for a period")
+
+    def fixed(self, y: Array) -> tuple[Array, Complex, float, float]:
+        """The state that a period brings back, by Newton's method, its multipliers, and how well
+        these and the state are known."""
+        y, places = y.copy(), list(self.places)
+        off = math.inf
+        for _ in range(ITERATIONS):
+            after, maps, steps = self.over(y, FIRST)
+            less = (after - y)[places]
+            scale = 1.0 + float(np.abs(y[places]).max(initial=0.0))
+            off = float(np.abs(less).max(initial=0.0)) / scale
+            if off < CLOSED:
+                return y, *self.resolved(y, maps, steps), off
+            if not off < FAR:
+                break
+            whole = np.linalg.multi_dot([*maps[::-1], np.eye(len(places))])
+            y[places] += np.linalg.lstsq(np.eye(len(places)) - whole, less, rcond=1e-12)[0]
+        raise AnalysisError(f"Newton's method does not converge (still {off:.1e} apart)")
+
+
+def _places(scene: Scene, model: ModuleType, states: int) -> tuple[int, ...]:
+    """Places in a state of what a motion depends on: without those of a rod that flies where its
+    equations do not know them."""
+    places = range(states)
+    damped = any(name in scene.structure.terms for name in ("external_damping", "drag"))
+    if not scene.hold.translates or damped or "place" not in zero_exponents(scene, model):
+        return tuple(places)
+    half = (states - len(scene.states)) // 2
+    return tuple(at for at in places if at not in (0, 1, half, half + 1))
+
+
+def _apart(finer: Complex, coarser: Complex) -> float:
+    """By how much the larger multipliers differ, relative to the largest."""
+    largest = float(np.abs(finer[0]))
+    larger = finer[np.abs(finer) >= LARGER * largest]
+    return float(max(np.abs(coarser - one).min() for one in larger)) / max(largest, 1e-300)
+
+
+def multipliers_of(maps: Sequence[Array]) -> Complex:
+    """Eigenvalues (k,) of the product of maps (k, k), the last one leftmost, the largest first:
+    m-th powers of those of the block-cyclic matrix that has the m maps as its blocks."""
+    count, size = len(maps), len(maps[0])
+    if count == 1:
+        found = np.linalg.eigvals(maps[0]).astype(complex)
+        return found[np.argsort(-np.abs(found), kind="stable")]
+    # Of one size: then what is small in one map stands out against what is large in another.
+    sizes = np.array([np.linalg.norm(one) for one in maps])
+    whole = np.zeros((count * size, count * size))
+    for at, one in enumerate(maps):
+        to = (at + 1) % count
+        whole[to * size : (to + 1) * size, at * size : (at + 1) * size] = one / sizes[at]
+    powers = np.linalg.eigvals(whole) ** count * float(np.prod(sizes))
+    left = list(powers[np.argsort(-np.abs(powers), kind="stable")])
+    found = np.empty(size, dtype=complex)
+    for at in range(size):  # each of them occurs once for every map
+        near = np.argsort(np.abs(np.array(left) - left[0]), kind="stable")[:count]
+        found[at] = np.mean([left[k] for k in near])
+        left = [one for k, one in enumerate(left) if k not in set(near.tolist())]
+    return found

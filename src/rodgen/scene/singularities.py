@@ -1,0 +1,84 @@
+"""Where expressions in t or s are not smooth, grow beyond all bounds, and how fast they swing."""
+
+from __future__ import annotations
+
+import ast
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rodgen.scene import grammar
+from rodgen.scene.zeros import sampled, zeros
+
+if TYPE_CHECKING:
+    from rodgen.scene.expression import Expression
+
+FEWEST_TURNS = 3  # of what swings
+COMMON = 0.2  # share of the times between turns that are shorter
+TURNS = 1e-6  # of the largest value: changes from one sample to the next that are none
+
+# Towards a pole: shares of the time scale, and how much more from each to the next. A power of
+# -1/4 grows as much; what min or max bounds, and a logarithm, do not.
+NEARER, LARGER = 2.0 ** np.array([-20, -32, -44]), 7.9
+
+
+@dataclass(frozen=True)
+class Apart:
+    """What two parts of an expression are apart, or what one is, as a function of the variable:
+    equal where the values of the numbers in both are."""
+
+    a: ast.expr
+    b: ast.expr | None
+    variable: str
+    numbers: tuple[tuple[str, float | None], ...]
+
+    def __call__(self, at: Any) -> Any:
+        with np.errstate(all="ignore"):
+            names = {**dict(self.numbers), self.variable: np.asarray(at, dtype=float)}
+            found = grammar.value_of(self.a, names)
+            return found if self.b is None else found - grammar.value_of(self.b, names)
+
+
+@lru_cache(maxsize=256)
+def breaks(e: Expression, start: float, end: float) -> tuple[float, ...]:
+    found = {*zeros(e.kinks(), start, end), *e.knots()}
+    return tuple(sorted(x for x in found if start < x < end))
+
+
+@lru_cache(maxsize=256)
+def poles(e: Expression, start: float, end: float) -> tuple[float, ...]:
+    scale = max(abs(start), abs(end))
+
+    def grows(x: float, side: int) -> bool:
+        points = x + side * scale * NEARER
+        sizes = np.abs(e(points))
+        larger = bool((sizes[1:] > LARGER * sizes[:-1]).all()) or np.isinf(sizes[-1])
+        return bool(start <= points[0] <= end and larger)
+
+    found = zeros([*e.kinks(), *e.divisors()], start, end)
+    return tuple(x for x in found if grows(x, 1) or grows(x, -1))
+
+
+@lru_cache(maxsize=256)
+def swing(e: Expression, start: float, end: float) -> tuple[float, bool]:
+    core, a, b = e.affine()
+
+    def turns_of(values: Any) -> Any:
+        finite = values[np.isfinite(values)]
+        return _turns(values, TURNS * np.abs(a * finite + b).max(initial=0.0) / abs(a))
+
+    grid, values, enough = sampled(core, start, end, lambda values: len(turns_of(values)))
+    turns = grid[turns_of(values)]
+    if len(turns) < FEWEST_TURNS:
+        return math.inf, enough
+    return float(np.quantile(np.diff(turns), COMMON) + grid[1] - grid[0]), enough
+
+
+def _turns(values: Any, least: float) -> Any:
+    """Where values that rise begin to fall, or the other way, by more than rounding."""
+    change = np.diff(values)
+    moves = np.flatnonzero(np.abs(change) > least)
+    return moves[1:][change[moves[1:]] * change[moves[:-1]] < 0]

@@ -1,0 +1,160 @@
+"""Pictures of branches and of boundaries of stability, made for print."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from rodgen.analyse.critical import critical_force
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.system import without
+from rodgen.integrate.stepper import Array
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene, SceneError
+from rodgen.show.pictures import LINE, canvas
+
+if TYPE_CHECKING:
+    import xarray
+
+Style = Literal["-", "--", ":"]
+NAMES = {"branch": "branch point", "fold": "fold", "hopf": "Hopf point"}
+MARKS = {"branch": "s", "fold": "D", "hopf": "o"}
+WIDE, WIDEST = 1e3, 1e6  # largest over least damping: logarithmic, and how far at most
+FLAT = 1e-9  # of the length: what moves less does not
+STYLES: dict[int, Style] = {1: "--", 0: "-", -1: ":"}  # unstable, stable, not known
+
+
+def bifurcation_diagram(branches: list[xarray.Dataset], scene: Scene) -> Figure:
+    """How far the tail is moved across the straight rod against the number that is varied: stable
+    states solid, unstable ones dashed, special points marked and named."""
+    figure = canvas(6.4, 4.6)
+    axes = figure.add_subplot()
+    kinds: dict[str, None] = {}
+    for data in branches:
+        across = _across(data, "", scene)
+        values = data["value"].values
+        for where, rows in _runs(data["unstable"].values):
+            line = Line2D(values[rows], across[rows], linestyle=STYLES[where], linewidth=LINE)
+            axes.add_line(line)
+        if data.sizes["special"]:
+            kind_of, value_of = data["special_kind"].values, data["special_value"].values
+            points = zip(kind_of, value_of, _across(data, "special_", scene), strict=True)
+            for kind, value, y in points:
+                axes.plot(value, y, MARKS.get(kind, "x"), color="tab:red", markersize=5)
+                kinds[str(kind)] = None
+    axes.autoscale_view()
+    _named(axes, branches, scene)
+    moved = [np.ptp(_across(data, "", scene)) for data in branches]
+    if max(moved) < FLAT * scene.rod.length:
+        axes.set_ylim(-0.05, 0.05)
+    axes.grid(alpha=0.3)
+    axes.set(
+        xlabel=branches[0].attrs["key"],
+        ylabel=_ordinate(scene),
+        title=f"{scene.name}: {branches[0].attrs['key']} is varied",
+    )
+    known = {int(number) for data in branches for number in np.sign(data["unstable"].values)}
+    words = {0: "stable", 1: "unstable", -1: "stability not known"}
+    handles = [
+        Line2D([], [], linestyle=STYLES[at], color="tab:blue", label=words[at])
+        for at in (0, 1, -1)
+        if at in known
+    ]
+    handles += [
+        Line2D(
+            [], [], linestyle="", marker=MARKS.get(k, "x"), color="tab:red", label=NAMES.get(k, k)
+        )
+        for k in kinds
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=5, fontsize="small")
+    return figure
+
+
+def _ordinate(scene: Scene) -> str:
+    if scene.hold.translates and not scene.anchors.ties:
+        return "angle of the tail against the nose [rad]"
+    return "tail across the straight rod [m]" if scene.hold.clamped else "y of the tail [m]"
+
+
+def _across(data: xarray.Dataset, prefix: str, scene: Scene) -> Array:
+    """What is drawn of the states (points,) upwards."""
+    phi, tip = data[f"{prefix}phi"].values, data[f"{prefix}tip"].values
+    if scene.hold.translates and not scene.anchors.ties:
+        return np.asarray(phi[:, -1] - phi[:, 0])
+    angle = (scene.rod.clamp_angle or 0.0) if scene.hold.clamped else 0.0
+    return np.asarray(tip @ [-np.sin(angle), np.cos(angle)])
+
+
+def _runs(unstable: Array) -> list[tuple[int, slice]]:
+    """Stretches of stable, unstable and unknown points; each goes on to the first of the next."""
+    signs = np.sign(unstable)
+    ends = [0, *(np.flatnonzero(np.diff(signs)) + 1).tolist(), len(signs)]
+    return [(int(signs[a]), slice(a, b + 1)) for a, b in pairwise(ends)]
+
+
+def _named(axes: Axes, branches: list[xarray.Dataset], scene: Scene) -> None:
+    """Values beside the special points."""
+    for data in branches:
+        if not data.sizes["special"]:
+            continue
+        moved = _across(data, "special_", scene)
+        for value, y in zip(data["special_value"].values, moved, strict=True):
+            axes.annotate(
+                f"{value:.6g}", (value, y), (4, 5), textcoords="offset points", fontsize="x-small"
+            )
+
+
+def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
+    """The boundary of stability, the first number over the second, and the frequency along it.
+    Where damping vanishes, its limit is marked beside the onset without any."""
+    names = [data.attrs["a"], data.attrs["b"]]
+    values = [data[name].values for name in ("a", "b")]
+    up = 0 if not _damps(names[0]) else 1  # a load stands upright, damping lies
+    y, x, frequency = values[up], values[1 - up], data["frequency"].values
+    figure = canvas(6.4, 5.2)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    upper.plot(x, y, color="tab:blue", linewidth=LINE)
+    lower.plot(x, frequency, color="tab:blue", linewidth=LINE)
+    positive = x[x > 0]
+    if _damps(names[1 - up]) and len(positive) and positive.max() > WIDE * positive.min():
+        least = max(float(positive.min()), float(positive.max()) / WIDEST)
+        upper.set_xscale("symlog", linthresh=least)
+        low, high = np.percentile(y, [0, 100])
+        upper.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))
+    if (x == 0).any() and _damps(names[1 - up]):
+        at = int(np.argmax(x == 0))
+        label = f"limit of no damping: {y[at]:.6g}"
+        upper.plot(0.0, y[at], "o", markerfacecolor="white", color="tab:red", label=label)
+        without = _undamped(scene, names[up])
+        if without is not None:
+            label = f"without damping: {without:.6g}"
+            upper.plot(0.0, without, "o", color="tab:red", label=label)
+            upper.set_ylim(0.0, max(upper.get_ylim()[1], 1.1 * without))
+        upper.legend(fontsize="small")
+    for axes in (upper, lower):
+        axes.grid(alpha=0.3)
+    upper.set(ylabel=names[up], title=f"{scene.name}: {data.attrs['kind']} begins at the boundary")
+    lower.set(xlabel=names[1 - up], ylabel="frequency [Hz]")
+    return figure
+
+
+def _damps(key: str) -> bool:
+    """Whether a number is a damping."""
+    return any(term.damps and key.startswith(f"loads.{term.table}.") for term in TERMS.values())
+
+
+def _undamped(scene: Scene, key: str) -> float | None:
+    """The onset of the scene without its damping, of the load that is varied."""
+    tables = {term.table for term in TERMS.values() if term.damps}
+    if not tables & set(scene.model_dump(exclude_none=True)["loads"]):
+        return None
+    load = key.removeprefix("loads.").partition(".")[0]
+    try:
+        return critical_force(without(scene, *tables), load=load).force
+    except (AnalysisError, SceneError):
+        return None

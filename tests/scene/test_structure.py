@@ -1,0 +1,129 @@
+"""Structures: their parameters, their expressions, and the names of their modules."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rodgen.emit.targets import check_output
+from rodgen.model.rod import BOUNDARIES, INERTIAS, STEADY, UNEVEN
+from rodgen.model.terms import PARAMETERS, PLACES, TERMS, THESIS_TERMS
+from rodgen.scene import SceneError
+from rodgen.scene.structure import Structure, parse_terms
+
+DIFFERING = {one.name for way in UNEVEN.values() for one in way.parameters} | {
+    one.name for one in STEADY.values()
+}
+terms = st.lists(st.sampled_from([t for t in TERMS if TERMS[t].loads]), unique=True)
+
+
+def test_every_parameter_has_its_place_in_p_and_in_a_scene() -> None:
+    everything = Structure(3, "clamped", terms=tuple(TERMS))
+    assert (
+        everything.parameters
+        == tuple(name for name in PARAMETERS if name not in DIFFERING)
+        == (
+            *("mass", "length", "bending_stiffness", "follower_force", "follower_angle", "gravity"),
+            *("internal_damping", "external_damping", "clamp_angle", "tip_force_x", "tip_force_y"),
+            *("material_damping_time", "foundation_angle", "support_angle"),
+            *("drag_normal", "drag_tangential", "wind_x", "wind_y"),
+            *("fin_factor", "distributed_follower", "foundation_stiffness", "foundation_damping"),
+            *(one.name for one in TERMS["supports"].parameters if one.several),
+        )
+    )  # modules, files and programs in C rely on the order
+    computed = ("foundation_", "support_")
+    assert set(PLACES) == {name for name in everything.parameters if not name.startswith(computed)}
+    assert len(set(PLACES.values())) == len(PLACES)
+    for name, term in TERMS.items():
+        assert name == term.name
+        assert term.table == name.removesuffix("_load")
+
+
+def test_order_of_expressions_does_not_matter() -> None:
+    pairs = (("tip_force_x", "t"), ("follower_force", "2 * t"))
+    one, two = (Structure(3, terms=TERMS, expressions=e) for e in (pairs, pairs[::-1]))
+    assert one == two
+    assert one.hash == two.hash
+    for name, terms in (("gravity", TERMS), ("tip_force_x", THESIS_TERMS), ("follower_force", ())):
+        with pytest.raises(SceneError, match=f"expressions = '{name}': must be"):
+            Structure(3, terms=terms, expressions=((name, "t"),))
+
+
+NAMES = [
+    (("numpy", "chain"), ""),
+    (("numpy", "dense"), "_dense"),
+    (("c", "chain"), "_c"),
+]
+
+
+@pytest.mark.parametrize(("output", "ending"), NAMES)
+def test_names_of_modules(output: tuple[str, str], ending: str) -> None:
+    structures = {
+        Structure(20): "rod_free_n20",
+        Structure(5, "pinned", terms=()): "rod_pinned_n5_conservative",
+        Structure(5, "clamped", "lumped", ("tip_load",)): "rod_clamped_n5_tip_load_lumped",
+        Structure(5, inertia="lumped"): "rod_free_n5_lumped",
+        Structure(2, terms=TERMS): f"rod_free_n2_{'_'.join(TERMS)}",
+    }
+    for structure, stem in structures.items():
+        assert structure.stem == structure.module_stem() == stem
+        assert structure.module_stem(*output) == stem + ending
+
+
+@pytest.mark.parametrize(("output", "ending"), NAMES)
+def test_modules_that_differ_in_an_expression_differ_in_name(
+    output: tuple[str, str], ending: str
+) -> None:
+    stems = set()
+    for text in ("sin(t)", "cos(t)"):
+        structure = Structure(5, expressions=(("follower_force", text),))
+        stem = structure.module_stem(*output)
+        assert stem == f"rod_free_n5{ending}_{structure.hash[:6]}"
+        assert stem.isidentifier()
+        stems.add(stem)
+    assert len(stems) == 2
+
+
+def test_what_cannot_be_written_is_refused() -> None:
+    for target, form, message in (
+        ("fortran", "chain", "target = 'fortran': must be one of numpy, c"),
+        ("numpy", "sparse", "form = 'sparse': must be one of chain, dense"),
+        ("c", "dense", "form = 'dense': must be chain for target c"),
+    ):
+        with pytest.raises(SceneError, match=message):
+            check_output(target, form)
+
+
+def test_all_terms_are_those_of_the_thesis() -> None:
+    assert parse_terms("all") == THESIS_TERMS == Structure(3).terms
+    assert "tip_load" not in THESIS_TERMS
+    assert parse_terms("tip_load, follower") == ("follower", "tip_load")
+    assert parse_terms("tip_load") == ("tip_load",)
+    with pytest.raises(SceneError, match="gravity, internal_damping, external_damping, tip_load, "):
+        parse_terms("tip")
+
+
+@given(
+    links=st.integers(-3, 40),
+    boundary=st.sampled_from(list(BOUNDARIES)),
+    inertia=st.sampled_from(list(INERTIAS)),
+    names=terms,
+)
+def test_structures_are_checked_and_have_a_name_of_their_own(
+    links: int, boundary: str, inertia: str, names: list[str]
+) -> None:
+    if links < BOUNDARIES[boundary].least_links:
+        with pytest.raises(SceneError, match="links"):
+            Structure(links, boundary, inertia, tuple(names))
+        return
+    structure = Structure(links, boundary, inertia, tuple(names))
+    assert structure.stem.isidentifier()
+    assert structure.stem.startswith(f"rod_{boundary}_n{links}")
+    assert structure.stem.endswith("_lumped") == (inertia == "lumped")
+    assert structure == Structure(links, boundary, inertia, tuple(reversed(names)))
+    assert structure.hash == Structure(links, boundary, inertia, structure.terms).hash
+    if names:
+        assert structure.terms == parse_terms(",".join(names))
+    if names and set(names) != set(THESIS_TERMS):
+        assert all(name in structure.stem for name in names)
