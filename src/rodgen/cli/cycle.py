@@ -84,9 +84,8 @@ def cycle(
     if at is not None and branch_file is None:
         raise SceneError("--at", at, "given with --from, the file of a branch")
     if (mode is None) != (energy is None):
-        given = ("--mode", mode) if energy is None else ("--energy", energy)
-        other = "--energy" if energy is None else "--mode"
-        raise SceneError(*given, f"given with {other}")
+        name, other = ("--mode", "--energy") if energy is None else ("--energy", "--mode")
+        raise SceneError(name, energy if mode is None else mode, f"given with {other}")
     if mode is not None:
         for option, value in (("--vary", vary), ("--from", branch_file)):
             if value is not None:

@@ -100,7 +100,7 @@ def _row(branch: Branch, u: Array) -> dict[str, Any]:
     model, p = flow.model, flow.p
     x = cut(flow, orbit.t, orbit.x[0], orbit.period, SAMPLES)
     y = q.lifted(x)
-    times = orbit.t + orbit.period / SAMPLES * np.arange(SAMPLES)
+    times: Array = orbit.t + orbit.period / SAMPLES * np.arange(SAMPLES, dtype=float)
     angles = x[:, q.angles]
     if q.turns:
         angles = angles - angles.mean(axis=1, keepdims=True)

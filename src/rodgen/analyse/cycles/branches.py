@@ -191,11 +191,11 @@ def _both_ways(
 
 
 def _walk(problem: Cycles, first: Point, steps: Steps, watch: Callable[[float], None]) -> Curve:
-    ends = sorted(end / problem.variation.unit for end in problem.variation.ends)
+    low, high = sorted(end / problem.variation.unit for end in problem.variation.ends)
 
     def seen(point: Point) -> None:
         value = problem.value(point.u)
         problem.look_from(problem.orbit(point.u), value)
         watch(value)
 
-    return continued(problem, first, *ends, steps, watch=seen)
+    return continued(problem, first, low, high, steps, watch=seen)

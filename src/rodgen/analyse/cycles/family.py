@@ -54,8 +54,8 @@ class Variation:
         if not same or not all(same):
             allowed = "a number that leaves the structure of the equations as it is"
             raise SceneError("vary", self.key, allowed)
-        p = [self.parameters(value) for value in self.ends]
-        if np.array_equal(*p):
+        first, last = (self.parameters(value) for value in self.ends)
+        if np.array_equal(first, last):
             raise SceneError("vary", self.key, "a number that the equations depend on")
 
     @property

@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -179,7 +180,7 @@ def _coefficient(
     frequency: float,
     step: float,
 ) -> complex:
-    def along(way: Array) -> tuple[Array, Array]:
+    def along(way: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
         """First and second derivatives of J along a direction."""
         half = len(way) // 2
         # Rates are as large as the frequency: angles tell how far it goes.
