@@ -10,7 +10,7 @@ import pytest
 import xarray
 from matplotlib.figure import Figure
 
-from rodgen.show import pictures, study_pictures
+from rodgen.show import pictures, study_pictures, study_results
 from rodgen.show.study_results import Results
 
 SECTION = "section(tip_y, where='tip_x', rising=0)"
@@ -53,7 +53,7 @@ def dataset(names: tuple[str, ...], **more: Any) -> xarray.Dataset:
     ("count", "expected"),
     [
         (1, {"last_tip_x", "stable", "kind", "frequency_2", "section_tip_y_where_tip_x_rising_0"}),
-        (2, {"last_tip_x", "stable", "kind"}),
+        (2, {"last_tip_x", "stable", "kind", "section_tip_y_where_tip_x_rising_0"}),
         (3, {"last_tip_x", "stable", "kind"}),
         (4, {"scatter"}),
     ],
@@ -64,6 +64,20 @@ def test_pictures_of_a_grid(tmp_path: Path, count: int, expected: set[str]) -> N
     for path in made:
         assert path.read_bytes().startswith(b"\x89PNG")
         assert path.stat().st_size > 1000
+
+
+def test_of_too_many_points_some_are_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every fourth along the longer axis, and the title says that there are more."""
+    names = tuple(AXES)[1:3]
+    whole = dataset(names)
+    assert Results.thinned(whole).dataset is whole
+    monkeypatch.setattr(study_results, "MOST_SHOWN", 6)
+    shown = Results.thinned(whole)
+    assert shown.status.shape == (2, 3)
+    assert shown.title == "study: one point of 4"
+    expected = whole["last(tip_x)"].values[::4]
+    np.testing.assert_array_equal(shown.dataset["last(tip_x)"], expected)
+    np.testing.assert_array_equal(shown.dataset[names[0]], AXES[names[0]][::4])
 
 
 def test_a_sample_is_a_scatter_matrix(tmp_path: Path) -> None:
@@ -110,3 +124,20 @@ def test_a_map_shows_the_points_that_were_computed() -> None:
     assert np.isfinite(np.ma.filled(mesh.get_array(), np.nan)).all()
     texts = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
     assert texts == ["stable", "unstable", "computed points"]
+
+
+def test_periods_of_sections_are_told_apart() -> None:
+    """Of made up motions: at rest, of period 1 with a noise of rounding, 3, and one that never
+    repeats itself; beside them a value far outside, which does not change the range."""
+    rng = np.random.default_rng(1)
+    values = np.full((2, 3, 600), np.nan)
+    values[0, 1] = 0.3 + 1e-9 * rng.normal(size=600)
+    values[0, 2] = np.tile([0.0, 0.5, 1.0], 200)
+    values[1, 0] = rng.random(600)
+    values[1, 1, :4] = [0.2, 0.2004, 0.7, 0.2002]
+    values[1, 2, 0] = 1e6
+    found = study_pictures.distinct(values)
+    assert found[0].tolist() == [0, 1, 3]
+    assert found[1, 0] > 100
+    assert found[1, 1:].tolist() == [2, 1]
+    assert study_pictures.distinct(np.full((2, 3), np.nan)).tolist() == [0, 0]
