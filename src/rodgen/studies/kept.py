@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.fourier import peaks_of
 from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.crossings import Crossed, Crossing
 from rodgen.integrate.reductions import Numbers, Reduction
@@ -189,6 +188,9 @@ class Peak:
     def of(self, solution: Solution, places: Numbers) -> dict[str, Any]:
         """What it is of a run; not-a-number where there is no peak. Raises SceneError for samples
         that are not uniform."""
+        # It brings a third of all that a worker would import.
+        from rodgen.analyse.fourier import peaks_of
+
         t, values = solution.t, places.values(solution, self.number)
         inside = (t >= self.start) & (t <= self.end)
         last = int(np.flatnonzero(inside)[-1]) if inside.any() else 0
