@@ -10,8 +10,6 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 import rodgen
@@ -62,12 +60,12 @@ def umbrella(scenes: Path) -> Figure:
     scene = rodgen.Scene.from_dict(table)
     figure, (axes,) = sheet(6.4, 1)
     figure.set_figheight(4.4)
-    colours = ScalarMappable(Normalize(FORCES[0], FORCES[-1]), "viridis")
-    for force in FORCES:
+    shares = (np.array(FORCES) - FORCES[0]) / (FORCES[-1] - FORCES[0])
+    for force, colour in zip(FORCES, matplotlib.colormaps["viridis"](shares), strict=True):
         loaded = with_value(scene, FORCE, force)
         found = rodgen.stability_boundary(loaded, (INTERNAL, EXTERNAL))
         a, b = (found[name].values for name in ("a", "b"))
-        axes.plot(a, b, color=colours.to_rgba(force), label=f"{force:g} N", linewidth=1.2)
+        axes.plot(a, b, color=colour, label=f"{force:g} N", linewidth=1.2)
     onset = 9 * (3.5 - np.sqrt(2))
     axes.set(
         xlim=(0, 1.0),
