@@ -7,7 +7,7 @@
 # make guide      take the numbers of README and docs/which-method.md from the last report
 # make report [QUICK=1] [RESUME=1]    error against run time, stability, extremes, beside peers
 # make test-all   the long tests as well         make lint, make types
-# make bench, bench-rhs, bench-many, bench-study, bench-engine, bench-analyse, bench-live
+# make bench, bench-rhs, bench-many, bench-study, bench-engine, bench-workers, bench-load, bench-kills, bench-analyse, bench-live
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -26,7 +26,7 @@ FORM ?= chain
 PARTS ?= all
 SCENE ?= scenes/missile.toml
 
-.PHONY: demo view derive test test-all lint types bench bench-rhs bench-many bench-study bench-engine bench-analyse bench-live reference figures screenshot thesis audit \
+.PHONY: demo view derive test test-all lint types bench bench-rhs bench-many bench-study bench-engine bench-workers bench-load bench-kills bench-analyse bench-live reference figures screenshot thesis audit \
 	report guide clean
 
 demo: .venv/installed
@@ -79,7 +79,16 @@ bench-analyse: .venv/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.analyse
 
 bench-engine: .venv/developing .venv/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.study_engine $(TASKS)
+	@$(BIN)/python -m rodgen_evidence.benchmarks.study_engine $(RUNS) $(TASKS)
+
+bench-workers: .venv/developing .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.study_workers $(BLOCKS) $(WORKERS)
+
+bench-load: .venv/developing .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.study_load $(TASKS) $(WORKERS)
+
+bench-kills: .venv/developing .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.study_kills $(STUDIES)
 
 bench-live: .venv/developing .venv/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.live $(or $(SECONDS),20) $(LINKS)
