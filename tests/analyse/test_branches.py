@@ -137,6 +137,19 @@ def test_a_file_is_gone_on_from(rod: Rod, tmp_path: Path) -> None:
         continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read)
 
 
+def test_a_scene_at_a_point_of_a_branch_is_at_rest(rod: Rod) -> None:
+    scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
+    found = continue_equilibria(scene, AXIAL, (0.0, -20.0), step=0.1)
+    for at in (0, found.sizes["point"] // 2, -1):
+        there = branch_data.scene_at(found, at)
+        model = rodgen.build(there, "numpy")
+        rates = model.rhs(0.0, there.initial_state(), model.parameters(**there.parameters))
+        assert np.abs(rates).max() < 1e-8
+        assert there.loads.value("tip_force_x") == float(found["value"][at])
+    with pytest.raises(SceneError, match="at"):
+        branch_data.scene_at(found, found.sizes["point"])
+
+
 def test_both_ways_from_a_value_between(rod: Rod) -> None:
     scene = rod(10, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
     found = continue_equilibria(scene, AXIAL, (0.0, -20.0), start=-7.0)

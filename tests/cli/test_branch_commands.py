@@ -130,6 +130,8 @@ BRANCH = ("--from", 0, "--to", 10)
         (("boundary", "--vary", "loads.tip.x,loads.tip.x"), "vary"),
         (("boundary", "--vary", "loads.follower.force,rod.mass", "--b", "2"), "--b"),
         (("static", "--all", "--imperfection", 0.1), "--imperfection"),
+        (("view", "--from", ROOT / "README.md"), "SCENE"),
+        (("view", "--at", 3), "--at"),
     ],
 )
 def test_what_is_refused(
