@@ -80,6 +80,15 @@ def test_of_too_many_points_some_are_shown(monkeypatch: pytest.MonkeyPatch) -> N
     np.testing.assert_array_equal(shown.dataset[names[0]], AXES[names[0]][::4])
 
 
+def test_text_may_be_as_stores_have_it(tmp_path: Path) -> None:
+    """Large ones are read as they are asked for, with text of any length."""
+    names = tuple(AXES)[:2]
+    text = {one: dataset(names)[one].astype(np.dtypes.StringDType()) for one in ("status", "kind")}
+    plain = [path.read_bytes() for path in study_pictures.draw(dataset(names), tmp_path)]
+    made = study_pictures.draw(dataset(names).assign(text), tmp_path)
+    assert [path.read_bytes() for path in made] == plain
+
+
 def test_a_sample_is_a_scatter_matrix(tmp_path: Path) -> None:
     count = 30
     x, status = np.linspace(1, 2, count), np.full(count, "finished")

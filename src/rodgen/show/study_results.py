@@ -79,7 +79,8 @@ class Results:
     @cached_property
     def status(self) -> NDArray[Any]:
         """Of all points."""
-        return np.asarray(self.dataset["status"].values).astype(str)
+        # Text of any length, as stores that are read piece by piece have it, is made plain first.
+        return np.asarray(self.dataset["status"].values).astype(object).astype(str)
 
     def label(self, name: str) -> str:
         """A name with its unit."""
