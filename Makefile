@@ -7,7 +7,7 @@
 # make guide      take the numbers of README and docs/which-method.md from the last report
 # make report [QUICK=1] [RESUME=1]    error against run time, stability, extremes, beside peers
 # make test-all   the long tests as well         make lint, make types
-# make bench, bench-rhs, bench-many, bench-study, bench-engine, bench-analyse, bench-live
+# make bench, bench-rhs, bench-many, bench-study, bench-engine, bench-analyse, bench-exponents, bench-live
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -26,7 +26,7 @@ FORM ?= chain
 PARTS ?= all
 SCENE ?= scenes/missile.toml
 
-.PHONY: demo view derive test test-all lint types bench bench-rhs bench-many bench-study bench-engine bench-analyse bench-live reference figures screenshot thesis audit \
+.PHONY: demo view derive test test-all lint types bench bench-rhs bench-many bench-study bench-engine bench-analyse bench-exponents bench-live reference figures screenshot thesis audit \
 	report guide clean
 
 demo: .venv/installed
@@ -74,6 +74,9 @@ bench-many: .venv/evidence
 
 bench-study: .venv/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.study
+
+bench-exponents: .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.exponents
 
 bench-analyse: .venv/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.analyse
