@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rodgen.analyse.boundary import stability_boundary
     from rodgen.analyse.branches import continue_equilibria
     from rodgen.analyse.chaos import zero_one_test
     from rodgen.analyse.critical import Critical, critical_force
@@ -67,6 +68,7 @@ _HOMES = {
     "static_equilibrium": "rodgen.analyse.statics",
     "Equilibrium": "rodgen.analyse.statics",
     "continue_equilibria": "rodgen.analyse.branches",
+    "stability_boundary": "rodgen.analyse.boundary",
     "critical_force": "rodgen.analyse.critical",
     "Critical": "rodgen.analyse.critical",
     "find_cycle": "rodgen.analyse.cycles.cycle",
@@ -132,6 +134,7 @@ __all__ = [
     "simulate_many",
     "simulated_critical_force",
     "spectrum",
+    "stability_boundary",
     "static_equilibrium",
     "study",
     "work_precision",

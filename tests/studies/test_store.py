@@ -12,7 +12,7 @@ import xarray as xr
 
 import rodgen
 from rodgen import SceneError, Study, StudyError
-from rodgen.studies import engine, store
+from rodgen.studies import here, store
 from rodgen.studies.engine import run
 from rodgen.studies.store import Store, read
 from rodgen.studies.tally import reason, tally
@@ -173,7 +173,7 @@ def test_success_is_what_the_store_says(tmp_path: Path, monkeypatch: pytest.Monk
         for block in blocks:
             yield Done(block, store.layout.points(block), 0)
 
-    monkeypatch.setattr(engine.Here, "compute", lying)
+    monkeypatch.setattr(here.Here, "compute", lying)
     with pytest.raises(StudyError, match=r"\d+ of \d+ blocks are not done"):
         run(grid(), tmp_path / "a.zarr", workers=1)
 

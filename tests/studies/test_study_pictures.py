@@ -53,7 +53,7 @@ def dataset(names: tuple[str, ...], **more: Any) -> xarray.Dataset:
     ("count", "expected"),
     [
         (1, {"last_tip_x", "stable", "kind", "frequency_2", "section_tip_y_where_tip_x_rising_0"}),
-        (2, {"last_tip_x", "stable", "kind"}),
+        (2, {"last_tip_x", "stable", "kind", "section_tip_y_where_tip_x_rising_0"}),
         (3, {"last_tip_x", "stable", "kind"}),
         (4, {"scatter"}),
     ],
@@ -110,3 +110,20 @@ def test_a_map_shows_the_points_that_were_computed() -> None:
     assert np.isfinite(np.ma.filled(mesh.get_array(), np.nan)).all()
     texts = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
     assert texts == ["stable", "unstable", "computed points"]
+
+
+def test_periods_of_sections_are_told_apart() -> None:
+    """Of made up motions: at rest, of period 1 with a noise of rounding, 3, and one that never
+    repeats itself; beside them a value far outside, which does not change the range."""
+    rng = np.random.default_rng(1)
+    values = np.full((2, 3, 600), np.nan)
+    values[0, 1] = 0.3 + 1e-9 * rng.normal(size=600)
+    values[0, 2] = np.tile([0.0, 0.5, 1.0], 200)
+    values[1, 0] = rng.random(600)
+    values[1, 1, :4] = [0.2, 0.2004, 0.7, 0.2002]
+    values[1, 2, 0] = 1e6
+    found = study_pictures.distinct(values)
+    assert found[0].tolist() == [0, 1, 3]
+    assert found[1, 0] > 100
+    assert found[1, 1:].tolist() == [2, 1]
+    assert study_pictures.distinct(np.full((2, 3), np.nan)).tolist() == [0, 0]

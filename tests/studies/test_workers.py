@@ -18,8 +18,9 @@ from distributed.comm import CommClosedError
 
 import rodgen
 from rodgen import SceneError, Study, StudyError
-from rodgen.studies import cluster
+from rodgen.studies import cluster, worker
 from rodgen.studies.engine import run
+from rodgen.studies.here import FORKS
 from rodgen.studies.store import Store, read
 from tests.studies.conftest import assert_same
 from tests.studies.scenes import PENDULUM, scene
@@ -132,6 +133,27 @@ def test_a_point_that_kills_its_worker_is_recorded(tmp_path: Path, scheduler: An
     assert len(others["parameters.A"]) == POINTS - 1
 
 
+@pytest.mark.skipif(not FORKS, reason="where there are no forks, it ends with the study")
+def test_a_single_worker_survives_a_point_that_kills_its_process(tmp_path: Path) -> None:
+    """It kills it twice, is recorded and all others are computed; also where it is the one by which
+    the time of a point is found."""
+
+    def poisonous(solution: Any) -> float:
+        a = solution.scene.numbers["A"]
+        if a in (3.0, POINTS // 2):
+            os.kill(os.getpid(), signal.SIGKILL)
+        return float(a)
+
+    study = study_of(poisonous)
+    run(study, tmp_path / "a.zarr", workers=1)
+    data = read(tmp_path / "a.zarr")
+    bad = np.isin(np.arange(POINTS), (3, POINTS // 2))
+    np.testing.assert_array_equal(data.status.values == "failed", bad)
+    said = "its process was ended by SIGKILL, twice and alone"
+    assert (data.message.values[bad] == said).all()
+    np.testing.assert_array_equal(data["poisonous"].values[~bad], np.arange(POINTS)[~bad])
+
+
 CLIENT = """
 import os, signal, sys, time
 from pathlib import Path
@@ -143,7 +165,7 @@ from tests.studies.test_workers import SHORT, POINTS
 path, pause, last = Path(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3])
 def slow(solution):
     if solution.scene.numbers["A"] == last:
-        os.kill(os.getpid(), signal.SIGKILL)
+        os.kill(os.getppid(), signal.SIGKILL)  # of the client, whose process computes
     time.sleep(pause)
     return float(solution.scene.numbers["A"])
 # As another function it would be that of another study.
@@ -323,8 +345,8 @@ def test_workers_of_another_version_are_refused(
     key: str, tmp_path: Path, scheduler: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """That of the client is changed: what matters is that they differ."""
-    own = cluster.who()
-    monkeypatch.setattr(cluster, "_own", lambda: {**own, key: "another"})
+    own = worker.who()
+    monkeypatch.setattr(cluster, "of_client", lambda: {**own, key: "another"})
     with pytest.raises(SceneError, match=f"{key} {own[key]}, not another"):
         run(study_of(), tmp_path / "a.zarr", scheduler=scheduler.scheduler_address)
     assert not list(tmp_path.iterdir())

@@ -64,15 +64,17 @@ def continued(
     steps: Steps | None = None,
     first: float | None = None,
     watch: Callable[[Point], None] = lambda point: None,
+    until: Callable[[Point], str] = lambda point: "",
 ) -> Curve:
     """The curve from a point on along its tangent, while its parameter is within low and high.
 
-    first: the first step, if not that of steps; watch: called with every point. A step is taken
+    first: the first step, if not that of steps; watch: called with every point; until: says why
+    the curve need not be followed beyond a point, or nothing. A step is taken
     where the correction is short, the tangent turns little and the number of unstable directions
     changes as the special points found on the way tell, else it is halved, so that no other branch
     is jumped to. What was found so far is kept where it ends; why is told by ``end``.
     """
-    return _Walk(problem, steps or Steps(), low, high, watch).from_(start, first)
+    return _Walk(problem, steps or Steps(), low, high, watch, until).from_(start, first)
 
 
 class _Walk:
@@ -83,9 +85,11 @@ class _Walk:
         low: float,
         high: float,
         watch: Callable[[Point], None],
+        until: Callable[[Point], str],
     ):
         self.problem, self.steps, self.low, self.high = problem, steps, low, high
-        self.watch, self.curve, self.why, self.before = watch, Curve(), "", 0
+        self.watch, self.until = watch, until
+        self.curve, self.why, self.before = Curve(), "", 0
 
     def from_(self, start: Point, first: float | None) -> Curve:
         steps, curve = self.steps, self.curve
@@ -132,6 +136,8 @@ class _Walk:
         curve, start = self.curve, self.curve.points[0]
         if point.value in (self.low, self.high):
             curve.end, curve.complete = "the end of the range was reached", True
+        elif why := self.until(point):
+            curve.end, curve.complete = why, True
         elif len(curve.points) >= self.steps.most:
             curve.end = f"{self.steps.most} points were computed"
         elif len(curve.points) > FEW and self._returns(point, start, h):

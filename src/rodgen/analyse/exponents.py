@@ -65,9 +65,12 @@ class Exponents:
 
     @property
     def chaotic(self) -> bool | None:
-        """Whether neighbours come apart exponentially; None where that cannot be told."""
+        """Whether neighbours come apart exponentially; None where that cannot be told, by its error
+        or because the 0-1 test says otherwise."""
         largest, error = float(self.exponents[0]), float(self.errors[0])
-        return True if largest > 3 * error else None if largest > 1.5 * error else False
+        if largest > 3 * error:
+            return True
+        return None if largest > 1.5 * error or self.zero_one > 0.5 else False
 
 
 @guarded

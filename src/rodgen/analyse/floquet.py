@@ -33,7 +33,10 @@ Complex = NDArray[np.complex128]
 
 SEGMENTS = 4  # of a period
 FIRST, MOST = 8, 2**16  # steps in a period at least, at first and at most
-ENOUGH = 1e-9  # what doubling these may change of a map, relative to its size
+# What doubling these may change of the multipliers above so much of the largest, relative to it.
+ENOUGH, LARGER = 1e-8, 0.3
+SAME = 1e-11  # of a map, that is found: multipliers that meet are known to the root of its error
+MEETING = 1e-5
 RTOL, ATOL = 1e-11, 1e-13
 ITERATIONS = 12  # of Newton's method
 CLOSED, FAR = 1e-9, 30.0  # of the state: a motion is periodic, and is none that Newton reaches
@@ -44,9 +47,10 @@ class Floquet:
     """Multipliers of a periodic motion, the largest first.
 
     multipliers (k,): factors by which small changes of the state grow in a period; period [s]; y:
-    the state (states,) at the start of the span, to which the motion returns; error: of the largest
-    multipliers; closed: how far the motion is from its start after a period; places: of the numbers
-    in y that the multipliers are of (of a rod that flies, those beside its place).
+    the state (states,) at the start of the span, to which the motion returns; error: of the
+    larger multipliers, relative to the largest; closed: how far the motion is from its start after
+    a period; places: of the numbers in y that the multipliers are of (of a rod that flies, those
+    beside its place).
     """
 
     multipliers: Complex
@@ -74,8 +78,8 @@ class Floquet:
     @property
     def stable(self) -> bool:
         """Whether no small change grows, within the error; multipliers of a motion without damping
-        that meet on the unit circle are as far from it as the root of the error."""
-        return self.modulus <= 1 + max(10 * self.error, 4 * math.sqrt(self.error))
+        that meet on the unit circle are as far from it as the root of the maps' error."""
+        return self.modulus <= 1 + max(10 * self.error, MEETING)
 
 
 @guarded
@@ -103,7 +107,8 @@ def floquet(
     map_ = _Map(scene, model, seconds, segments)
     for guess in _guesses(scene, y):
         try:
-            return _found(map_, map_.fixed(guess))
+            y, multipliers, error, closed = map_.fixed(guess)
+            return Floquet(multipliers, seconds, y, error, closed, map_.places)
         except (AnalysisError, StepError) as error:
             why = error
     raise AnalysisError(f"{scene.name}: no motion of period {seconds:.6g} s was found: {why}")
@@ -154,8 +159,9 @@ class _Map:
         states = len(scene.initial_state())
         self.places = _places(scene, model, states)
 
-    def over(self, y: Array, least: int) -> tuple[Array, list[Array]]:
-        """The state after a period, and the maps (k, k) of its segments, with so many steps."""
+    def over(self, y: Array, least: int) -> tuple[Array, list[Array], int]:
+        """The state after a period, the maps (k, k) of its segments with so many steps, and how
+        many steps were taken."""
         longest = min(self._steps.longest, self.period / least)
         on = Variations(
             *(self._model, self._p, self._start, y, np.eye(len(y))),
@@ -166,34 +172,39 @@ class _Map:
             on.on(end)
             maps.append(on.tangents.T[np.ix_(self.places, self.places)])
             on.tangents = np.eye(len(y))
-        return on.y, maps
+        return on.y, maps, on.counts[0]
 
-    def resolved(self, y: Array) -> tuple[list[Array], float]:
-        """The maps with steps short enough for tangents, and by how much these change with half of
-        them: about a motion that rests there is no error that would tell steps how long to be."""
-        least, (_, maps) = FIRST, self.over(y, FIRST)
-        while least < MOST:
-            least *= 2
-            _, finer = self.over(y, least)
-            pairs = zip(finer, maps, strict=True)
-            off = max(float(np.abs(a - b).max() / np.abs(a).max()) for a, b in pairs)
-            if off < ENOUGH:
+    def resolved(self, y: Array, maps: list[Array], steps: int) -> tuple[Complex, float]:
+        """The multipliers with steps short enough for tangents, and by how much the larger ones
+        change with half of them: about a motion that rests there is no error that would tell
+        steps how long to be, and fast motions that are quiet let them be as long as is stable."""
+        found = multipliers_of(maps)
+        while steps < MOST:
+            steps *= 2
+            before = maps
+            _, maps, _ = self.over(y, steps)
+            finer = multipliers_of(maps)
+            off = _apart(finer, found)
+            changes = (
+                np.abs(b - a).max() / np.abs(a).max() for a, b in zip(maps, before, strict=True)
+            )
+            if off < ENOUGH or max(changes) < SAME:
                 return finer, off
-            maps = finer
-        raise AnalysisError(f"{least} steps are too few for a period")
+            found = finer
+        raise AnalysisError(f"{steps} steps are too few for a period")
 
-    def fixed(self, y: Array) -> tuple[Array, list[Array], float, float]:
-        """The state that a period brings back, by Newton's method, its maps, and how well either
-        is known."""
+    def fixed(self, y: Array) -> tuple[Array, Complex, float, float]:
+        """The state that a period brings back, by Newton's method, its multipliers, and how well
+        these and the state are known."""
         y, places = y.copy(), list(self.places)
         off = math.inf
         for _ in range(ITERATIONS):
-            after, maps = self.over(y, FIRST)
+            after, maps, steps = self.over(y, FIRST)
             less = (after - y)[places]
             scale = 1.0 + float(np.abs(y[places]).max(initial=0.0))
             off = float(np.abs(less).max(initial=0.0)) / scale
             if off < CLOSED:
-                return y, *self.resolved(y), off
+                return y, *self.resolved(y, maps, steps), off
             if not off < FAR:
                 break
             whole = np.linalg.multi_dot([*maps[::-1], np.eye(len(places))])
@@ -212,9 +223,11 @@ def _places(scene: Scene, model: ModuleType, states: int) -> tuple[int, ...]:
     return tuple(at for at in places if at not in (0, 1, half, half + 1))
 
 
-def _found(map_: _Map, fixed: tuple[Array, list[Array], float, float]) -> Floquet:
-    y, maps, error, closed = fixed
-    return Floquet(multipliers_of(maps), map_.period, y, error, closed, map_.places)
+def _apart(finer: Complex, coarser: Complex) -> float:
+    """By how much the larger multipliers differ, relative to the largest."""
+    largest = float(np.abs(finer[0]))
+    larger = finer[np.abs(finer) >= LARGER * largest]
+    return float(max(np.abs(coarser - one).min() for one in larger)) / max(largest, 1e-300)
 
 
 def multipliers_of(maps: Sequence[Array]) -> Complex:

@@ -13,6 +13,7 @@ import typer
 
 from rodgen.cli import (
     animate,
+    boundary,
     branch,
     check,
     critical,
@@ -42,6 +43,7 @@ OWN: dict[str, Callable[..., object]] = {
     "static": static.static,
     "critical": critical.critical,
     "branch": branch.branch,
+    "boundary": boundary.boundary,
     "exponents": exponents.exponents,
     "cycle": cycle.cycle,
     "precision": precision.precision,

@@ -90,6 +90,9 @@ def _words(found: Exponents) -> list[str]:
     """What the numbers mean."""
     largest = float(found.exponents[0])
     lines = [f"The motion: {VERDICT[found.chaotic]}."]
+    if found.chaotic is False:
+        most = largest + float(found.errors[0])
+        lines[0] += f" No exponent is above {most:.2g} 1/s by these {found.t[-1]:.4g} s."
     if found.chaotic:
         lines[0] += f" Errors grow tenfold in {math.log(10) / largest:.3g} s."
     if math.isfinite(found.zero_one):

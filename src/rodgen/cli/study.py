@@ -28,7 +28,7 @@ def study(
     ] = Path("results"),
     workers: Annotated[
         int | None,
-        typer.Option(help="Processes; by default one a processor. With 1, this one alone."),
+        typer.Option(help="Processes; by default one a processor. With 1, one without Dask."),
     ] = None,
     scheduler: Annotated[
         str | None,

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,13 +24,25 @@ from rodgen.scene.integration import Integrate
 Row = str
 BALANCE = "energy_balance"
 ENERGIES = ("kinetic_energy", "spring_energy", "gravity_energy")
-EVERY = np.empty(0, dtype=np.int64)
+EVERY = Shared(course_of=np.empty(0, dtype=np.int64))
 PIECES = 8  # in which each worker takes its share of the rods
 
 
 def explicit(method: str) -> bool:
     """Whether a method's steps can be taken side by side."""
     return method in COMPILED and method not in IMPLICIT
+
+
+class Times(NamedTuple):
+    """Times of the samples of all runs [s], and how the loops know them."""
+
+    all: Array
+    shared: Shared
+
+    @classmethod
+    def of(cls, times: Array) -> Times:
+        """From the times alone."""
+        return cls(times, Shared(times=times))
 
 
 @dataclass(frozen=True)
@@ -159,7 +171,7 @@ def run(
     lanes: Lanes,
     plan: Plan,
     settings: Integrate,
-    times: Array,
+    times: Times,
     p: Array,
     y: Array,
     courses: Courses,
@@ -168,7 +180,8 @@ def run(
     ranges: Sequence[tuple[int, int]],
     workers: int,
 ) -> Block:
-    """Runs of rods in some ranges, each of the course of its number; p, y: of each or of all."""
+    """Runs of rods in some ranges, each of the course of its number; times: of the samples [s]; p,
+    y: of each or of all."""
     fields = {
         "method": COMPILED.index(settings.method),
         "start": settings.span[0],
@@ -178,7 +191,7 @@ def run(
         "budget": settings.budget,
         "stride": STRIDE,
         "creep": CREEP,
-        "samples": len(times),
+        "samples": len(times.all),
         "observes": plan.observes,
         "energies": plan.energies,
         "kept": len(plan.keep),
@@ -186,8 +199,8 @@ def run(
         "looks": bool(plan.watched.table["looks"].any()),
         "crossed_width": plan.watched.width,
     }
-    each = Shared(times=times, course_of=EVERY if which is None else which)
-    block = Block(lanes, rods, p, y, (plan.shared, courses.shared, each), fields)
+    own = EVERY if which is None else Shared(course_of=which)
+    block = Block(lanes, rods, p, y, (plan.shared, courses.shared, times.shared, own), fields)
     share(block, _pieces(ranges, workers), workers)
     return block
 
@@ -205,6 +218,10 @@ def _pieces(ranges: Sequence[tuple[int, int]], workers: int) -> list[tuple[int, 
 
 def share(block: Block, pieces: Sequence[tuple[int, int]], workers: int) -> None:
     """Have pieces of a block done by so many threads, this one among them."""
+    if workers == 1:
+        alone = iter(pieces)
+        block.work(lambda: next(alone, None))
+        return
     left, lock = iter(pieces), threading.Lock()
     failed: list[BaseException] = []
 

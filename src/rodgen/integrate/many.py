@@ -25,8 +25,7 @@ from rodgen.integrate.samples import Recorder
 from rodgen.integrate.stepper import Array, Machine, StepError
 from rodgen.integrate.stretches import UNBOUNDED, Stretches, inside, step_to
 from rodgen.model.methods import METHODS
-from rodgen.native.many import STOPPED
-from rodgen.native.run import STATUSES
+from rodgen.native.many import REACHED, STOPPED
 from rodgen.scene.errors import SceneError, check_type, explain
 from rodgen.scene.integration import AUTO, Integrate
 from rodgen.scene.overrides import check_used
@@ -105,7 +104,7 @@ def watched_many(
     reductions = equations.reductions((keep,) if isinstance(keep, str) else tuple(keep))
     plan = equations.plan(used, reductions, tuple(crossings))
     if plan is None:
-        return _one_by_one(equations, reductions, used, times, packed, y, rods)
+        return _one_by_one(equations, reductions, used, times.all, packed, y, rods)
     return _side_by_side(equations, plan, reductions, used, times, packed, y, rods, workers)
 
 
@@ -140,7 +139,7 @@ def _plain(name: str, value: Any) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _settings(given: tuple[tuple[str, Any], ...]) -> tuple[Integrate, Array]:
+def _settings(given: tuple[tuple[str, Any], ...]) -> tuple[Integrate, lanes.Times]:
     """Settings, checked as a scene's are, and the times of the samples."""
     table = {name: list(v) if isinstance(v, tuple) else v for name, v in given if v is not None}
     try:
@@ -150,7 +149,7 @@ def _settings(given: tuple[tuple[str, Any], ...]) -> tuple[Integrate, Array]:
     if settings.method == AUTO:
         raise SceneError("method", AUTO, f"one of {', '.join(METHODS)}: auto looks at one scene")
     check_used(settings, table)
-    return settings, settings.samples
+    return settings, lanes.Times.of(settings.samples)
 
 
 # Side by side ----------------------------------------------------------------------------------
@@ -161,7 +160,7 @@ def _side_by_side(
     plan: lanes.Plan,
     reductions: Sequence[Reduction],
     settings: Integrate,
-    times: Array,
+    times: lanes.Times,
     p: Array,
     y: Array,
     rods: int,
@@ -169,29 +168,32 @@ def _side_by_side(
 ) -> Ensemble:
     """Runs in the lanes of C."""
     courses, which, refused = equations.courses(settings, p, rods)
-    jobs = list(_between(sorted(refused), rods))
+    jobs = list(_between(sorted(refused), rods)) if refused else [(0, rods)]
     block = lanes.run(
         equations.lanes, plan, settings, times, p, y, courses, which, rods, jobs, workers
     )
     outcome, works = block.outcome, equations.lanes.works
-    stopped = outcome["status"] == STOPPED
-    ended = stopped | (outcome["status"] == STATUSES["REACHED"])
-    message = {}
-    for rod in np.flatnonzero(~ended).tolist():
+    ended = np.full(rods, FINISHED)
+    message: dict[int, str] = {}
+    # Of what has come to its end there is nothing to say: most often that is all of it.
+    for rod in (
+        () if (reached := outcome["status"] == REACHED).all() else np.flatnonzero(~reached).tolist()
+    ):
         status, t = int(outcome["status"][rod]), float(outcome["t"][rod])
-        message[rod] = refused.get(rod) or _said(lanes.why(status, settings, t), t, settings)
+        if status == STOPPED:
+            message[rod] = ended_by(t, plan.watched.stop(int(outcome["stopped"][rod])))
+            continue
+        said = refused.get(rod) or _said(lanes.why(status, settings, t), t, settings)
+        message[rod], ended[rod] = said, FAILED
     for rod in refused:
         block.values[rod], block.state[rod], outcome["t"][rod] = np.nan, np.nan, settings.span[0]
-    for rod in np.flatnonzero(stopped).tolist():
-        name = plan.watched.stop(int(outcome["stopped"][rod]))
-        message[rod] = ended_by(float(outcome["t"][rod]), name)
     least, most = block.values[:, -2], block.values[:, -1]
     return Ensemble(
         values={one.text: block.values[:, at] for at, one in enumerate(reductions)},
         t=outcome["t"],
         y=block.state[:, : equations.states],
         work={term: block.state[:, equations.states + at] for at, term in enumerate(works)},
-        status=np.where(ended, FINISHED, FAILED),
+        status=ended,
         message=message,
         steps=outcome["steps"],
         rejected=outcome["rejected"],

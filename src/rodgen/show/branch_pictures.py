@@ -10,8 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from rodgen.analyse.critical import critical_force
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.system import without
 from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene, SceneError
 from rodgen.show.pictures import LINE, canvas
 
 if TYPE_CHECKING:
@@ -20,6 +24,7 @@ if TYPE_CHECKING:
 Style = Literal["-", "--", ":"]
 NAMES = {"branch": "branch point", "fold": "fold", "hopf": "Hopf point"}
 MARKS = {"branch": "s", "fold": "D", "hopf": "o"}
+WIDE, WIDEST = 1e3, 1e6  # largest over least damping: logarithmic, and how far at most
 FLAT = 1e-9  # of the length: what moves less does not
 STYLES: dict[int, Style] = {1: "--", 0: "-", -1: ":"}  # unstable, stable, not known
 
@@ -102,3 +107,54 @@ def _named(axes: Axes, branches: list[xarray.Dataset], scene: Scene) -> None:
             axes.annotate(
                 f"{value:.6g}", (value, y), (4, 5), textcoords="offset points", fontsize="x-small"
             )
+
+
+def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
+    """The boundary of stability, the first number over the second, and the frequency along it.
+    Where damping vanishes, its limit is marked beside the onset without any."""
+    names = [data.attrs["a"], data.attrs["b"]]
+    values = [data[name].values for name in ("a", "b")]
+    up = 0 if not _damps(names[0]) else 1  # a load stands upright, damping lies
+    y, x, frequency = values[up], values[1 - up], data["frequency"].values
+    figure = canvas(6.4, 5.2)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    upper.plot(x, y, color="tab:blue", linewidth=LINE)
+    lower.plot(x, frequency, color="tab:blue", linewidth=LINE)
+    positive = x[x > 0]
+    if _damps(names[1 - up]) and len(positive) and positive.max() > WIDE * positive.min():
+        least = max(float(positive.min()), float(positive.max()) / WIDEST)
+        upper.set_xscale("symlog", linthresh=least)
+        low, high = np.percentile(y, [0, 100])
+        upper.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))
+    if (x == 0).any() and _damps(names[1 - up]):
+        at = int(np.argmax(x == 0))
+        label = f"limit of no damping: {y[at]:.6g}"
+        upper.plot(0.0, y[at], "o", markerfacecolor="white", color="tab:red", label=label)
+        without = _undamped(scene, names[up])
+        if without is not None:
+            label = f"without damping: {without:.6g}"
+            upper.plot(0.0, without, "o", color="tab:red", label=label)
+            upper.set_ylim(0.0, max(upper.get_ylim()[1], 1.1 * without))
+        upper.legend(fontsize="small")
+    for axes in (upper, lower):
+        axes.grid(alpha=0.3)
+    upper.set(ylabel=names[up], title=f"{scene.name}: {data.attrs['kind']} begins at the boundary")
+    lower.set(xlabel=names[1 - up], ylabel="frequency [Hz]")
+    return figure
+
+
+def _damps(key: str) -> bool:
+    """Whether a number is a damping."""
+    return any(term.damps and key.startswith(f"loads.{term.table}.") for term in TERMS.values())
+
+
+def _undamped(scene: Scene, key: str) -> float | None:
+    """The onset of the scene without its damping, of the load that is varied."""
+    tables = {term.table for term in TERMS.values() if term.damps}
+    if not tables & set(scene.model_dump(exclude_none=True)["loads"]):
+        return None
+    load = key.removeprefix("loads.").partition(".")[0]
+    try:
+        return critical_force(without(scene, *tables), load=load).force
+    except (AnalysisError, SceneError):
+        return None

@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
-from rodgen.integrate.endings import FAILED
+from rodgen.integrate.endings import FAILED, FINISHED
 from rodgen.show.pictures import LINE, canvas, save_figures
 from rodgen.show.study_results import Results, logarithmic
 
@@ -31,6 +31,8 @@ LEVELS = 8  # lines of a contour
 FEW = 200  # points of a curve, up to which they are joined by lines
 WIDE = 1e3  # largest over smallest, from which colours go by the logarithm
 MANY = 3000  # points of a map beyond which those of a whole grid are not shown
+MOST_PERIOD = 8  # different values of a section that are told apart
+SAME, OUTSIDE = 1e-3, (0.001, 0.999)  # of the range; what of all values is taken for it
 LOST = "tab:red"
 CLASSES = "#4c72b0", "#dd8452", "#55a868", "#8172b3", "#937860", "#64b5cd"
 
@@ -39,8 +41,9 @@ def draw(dataset: xarray.Dataset, folder: Path) -> list[Path]:
     """Write pictures of what a study has kept as PNG into a folder that exists; returns the files.
 
     One axis: a curve of every number, a bifurcation diagram of every section. Two: a map with lines
-    of equal values, and the points where not all are computed. Three: a matrix of maps. Samples,
-    and more axes: a scatter matrix. Failed points are red crosses.
+    of equal values, and the points where not all are computed; of a section, how many values it
+    has. Three: a matrix of maps. Samples, and more axes: a scatter matrix. Failed points are red
+    crosses.
     """
     return save_figures(_figures(Results(dataset)), folder)
 
@@ -50,8 +53,8 @@ def _figures(of: Results) -> Iterator[tuple[str, Figure]]:
         ways: dict[int, Callable[[Results, str], Figure]] = {1: curve, 2: map_of, 3: maps_of}
         for name in of.kept[:MOST_PICTURES]:
             if of.is_section(name):
-                if len(of.axes) == 1 and not name.endswith(".t"):
-                    yield file_name(name), bifurcation(of, name)
+                if len(of.axes) < 3 and not name.endswith(".t"):
+                    yield file_name(name), (bifurcation, periods)[len(of.axes) - 1](of, name)
             elif len(of.axes) == 1 or not of.beyond(name):
                 yield file_name(name), ways[len(of.axes)](of, name)
     else:
@@ -146,6 +149,38 @@ def map_of(of: Results, name: str) -> Figure:
     axes.set_title(f"{of.title}: {name}")
     _legend(figure, axes, of, name, scale, classes)
     return figure
+
+
+def periods(of: Results, name: str) -> Figure:
+    """How many values a section has over two axes: one where the motion repeats itself from one
+    crossing to the next, two where it does so every other time, and so on."""
+    figure = canvas(6.5, 5.0)
+    axes = figure.add_subplot()
+    counts = distinct(of.numbers(name)[0])
+    known = of.status == FINISHED
+    classes = ["none", *map(str, range(1, MOST_PERIOD + 1)), "more"]
+    values = np.where(known, np.minimum(counts, MOST_PERIOD + 1), np.nan)
+    colours = ["lightgray", *colormaps["viridis"](np.linspace(0, 1, MOST_PERIOD)), "black"]
+    norm = BoundaryNorm(np.arange(len(classes) + 1) - 0.5, len(classes))
+    scale = norm, ListedColormap(colours)
+    # Lines between whole numbers of no order would say nothing, and hide what is small.
+    _panel(axes, of, of.axes, values, of.status, scale, (), lines=False)
+    axes.set_title(f"{of.title}: different values of\n{name}", fontsize="medium")
+    _legend(figure, axes, of, name, scale, classes)
+    return figure
+
+
+def distinct(values: NDArray[np.float64]) -> NDArray[np.int_]:
+    """How many values of each point (..., crossings) are different, by more than a thousandth of
+    the range of all."""
+    found = values[np.isfinite(values)]
+    low, high = np.quantile(found, OUTSIDE) if len(found) else (0.0, 0.0)
+    least = SAME * (high - low)
+    counts = [
+        int((np.diff(np.sort(one[np.isfinite(one)])) > least).sum() + np.isfinite(one).any())
+        for one in values.reshape(-1, values.shape[-1])
+    ]
+    return np.array(counts).reshape(values.shape[:-1])
 
 
 def maps_of(of: Results, name: str) -> Figure:

@@ -18,8 +18,6 @@ from collections.abc import Sequence
 from threading import Thread
 from typing import IO, TYPE_CHECKING
 
-import cloudpickle
-
 from rodgen.studies.errors import StudyError
 from rodgen.studies.task import Arrays, computed, failed, joined
 
@@ -41,12 +39,12 @@ def apart(study: Study, indices: Sequence[int]) -> Arrays:
         found += came
         deaths = 0 if came else deaths + 1
         if deaths == TWICE:
-            found.append(failed(study, f"its process was ended {_by(status)}, twice and alone"))
+            found.append(failed(study, f"its process was ended {by(status)}, twice and alone"))
             deaths = 0
     return joined(found)
 
 
-def _by(status: int) -> str:
+def by(status: int) -> str:
     """What ended a process."""
     if status >= 0:
         return f"with status {status}"
@@ -59,6 +57,8 @@ def _by(status: int) -> str:
 def _until_death(study: Study, indices: Sequence[int]) -> tuple[list[Arrays], int]:
     """What came out of the first of these points, until the process of all died or was done, and
     its exit status."""
+    import cloudpickle
+
     found: list[Arrays] = []
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     command = [sys.executable, "-m", "rodgen.studies.alone"]

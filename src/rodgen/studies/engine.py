@@ -60,34 +60,6 @@ class Workers(Protocol):
         ...
 
 
-class Here:
-    """This process, which computes one block after the other."""
-
-    count = 1
-
-    def timed(self, study: Study) -> tuple[float, Texts]:
-        """Time that a point takes [s], and no texts."""
-        from rodgen.studies import task
-
-        return task.timed(study), {}
-
-    def compute(self, store: Store, blocks: Iterator[int], texts: Texts) -> Iterator[Done]:
-        """Compute blocks in their order."""
-        from rodgen.studies import task
-
-        for block in blocks:
-            yield task.compute(store, block)
-
-    def pieces(
-        self, store: Store, pieces: Iterator[list[int]], texts: Texts
-    ) -> Iterator[tuple[list[int], Arrays]]:
-        """Compute points that are no blocks."""
-        from rodgen.studies import task
-
-        for piece in pieces:
-            yield piece, task.computed(store.study, piece)
-
-
 def study(
     scene: Scene | Study | str | Path,
     vary: Mapping[str, Any] | None = None,
@@ -112,11 +84,12 @@ def study(
     run such as "max(phi_19)", or functions of a Solution. sample: {method, count, seed} to draw
     points from ranges in place of a grid. options: of what is computed.
     out: folder of the store, a Zarr group that keeps what is done; without it nothing is kept.
-    workers: processes, by default one a processor; with 1, everything is computed in this one,
-    to the same bits. scheduler: address of a Dask scheduler whose workers are taken instead.
-    resume: go on with the store that is there. adaptive: of a grid of two axes, compute only what
-    is needed to find where neighbours differ, to this share of an axis; by: in what they differ, a
-    variable or "variable > level", by default the first; the other points have the status "".
+    workers: processes, by default one a processor; with 1 there is no Dask: everything is computed
+    in one that is forked off this one, to the same bits. scheduler: address of a Dask scheduler
+    whose workers are taken instead. resume: go on with the store that is there. adaptive: of a grid
+    of two axes, compute only what is needed to find where neighbours differ, to this share of an
+    axis; by: in what they differ, a variable or "variable > level", by default the first; the other
+    points have the status "".
     yes: also where there are more than 1e8 points.
 
     A point that cannot be computed has status "failed", its reason as message, and not-a-number.
@@ -235,7 +208,9 @@ def _workers(
     stack: ExitStack, workers: int | None, scheduler: str | None, said: Callable[[str], None]
 ) -> Workers:
     if workers == 1:
-        return Here()
+        from rodgen.studies.here import Here
+
+        return stack.enter_context(Here())
     from dask.system import CPU_COUNT
 
     from rodgen.studies.cluster import Cluster

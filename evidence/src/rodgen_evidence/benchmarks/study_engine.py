@@ -68,13 +68,13 @@ def in_c(study: Study) -> float:
 
 
 def alone(times: Times, folder: Path, count: int, span: float, turns: int = 3) -> None:
-    """A whole study in this process, beside its runs in C."""
+    """A whole study in one process, which ends with it, beside its runs in C."""
     study, owns, wholes = study_of(count, span), [], []
     for turn in range(turns):
         owns.append(in_c(study))
-        start = time.process_time()
+        start = ended()
         run(study, folder / f"alone{turn}.zarr", workers=1)
-        wholes.append(time.process_time() - start)
+        wholes.append(ended() - start)
     times.add(f"{count} runs as a study, one process", min(wholes), "in C", min(owns))
 
 

@@ -1,0 +1,344 @@
+"""The boundary of stability in the plane of two numbers of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rodgen.analyse.boundary_equations import Boundary, Plane, Scale
+from rodgen.analyse.continuation import Steps, continued
+from rodgen.analyse.critical import Critical, critical_force
+from rodgen.analyse.curve import Curve, Point, corrected, point_at
+from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.pencil import first_order
+from rodgen.integrate.stepper import Array
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.keys import key_place, with_value
+from rodgen.scene.plain import entry, is_number, plain
+
+if TYPE_CHECKING:
+    import xarray
+
+Ends = tuple[float, float]
+STEP = 0.1  # of the units along the boundary
+MOST = 1000  # points to either side
+SHARE = 0.02  # of critical damping in the lowest motion: where a search begins
+HUGE = 1e8  # units of damping that are as good as no end
+LARGEST = 400.0  # units of other numbers, a hundred times what they are
+SLOW = -14.0  # logarithm of a frequency over that of the start, which is none
+LIMIT = 1e-10  # of the units, a step: nothing changes any more
+GROWS, ROUNDED = 1e-6, 1e-9  # of the modulus, and of the largest: less growth may be rounding
+GRID, NARROW = 200, 1e-9  # values along a number; width to which a change is narrowed
+EVERY = 10  # points of which all other motions are looked at
+UNSTABLE = "another motion is unstable already"
+FLUTTER, DIVERGENCE = "flutter", "divergence"
+
+
+@guarded
+def stability_boundary(
+    scene: Scene,
+    keys: tuple[str, str],
+    *,
+    ranges: tuple[Ends | None, Ends | None] = (None, None),
+    step: float = STEP,
+    most: int = MOST,
+    t: float | None = None,
+    watch: Callable[[tuple[float, float, float]], None] = lambda point: None,
+) -> xarray.Dataset:
+    """The curve in the plane of two numbers of a scene on which flutter or divergence begins.
+
+    keys: both numbers, named as in a study, such as loads.follower.force and
+    loads.material_damping.time. Where one is the size of a load, `critical_force` finds it for the
+    other's value in the scene (for a little damping, where it is that of none); else the first is
+    searched through for where a motion begins or ceases to grow. From there the curve is followed
+    both ways to the ends of ranges, by default 0 and what is as good as no end: of damping, of
+    which only the logarithm counts there, until nothing changes any more. Its limit for vanishing
+    damping is a point of it; that is not the onset of the rod without damping (H. Ziegler,
+    Ingenieur-Archiv 20 (1952) 49-56). It ends where another motion becomes unstable first, or
+    flutter becomes divergence. step: the longest, in units over which the linearised equations
+    change by their own size; most: points to either side; t: time whose loads are taken [s]; watch:
+    called with every point.
+
+    The Dataset has one dimension along the boundary: both numbers as a and b, frequency [Hz]; its
+    attributes say what begins there, and why it ends. Raises SceneError, and AnalysisError where
+    nothing begins.
+    """
+    a_key, b_key = _checked(scene, keys)
+    load, flipped = _load(scene, a_key, b_key)
+    if flipped:
+        ranges = ranges[::-1]
+        a_key, b_key = b_key, a_key
+    own = np.array(
+        [_own(scene, key, given) for key, given in zip((a_key, b_key), ranges, strict=True)]
+    )
+    plane = Plane(scene, (a_key, b_key), t, own)
+    scales = [_scale_of(plane, axis, ranges[axis]) for axis in (0, 1)]
+    begin = np.where([one.damping and not x for one, x in zip(scales, own, strict=True)], 1.0, 0.0)
+    begin = own + begin * [one.unit for one in scales]
+    limits = [_limits(one, given) for one, given in zip(scales, ranges, strict=True)]
+    if load is not None:
+        found = _onset(with_value(scene, b_key, float(begin[1])), load, own[0], t)
+        begin[0], omega = found.force, 2 * np.pi * found.frequency
+        scales[0] = Scale(abs(found.force) / 4 or 1.0)
+        limits[0] = _limits(scales[0], ranges[0])
+    # Damping is to be nothing but rounding of its own where it is small.
+    origin = np.where([one.damping for one in scales], 0.0, begin)
+    plane = Plane(scene, (a_key, b_key), t, origin)
+    plane.made_fast(np.array([one.unit for one in scales]))
+    if load is None:
+        begin[0], omega = _first(plane, scales[0], limits[0], float(begin[1]))
+    damped = bool(np.abs(plane.at(*begin.tolist()).C).any())
+    boundary = Boundary(plane, (scales[0], scales[1]), omega, damped)
+    start = omega, float(begin[0]), float(begin[1])
+    curve = _followed(boundary, start, limits, _steps(step, most), watch)
+    return _dataset(scene, boundary, curve, flipped, plane.base.t)
+
+
+def _first(plane: Plane, scale: Scale, limits: Ends, b: float) -> tuple[float, float]:
+    """The first value of the first number at which motions begin or cease to grow, and how fast
+    the one that does so oscillates [rad/s]."""
+
+    def growing(x: float) -> tuple[int, complex]:
+        s = _rates(plane, scale.value(x), b)
+        grows = s.real > GROWS * np.abs(s) + ROUNDED * np.abs(s).max(initial=0.0)
+        return int(grows.sum()), complex(s[np.argmax(s.real)])
+
+    xs = np.linspace(*limits, GRID)
+    low, before = float(xs[0]), growing(float(xs[0]))[0]
+    for high in xs[1:].tolist():
+        if growing(high)[0] != before:
+            break
+        low = high
+    else:
+        raise AnalysisError(
+            f"no motion begins or ceases to grow along {plane.keys[0]} from "
+            f"{scale.value(limits[0]):.6g} to {scale.value(limits[1]):.6g}, at "
+            f"{plane.keys[1]} = {b:.6g}"
+        )
+    while high - low > NARROW * max(abs(high), 1e-3):
+        middle = (low + high) / 2
+        if growing(middle)[0] == before:
+            low = middle
+        else:
+            high = middle
+    s = growing(high if growing(high)[0] else low)[1]
+    return scale.value(high), abs(s.imag) if abs(s.imag) > abs(s.real) else 0.0
+
+
+def _rates(plane: Plane, a: float, b: float) -> Any:
+    """All eigenvalues [1/s] at a point of the plane."""
+    return np.linalg.eigvals(first_order(*plane.at(a, b), plane.added)).astype(complex)
+
+
+def _onset(scene: Scene, load: str, own: float, t: float | None) -> Critical:
+    """Where the scene loses its stability as a load grows; of one that is unstable without load,
+    beyond its own load."""
+    try:
+        return critical_force(scene, load=load, t=t)
+    except AnalysisError:
+        if not own > 0:
+            raise
+        return critical_force(scene, load=load, t=t, lowest=own)
+
+
+def _followed(
+    boundary: Boundary,
+    start: tuple[float, float, float],
+    limits: list[Ends],
+    steps: Steps,
+    watch: Callable[[tuple[float, float, float]], None],
+) -> Curve:
+    """The boundary to both sides of a point."""
+    omega, a, b = start
+    u = boundary.packed(omega or 1.0, a, b)
+    boundary.bordered(u)
+    row = np.append(np.zeros(len(u) - 1), 1.0)
+    found = corrected(boundary, u, row)
+    (low, high), (least, largest) = limits
+    sides = []
+
+    def seen(point: Point) -> None:
+        boundary.bordered(point.u)
+        watch(boundary.values(point.u))
+
+    for way in (-1.0, 1.0):
+        boundary.bordered(found.u)
+        first = point_at(boundary, found, way * row)
+        before: list[Array] = [first.u]
+        count = 0
+
+        def until(point: Point, before: list[Array] = before) -> str:
+            nonlocal count
+            count += 1
+            change = np.abs(point.u - before[0])
+            before[0] = point.u
+            if not low <= point.u[-2] <= high:
+                return f"{boundary.plane.keys[0]} leaves its range"
+            if change[-2] < LIMIT and boundary.scales[1].damping and point.u[-1] > 1:
+                return "the limit of much damping was reached"
+            if len(point.u) > 2 and point.u[0] < SLOW and not boundary.scales[1].damping:
+                return "flutter becomes divergence, as its frequency goes to zero"
+            if count % EVERY == 0 and _others(boundary, point):
+                return UNSTABLE
+            return ""
+
+        side = continued(boundary, first, least, largest, steps, watch=seen, until=until)
+        _shortened(boundary, side, (low, high))
+        sides.append(side)
+    back, on = sides
+    back = back.backwards()
+    return Curve(
+        back.points[:-1] + on.points,
+        [],
+        f"{back.end}; {on.end}",
+        back.complete and on.complete,
+        [f"one side: {sides[0].end}", f"other side: {on.end}"],
+    )
+
+
+def _shortened(boundary: Boundary, side: Curve, range_of: Ends) -> None:
+    """Without its last points where they lie beyond the range of the first number, or where another
+    motion is unstable."""
+    low, high = range_of
+    while len(side.points) > 1:
+        last = side.points[-1]
+        beyond = not low <= last.u[-2] <= high
+        if not (beyond or (side.end == UNSTABLE and _others(boundary, last))):
+            return
+        side.points.pop()
+
+
+def _others(boundary: Boundary, point: Point) -> bool:
+    """Whether a motion grows at a point of the boundary other than the one that is about to."""
+    a, b, frequency = boundary.values(point.u)
+    s = _rates(boundary.plane, a, b)
+    omega = 2 * np.pi * frequency
+    apart = np.minimum(np.abs(s - 1j * omega), np.abs(s + 1j * omega))
+    # Two frequencies that meet, or the one that is about to grow.
+    s = s[np.argsort(apart)[4 if omega and not boundary.damped else 2 :]]
+    return bool((s.real > GROWS * np.abs(s) + ROUNDED * np.abs(s).max(initial=0.0)).any())
+
+
+def _scale_of(plane: Plane, axis: int, given: Ends | None) -> Scale:
+    """The coordinate of a number: by its logarithm, in units of damping where that alone follows
+    it."""
+    own = float(plane.origin[axis])
+    size = abs(own) or 1.0
+    try:
+        here = plane.evaluated(*plane.origin)
+        there = plane.evaluated(*(plane.origin + size * np.eye(2)[axis]))
+    except (AnalysisError, SceneError):
+        return Scale(size)
+    change = there.plus(here, -1.0).times(1 / size)
+    same = all(
+        np.abs(part).max() <= 1e-12 * np.abs(whole).max()
+        for part, whole in ((change.K, here.K), (change.M, here.M))
+    )
+    squares, shapes = np.linalg.eig(np.linalg.solve(here.M, here.K))
+    order = np.argsort(np.abs(squares))
+    squares, shapes = squares[order], shapes[:, order]
+    first = int(np.argmax(np.abs(squares) > 1e-9 * np.abs(squares).max()))
+    rate, shape = float(np.sqrt(abs(squares[first]))), shapes[:, first].real
+    if same and change.C.any():
+        drag = abs(shape @ change.C @ shape) / abs(shape @ here.M @ shape)
+        return Scale(2 * SHARE * rate / drag if drag else size, damping=True)
+    if given is not None:
+        return Scale((given[1] - given[0]) / 4, curved=False)
+    felt = abs(shape @ (change.K - rate**2 * change.M) @ shape) / abs(shape @ here.K @ shape)
+    return Scale(max(abs(own), 1 / felt if felt else 1.0) / 4)
+
+
+def _limits(scale: Scale, given: Ends | None) -> Ends:
+    """Ends of a range as coordinates."""
+    if given is not None:
+        low, high = given
+        return scale.coordinate(low), scale.coordinate(high)
+    return 0.0, scale.coordinate((HUGE if scale.damping else LARGEST) * scale.unit)
+
+
+def _load(scene: Scene, a: str, b: str) -> tuple[str | None, bool]:
+    """Of which load one is the size, if any, and whether it is the second."""
+    for key, flipped in ((a, False), (b, True)):
+        for name in scene.loads.terms:
+            term = TERMS[name]
+            if term.has_size and scene.field(term.sizes[0].name) == key:
+                return term.name, flipped
+    return None, False
+
+
+def _checked(scene: Scene, keys: Any) -> tuple[str, str]:
+    if isinstance(keys, str) or len(keys) != 2 or keys[0] == keys[1]:
+        raise SceneError("vary", keys, "two different numbers of the scene")
+    table = scene.model_dump(exclude_none=True)
+    for key in keys:
+        key_place(table, str(key))
+    return str(keys[0]), str(keys[1])
+
+
+def _number(scene: Scene, key: str) -> float:
+    """The value of a key, 0 of a function of time or of what is absent."""
+    table = scene.model_dump(exclude_none=True)
+    try:
+        value = entry(table, *key_place(table, key))
+    except KeyError:
+        return 0.0
+    return float(value) if is_number(value) else 0.0
+
+
+def _own(scene: Scene, key: str, given: Ends | None) -> float:
+    """The value of the second number at which the search begins: the scene's, within its range."""
+    own = _number(scene, key)
+    if given is None:
+        return own
+    ends = plain(list(given), key)
+    for value in ends:
+        if not (is_number(value) and np.isfinite(value)):
+            raise SceneError(f"vary.{key}", value, "a finite number")
+    low, high = ends
+    if not low < high:
+        raise SceneError(f"vary.{key}", high, f"above {low:g}, where its range begins")
+    return own if low <= own <= high else float((low + high) / 2)
+
+
+def _steps(step: float, most: int) -> Steps:
+    step, most = plain(step, "step"), plain(most, "most")
+    if not (is_number(step) and 0 < step <= 1):
+        raise SceneError("step", step, "a number above 0 and at most 1")
+    if not isinstance(most, int) or isinstance(most, bool) or most < 2:
+        raise SceneError("most", most, "a whole number of at least 2")
+    return Steps(first=step / 4, longest=step, most=most)
+
+
+def _dataset(
+    scene: Scene, boundary: Boundary, curve: Curve, flipped: bool, t: float
+) -> xarray.Dataset:
+    import json
+    from importlib.metadata import version
+
+    import xarray
+
+    rows = np.array([boundary.values(point.u) for point in curve.points])
+    keys = boundary.plane.keys
+    a, b = (1, 0) if flipped else (0, 1)
+    names = keys[a], keys[b]
+    data = {
+        "a": ("point", rows[:, a], {"long_name": names[0]}),
+        "b": ("point", rows[:, b], {"long_name": names[1]}),
+        "frequency": ("point", rows[:, 2], {"units": "Hz"}),
+    }
+    notes = {
+        "format": "rodgen boundary 1",
+        "rodgen": version("rodgen"),
+        "scene": json.dumps(scene.model_dump(exclude_none=True)),
+        "a": names[0],
+        "b": names[1],
+        "kind": FLUTTER if boundary.omega else DIVERGENCE,
+        "damped": int(boundary.damped),
+        "end": curve.end,
+        "complete": int(curve.complete),
+        "t": t,
+    }
+    return xarray.Dataset(data, attrs=notes)

@@ -1,0 +1,313 @@
+"""Equations of a boundary of stability in two numbers of a scene: where an eigenvalue of the small
+motions lies on the imaginary axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.linalg import null_space
+
+from rodgen.analyse.bordered import Bordered
+from rodgen.analyse.curve import Problem
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.pencil import Dense
+from rodgen.analyse.steady import Steady, linearised, steady
+from rodgen.analyse.system import System, frozen
+from rodgen.integrate.stepper import Array
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.keys import with_value
+
+TRIED = ((0.37, 1.7), (2.3, 0.4), (1.6, 2.9))
+PLANE = 1e-11  # of their largest entries: what bilinear matrices may miss them by
+STEP = 1e-4  # of a unit, of differences by a number where they are not
+WEAK = 1e-9  # of the unit: damping that stands for the limit of none
+BY_RATE = 0.1  # how much the logarithm of the frequency counts in the length along a boundary
+
+
+class Matrices(NamedTuple):
+    """K, C and M of (K + s C + s^2 M) q = 0."""
+
+    K: Array
+    C: Array
+    M: Array
+
+    def plus(self, other: Matrices, times: float = 1.0) -> Matrices:
+        """The sum with so many times others."""
+        return Matrices(*(a + times * b for a, b in zip(self, other, strict=True)))
+
+    def times(self, factor: float) -> Matrices:
+        """So many times these."""
+        return Matrices(*(factor * part for part in self))
+
+
+class Plane:
+    """The linearised scene over two of its numbers."""
+
+    def __init__(self, scene: Scene, keys: tuple[str, str], t: float | None, origin: Array):
+        self.scene, self.keys, self.origin = scene, keys, origin
+        self.base = System.of(self._scene(*origin), t)
+        self.units = np.ones(2)
+        self._near: Steady | None = None
+        self._bilinear: tuple[Matrices, ...] | None = None
+
+    def _scene(self, a: float, b: float) -> Scene:
+        scene = self.scene
+        for key, value in zip(self.keys, (a, b), strict=True):
+            scene = with_value(scene, key, float(value))
+        return scene
+
+    def steady(self, a: float, b: float) -> Steady:
+        """The steady state at both values. Raises AnalysisError."""
+        try:
+            scene = frozen(self._scene(a, b), self.base.t)
+        except SceneError as error:
+            raise AnalysisError(str(error)) from None
+        if scene.structure != self.base.scene.structure:
+            raise SceneError(
+                "vary", ",".join(self.keys), "numbers that leave the structure of the equations"
+            )
+        self._near = steady(replace(self.base, scene=scene), self._near)
+        return self._near
+
+    def evaluated(self, a: float, b: float) -> Matrices:
+        """The matrices from the linearised equations themselves."""
+        dense = linearised(self.steady(a, b)).reduced()
+        if self._basis is not None:
+            dense = dense.on(self._basis)
+        return Matrices(*dense.parts)
+
+    @cached_property
+    def first(self) -> Steady:
+        """The steady state at the origin."""
+        return self.steady(*self.origin)
+
+    @cached_property
+    def added(self) -> int:
+        """States of first order, the last rows."""
+        return len(self.base.scene.states)
+
+    @cached_property
+    def _basis(self) -> Array | None:
+        """Motions without the turning of the whole rod, where it is free to turn."""
+        linear = linearised(self.first)
+        if isinstance(linear, Dense) or not self.first.turns_freely:
+            return None
+        dense = linear.reduced()
+        return np.asarray(null_space((dense.M @ np.ones(len(dense.M)))[None]))
+
+    def made_fast(self, units: Array) -> None:
+        """Find out whether all matrices are linear in either number, from so many units away from
+        the origin."""
+        self.units = units
+        here = self.evaluated(*self.origin)
+
+        def at(x: float, y: float) -> Matrices:
+            return self.evaluated(*(self.origin + units * [x, y]))
+
+        try:
+            by_a, by_b = (at(*way).plus(here, -1.0) for way in ((1.0, 0.0), (0.0, 1.0)))
+            both = at(1.0, 1.0).plus(here, -1.0).plus(by_a, -1.0).plus(by_b, -1.0)
+            self._bilinear = here, by_a, by_b, both
+            for x, y in TRIED:
+                there, guess = at(x, y), self.at(*(self.origin + units * [x, y]))
+                sizes = (np.abs(part).max() for part in there)
+                for part, other, size in zip(there, guess, sizes, strict=True):
+                    if np.abs(part - other).max() > PLANE * size:
+                        self._bilinear = None
+                        return
+        except (AnalysisError, SceneError):
+            self._bilinear = None
+
+    def at(self, a: float, b: float) -> Matrices:
+        """The matrices at both values."""
+        if self._bilinear is None:
+            return self.evaluated(a, b)
+        x, y = (np.array([a, b]) - self.origin) / self.units
+        here, by_a, by_b, both = self._bilinear
+        return Matrices(
+            *(
+                k + x * u + y * v + (x * y) * w
+                for k, u, v, w in zip(here, by_a, by_b, both, strict=True)
+            )
+        )
+
+    def slopes(self, a: float, b: float) -> tuple[Matrices, Matrices]:
+        """Derivatives of the matrices by both, times their units."""
+        if self._bilinear is not None:
+            x, y = (np.array([a, b]) - self.origin) / self.units
+            _, by_a, by_b, both = self._bilinear
+            return by_a.plus(both, y), by_b.plus(both, x)
+        made = []
+        for step in STEP * self.units * np.eye(2):
+            up, down = (self.at(*(np.array([a, b]) + sign * step)) for sign in (1.0, -1.0))
+            made.append(up.plus(down, -1.0).times(0.5 / STEP))
+        return made[0], made[1]
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A coordinate for a number: linear, or by its logarithm beyond a unit, so that little and much
+    are on one curve; damping: whether it is nothing else, so that there is a limit of none."""
+
+    unit: float
+    curved: bool = True
+    damping: bool = False
+
+    def coordinate(self, value: float) -> float:
+        """The coordinate of a value."""
+        return float(np.arcsinh(value / self.unit) if self.curved else value / self.unit)
+
+    def value(self, x: float) -> float:
+        """The value at a coordinate."""
+        return float(self.unit * (np.sinh(x) if self.curved else x))
+
+    def slope(self, x: float) -> float:
+        """How many units the value changes by the coordinate."""
+        return float(np.cosh(x)) if self.curved else 1.0
+
+
+class Boundary(Problem):
+    """u: the logarithm of omega over that of the start, of flutter, and both coordinates.
+
+    How far S(i omega) is from singular says g of a bordered system, as in `onset`: g = 0 of a
+    damped rod, g = dg/d(omega^2) = 0 without damping, where two frequencies meet, and g(0) = 0 of
+    divergence. The imaginary part of g goes with damping and is taken over its size: in the limit
+    of none it says in which of the motions that are about to flutter it puts energy.
+    """
+
+    def __init__(self, plane: Plane, scales: tuple[Scale, Scale], omega: float, damped: bool):
+        self.plane, self.scales, self.omega, self.damped = plane, scales, omega, damped
+        self.weights = np.array([BY_RATE] * bool(omega) + [1.0, 1.0])
+        self._borders: tuple[Array, Array] | None = None
+
+    def packed(self, omega: float, a: float, b: float) -> Array:
+        """u of a frequency [rad/s] and both values."""
+        places = [one.coordinate(value) for one, value in zip(self.scales, (a, b), strict=True)]
+        return np.array(([np.log(omega / self.omega)] if self.omega else []) + places)
+
+    def values(self, u: Array) -> tuple[float, float, float]:
+        """Both values, and the frequency [Hz]."""
+        a, b = (one.value(x) for one, x in zip(self.scales, u[-2:], strict=True))
+        return a, b, self._rate(u) / (2 * np.pi)
+
+    def value(self, u: Array) -> float:
+        return self.values(u)[1]
+
+    def _rate(self, u: Array) -> float:
+        return float(self.omega * np.exp(u[0])) if self.omega else 0.0
+
+    def bordered(self, u: Array) -> None:
+        """Take the borders that belong to a point."""
+        a, b, _ = self.values(u)
+        S = self._matrix(self.plane.at(*self._damping(a, b)), self._rate(u))
+        left, _, right = np.linalg.svd(S)
+        column, row = _as_real(left[:, -1]), _as_real(right[-1])
+        if self._borders is not None:  # what changes its sign is no sign of a branch point
+            before = self._borders
+            column, row = (
+                new * (np.sign(new @ old) or 1.0)
+                for new, old in zip((column, row), before, strict=True)
+            )
+        self._borders = column, row
+
+    def _damping(self, a: float, b: float) -> tuple[float, float]:
+        """Both values, the least damping for none, which its limit is taken of."""
+        made = [
+            one.unit * WEAK if one.damping and value == 0 else value
+            for one, value in zip(self.scales, (a, b), strict=True)
+        ]
+        return made[0], made[1]
+
+    def _matrix(self, parts: Matrices, rate: float) -> Any:
+        S = parts.K - rate**2 * parts.M
+        return S + 1j * rate * parts.C if self.damped else S
+
+    def at(self, u: Array) -> tuple[Array, Array]:
+        if self._borders is None:
+            self.bordered(u)
+        assert self._borders is not None
+        rate = self._rate(u)
+        a, b = self._damping(*self.values(u)[:2])
+        parts, slopes = self.plane.at(a, b), self.plane.slopes(a, b)
+        S = self._matrix(parts, rate)
+        column, row = self._borders
+        left, right = _solved(S, column, row)
+        g = -(left @ (S @ right))
+        by = [-(left @ (self._matrix(slope, rate) @ right)) for slope in slopes]
+        by = [part * one.slope(x) for part, one, x in zip(by, self.scales, u[-2:], strict=True)]
+        if not self.omega:
+            return np.array([g.real]), np.array([[part.real for part in by]])
+        if not self.damped:
+            return self._meeting(S, parts, slopes, u, (left, right, g, by))
+        by_rate = -(left @ (rate * (1j * parts.C - 2 * rate * parts.M) @ right))
+        J = np.array([by_rate, *by])
+        size, by_size = self._weakness(parts, slopes, u)
+        F = np.array([g.real, g.imag / size])
+        return F, np.array([J.real, J.imag / size - F[1] * by_size])
+
+    def _weakness(
+        self, parts: Matrices, slopes: tuple[Matrices, Matrices], u: Array
+    ) -> tuple[float, Array]:
+        """How small damping is, and the derivative of its logarithm by u."""
+        largest = np.unravel_index(np.abs(parts.C).argmax(), parts.C.shape)
+        drag = float(parts.C[largest])
+        size = self._rate(u) * abs(drag) / float(np.abs(parts.K).max())
+        if not 0 < size < 1:
+            return 1.0, np.zeros(3)
+        by = [
+            float(slope.C[largest]) / drag * one.slope(x)
+            for slope, one, x in zip(slopes, self.scales, u[-2:], strict=True)
+        ]
+        return size, np.array([1.0, *by])
+
+    def _meeting(
+        self, S: Array, parts: Matrices, slopes: tuple[Matrices, Matrices], u: Array, found: Any
+    ) -> tuple[Array, Array]:
+        """g and its derivative by omega^2, times omega^2, with their derivatives."""
+        left, right, g, by = found
+        square = self._rate(u) ** 2
+        assert self._borders is not None
+        column, row = self._borders
+        whole = Bordered(np.column_stack((S, column)), np.append(row, 0.0)[None])
+
+        def moved(change: Array, transposed: bool) -> Array:
+            vector = left if transposed else right
+            part = change.T @ vector if transposed else change @ vector
+            return whole.solve(np.append(-part, 0.0), transposed)[:-1]
+
+        M = -parts.M
+        x, y = moved(M, False), moved(M, True)
+        first = -(left @ (M @ right))
+        second = -2 * (y @ (M @ right))
+        mixed = []
+        for slope, one, place in zip(slopes, self.scales, u[-2:], strict=True):
+            change = slope.K - square * slope.M
+            own = -(left @ (-slope.M @ right))
+            made = own - (y @ (change @ right)) - (left @ (change @ x))
+            mixed.append(made * one.slope(place))
+        F = np.array([g, square * first])
+        rates = 2 * square * np.array([first, first + square * second])
+        return F, np.array([[rates[0], *by], [rates[1], *(square * part for part in mixed)]])
+
+
+def _as_real(vector: Any) -> Array:
+    """The real part of a vector, turned so that it is the largest."""
+    turned = vector * np.exp(-0.5j * np.angle((vector * vector).sum()))
+    return np.asarray(turned.real / np.linalg.norm(turned.real))
+
+
+def _solved(S: Any, column: Array, row: Array) -> tuple[Any, Any]:
+    """Left and right vectors of S bordered."""
+    size = len(S)
+    whole = np.zeros((size + 1, size + 1), dtype=S.dtype)
+    whole[:size, :size], whole[:size, size], whole[size, :size] = S, column, row
+    last = np.zeros(size + 1)
+    last[size] = 1.0
+    try:
+        inverse = np.linalg.inv(whole)
+    except np.linalg.LinAlgError:
+        raise AnalysisError("the bordered equations are singular") from None
+    return (inverse.T @ last)[:-1], (inverse @ last)[:-1]

@@ -1,0 +1,164 @@
+"""One worker without Dask: a process that is forked off this one, so that a point that kills its
+process does not kill the study; where there are no forks, this process itself."""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import sys
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from typing import TYPE_CHECKING, Any, Self
+
+from rodgen.progress import telling
+from rodgen.scene import SceneError
+from rodgen.studies import task
+from rodgen.studies.alone import TWICE, by
+from rodgen.studies.errors import StudyError
+from rodgen.studies.store import Store
+from rodgen.studies.task import Arrays, Done
+
+if TYPE_CHECKING:
+    from rodgen.studies.specification import Study
+
+Texts = dict[tuple[str, ...], str]
+# Other systems fork no process that has threads, as one with a dashboard or a notebook has.
+FORKS = sys.platform == "linux"
+TIMING, UNKNOWN = "timing", 1.0  # seconds of a point that kills its process while it is timed
+
+
+class Here:
+    """One block after the other. A context manager: at its end the process that was forked ends."""
+
+    count = 1
+
+    def __init__(self) -> None:
+        self._child: _Child | None = None
+        self._status = 0  # of the last one that died
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self._end()
+
+    def timed(self, study: Study) -> tuple[float, Texts]:
+        """Time that a point takes [s], and no texts."""
+        found = self._asked(study, TIMING)
+        return (UNKNOWN if found is None else float(found)), {}
+
+    def compute(self, store: Store, blocks: Iterator[int], texts: Texts) -> Iterator[Done]:
+        """Compute blocks in their order."""
+        for block in blocks:
+            indices = store.layout.indices(block)
+            if store.is_done(block):
+                yield Done(block, len(indices), 0)
+            else:
+                yield task.keep(store, block, self._computed(store.study, indices))
+
+    def pieces(
+        self, store: Store, pieces: Iterator[list[int]], texts: Texts
+    ) -> Iterator[tuple[list[int], Arrays]]:
+        """Compute points that are no blocks."""
+        for piece in pieces:
+            yield piece, self._computed(store.study, piece)
+
+    def _computed(self, study: Study, indices: Sequence[int]) -> Arrays:
+        """What comes out of points: where one of them kills the process, each by itself."""
+        found = self._asked(study, indices)
+        if found is not None:
+            return dict(found)
+        return task.joined([self._alone(study, index) for index in indices])
+
+    def _alone(self, study: Study, index: int) -> Arrays:
+        """What comes out of a point; failed if it ends the process twice, where it is the first."""
+        deaths, status = 0, 0
+        while deaths < TWICE:
+            first = self._child is None
+            found = self._asked(study, [index])
+            if found is not None:
+                return dict(found)
+            deaths, status = deaths + first, self._status
+        return task.failed(study, f"its process was ended {by(status)}, twice and alone")
+
+    def _asked(self, study: Study, what: Any) -> Any:
+        """What the process answers; None where it died of it. Raises what was raised in it."""
+        if not FORKS:
+            return _answer(study, what)
+        if self._child is None or self._child.study is not study:
+            self._end()
+            self._child = _Child(study)
+        try:
+            kind, answer = self._child.ask(what)
+        except (EOFError, OSError):
+            self._status = self._child.wait()
+            self._child = None
+            return None
+        if kind == "raised":
+            raise answer
+        return answer
+
+    def _end(self) -> None:
+        if self._child is not None:
+            self._child.end()
+            self._child = None
+
+
+class _Child:
+    """A process that answers what it is asked of a study."""
+
+    def __init__(self, study: Study):
+        self.study = study
+        context = multiprocessing.get_context("fork")
+        self._pipe, other = context.Pipe()
+        self._process = context.Process(target=_serve, args=(study, other, self._pipe), daemon=True)
+        with warnings.catch_warnings():
+            # It computes, and asks for nothing that other threads of this process may hold.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            self._process.start()
+        other.close()
+
+    def ask(self, what: Any) -> tuple[str, Any]:
+        """Its answer. Raises EOFError or OSError where it dies."""
+        self._pipe.send(what)
+        answer: tuple[str, Any] = self._pipe.recv()
+        return answer
+
+    def wait(self) -> int:
+        """Wait for its end: its exit status, below zero the number of a signal."""
+        self._process.join()
+        self._pipe.close()
+        return self._process.exitcode or 0
+
+    def end(self) -> None:
+        """End it, whatever it does."""
+        self._process.kill()
+        self.wait()
+
+
+def _answer(study: Study, what: Any) -> Any:
+    return task.timed(study) if what == TIMING else task.computed(study, what)
+
+
+def _serve(study: Study, pipe: Connection, other: Connection) -> None:
+    """Answer until nobody asks any more."""
+    other.close()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # of Ctrl-C the process that asks hears
+    with telling(lambda _: None):
+        while True:
+            with suppress(OSError):  # of a pipe at whose other end there is nobody any more
+                try:
+                    what = pipe.recv()
+                except EOFError:
+                    return
+                try:
+                    answer = "made", _answer(study, what)
+                except SceneError as error:
+                    answer = "raised", error
+                except Exception as error:
+                    answer = "raised", StudyError(f"{type(error).__name__}: {error}")
+                pipe.send(answer)
+                continue
+            return
