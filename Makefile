@@ -105,6 +105,7 @@ guide: .venv/evidence
 figures: .venv/evidence
 	@$(BIN)/python -m rodgen_evidence.figures.model_figures docs/pictures
 	@$(BIN)/python -m rodgen_evidence.figures.rocket_figures scenes/sounding_rocket.toml docs/pictures
+	@$(BIN)/python -m rodgen_evidence.figures.branch_figures scenes docs/pictures
 
 screenshot: .venv/developing
 	$(BIN)/python -m pytest -m long tests/live/test_appearance.py -k shows_a_rod --update

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from rodgen.analyse.branches import continue_equilibria
     from rodgen.analyse.chaos import zero_one_test
     from rodgen.analyse.critical import Critical, critical_force
+    from rodgen.analyse.cycles.branches import continue_cycles
     from rodgen.analyse.cycles.cycle import Cycle, find_cycle
+    from rodgen.analyse.cycles.nonlinear_modes import continue_mode, nonlinear_mode
     from rodgen.analyse.errors import AnalysisError, MeshWarning
     from rodgen.analyse.exponents import Exponents, lyapunov_exponents
     from rodgen.analyse.extrapolate import Extrapolation, richardson
@@ -71,6 +73,9 @@ _HOMES = {
     "stability_boundary": "rodgen.analyse.boundary",
     "critical_force": "rodgen.analyse.critical",
     "Critical": "rodgen.analyse.critical",
+    "continue_cycles": "rodgen.analyse.cycles.branches",
+    "continue_mode": "rodgen.analyse.cycles.nonlinear_modes",
+    "nonlinear_mode": "rodgen.analyse.cycles.nonlinear_modes",
     "find_cycle": "rodgen.analyse.cycles.cycle",
     "Cycle": "rodgen.analyse.cycles.cycle",
     "simulated_critical_force": "rodgen.analyse.growth",
@@ -121,13 +126,16 @@ __all__ = [
     "WorkPrecision",
     "build",
     "choose",
+    "continue_cycles",
     "continue_equilibria",
+    "continue_mode",
     "critical_force",
     "find_cycle",
     "floquet",
     "load",
     "lyapunov_exponents",
     "natural_modes",
+    "nonlinear_mode",
     "resume",
     "richardson",
     "simulate",

@@ -242,6 +242,14 @@ def test_motion_that_cannot_go_on(pendulum: Scene, monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.compiler
+def test_scene_that_is_too_stiff_is_refused_at_once(damped: Scene) -> None:
+    table = damped.model_dump(exclude_none=True)
+    stiff = Scene.from_dict(table | {"loads": {"internal_damping": {"coefficient": 1e9}}})
+    with pytest.raises(AnalysisError, match=r"damped: .* steps, more than integrate.max_steps"):
+        lyapunov_exponents(stiff, count=1)
+
+
+@pytest.mark.compiler
 def test_command(
     pendulum: Scene, rodgen: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

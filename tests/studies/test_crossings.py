@@ -1,4 +1,4 @@
-"""Crossings side by side in C: those that runs one by one find, by other code, in Python."""
+"""Crossings and spectra side by side in C: those that runs one by one find, by other code."""
 
 from __future__ import annotations
 
@@ -31,6 +31,7 @@ KEEP = [
     "section(phi_1, where='omega_1', either=0.0, most=3)",
     "section(tip_vx, where='omega_1', falling=0.0)",
     "section(t, where='total_energy', falling=-6)",
+    *("peak(phi_0, from=0.5)", "peak(tip_x, to=2.6)"),
 ]
 STOPPED = ["count(end)", "last(tip_x)", "time_of_max(phi_0)", "mean(tip_y)"]
 STATES = ["section(tip_y, where='omega_0', either=0)", "count(up)"]
@@ -87,6 +88,8 @@ def test_crossings_are_those_of_runs_one_by_one(
             assert short[0] == short[1]
         else:
             assert found[name].tolist() == values.tolist(), name
+    if keep == KEEP:
+        assert np.isfinite(found["peak(phi_0, from=0.5).frequency"]).sum() > 5
     if "count(end)" in keep:
         assert 0 < (found["message"] != "").sum() < table.count
         np.testing.assert_array_equal(found["count(end)"], found["message"] != "")

@@ -12,7 +12,7 @@ import xarray as xr
 
 import rodgen
 from rodgen import SceneError, Study, StudyError
-from rodgen.studies import here, store
+from rodgen.studies import engine, here, store
 from rodgen.studies.engine import run
 from rodgen.studies.store import Store, read
 from rodgen.studies.tally import reason, tally
@@ -218,3 +218,17 @@ def test_large_stores_are_read_as_they_are_asked_for(
     assert not lazy["last(tip_x)"].variable._in_memory
     assert {*lazy.coords} == {*whole.coords}
     np.testing.assert_array_equal(lazy["last(tip_x)"], whole["last(tip_x)"])
+
+
+@pytest.mark.parametrize(
+    ("points", "seconds", "workers", "size"),
+    [
+        (10**6, 1e-3, 2, 1000),  # a second of work
+        (10**9, 1e-3, 1000, 5000),  # so that there are 200 tasks a second
+        (10**5, 1e-3, 1000, 25),  # four for every worker
+        (10**9, 1e-6, 2, 10**5),
+        (10**4, 60.0, 2, 1),
+    ],
+)
+def test_how_many_points_a_block_has(points: int, seconds: float, workers: int, size: int) -> None:
+    assert engine.size_of(sampled(points), seconds, workers) == size

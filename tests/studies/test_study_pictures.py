@@ -10,7 +10,7 @@ import pytest
 import xarray
 from matplotlib.figure import Figure
 
-from rodgen.show import pictures, study_pictures
+from rodgen.show import pictures, study_pictures, study_results
 from rodgen.show.study_results import Results
 
 SECTION = "section(tip_y, where='tip_x', rising=0)"
@@ -64,6 +64,29 @@ def test_pictures_of_a_grid(tmp_path: Path, count: int, expected: set[str]) -> N
     for path in made:
         assert path.read_bytes().startswith(b"\x89PNG")
         assert path.stat().st_size > 1000
+
+
+def test_of_too_many_points_some_are_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every fourth along the longer axis, and the title says that there are more."""
+    names = tuple(AXES)[1:3]
+    whole = dataset(names)
+    assert Results.thinned(whole).dataset is whole
+    monkeypatch.setattr(study_results, "MOST_SHOWN", 6)
+    shown = Results.thinned(whole)
+    assert shown.status.shape == (2, 3)
+    assert shown.title == "study: one point of 4"
+    expected = whole["last(tip_x)"].values[::4]
+    np.testing.assert_array_equal(shown.dataset["last(tip_x)"], expected)
+    np.testing.assert_array_equal(shown.dataset[names[0]], AXES[names[0]][::4])
+
+
+def test_text_may_be_as_stores_have_it(tmp_path: Path) -> None:
+    """Large ones are read as they are asked for, with text of any length."""
+    names = tuple(AXES)[:2]
+    text = {one: dataset(names)[one].astype(np.dtypes.StringDType()) for one in ("status", "kind")}
+    plain = [path.read_bytes() for path in study_pictures.draw(dataset(names), tmp_path)]
+    made = study_pictures.draw(dataset(names).assign(text), tmp_path)
+    assert [path.read_bytes() for path in made] == plain
 
 
 def test_a_sample_is_a_scatter_matrix(tmp_path: Path) -> None:

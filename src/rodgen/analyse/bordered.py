@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lu_factor, lu_solve
+from scipy.linalg import lu_solve
+from scipy.linalg.lapack import dgetrf
 from scipy.sparse import block_array, csc_array, issparse
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
@@ -36,9 +37,10 @@ class Bordered:
                 whole[:size, width:] = columns
             if not np.isfinite(whole).all():
                 raise AnalysisError(SINGULAR)
-            self._dense = lu_factor(whole, check_finite=False)
-            if not np.diagonal(self._dense[0]).all():
+            factors, order, singular = dgetrf(whole)
+            if singular:
                 raise AnalysisError(SINGULAR)
+            self._dense = factors, order
             return
         blocks: list[list[Any]] = [[J], [csc_array(LIGHT * rows)]]
         if columns is not None:

@@ -15,6 +15,8 @@ from rodgen.analyse.curve import Point, Special
 from rodgen.integrate.files import replaced
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.keys import with_value
+from rodgen.scene.overrides import with_state
 from rodgen.scene.plain import plain
 
 if TYPE_CHECKING:
@@ -128,6 +130,19 @@ def recorded(data: xarray.Dataset, scene: Scene, key: str, at: int) -> Recorded:
         y, force = data["y"].values[row], data["force"].values[row]
         states.append((y[base:half], force, y[:base], y[2 * half :]))
     return Recorded(number, values[0], tuple(values[1:]), states)
+
+
+def scene_at(data: xarray.Dataset, at: int) -> Scene:
+    """The scene at a point of a branch, which starts in its state; of a free rod that nothing
+    holds, in its own. Raises SceneError for a point that the branch does not have."""
+    count = data.sizes["point"]
+    if not -count <= at < count:
+        raise SceneError("at", at, f"the number of a point, 0 to {count - 1}")
+    scene = Scene.from_dict(json.loads(data.attrs["scene"]))
+    scene = with_value(scene, data.attrs["key"], float(data["value"][at]))
+    if scene.hold.translates and not scene.anchors.ties:
+        return scene
+    return with_state(scene, data["y"].values[at])
 
 
 def save(data: xarray.Dataset, path: Path) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import null_space
+from scipy.linalg.lapack import dgeev
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
 
@@ -253,17 +254,15 @@ class Modal:
         every = self._by_rates() if self.singular else self._by_inverse()
         sizes = np.linalg.norm(every, axis=(-2, -1))
         for A, size in zip(every, sizes, strict=True):
-            z: Complex = np.linalg.eigvals(A).astype(np.complex128)
-            growth = np.where(z.real > CRUDE * ROUNDING * size, z.real, 0.0)
-            grows = np.flatnonzero(growth)
+            z = _values_of(A, size)
+            s = z if self.singular else 1 / z
+            growth = np.zeros(len(z))
+            grows = np.flatnonzero(z.real > CRUDE * ROUNDING * size)
             if len(grows):
                 limit = SAFE * ROUNDING * size * _conditions(A, z[grows])
-                growth[grows] = np.where(z[grows].real > limit, z[grows].real, 0.0)
-            if self.singular:
-                yield Motions(z, growth)
-            else:
-                s = 1 / z
-                yield Motions(s, np.where(growth > 0, s.real, 0.0))
+                grows = grows[z[grows].real > limit]
+                growth[grows] = s[grows].real
+            yield Motions(s, growth)
 
     def _by_rates(self) -> Array:
         """s of (W q, q'), W the frequencies."""
@@ -291,6 +290,17 @@ class Modal:
         made[..., range(k), range(k, 2 * k)] = top
         made[..., k:, :k], made[..., k:, k:] = left, right
         return made
+
+
+def _values_of(A: Array, size: float) -> Complex:
+    """The eigenvalues of a matrix of some norm, by what numpy.linalg.eigvals calls: of a small
+    matrix it looks for a tenth of the time at what it is given. Raises LinAlgError as that does."""
+    if not np.isfinite(size):
+        raise np.linalg.LinAlgError("the matrix is not finite")
+    real, imaginary, _, _, failed = dgeev(A, compute_vl=0, compute_vr=0)
+    if failed:
+        raise np.linalg.LinAlgError("the eigenvalues did not converge")
+    return np.asarray(real + 1j * imaginary, dtype=np.complex128)
 
 
 def _conditions(A: Array, z: Complex) -> Array:

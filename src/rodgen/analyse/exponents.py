@@ -37,6 +37,7 @@ SHORTEST = 2.0**-40  # of a piece
 # Radians or decays of the fastest motion at the start, in which a step of dop853 makes an error of
 # 1e-7 of a tangent; of rods of more states it is not looked for.
 FOLLOWED, MOST_STATES = 1.0, 400
+STABLE = 6.0  # of these radians, about what is stable
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,8 +138,11 @@ class _Course:
         self._form: VolumeForm = Kinetic(model, self._p) if self.volumes else Plain()
         frame = np.linalg.qr(np.random.default_rng(0).standard_normal((len(y), count)))[0].T
         start, steps = scene.integrate.span[0], Steps.of(scene)
-        if count > 1:
-            steps = replace(steps, longest=min(steps.longest, _followed(model, start, y, self._p)))
+        fastest = _fastest(model, start, y, self._p)
+        if not steps.step:
+            _check_budget(scene, fastest, count)
+        if count > 1 and fastest:
+            steps = replace(steps, longest=min(steps.longest, FOLLOWED / fastest))
         self._steps = steps
         frame = self._form.tangents(start, y, frame)
         self.on = Variations(model, self._p, start, y, frame, self._steps)
@@ -200,17 +204,29 @@ class _Course:
         return np.log(np.abs(np.diag(r))), self._form.tangents(t, y, q.T)
 
 
-def _followed(model: ModuleType, t: float, y: Array, p: Array) -> float:
-    """The longest step [s] that follows all tangents where the fastest motions are at rest, whose
-    error then lets steps grow up to their limit of stability. There, fast motions decay by the
-    steps alone, by several 1/s; what grows most, the first exponent, does not see that."""
+def _fastest(model: ModuleType, t: float, y: Array, p: Array) -> float:
+    """Modulus [1/s] of the fastest motion about a state; zero where it is not looked for.
+
+    By it steps are bounded that follow several tangents: where the fastest motions are at rest,
+    their error lets steps grow up to their limit of stability, and there fast motions decay by the
+    steps alone, by several 1/s. What grows most, the first exponent, does not see that.
+    """
     if len(y) > MOST_STATES:
-        return math.inf
+        return 0.0
     matrix = model.tangents(t, y, p, np.eye(len(y))).T
-    if not np.isfinite(matrix).all():
-        return math.inf
-    fastest = float(np.abs(np.linalg.eigvals(matrix)).max())
-    return FOLLOWED / fastest if fastest else math.inf
+    return float(np.abs(np.linalg.eigvals(matrix)).max()) if np.isfinite(matrix).all() else 0.0
+
+
+def _check_budget(scene: Scene, fastest: float, count: int) -> None:
+    """Raise AnalysisError where explicit steps would be too many for the motion of a scene."""
+    start, end = scene.integrate.span
+    steps = (end - start) * fastest / (FOLLOWED if count > 1 else STABLE)
+    if steps > scene.integrate.budget:
+        raise AnalysisError(
+            f"{scene.name}: {steps:.2g} steps, more than integrate.max_steps "
+            f"({scene.integrate.budget:.2g}): the fastest motion, {fastest:.2g} 1/s, bounds those "
+            "of dop853, and implicit methods take no tangents along; take a shorter span"
+        )
 
 
 def _found(

@@ -31,6 +31,7 @@ class Growing:
     """Small motions in the lowest modes of a steady state, or in all of them."""
 
     def __init__(self, start: Steady, every: bool = False):
+        self.start = start
         self.every = every or start.system.cells <= MODES
         linear = linearised(start)
         self.added = len(start.system.scene.states)
@@ -38,7 +39,10 @@ class Growing:
         self.singular = self.dragged and start.turns_freely
         squares, self.basis = _modes(start, linear, self.every)
         rates = np.sqrt(np.abs(squares))
-        self.lowest = float(rates[rates > RIGID * rates.max()].min())
+        elastic = rates[rates > RIGID * rates.max(initial=0.0)]
+        if not len(elastic):
+            raise AnalysisError("nothing holds the rod in the state at which a branch begins")
+        self.lowest = float(elastic.min())
         self.frequencies = np.maximum(rates, self.lowest)
         held = not (start.system.base and start.system.cells)
         self.rigid = 0.0 if held else RIGID * self.lowest

@@ -14,6 +14,7 @@ from rodgen.cli.results import promised
 
 if TYPE_CHECKING:
     from rodgen.analyse.statics import Equilibrium
+    from rodgen.scene import Scene
 
 STABLE = {"": "yes", None: "not looked at (more than 200 links)"}
 ROUNDING = 1e-15  # of the largest coordinate
@@ -30,15 +31,26 @@ def static(
             "buckling load this finds the bent state instead of the straight, unstable one.",
         ),
     ] = None,
+    every: Annotated[
+        bool,
+        typer.Option(
+            "--all", help="List all equilibria that branches and deflation find, and draw them."
+        ),
+    ] = False,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
     """Show the static equilibrium of SCENE; draw the deflected rod."""
     from rodgen.analyse.statics import static_equilibrium
     from rodgen.analyse.system import System, in_words, silent
-    from rodgen.scene import Scene
+    from rodgen.scene import Scene, SceneError
 
     scene = Scene.from_toml(scene_file)
+    if every:
+        if imperfection is not None:
+            raise SceneError("--imperfection", imperfection, "absent beside --all")
+        _every(scene, finite("--t", t), out_folder, as_json)
+        return
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("balancing"):
             rest = static_equilibrium(scene, t=finite("--t", t), imperfection=imperfection)
@@ -52,6 +64,32 @@ def static(
         from rodgen.show.analysis_pictures import equilibrium_shape
 
         write_picture(lambda: equilibrium_shape(rest, System.of(scene, t)), folder, "static")
+
+
+def _every(scene: Scene, t: float | None, out_folder: Path, as_json: bool) -> None:
+    """List all equilibria that are found."""
+    from rodgen.analyse.coexistence import static_equilibria
+    from rodgen.analyse.system import in_words, silent
+
+    with promised(None if as_json else out_folder / scene.name) as folder:
+        with working("looking for equilibria"):
+            found = static_equilibria(scene, t=t)
+        if as_json:
+            silence = silent(scene, found[0].t)
+            print_json({"equilibria": [_object(one) for one in found], "silent": silence})
+            return
+        out.print(f"{scene.name}: {in_words(scene, found[0].t)}")
+        rows = {f"tip at ({one.tip[0]:.9g}, {one.tip[1]:.9g}) m": _stability(one) for one in found}
+        print_values(f"{scene.name}: {len(found)} equilibria were found", rows)
+        from rodgen.show.branch_pictures import equilibrium_shapes
+
+        write_picture(lambda: equilibrium_shapes(found, scene), folder, "equilibria")
+
+
+def _stability(rest: Equilibrium) -> str:
+    if rest.instability:
+        return f"unstable ({rest.instability})"
+    return "stable" if rest.stable else STABLE[None]
 
 
 def _warning(instability: str, imperfection: float | None) -> str:

@@ -9,11 +9,21 @@ import typer
 
 from rodgen.cli.console import out
 from rodgen.cli.errors import BAD_INPUT, fail
-from rodgen.cli.options import SceneFile
 
 
 def view(
-    scene_file: SceneFile,
+    scene_file: Annotated[
+        Path | None, typer.Argument(metavar="SCENE", help="A scene, in TOML.")
+    ] = None,
+    branch: Annotated[
+        Path | None,
+        typer.Option(
+            "--from", metavar="FILE", help="Start in a state of a branch: FILE of rodgen branch."
+        ),
+    ] = None,
+    at: Annotated[
+        int | None, typer.Option(help="Number of the point of FILE; its last, if not given.")
+    ] = None,
     folder: Annotated[
         Path | None, typer.Option(help="Scenes to choose from; if not given, those beside SCENE.")
     ] = None,
@@ -28,10 +38,21 @@ def view(
     """Watch SCENE move in a browser, change it while it runs, plot anything; Ctrl-C ends it."""
     from rodgen.scene import Scene, SceneError
 
-    scene = Scene.from_toml(scene_file)
+    if (scene_file is None) == (branch is None):
+        raise SceneError(
+            "SCENE", scene_file and str(scene_file), "a scene, or --from with a branch"
+        )
+    if at is not None and branch is None:
+        raise SceneError("--at", at, "absent without --from")
+    if branch is not None:
+        from rodgen.analyse.branch_data import read, scene_at
+
+        scene, beside = scene_at(read(branch), -1 if at is None else at), branch
+    elif scene_file is not None:
+        scene, beside = Scene.from_toml(scene_file), scene_file
     if not 0 <= port <= 65535:
         raise SceneError("--port", port, "a whole number from 0 to 65535")
-    place = folder or scene_file.resolve().parent
+    place = folder or beside.resolve().parent
     if not place.is_dir():
         raise SceneError("--folder", str(place), "a folder")
     try:

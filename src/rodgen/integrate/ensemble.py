@@ -22,7 +22,8 @@ class Ensemble:
     (rods,); status: "finished" or "failed", (rods,); message: what there is to say of those that
     failed or that an event has ended, by rod; steps, rejected, rhs: of each, (rods,), -1 where the
     method does not tell; energy_error: largest error of the energy balance at the samples [J],
-    (rods,), not-a-number for runs that failed; crossed: of what was watched.
+    (rods,), not-a-number for runs that failed; crossed: of what was watched; traces: of what was
+    traced at the times of the samples [s], (rods, traced, samples + 1), see `trace`.
     """
 
     values: dict[str, Array]
@@ -36,6 +37,8 @@ class Ensemble:
     rhs: NDArray[np.int64]
     energy_error: Array
     crossed: tuple[Crossed, ...] = ()
+    traces: Array | None = None
+    samples: Array | None = None
 
     def __len__(self) -> int:
         return len(self.t)
@@ -43,6 +46,16 @@ class Ensemble:
     def __getitem__(self, text: str) -> Array:
         """A reduction by its text."""
         return self.values[text]
+
+    def trace(self, rod: int, number: int) -> tuple[Array, Array]:
+        """Times [s] and values of what was traced of a rod, by its number among that."""
+        assert self.samples is not None
+        assert self.traces is not None
+        end = self.t[rod]
+        t = self.samples[self.samples <= end]
+        if self.message.get(rod) and (not len(t) or t[-1] < end):  # where an event has ended it
+            t = np.append(t, end)
+        return t, self.traces[rod, number, : len(t)]
 
     def __repr__(self) -> str:
         kept = f"; {', '.join(self.values)}" if self.values else ""

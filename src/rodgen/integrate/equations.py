@@ -74,11 +74,13 @@ class Equations:
         settings: Integrate,
         reductions: tuple[Reduction, ...],
         crossings: tuple[Crossing, ...] = (),
+        traced: tuple[str, ...] = (),
     ) -> Plan | None:
-        """How runs go side by side; None where they cannot."""
-        key = settings.method, settings.fixed, reductions, crossings
+        """How runs go side by side; None where they cannot. traced: numbers of which all samples
+        are kept."""
+        key = settings.method, settings.fixed, reductions, crossings, traced
         if key not in self._plans:
-            _remember(self._plans, key, self._planned(settings, reductions, crossings))
+            _remember(self._plans, key, self._planned(settings, reductions, crossings, traced))
         return self._plans[key]
 
     def _planned(
@@ -86,11 +88,12 @@ class Equations:
         settings: Integrate,
         reductions: Sequence[Reduction],
         crossings: Sequence[Crossing],
+        traced: Sequence[str],
     ) -> Plan | None:
         switches = self._switching and not settings.fixed
         if switches or not explicit(settings.method) or not hasattr(self.model, "LANES"):
             return None
-        return Plan.of(self._rows, reductions, may_jump(self.model), crossings)
+        return Plan.of(self._rows, reductions, may_jump(self.model), crossings, traced)
 
     @cached_property
     def _rows(self) -> Rows:

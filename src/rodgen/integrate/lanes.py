@@ -16,7 +16,7 @@ from rodgen.integrate.methods.compiled import FAILURES
 from rodgen.integrate.reductions import Reduction
 from rodgen.integrate.stepper import Array
 from rodgen.integrate.stretches import CREEP, CREPT, SPENT, STRIDE, UNBOUNDED, Stretches, inside
-from rodgen.native.many import COURSE, KEEPS, KEPT, NUMBERS, STRETCH, Block, Lanes, Shared
+from rodgen.native.many import COURSE, KEEPS, KEPT, NUMBER, NUMBERS, STRETCH, Block, Lanes, Shared
 from rodgen.native.run import IMPLICIT
 from rodgen.native.run import METHODS as COMPILED
 from rodgen.scene.integration import Integrate
@@ -94,7 +94,7 @@ class Plan:
     """Reductions as the loops know them; the last two are least and largest of the balance.
 
     energies: how many of the rows that are observed are parts of the energy, of a rod whose masses
-    may jump; else 0; watched: what is watched.
+    may jump; else 0; watched: what is watched; traces: of what all samples are kept.
     """
 
     keep: NDArray[Any]
@@ -103,11 +103,13 @@ class Plan:
     observes: bool
     energies: int
     watched: Watched
+    traces: NDArray[Any]
 
     @cached_property
     def shared(self) -> Shared:
         """Its arrays."""
         watched = {"watch": self.watched.table, "numbers": self.watched.numbers}
+        watched["trace"] = self.traces
         return Shared(keep=self.keep, rows=self.rows, weights=self.weights, **watched)
 
     @classmethod
@@ -117,11 +119,13 @@ class Plan:
         reductions: Sequence[Reduction],
         jumps: bool,
         crossings: Sequence[Crossing] = (),
+        traced: Sequence[str] = (),
     ) -> Plan | None:
-        """None where a number is not to be had in lanes; jumps: whether masses may jump."""
+        """None where a number is not to be had in lanes; jumps: whether masses may jump; traced:
+        numbers of which all samples are kept."""
         balance = (Reduction("", kind, BALANCE) for kind in ("min", "max"))
         every = (*reductions, *balance)
-        numbers = [one.number for one in every]
+        numbers = [*traced, *(one.number for one in every)]
         numbers += (name for one in crossings for name in (one.number, *one.kept))
         terms = {name: of for name in numbers if (of := rows.terms(name)) is not None}
         if {*numbers} - {*terms}:
@@ -129,6 +133,7 @@ class Plan:
         sums, known = Sums(), len(rows.state) + len(rows.lanes.works)
         places = [sums.add(terms[one.number]) for one in every]
         watched = Watched.of(crossings, terms, known, sums)
+        traces = np.array([sums.add(terms[name]) for name in traced], dtype=NUMBER)
         keep = np.zeros(len(every), KEPT)
         keep["reduction"] = [KEEPS[one.kind] for one in every]
         keep["less_start"] = [one.number == BALANCE for one in every]
@@ -136,7 +141,7 @@ class Plan:
         keep["from"], keep["to"] = [one.start for one in every], [one.end for one in every]
         at, weights = sums.arrays()
         energies = sum(name in ENERGIES for name in rows.lanes.observed) if jumps else 0
-        return cls(keep, at, weights, bool((at >= known).any()), energies, watched)
+        return cls(keep, at, weights, bool((at >= known).any()), energies, watched, traces)
 
 
 @dataclass(frozen=True)
@@ -198,6 +203,7 @@ def run(
         "watched": len(plan.watched.table),
         "looks": bool(plan.watched.table["looks"].any()),
         "crossed_width": plan.watched.width,
+        "traced": len(plan.traces),
     }
     own = EVERY if which is None else Shared(course_of=which)
     block = Block(lanes, rods, p, y, (plan.shared, courses.shared, times.shared, own), fields)

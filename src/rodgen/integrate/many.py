@@ -69,12 +69,17 @@ def simulate_many(
 
 
 def goes_side_by_side(
-    model: ModuleType, keep: Sequence[str], crossings: Sequence[Crossing], **settings: Any
+    model: ModuleType,
+    keep: Sequence[str],
+    crossings: Sequence[Crossing],
+    traced: Sequence[str],
+    **settings: Any,
 ) -> bool:
     """Whether runs with these settings go side by side in C."""
     equations = equations_of(model)
     used, _ = _settings(tuple((name, _plain(name, v)) for name, v in settings.items()))
-    return equations.plan(used, equations.reductions(tuple(keep)), tuple(crossings)) is not None
+    reductions = equations.reductions(tuple(keep))
+    return equations.plan(used, reductions, tuple(crossings), tuple(traced)) is not None
 
 
 def watched_many(
@@ -84,11 +89,13 @@ def watched_many(
     *,
     keep: Sequence[str] = (),
     crossings: Sequence[Crossing] = (),
+    traced: Sequence[str] = (),
     workers: int = 1,
     **settings: Any,
 ) -> Ensemble:
-    """Integrate many rods, as `simulate_many` does; crossings: what is looked out for in runs that
-    go side by side, those that do not have none. Raises what that raises."""
+    """Integrate many rods, as `simulate_many` does; crossings: what is looked out for, traced:
+    numbers of which all samples are kept, in runs that go side by side; those that do not have
+    none. Raises what that raises."""
     equations = equations_of(model)
     used, times = _settings(tuple((name, _plain(name, v)) for name, v in settings.items()))
     whole = isinstance(workers, int) and not isinstance(workers, bool)
@@ -102,7 +109,7 @@ def watched_many(
         raise SceneError("y0", _Shape(y.shape), allowed)
     rods = min(len(packed), len(y)) and max(len(packed), len(y))
     reductions = equations.reductions((keep,) if isinstance(keep, str) else tuple(keep))
-    plan = equations.plan(used, reductions, tuple(crossings))
+    plan = equations.plan(used, reductions, tuple(crossings), tuple(traced))
     if plan is None:
         return _one_by_one(equations, reductions, used, times.all, packed, y, rods)
     return _side_by_side(equations, plan, reductions, used, times, packed, y, rods, workers)
@@ -200,6 +207,8 @@ def _side_by_side(
         rhs=outcome["rhs"],
         energy_error=np.maximum(most, -least),
         crossed=tuple(plan.watched.found(block.crossed)),
+        traces=block.traces,
+        samples=times.all,
     )
 
 

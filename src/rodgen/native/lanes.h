@@ -113,6 +113,9 @@ struct rodgen_many {
     const struct rodgen_watched *watch;
     const struct rodgen_number *numbers;
     size_t crossed_width; /* of what is kept of the crossings of a rod */
+    size_t traced; /* numbers of which all samples are kept */
+    const struct rodgen_number *trace;
+    double *traces; /* (rods, traced, samples + 1): of a run that is stopped, the last is where it ends */
     double *state;  /* (rods, states + works) at the end */
     double *values; /* (rods, kept) */
     double *crossed; /* (rods, crossed_width), zero at first */

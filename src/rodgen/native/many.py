@@ -62,7 +62,8 @@ JOB = np.dtype(
         *(("course_of", "u8"), ("courses", "u8"), ("stretches", "u8"), ("observes", "i8")),
         *(("energies", "u8"), ("kept", "u8"), ("keep", "u8"), ("rows", "u8"), ("weights", "u8")),
         *(("watched", "u8"), ("looks", "i8"), ("watch", "u8"), ("numbers", "u8")),
-        *(("crossed_width", "u8"), ("state", "u8"), ("values", "u8")),
+        *(("crossed_width", "u8"), ("traced", "u8"), ("trace", "u8"), ("traces", "u8")),
+        *(("state", "u8"), ("values", "u8")),
         *(("crossed", "u8"), ("outcome", "u8")),
         *(("next", "u8"), ("end", "u8"), ("more", "i8")),
     ]
@@ -136,8 +137,8 @@ class Block:
 
     p: parameters (rods or 1, parameters); y: states (rods or 1, states) at the start; shared: all
     other arrays; fields: all other numbers of struct rodgen_many, by name. state (rods, states +
-    works), values (rods, kept), crossed (rods, crossed_width) and outcome (rods,) are filled as
-    runs go and end.
+    works), values (rods, kept), crossed (rods, crossed_width), traces (rods, traced, samples + 1)
+    and outcome (rods,) are filled as runs go and end.
     """
 
     def __init__(
@@ -152,11 +153,19 @@ class Block:
         self.state = np.empty((rods, lanes.states + len(lanes.works)))
         self.values = np.empty((rods, int(fields["kept"])))
         self.crossed = np.zeros((rods, int(fields["crossed_width"])))
+        self.traces = np.empty((rods, int(fields["traced"]), int(fields["samples"]) + 1))
         self.outcome = np.zeros(rods, OUTCOME)
         self.stopped = False
         self._loops = lanes.loops
-        filled = {"state": self.state, "values": self.values, "crossed": self.crossed}
-        own = Shared(p=p, y=y, outcome=self.outcome, **filled)
+        own = Shared(
+            p=p,
+            y=y,
+            state=self.state,
+            values=self.values,
+            crossed=self.crossed,
+            traces=self.traces,
+            outcome=self.outcome,
+        )
         self._shared = (*shared, own)
         known = {"next": 0, "end": 0, "more": 1, **fields}
         known["p_stride"] = p.shape[1] if len(p) > 1 else 0

@@ -102,7 +102,13 @@ void rodgen_take_samples(struct many *m, const double *mask, const double *t, co
     SIDE_BY_SIDE {
         if (!(mask[w] > 0.0))
             continue;
-        ++m->lane[w].sampled;
+        const size_t sample = m->lane[w].sampled++;
+        for (size_t at = 0; at < m->job->traced; ++at) {
+            const struct rodgen_number *const number = m->job->trace + at;
+            const size_t row = m->lane[w].rod * m->job->traced + at;
+            m->job->traces[row * (m->job->samples + 1) + sample]
+                = rodgen_value(m, number->first, number->terms, states, w);
+        }
         for (size_t at = 0; at < m->job->kept; ++at) {
             const struct rodgen_kept *const kept = m->job->keep + at;
             struct tally *const tally = m->tally + at;

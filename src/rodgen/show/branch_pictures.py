@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 
 from rodgen.analyse.critical import critical_force
 from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.statics import Equilibrium
 from rodgen.analyse.system import without
 from rodgen.integrate.stepper import Array
 from rodgen.model.terms import TERMS
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 Style = Literal["-", "--", ":"]
 NAMES = {"branch": "branch point", "fold": "fold", "hopf": "Hopf point"}
 MARKS = {"branch": "s", "fold": "D", "hopf": "o"}
-WIDE, WIDEST = 1e3, 1e6  # largest over least damping: logarithmic, and how far at most
+WIDE, WIDEST = 1e3, 1e4  # largest over least damping: logarithmic, and how far at most
 FLAT = 1e-9  # of the length: what moves less does not
 STYLES: dict[int, Style] = {1: "--", 0: "-", -1: ":"}  # unstable, stable, not known
 
@@ -107,6 +108,24 @@ def _named(axes: Axes, branches: list[xarray.Dataset], scene: Scene) -> None:
             axes.annotate(
                 f"{value:.6g}", (value, y), (4, 5), textcoords="offset points", fontsize="x-small"
             )
+
+
+def equilibrium_shapes(found: list[Equilibrium], scene: Scene) -> Figure:
+    """The rod in all equilibria that were found: stable ones solid, unstable ones dashed."""
+    figure = canvas(5.6, 5.2)
+    axes = figure.add_subplot()
+    axes.grid(alpha=0.3)
+    for number, one in enumerate(found):
+        style = STYLES[-1 if one.stable is None else int(not one.stable)]
+        axes.plot(*one.joints.T, color=f"C{number % 10}", linestyle=style, linewidth=LINE)
+    axes.plot(*found[0].joints[0], "ks" if scene.hold.clamped else "ko", markersize=6)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{scene.name}: {len(found)} equilibria")
+    words = {0: "stable", 1: "unstable", -1: "stability not known"}
+    kinds = {-1 if one.stable is None else int(not one.stable) for one in found}
+    handles = [Line2D([], [], color="k", linestyle=STYLES[at], label=words[at]) for at in kinds]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize="small")
+    return figure
 
 
 def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:

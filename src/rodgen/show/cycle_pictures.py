@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.figure import Figure
 
 from rodgen.analyse.cycles.cycle import Cycle
 from rodgen.integrate.stepper import Array
+from rodgen.scene import Scene
 from rodgen.show.pictures import LINE, canvas, draw_anchors, draw_bodies
 
+if TYPE_CHECKING:
+    import xarray
+
+MARKS = {"hopf": "o", "fold": "s", "branch": "D", "period doubling": "^", "torus": "v"}
 FRAMES = 8  # of a film strip
 TRAIL = 4  # earlier shapes behind each
 MARGIN = 0.06  # of the largest side, around the shapes
@@ -86,5 +93,68 @@ def unit_circle(cycle: Cycle) -> Figure:
     said = f"{cycle.unstable} outside" if cycle.unstable else "none outside"
     rings = f"; ring: {cycle.trivial} that are 1" if cycle.trivial else ""
     axes.set_title(f"{cycle.scene.name}: multipliers, {said}{rings}", fontsize="small")
+    axes.grid(alpha=0.3)
+    return figure
+
+
+def amplitudes(data: xarray.Dataset, scene: Scene) -> Figure:
+    """Amplitude and period along a branch of cycles: stable ones solid, unstable ones dashed,
+    special points marked and named."""
+    value = data["value"].values
+    stable = data["unstable"].values == 0
+    figure = canvas(6.5, 5.6)
+    top, low = figure.subplots(2, 1, sharex=True)
+    for axes, name, words in (
+        (top, "amplitude", "amplitude of the angles [rad]"),
+        (low, "period", "period [s]"),
+    ):
+        height = data[name].values
+        for at in range(len(value) - 1):
+            style = "-" if stable[at] and stable[at + 1] else "--"
+            part = slice(at, at + 2)
+            axes.plot(value[part], height[part], style, color="tab:blue", linewidth=LINE)
+        for kind in dict.fromkeys(data["special_kind"].values.tolist()):
+            here = np.flatnonzero(data["special_kind"].values == kind)
+            x = data["special_value"].values[here]
+            y = [_height(data, name, int(one)) for one in here]
+            axes.plot(x, y, MARKS.get(kind, "x"), color="black", markersize=5, label=kind)
+        axes.set_ylabel(words)
+        axes.grid(alpha=0.3)
+    if data.sizes["special"]:
+        top.legend(fontsize="small")
+    low.set_xlabel(data.attrs["key"])
+    top.set_title(f"{scene.name}: cycles (solid: stable, dashed: unstable)", fontsize="medium")
+    return figure
+
+
+def _height(data: xarray.Dataset, name: str, special: int) -> float:
+    """Where a special point stands in a curve."""
+    if name == "period":
+        return float(data["special_period"][special])
+    after = int(data["special_after"][special])
+    if after < 0:
+        return 0.0
+    if after + 1 >= data.sizes["point"]:
+        return float(data[name][after])
+    a, b, x = (float(data["value"][after]), float(data["value"][after + 1]), 0.0)
+    x = float(data["special_value"][special])
+    share = float(np.clip((x - a) / (b - a), 0, 1)) if a != b else 0.5
+    return float(data[name][after] * (1 - share) + data[name][after + 1] * share)
+
+
+def family(data: xarray.Dataset, scene: Scene) -> Figure:
+    """Frequency against energy of a nonlinear mode: stable motions solid, unstable ones dashed."""
+    figure = canvas(6.0, 4.2)
+    axes = figure.add_subplot()
+    stable = data["unstable"].values == 0
+    energy, frequency = data["energy"].values, data["frequency"].values
+    for at in range(len(energy) - 1):
+        style = "-" if stable[at] and stable[at + 1] else "--"
+        part = slice(at, at + 2)
+        axes.plot(energy[part], frequency[part], style, color="tab:blue", linewidth=LINE)
+    axes.plot([0.0], [data.attrs["linear_frequency"]], "ko", markersize=4, label="linear mode")
+    axes.set(xlabel="energy above rest [J]", ylabel="frequency [Hz]")
+    axes.set_title(f"{scene.name}: nonlinear mode {data.attrs['mode']}", fontsize="medium")
+    axes.legend(fontsize="small")
     axes.grid(alpha=0.3)
     return figure

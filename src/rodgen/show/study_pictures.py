@@ -43,9 +43,9 @@ def draw(dataset: xarray.Dataset, folder: Path) -> list[Path]:
     One axis: a curve of every number, a bifurcation diagram of every section. Two: a map with lines
     of equal values, and the points where not all are computed; of a section, how many values it
     has. Three: a matrix of maps. Samples, and more axes: a scatter matrix. Failed points are red
-    crosses.
+    crosses. Of more than 200 000 points only some are shown, as the title says.
     """
-    return save_figures(_figures(Results(dataset)), folder)
+    return save_figures(_figures(Results.thinned(dataset)), folder)
 
 
 def _figures(of: Results) -> Iterator[tuple[str, Figure]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -13,6 +14,7 @@ from rodgen.integrate.endings import FINISHED
 
 EVEN = 1e-6  # of the spacing in which an axis is linear or logarithmic
 ALWAYS = "status", "message", "energy_error", "seconds"
+MOST_SHOWN = 2 * 10**5  # points of a picture
 NAMES = {"stable": {1: "stable", 0: "unstable", -1: "not known"}}
 
 
@@ -21,6 +23,22 @@ class Results:
     """What a study has given, as pictures ask for it."""
 
     dataset: Any
+
+    @classmethod
+    def thinned(cls, dataset: Any) -> Results:
+        """With every other point, or every fourth, along its longest axes, where there are more
+        than a picture can show; the title then says which."""
+        steps = {str(dim): 1 for dim in dataset["status"].dims}
+        sizes = {dim: int(dataset.sizes[dim]) for dim in steps}
+        while math.prod(sizes.values()) > MOST_SHOWN:
+            longest = max(sizes, key=lambda dim: sizes[dim])
+            steps[longest] *= 2
+            sizes[longest] = -(-int(dataset.sizes[longest]) // steps[longest])
+        of = math.prod(steps.values())
+        if of == 1:
+            return cls(dataset)
+        shown = dataset.isel({dim: slice(None, None, step) for dim, step in steps.items()})
+        return cls(shown.assign_attrs(name=f"{cls(dataset).title}: one point of {of}").load())
 
     @cached_property
     def sampled(self) -> bool:
@@ -61,7 +79,8 @@ class Results:
     @cached_property
     def status(self) -> NDArray[Any]:
         """Of all points."""
-        return np.asarray(self.dataset["status"].values).astype(str)
+        # Text of any length, as stores that are read piece by piece have it, is made plain first.
+        return np.asarray(self.dataset["status"].values).astype(object).astype(str)
 
     def label(self, name: str) -> str:
         """A name with its unit."""

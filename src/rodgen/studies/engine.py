@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 PIECE = 0.2  # seconds of work of points that are refined: a round waits for its last
 BLOCK = 1.0  # seconds of work of a block: a task costs milliseconds
+TASKS = 200  # of all workers in a second, of which a scheduler bears several times as many
 SHARES = 4  # blocks for every worker at least, so that none waits long for the others at the end
 MOST_POINTS = 10**5  # of a block
 MOST_BYTES = 32 * 10**6  # of what a block keeps
@@ -173,7 +174,8 @@ def size_of(study: Study, seconds: float, workers: int) -> int:
 
     each = sum(_bytes(one.dtype) * max(1, math.prod(one.shape)) for one in variables(study))
     shared = -(-study.count // (SHARES * workers))
-    return max(1, min(int(BLOCK / max(seconds, 1e-9)), shared, MOST_POINTS, MOST_BYTES // each))
+    wanted = int(max(BLOCK, workers / TASKS) / max(seconds, 1e-9))
+    return max(1, min(wanted, shared, MOST_POINTS, MOST_BYTES // each))
 
 
 def _bytes(dtype: str) -> int:

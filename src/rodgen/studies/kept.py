@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.fourier import peaks_of
 from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.crossings import Crossed, Crossing
+from rodgen.integrate.endings import FINISHED
 from rodgen.integrate.reductions import Numbers, Reduction
 from rodgen.studies.variable import Variable
 
 if TYPE_CHECKING:
     from rodgen.integrate import Solution
+    from rodgen.integrate.ensemble import Ensemble
     from rodgen.integrate.equations import Equations
     from rodgen.integrate.stepper import Array
     from rodgen.scene.tables import Event
@@ -189,7 +190,21 @@ class Peak:
     def of(self, solution: Solution, places: Numbers) -> dict[str, Any]:
         """What it is of a run; not-a-number where there is no peak. Raises SceneError for samples
         that are not uniform."""
-        t, values = solution.t, places.values(solution, self.number)
+        return self._of(solution.t, places.values(solution, self.number))
+
+    def of_many(self, ensemble: Ensemble, number: int) -> dict[str, Any]:
+        """What it is of many runs, of which a number was traced. Raises what `of` raises."""
+        runs = [
+            self._of(*ensemble.trace(rod, number)) if status == FINISHED else {}
+            for rod, status in enumerate(ensemble.status.tolist())
+        ]
+        names = [variable.name for variable in self.variables]
+        return {name: np.array([run.get(name, math.nan) for run in runs]) for name in names}
+
+    def _of(self, t: Array, values: Array) -> dict[str, float]:
+        # It brings a third of all that a worker would import.
+        from rodgen.analyse.fourier import peaks_of
+
         inside = (t >= self.start) & (t <= self.end)
         last = int(np.flatnonzero(inside)[-1]) if inside.any() else 0
         if last > 1 and t[last] - t[last - 1] < 0.999 * (t[1] - t[0]):

@@ -22,7 +22,7 @@ from rodgen.loading import build_fastest
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.integration import AUTO
 from rodgen.studies.keep import PARTS, check_numbers, kept
-from rodgen.studies.kept import Count, Kept, Sampled, Section, crossing_of
+from rodgen.studies.kept import Count, Kept, Own, Peak, Sampled, Section, crossing_of
 from rodgen.studies.made import Made
 from rodgen.studies.points import Point
 from rodgen.studies.reference import reference
@@ -31,14 +31,14 @@ from rodgen.studies.vectors import Copying, copied, copying, groups, packed
 if TYPE_CHECKING:
     from rodgen.studies.specification import Study
 
-MOST_CROSSED = 2**22  # numbers of crossings that are kept at once
+MOST_CROSSED = 2**22  # numbers of crossings and samples that are kept at once
 FEW = 3  # points of a group whose scenes are made sooner than what they share is found
 
 
 def compute(study: Study, points: list[Point], made: Made) -> None:
     """Fill in what is kept of a run of every point."""
     wanted = kept(study)
-    if all(isinstance(one, Sampled | Count | Section) for one in wanted):
+    if not any(isinstance(one, Own) for one in wanted):
         _together(study, points, made, wanted)
     else:
         _one_by_one(study, points, range(len(points)), made, wanted)
@@ -108,17 +108,21 @@ def _run(
     check_numbers(scene, (number for one in wanted for number in one.numbers), equations)
     texts = [one.text for one in wanted if isinstance(one, Sampled)]
     crossings, crossing = _crossings(scene, wanted, equations)
-    if crossings and not goes_side_by_side(model, texts, crossings, **settings):
+    peaks = [one for one in wanted if isinstance(one, Peak)]
+    more: dict[str, Any] = {"crossings": crossings, "traced": [one.number for one in peaks]}
+    if (crossings or peaks) and not goes_side_by_side(model, texts, **more, **settings):
         _one_by_one(study, points, batch.points, made, wanted)
         return
     p, y = np.concatenate(batch.p), np.concatenate(batch.y)
-    width = 1 + sum(one.width for one in crossings)
+    width = 1 + sum(one.width for one in crossings) + len(peaks) * len(scene.integrate.samples)
     for few in np.array_split(np.arange(len(p)), -(-len(p) * width // MOST_CROSSED)):
         start, at = time.process_time(), np.array(batch.points)[few]
-        found = watched_many(*(model, p[few], y[few]), keep=texts, crossings=crossings, **settings)
+        found = watched_many(model, p[few], y[few], keep=texts, **more, **settings)
         values: dict[str, Any] = {text: found[text] for text in texts}
         for one, number in crossing:
             values |= one.of_many(found.crossed[number], equations, p[few])
+        for number, peak in enumerate(peaks):
+            values |= peak.of_many(found, number)
         made.set_many(at, values, found.energy_error, found.status, found.message)
         shares = np.maximum(found.rhs, 1)
         made.arrays["seconds"][at] += (time.process_time() - start) * shares / shares.sum()

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 MARK = "status"
 FORMAT = "1"
-LARGE = 10**8  # bytes beyond which a store is read as it is asked for
+LARGE = 2 * 10**7  # bytes beyond which a store is read as it is asked for
 # What the numbers of a point follow from, to the bit.
 SOURCES = (*PACKAGES, "rodgen.integrate", "rodgen.analyse", "rodgen.studies")
 
@@ -152,7 +152,7 @@ def read(path: str | Path) -> xr.Dataset:
     """What a store has: a variable of every kept quantity, with status, message, energy_error and
     seconds of every point, over the varied keys of a grid or the points of a sample.
 
-    Points that are not computed yet have the status "". A store beyond 100 MB is read as it is
+    Points that are not computed yet have the status "". A store beyond 20 MB is read as it is
     asked for. Raises SceneError for what is no store of a study.
     """
     import xarray as xr

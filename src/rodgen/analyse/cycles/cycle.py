@@ -134,22 +134,28 @@ def find_cycle(
     period, from which Newton's method begins instead. Loads that repeat give the period, which may
     be a whole number of theirs; loads that come to rest are taken as they are at the end of the
     span. A cycle may come back moved and turned where nothing depends on that; a rod that turns
-    over and over comes back turned by whole turns. target: "c" or "numpy"; if not given, C where it
-    can be built.
+    over and over comes back turned by whole turns. Without dissipation nothing settles: then it is
+    the motion of the nonlinear mode that has most of the energy of the initial state, with that
+    energy (see `nonlinear_mode`). target: "c" or "numpy"; if not given, C where it can be built.
 
     Raises SceneError for values that cannot be used, AnalysisError where the motion comes to rest
     or does not settle, and where Newton's method finds no cycle.
     """
     check_scene(scene)
-    segments = _count(segments)
+    segments = segments_of(segments)
     begun = _begun(scene, y0, period)
     search = Search.of(scene, target)
     if begun is not None:
         return search.polished(begun[0], begun[1], segments)
+    if search.conservative:
+        from rodgen.analyse.cycles.nonlinear_modes import of_start
+
+        return of_start(scene, segments, target)
     return search.settled(segments)
 
 
-def _count(segments: object) -> int:
+def segments_of(segments: object) -> int:
+    """How many segments were asked for. Raises SceneError."""
     made = plain(segments, "segments")
     if not (isinstance(made, int) and 1 <= made <= MOST_SEGMENTS):
         raise SceneError("segments", segments, f"a whole number from 1 to {MOST_SEGMENTS}")
@@ -290,11 +296,12 @@ class Search:
         x = cut(flow, orbit.t, orbit.x[0], orbit.period, max(16, len(orbit.x)))
         return extent(x, flow.quotient)
 
-    def cycle(self, flow: Flow, orbit: Orbit) -> Cycle:
-        """What there is to say of an orbit."""
+    def cycle(self, flow: Flow, orbit: Orbit, trivial: int | None = None) -> Cycle:
+        """What there is to say of an orbit; trivial: how many multipliers are 1, if more than
+        symmetries make so."""
         mu = multipliers(orbit)
         shooting = Shooting(flow, bool(self.forced))
-        trivial = shooting.trivial
+        trivial = shooting.trivial if trivial is None else trivial
         near = np.sort(np.abs(mu - 1))[:trivial]
         y0 = flow.quotient.lifted(orbit.x[0])
         energy = Piece(self.model, self.p, y0, np.array(orbit.t)).values("total_energy")
@@ -323,4 +330,9 @@ class Search:
     @cached_property
     def conservative(self) -> bool:
         """Whether no load does work, so that the energy stays what it is."""
-        return not (self.forced or loads_at_work(self.scene, self.model))
+        return not (self.forced or self.at_work)
+
+    @cached_property
+    def at_work(self) -> tuple[str, ...]:
+        """Names of the loads without potential."""
+        return loads_at_work(self.scene, self.model)

@@ -109,12 +109,12 @@ class Shooting:
         after = [*orbit.x[1:], orbit.x[0]]
         return [x - end for x, end in zip(after, [*ends[:-1], last], strict=True)]
 
-    def conditions(self, orbit: Orbit) -> Array:
-        """Directions (k, size) in which the first state is not to move: along the motion, unless it
-        is forced, and as the rod turns."""
+    def directions(self, orbit: Orbit) -> Array:
+        """In which the first state (k, size) is not to move: along the motion, unless it is forced,
+        and as the rod turns."""
         ways = [] if self.forced else [self.flow.rates(orbit.t, orbit.x[0])]
         ways += [self.flow.quotient.turning(orbit.x[0])] * self.turns
-        return np.array([way / np.linalg.norm(way) for way in ways]).reshape(-1, orbit.x.shape[1])
+        return np.array(ways).reshape(-1, orbit.x.shape[1])
 
     def solved(self, orbit: Orbit) -> Orbit:
         """The periodic motion by an orbit, with its segments' derivatives. Raises AnalysisError."""
@@ -147,7 +147,8 @@ class Shooting:
 
     def _corrected(self, orbit: Orbit, at: Linearised) -> Orbit:
         """After one correction. Raises AnalysisError."""
-        ways = self.conditions(orbit)
+        ways = self.directions(orbit)
+        ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
         rows = np.hstack((ways, np.zeros((len(ways), len(ways)))))
         d, more = Condensed.of(at.G, at.B, at.r).solved(rows, np.zeros(len(ways)))
         if not (np.isfinite(d).all() and np.isfinite(more).all()):

@@ -1,0 +1,184 @@
+"""All equilibria of a scene that branches and deflation find."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from rodgen.analyse.bordered import Bordered
+from rodgen.analyse.branch import Rest, instability
+from rodgen.analyse.branches import switched
+from rodgen.analyse.continuation import Steps, continued, started
+from rodgen.analyse.curve import BRANCH, NOISE, Curve
+from rodgen.analyse.equilibria import Equilibria, equilibria
+from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.statics import Equilibrium, static_equilibrium
+from rodgen.analyse.steady import Steady, straight_state
+from rodgen.analyse.system import System
+from rodgen.analyse.variable import LoadFactor
+from rodgen.integrate.stepper import Array
+from rodgen.scene import Scene
+
+STEPS = Steps(first=0.01, longest=0.05, most=400)
+MOST_BRANCHES = 24
+MOST = 12  # found by deflation: a chain of n links hangs in 2^n ways
+ITERATIONS = 30  # of Newton's method with deflation
+FARTHEST = 0.5  # of u, of a correction: longer ones are shortened
+APART = 1e-6  # rad of the mean square of all angles: two equilibria
+BENT = (0.5, 1.5, 3.0, 5.0)  # rad of the tail of rods from which deflation begins
+WAVES = (0.5, 1.5)  # half waves of their angles along the rod
+
+
+@guarded
+def static_equilibria(scene: Scene, *, t: float | None = None) -> list[Equilibrium]:
+    """The equilibria of a scene that are found, the most stable first, as `static_equilibrium` has
+    them; iterations count Newton's corrections.
+
+    The branch of the unloaded rod is followed while its loads grow together, and from every branch
+    point the other branch both ways, and so on; from what lies at the whole load, and from rods
+    that are bent in one and in two waves to both sides, Newton's method is deflated: it is driven
+    away from what is known (P. E. Farrell, A. Birkisson and S. W. Funke, SIAM J. Sci. Comput. 37
+    (2015) A2026). There may be more. Raises SceneError for a free rod that nothing holds,
+    AnalysisError where none is found.
+    """
+    system = System.of(scene, t)
+    if not (system.clamped or system.anchored):
+        first = static_equilibrium(scene, t=t)  # refuses a free rod that nothing holds
+        if system.base:
+            return [first]
+    factor = LoadFactor(system)
+    p = factor.parameters(0.0)
+    bare, _ = straight_state(system, p)
+    found: list[tuple[Array, int]] = []
+    problem = None
+    if bare is not None:
+        with suppress(AnalysisError):  # a chain without loads is held by nothing
+            problem = equilibria(factor, bare)
+    if bare is None or problem is None:
+        rest = static_equilibrium(scene, t=t)
+        at = system.unsettled(rest.phi[system.scene.held :])._replace(force=rest.force)
+        whole = Steady(system, at, system.parameters())
+        problem = equilibria(factor, whole)
+        found.append((problem.packed(whole, 1.0), 0))
+    else:
+        found += [(u, 0) for u in _on_branches(problem, problem.packed(bare, 0.0))]
+    found += _deflated(problem, [u for u, _ in found])
+    if not found:
+        raise AnalysisError("no equilibrium found under the whole load")
+    states = [(problem.steady(u), iterations) for u, iterations in found]
+    every = [_equilibrium(state, iterations) for state, iterations in states]
+    order = {"": 0, None: 1, "flutter": 2, "divergence": 3}
+    unstable = [problem.unstable(u) or 0 for u, _ in found]
+    ranked = sorted(
+        zip(every, unstable, strict=True), key=lambda x: (x[1], order[x[0].instability])
+    )
+    return [one for one, _ in ranked]
+
+
+def _on_branches(problem: Equilibria, u: Array) -> list[Array]:
+    """States at the whole load on the branch of the unloaded rod, and on those that leave it."""
+    found: list[Array] = []
+    seen: list[Array] = []
+    try:
+        waiting = [continued(problem, started(problem, u), 0.0, 1.0, STEPS)]
+    except AnalysisError:
+        return found
+    while waiting and len(seen) < MOST_BRANCHES:
+        curve = waiting.pop(0)
+        found += [one for one in _ends(curve) if _new(problem, one, found)]
+        for special in curve.special:
+            if (
+                special.kind == BRANCH
+                and special.ways is not None
+                and _new(problem, special.u, seen)
+            ):
+                seen.append(special.u)
+                waiting.append(switched(problem, special, (0.0, 1.0), STEPS))
+    return found
+
+
+def _ends(curve: Curve) -> list[Array]:
+    return [p.u for p in (curve.points[0], curve.points[-1]) if p.u[-1] == 1.0]
+
+
+def _new(problem: Equilibria, u: Array, known: list[Array]) -> bool:
+    return all(problem.length(u - other) > APART for other in known)
+
+
+def _deflated(problem: Equilibria, known: list[Array]) -> list[tuple[Array, int]]:
+    """What Newton's method finds that is driven away from all that is known."""
+    known = list(known)
+    found: list[tuple[Array, int]] = []
+    guesses = _guesses(problem) + known
+    while guesses and len(found) < MOST:
+        guess = guesses.pop(0)
+        while len(found) < MOST:
+            try:
+                u, iterations = _newton(problem, guess, known)
+            except AnalysisError:
+                break
+            if not _new(problem, u, known):
+                break
+            known.append(u)
+            guesses.append(u)
+            found.append((u, iterations))
+    return found
+
+
+def _guesses(problem: Equilibria) -> list[Array]:
+    """Bent rods to begin with."""
+    start = problem.growing.start
+    s = (np.arange(start.system.cells) + 0.5) / start.system.cells
+    turned = start.at._replace(phi=start.phi + np.pi)
+    guesses = [] if start.system.clamped else [problem.packed(replace(start, at=turned), 1.0)]
+    for waves in WAVES:
+        shape = np.sin(waves * np.pi * s) if start.system.clamped else np.cos(2 * waves * np.pi * s)
+        for bend in (sign * bend for bend in BENT for sign in (1.0, -1.0)):
+            at = start.at._replace(phi=start.system.straight + bend * shape)
+            guesses.append(problem.packed(replace(start, at=at), 1.0))
+    return guesses
+
+
+def _newton(problem: Equilibria, u: Array, known: list[Array]) -> tuple[Array, int]:
+    """Newton's method on F / product of distances to what is known, at the whole load. With F's own
+    correction d and the logarithm m of the factor, the deflated correction is d / (1 - m' d)."""
+    row = np.append(np.zeros(len(u) - 1), 1.0)
+    weights = problem.weights * (row == 0)
+    before = np.inf
+    for iteration in range(1, ITERATIONS + 1):
+        F, J = problem.at(u)
+        d = Bordered(J, row[None]).solve(np.append(-F, 1.0 - u[-1]))
+        plain = float(np.abs(d).max())
+        if plain <= 1e-13 or (plain < NOISE and plain >= before / 2):
+            return u + d, iteration
+        slope = np.zeros(len(u))
+        for other in known:
+            away = weights * (u - other)
+            distance = float(away @ (u - other))
+            if distance > 0:  # of 1 + 1 / distance^2 (squares)
+                slope += -2 * away / (distance * (distance + 1))
+        by = 1 - float(slope @ d)
+        step = d / (by if abs(by) > 1e-3 else 1e-3)
+        length = problem.length(step)
+        u = u + step * min(1.0, FARTHEST / length if length else 1.0)
+        before = plain
+    raise AnalysisError("Newton's method does not converge")
+
+
+def _equilibrium(state: Steady, iterations: int) -> Equilibrium:
+    """A steady state as an equilibrium."""
+    system, y = state.system, state.system.at_rest(state.at)
+    return Equilibrium(
+        y=y,
+        phi=system.all_links(state.phi),
+        joints=system.model.joints(y, state.p),
+        force=state.force,
+        change=0.0,
+        iterations=iterations,
+        stages=(1.0,),
+        instability=instability(system, Rest(state.at), state.p),
+        t=system.t,
+        states=dict(zip(system.scene.states, state.at.added.tolist(), strict=True)),
+    )

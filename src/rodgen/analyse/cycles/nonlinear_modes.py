@@ -1,0 +1,332 @@
+"""Nonlinear normal modes: families of periodic motions of a rod without dissipation, one from each
+linear mode, with the energy as their parameter.
+
+Where quantities are conserved, periodic motions are not isolated and the equations of closing are
+dependent. Each conserved quantity H adds an unknown e, with e grad H added to the closing: it is
+zero in every solution, and the equations are regular (F. J. Munoz-Almaraz et al., Physica D 181
+(2003) 1).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from rodgen.analyse.continuation import Steps, continued
+from rodgen.analyse.curve import Curve, Point, Problem, corrected, point_at
+from rodgen.analyse.cycles.conserved import Conserved
+from rodgen.analyse.cycles.cycle import (
+    SEGMENTS,
+    Cycle,
+    Search,
+    nontrivial,
+    segments_of,
+)
+from rodgen.analyse.cycles.elimination import Complex, Condensed
+from rodgen.analyse.cycles.family import closing
+from rodgen.analyse.cycles.flow import Flow
+from rodgen.analyse.cycles.hopf import equilibrium, jacobian
+from rodgen.analyse.cycles.shooting import Linearised, Orbit, Shooting, cut
+from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.steady import steady
+from rodgen.analyse.system import System
+from rodgen.integrate.stepper import Array
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.plain import is_number, plain
+from rodgen.scene.scene import check_scene
+
+if TYPE_CHECKING:
+    import xarray
+
+SMALL = 1e-4  # root of the share of the energy: the first motion of a family
+STEP = 0.05
+MOST = 400  # points
+GROWS = 1e-4  # by which a multiplier exceeds 1: beside others on the unit circle, roundings count
+STILL = 1e-6  # of the fastest frequency: a slower motion is none
+SAMPLES = 64  # of a period
+TRIAL = 1e-3  # rad: a motion by whose energy others are sized
+
+
+class Family(Problem):
+    """u: states where segments start, rates over the frequency of the linear mode; the logarithm of
+    the period over the mode's; the angle by which the rod turns, where that is unknown; one more
+    for each conserved quantity, which is zero; the root of the energy over the largest."""
+
+    def __init__(self, flow: Flow, rest: Array, orbit: Orbit, energy: float):
+        """rest: the state (size,) about which it swings; energy: the largest above it [J]."""
+        self.flow, self.first, self.energy = flow, orbit, energy
+        self.conserved = Conserved(flow)
+        q = flow.quotient
+        self.count, size = orbit.x.shape
+        self.scale = np.where(np.arange(size) < q.positions, 1.0, 2 * np.pi / orbit.period)
+        self.lowest = self.conserved.values(rest)
+        self.kept = len(self.lowest)
+        share = np.full(self.count * size, 1 / (self.count * size))
+        self.weights = np.append(share, np.ones(2 + q.turns + self.kept))
+        self._known: dict[bytes, Linearised] = {}
+        self.look_from(orbit)
+
+    @property
+    def trivial(self) -> int:
+        """How many multipliers are 1 all along."""
+        return 2 * self.kept
+
+    def look_from(self, orbit: Orbit) -> None:
+        """Let the phase be that of an orbit."""
+        ways = Shooting(self.flow).directions(orbit) / self.scale
+        self._ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+        self._reference = orbit.x[0] / self.scale
+
+    def packed(self, orbit: Orbit) -> Array:
+        """u of an orbit."""
+        turn = [orbit.angle] if self.flow.quotient.turns else []
+        above = float(self.conserved.values(orbit.x[0])[0] - self.lowest[0])
+        more = [np.log(orbit.period / self.first.period), *turn, *([0.0] * self.kept)]
+        parts = ((orbit.x / self.scale).ravel(), more, [np.sqrt(max(above, 0) / self.energy)])
+        return np.concatenate(parts)
+
+    def orbit(self, u: Array) -> Orbit:
+        """The orbit of u."""
+        states = self.count * len(self.scale)
+        x = u[:states].reshape(self.count, -1) * self.scale
+        period = self.first.period * float(np.exp(np.clip(u[states], -50, 50)))
+        angle = float(u[states + 1]) if self.flow.quotient.turns else 0.0
+        return replace(self.first, x=x, period=period, angle=angle)
+
+    def linearised(self, u: Array) -> Linearised:
+        """The segments' derivatives, kept for a while."""
+        key = u.tobytes()
+        if key not in self._known:
+            if len(self._known) > SAMPLES:
+                self._known.clear()
+            self._known[key] = Shooting(self.flow).linearised(self.orbit(u))
+        return self._known[key]
+
+    def at(self, u: Array) -> tuple[Array, Array]:
+        orbit, made = self.orbit(u), self.linearised(u)
+        size, states = len(self.scale), self.count * len(self.scale)
+        J, F = np.zeros((len(u) - 1, len(u))), np.zeros(len(u) - 1)
+        J[:states, :states], F[:states] = closing(made, self.scale)
+        columns = [np.column_stack((B[:, 0] * orbit.period, B[:, 1:])) for B in made.B]
+        width = columns[0].shape[1]
+        J[:states, states : states + width] = np.vstack([c / self.scale[:, None] for c in columns])
+        gradients = self.conserved.gradients(orbit.x[0])
+        extra = slice(states + width, states + width + self.kept)
+        pushes = gradients / self.scale
+        pushes /= np.linalg.norm(pushes, axis=1, keepdims=True)
+        J[states - size : states, extra] = pushes.T
+        F[states - size : states] += pushes.T @ u[extra]
+        for k, way in enumerate(self._ways):
+            J[states + k, :size] = way
+            F[states + k] = way @ (orbit.x[0] / self.scale - self._reference)
+        values = self.conserved.values(orbit.x[0])
+        for k in range(self.kept):
+            row = states + len(self._ways) + k
+            J[row, :size] = gradients[k] * self.scale / self.energy
+            F[row] = (values[k] - self.lowest[k]) / self.energy
+        first = states + len(self._ways)
+        J[first, -1], F[first] = -2 * u[-1], F[first] - u[-1] ** 2
+        return F, J
+
+    def multipliers(self, u: Array) -> Complex:
+        """All of them, the largest first."""
+        return Condensed.of(self.linearised(u).G).multipliers()
+
+    def unstable(self, u: Array) -> int:
+        left = nontrivial(self.multipliers(u), self.trivial)
+        return int((np.abs(left) > 1 + GROWS).sum())
+
+
+class _Rest(NamedTuple):
+    """A search, its flow about rest, the state of rest (size,), and of all modes that swing the
+    frequencies [rad/s] and shapes (size, k), the slowest first."""
+
+    search: Search
+    flow: Flow
+    x: Array
+    frequencies: Array
+    shapes: Complex
+
+
+def _prepared(scene: Scene, target: str | None) -> _Rest:
+    search = Search.of(scene, target)
+    if not search.conservative:
+        what = ", ".join(search.at_work) or "loads that change"
+        raise SceneError("mode", scene.name, f"of a scene without dissipation (it has {what})")
+    state = steady(System.of(search.scene))
+    y = state.system.at_rest(state.at)
+    flow = search.flow(0.0, y)
+    x = equilibrium(flow, 0.0, y[flow.quotient.kept])
+    s, vectors = np.linalg.eig(jacobian(flow, 0.0, x))
+    swings = np.flatnonzero(s.imag > STILL * np.abs(s).max())
+    order = swings[np.argsort(s[swings].imag)]
+    angles = vectors[: flow.quotient.positions, order]
+    largest = angles[np.abs(angles).argmax(axis=0), np.arange(len(order))]
+    return _Rest(search, flow, x, s[order].imag, vectors[:, order] / largest)
+
+
+def _family(rest: _Rest, mode: int, energy: float, segments: int) -> tuple[Family, Point]:
+    """The family of a mode, and its first motion."""
+    mode, energy = _checked(mode, energy)
+    if mode > len(rest.frequencies):
+        allowed = f"the number of a mode that swings, 1 to {len(rest.frequencies)}"
+        raise SceneError("mode", mode, allowed)
+    q = rest.shapes[:, mode - 1]
+    size = SMALL * TRIAL * np.sqrt(energy / _above(rest, q))
+    orbits = []
+    for times in (1.0, 2.0):
+        turned = np.exp(2j * np.pi * np.arange(segments) / segments)
+        x = rest.x + times * size * (turned[:, None] * q).real
+        orbits.append(Orbit(x, 0.0, 2 * np.pi / rest.frequencies[mode - 1], 0.0, times * size))
+    family = Family(rest.flow, rest.x, orbits[0], energy)
+    guess, larger = (family.packed(one) for one in orbits)
+    row = np.append(np.zeros(len(guess) - 1), 1.0)
+    found = corrected(family, guess, row)
+    return family, point_at(family, found, (larger - guess) / family.length(larger - guess))
+
+
+def _above(rest: _Rest, q: Complex) -> float:
+    """Energy above rest [J] of a small motion along a shape."""
+    conserved = Conserved(rest.flow)
+    moved, still = (conserved.values(x)[0] for x in (rest.x + TRIAL * q.real, rest.x))
+    return float(moved - still)
+
+
+def _followed(family: Family, first: Point, step: float, most: int) -> Curve:
+    """The family from its first motion up to the largest energy."""
+
+    def seen(point: Point) -> None:
+        family.look_from(family.orbit(point.u))
+
+    steps = Steps(first=step / 10, least=1e-7, longest=step, most=most)
+    return continued(family, first, 0.0, 1.0, steps, watch=seen)
+
+
+def _checked(mode: object, energy: object) -> tuple[int, float]:
+    number, most = plain(mode, "mode"), plain(energy, "energy")
+    if not (isinstance(number, int) and number >= 1):
+        raise SceneError("mode", mode, "a whole number of at least 1")
+    if not (is_number(most) and 0 < most < np.inf):
+        raise SceneError("energy", energy, "above 0 J, the energy of rest")
+    return number, float(most)
+
+
+@guarded
+def continue_mode(
+    scene: Scene,
+    mode: int = 1,
+    energy: float = 1.0,
+    *,
+    segments: int = SEGMENTS,
+    step: float = STEP,
+    most: int = MOST,
+    target: str | None = None,
+) -> xarray.Dataset:
+    """The family of periodic motions of a scene without dissipation that begins with a linear mode.
+
+    mode: its number, 1 is the slowest; energy: above that of rest [J], up to which the family is
+    followed. The Dataset has one dimension along the family: energy [J] above rest, frequency [Hz],
+    period [s], amplitude (the largest deviation of an angle [rad]), unstable, multipliers (in two
+    columns), y0, energy_error (the largest change along the motion, over the energy); special
+    points; as attributes linear_frequency [Hz] and why the family ends. Raises SceneError for a
+    scene with dissipation or changing loads, AnalysisError where there is no family.
+    """
+    import xarray
+
+    check_scene(scene)
+    rest = _prepared(scene, target)
+    family, first = _family(rest, mode, energy, segments_of(segments))
+    curve = _followed(family, first, step, most)
+    rows = [_row(family, point.u) for point in curve.points]
+    units = {"energy": "J", "frequency": "Hz", "period": "s", "amplitude": "rad"}
+    data: dict[str, Any] = {
+        name: ("point", np.array([row[name] for row in rows]), {"units": unit})
+        for name, unit in units.items()
+    }
+    data["unstable"] = ("point", np.array([point.unstable for point in curve.points]))
+    data["energy_error"] = ("point", np.array([row["energy_error"] for row in rows]))
+    data["y0"] = (("point", "state"), np.array([row["y0"] for row in rows]))
+    mu = np.array([row["multipliers"] for row in rows])
+    data["multipliers"] = (("point", "multiplier", "part"), mu)
+    data["special_kind"] = ("special", np.array([s.kind for s in curve.special], dtype="U16"))
+    special = np.array([float(s.u[-1]) ** 2 * family.energy for s in curve.special])
+    data["special_energy"] = ("special", special, {"units": "J"})
+    attributes = {
+        "mode": mode,
+        "linear_frequency": float(rest.frequencies[mode - 1]) / (2 * np.pi),
+        "end": curve.end,
+        "complete": int(curve.complete),
+        "notes": "\n".join(curve.notes),
+    }
+    return xarray.Dataset(data, {"part": ["re", "im"]}, attributes)
+
+
+def _row(family: Family, u: Array) -> dict[str, Any]:
+    """What there is to say of the motion of u."""
+    orbit, q = family.orbit(u), family.flow.quotient
+    x = cut(family.flow, orbit.t, orbit.x[0], orbit.period, SAMPLES)
+    angles = x[:, q.angles]
+    if q.turns:
+        angles = angles - angles.mean(axis=1, keepdims=True)
+    above = np.array([family.conserved.values(one)[0] for one in x]) - family.lowest[0]
+    left = nontrivial(family.multipliers(u), family.trivial)
+    return {
+        "energy": float(above[0]),
+        "frequency": 1 / orbit.period,
+        "period": orbit.period,
+        "amplitude": float(np.ptp(angles, axis=0).max()) / 2,
+        "multipliers": np.stack((left.real, left.imag), -1),
+        "y0": q.lifted(x[0]),
+        "energy_error": float(np.ptp(above) / above[0]),
+    }
+
+
+@guarded
+def nonlinear_mode(
+    scene: Scene,
+    mode: int = 1,
+    energy: float = 1.0,
+    *,
+    segments: int = SEGMENTS,
+    target: str | None = None,
+) -> Cycle:
+    """The periodic motion with an energy [J] above rest of the family that begins with a mode of a
+    scene without dissipation. Raises what `continue_mode` does."""
+    check_scene(scene)
+    return _at_energy(_prepared(scene, target), mode, energy, segments_of(segments))
+
+
+def _at_energy(rest: _Rest, mode: int, energy: float, segments: int) -> Cycle:
+    family, first = _family(rest, mode, energy, segments)
+    curve = _followed(family, first, 2 * STEP, MOST)
+    if not curve.complete:
+        reached = family.energy * curve.points[-1].value ** 2
+        raise AnalysisError(
+            f"mode {mode} was followed up to {reached:.6g} J above rest: {curve.end}"
+        )
+    orbit = family.orbit(curve.points[-1].u)
+    scale = float(np.ptp(orbit.x, axis=0).max())
+    orbit = Shooting(family.flow).closed(replace(orbit, scale=scale))
+    return rest.search.cycle(family.flow, orbit, family.trivial)
+
+
+def of_start(scene: Scene, segments: int, target: str | None) -> Cycle:
+    """The periodic motion of a scene without dissipation with the energy of its initial state, of
+    the mode that has most of it. Raises AnalysisError for a rod that begins at rest."""
+    rest = _prepared(scene, target)
+    conserved = Conserved(rest.flow)
+    x = rest.search.scene.initial_state()[rest.flow.quotient.kept]
+    energy = float(conserved.values(x)[0] - conserved.values(rest.x)[0])
+    shares, *_ = np.linalg.lstsq(
+        np.hstack((rest.shapes.real, rest.shapes.imag)), x - rest.x, rcond=None
+    )
+    count = len(rest.frequencies)
+    energies = [
+        (shares[k] ** 2 + shares[count + k] ** 2) * _above(rest, rest.shapes[:, k])
+        for k in range(count)
+    ]
+    if not (energy > 0 and max(energies, default=0.0) > 0):
+        raise AnalysisError("no cycle: the rod begins at rest, and nothing moves it")
+    return _at_energy(rest, int(np.argmax(energies)) + 1, energy, segments)

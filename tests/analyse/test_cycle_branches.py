@@ -1,0 +1,208 @@
+"""Branches of cycles: the normal form against the cycles beside a Hopf point, known thrusts of
+Ziegler's pendulum, periods of single cycles; nonlinear modes against a pendulum's elliptic integral
+and linear modes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.special import ellipk
+
+import rodgen
+from rodgen.analyse.cycles import branch_data
+from rodgen.analyse.cycles.branches import continue_cycles, hopf_of
+from rodgen.analyse.cycles.cycle import Search, find_cycle
+from rodgen.analyse.cycles.family import Variation
+from rodgen.analyse.cycles.nonlinear_modes import continue_mode, nonlinear_mode
+from rodgen.analyse.errors import AnalysisError
+from rodgen.scene import Scene, SceneError
+from tests.analyse.test_cycles import ZIEGLER
+
+FORCE = "loads.follower.force"
+# Structures of the palette, compiled for other tests as well; loads of no size change nothing.
+NOTHING = {
+    "gravity": {"g": 0.0},
+    "external_damping": {"coefficient": 0.0},
+    "tip": {"x": 0.0, "y": 0.0},
+}
+COLUMN: dict[str, Any] = {
+    "name": "column",
+    "rod": {
+        "links": 3,
+        "length": 1.0,
+        "mass": 1.0,
+        "bending_stiffness": 1.0,
+        "boundary": "clamped",
+    },
+    "loads": NOTHING | {"follower": {"force": 20.0}, "internal_damping": {"coefficient": 0.3}},
+    "initial": {"phi": "0.2*s"},
+    "integrate": {"span": [0.0, 20.0]},
+}
+
+
+@pytest.fixture(scope="module")
+def column() -> Scene:
+    return Scene.from_dict(COLUMN)
+
+
+@pytest.fixture(scope="module")
+def branch(column: Scene) -> Any:
+    return continue_cycles(column, FORCE, (8.0, 22.0))
+
+
+def test_flutter_of_zieglers_pendulum_is_a_hopf_point() -> None:
+    """At the thrust of Herrmann and Jong (1965) for this damping, 9 (41/28 + 0.18/2)."""
+    scene = Scene.from_dict(ZIEGLER)
+    variation = Variation(Search.of(scene, "numpy"), scene, FORCE, (12.0, 17.0))
+    hopf, _ = hopf_of(variation)
+    assert hopf.value == pytest.approx(9 * (41 / 28 + 0.18 / 2), rel=1e-11)
+    assert hopf.supercritical
+
+
+def test_cycles_begin_where_flutter_does(column: Scene, branch: Any) -> None:
+    without = COLUMN | {"loads": {k: v for k, v in COLUMN["loads"].items() if k not in NOTHING}}
+    critical = rodgen.critical_force(Scene.from_dict(without))
+    assert branch["special_kind"].values[0] == "hopf"
+    assert float(branch["special_value"][0]) == pytest.approx(critical.force, rel=1e-9)
+    assert float(branch["special_frequency"][0]) == pytest.approx(critical.frequency, rel=1e-9)
+    stable = branch["unstable"].values[0] == 0
+    assert stable == bool(branch.attrs["supercritical"])
+    assert (np.diff(branch["amplitude"].values[:10]) > 0).all()
+    assert branch.attrs["complete"]
+    assert branch["trivial_error"].values.max() < 1e-8
+
+
+def test_the_normal_form_has_the_cycles_beside_it(column: Scene) -> None:
+    """Value and period of small cycles differ from those of the normal form by the fourth power of
+    the amplitude."""
+    search = Search.of(column)
+    hopf, flow = hopf_of(Variation(search, column, FORCE, (8.0, 22.0)))
+    errors = []
+    for amplitude in (0.4, 0.2):
+        x, value, period = hopf.beside(amplitude)
+        there = column.model_dump(exclude_none=True)
+        there["loads"]["follower"]["force"] = value
+        scene = Scene.from_dict(there)
+        found = find_cycle(scene, y0=flow(value).quotient.lifted(x), period=period)
+        errors.append(abs(found.period - period))
+    assert errors[0] / errors[1] == pytest.approx(16, rel=0.25)
+    assert errors[1] < 1e-5 * 2 * np.pi / hopf.frequency
+
+
+def test_a_branch_has_the_cycle_of_a_run(branch: Any, column: Scene, tmp_path: Any) -> None:
+    alone = find_cycle(column)
+    at = branch_data.nearest(branch, column)
+    _, _, y0, period = branch_data.on_branch(branch, at)
+    found = find_cycle(column, y0=y0, period=period)
+    assert found.period == pytest.approx(alone.period, rel=1e-9)
+    # What thrust brings in, damping takes out, in every cycle of the branch.
+    work = branch["work"].values
+    np.testing.assert_allclose(work.sum(axis=1), 0, atol=1e-9 * np.abs(work).max())
+    branch_data.save(branch, tmp_path / "cycles.nc")
+    again = branch_data.read(tmp_path / "cycles.nc")
+    np.testing.assert_array_equal(again["y0"].values, branch["y0"].values)
+    # From there both ways: the same curve.
+    both = continue_cycles(column, FORCE, (19.0, 20.5), start=alone)
+    periods = np.interp(20.0, both["value"].values, both["period"].values)
+    assert periods == pytest.approx(alone.period, rel=1e-4)  # of a line between points
+    assert both["value"].values.min() == 19.0
+    assert both["value"].values.max() == 20.5
+
+
+def test_what_no_branch_begins_with(column: Scene) -> None:
+    with pytest.raises(AnalysisError, match="no Hopf point"):
+        continue_cycles(column, FORCE, (1.0, 5.0))
+    bare = Scene.from_dict(ZIEGLER | {"loads": {"follower": {"force": 16.0}}})
+    with pytest.raises(AnalysisError, match="do not cross"):
+        continue_cycles(bare, FORCE, (15.0, 25.0), target="numpy")
+    for key, ends in (("rod.links", (3, 9)), ("loads.none", (1, 2)), (FORCE, (5.0, 5.0))):
+        with pytest.raises(SceneError):
+            continue_cycles(column, key, ends)
+    with pytest.raises(SceneError, match="start"):
+        continue_cycles(column, FORCE, (1.0, 5.0), start="anywhere")
+
+
+PENDULUM = {
+    "name": "pendulum",
+    "rod": {
+        "links": 1,
+        "length": 1.3,
+        "mass": 2.0,
+        "bending_stiffness": 0.0,
+        "boundary": "pinned",
+    },
+    "loads": {"gravity": {}},
+    "initial": {"phi": -1.0},
+}
+
+
+@pytest.mark.long  # it compiles a structure of its own
+def test_a_pendulum_by_an_elliptic_integral() -> None:
+    """Energy m g L/2 (1 - cos a) above rest; period 4 sqrt(2 L/3 g) K(sin^2 a/2)."""
+    scene, g = Scene.from_dict(PENDULUM), 9.81
+    a = np.pi / 2 - 1.0
+    found = find_cycle(scene)  # with the energy of its start
+    expected = 4 * np.sqrt(2 * 1.3 / (3 * g)) * ellipk(np.sin(a / 2) ** 2)
+    assert found.period == pytest.approx(expected, rel=1e-9)
+    assert found.amplitude == pytest.approx(a, rel=1e-4)  # of 64 samples
+    energy = 2.0 * g * 0.65 * (1 - np.cos(2.0))
+    wide = nonlinear_mode(scene, 1, energy)
+    assert wide.period == pytest.approx(
+        4 * np.sqrt(2 * 1.3 / (3 * g)) * ellipk(np.sin(1.0) ** 2), rel=1e-9
+    )
+
+
+def test_families_begin_with_linear_modes_and_keep_energy() -> None:
+    rod = COLUMN["rod"] | {"links": 2, "boundary": "free", "inertia": "lumped"}
+    scene = Scene.from_dict({"name": "rod", "rod": rod, "initial": {"phi": 0.0}})
+    family = continue_mode(scene, 1, 0.5)
+    linear = rodgen.natural_modes(scene, 1).frequencies[0]
+    assert family["frequency"].values[0] == pytest.approx(linear, rel=1e-8)
+    assert family["energy_error"].values.max() < 1e-9
+    assert family["energy"].values[-1] == pytest.approx(0.5, rel=1e-12)
+    assert family.attrs["complete"]
+    # The motion of that energy, as a run has it.
+    mode = nonlinear_mode(scene, 1, 0.5)
+    assert mode.energy == pytest.approx(0.5, rel=1e-9)
+    assert np.ptp(mode.motion.energy.total) < 1e-9
+    np.testing.assert_allclose(mode.motion.y[-1, 2:4], mode.motion.y[0, 2:4], atol=1e-8)
+    with pytest.raises(SceneError, match="mode"):
+        nonlinear_mode(scene, 9, 0.5)
+    with pytest.raises(SceneError, match="energy"):
+        nonlinear_mode(scene, 1, -0.5)
+    with pytest.raises(SceneError, match="dissipation"):
+        nonlinear_mode(Scene.from_dict(COLUMN), 1, 0.5)
+
+
+def test_a_free_rod_swings_while_its_thrust_carries_it_off() -> None:
+    """Its cycle needs neither its place nor its velocity, and comes back turned by nothing: two
+    multipliers are 1."""
+    rod = COLUMN["rod"] | {"links": 10, "boundary": "free"}
+    loads = NOTHING | {"follower": {"force": 150.0}, "internal_damping": {"coefficient": 1.0}}
+    table = {"name": "free", "rod": rod, "loads": loads, "initial": {"phi": "0.1*s"}}
+    found = find_cycle(Scene.from_dict(table | {"integrate": {"span": [0, 10]}}))
+    assert found.trivial == 2
+    assert found.trivial_error < 1e-8
+    assert len(found.multipliers) == 20
+    # A run from there comes back to the same shape, moved.
+    motion = found.motion
+    np.testing.assert_allclose(motion.y[-1, 2:12], motion.y[0, 2:12] + found.angle, atol=1e-7)
+    assert np.linalg.norm(found.drift) > 1.0
+
+
+def test_loads_that_repeat_give_the_period() -> None:
+    rod = COLUMN["rod"] | {"links": 2, "bending_stiffness": 2.0}
+    tip = {"x": 0.0, "y": "min(t, 1)*sin(7*t)**2"}
+    loads: dict[str, Any] = {"internal_damping": {"coefficient": 1.0}, "tip": tip}
+    table = {"name": "shaken", "rod": rod, "loads": loads, "initial": {"phi": 0.0}}
+    found = find_cycle(Scene.from_dict(table | {"integrate": {"span": [0, 12]}}), target="numpy")
+    assert found.forced
+    assert found.period == pytest.approx(np.pi / 7, rel=1e-14)
+    assert found.trivial == 0
+    y = found.motion.y
+    np.testing.assert_allclose(y[-1], y[0], atol=1e-8 * np.abs(y).max())
+    chirp = table | {"loads": loads | {"tip": {"x": 0.0, "y": "sin(t**2)"}}}
+    with pytest.raises(AnalysisError, match="neither come to rest nor"):
+        find_cycle(Scene.from_dict(chirp), target="numpy")
