@@ -7,7 +7,8 @@
 # make guide      take the numbers of README and docs/which-method.md from the last report
 # make report [QUICK=1] [RESUME=1]    error against run time, stability, extremes, beside peers
 # make test-all   the long tests as well         make lint, make types
-# make bench, bench-rhs, bench-many, bench-study, bench-engine, bench-analyse, bench-live
+# make bench, bench-rhs, bench-many, bench-heyoka, bench-study, bench-engine, bench-workers, bench-load, bench-kills
+# make bench-analyse, bench-exponents, bench-live
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -26,7 +27,7 @@ FORM ?= chain
 PARTS ?= all
 SCENE ?= scenes/missile.toml
 
-.PHONY: demo view derive test test-all lint types bench bench-rhs bench-many bench-study bench-engine bench-analyse bench-live reference figures screenshot thesis audit \
+.PHONY: demo view derive test test-all lint types bench bench-rhs bench-many bench-heyoka bench-study bench-engine bench-workers bench-load bench-kills bench-analyse bench-exponents bench-live reference figures screenshot thesis audit \
 	report guide clean
 
 demo: .venv/installed
@@ -72,14 +73,29 @@ bench-rhs: .venv/evidence
 bench-many: .venv/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.many
 
+bench-heyoka: .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.many_heyoka $(LINKS) $(if $(PLAIN),plain)
+
 bench-study: .venv/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.study
+
+bench-exponents: .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.exponents
 
 bench-analyse: .venv/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.analyse
 
 bench-engine: .venv/developing .venv/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.study_engine $(TASKS)
+	@$(BIN)/python -m rodgen_evidence.benchmarks.study_engine $(RUNS) $(TASKS)
+
+bench-workers: .venv/developing .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.study_workers $(BLOCKS) $(WORKERS)
+
+bench-load: .venv/developing .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.study_load $(TASKS) $(WORKERS)
+
+bench-kills: .venv/developing .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.study_kills $(STUDIES)
 
 bench-live: .venv/developing .venv/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.live $(or $(SECONDS),20) $(LINKS)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import shutil
 
+import numpy as np
 import pytest
 
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.benchmarks.analyse import analyse
+from rodgen_evidence.benchmarks.exponents import exponents, of_heyoka, of_rodgen
 from rodgen_evidence.benchmarks.main_job import main_job
 from rodgen_evidence.benchmarks.many import many
 from rodgen_evidence.benchmarks.rhs import rhs
@@ -30,6 +32,16 @@ def test_main_job(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_rhs(capsys: pytest.CaptureFixture[str]) -> None:
     check(rhs((5,), peers=False), capsys)
+
+
+def test_exponents(capsys: pytest.CaptureFixture[str]) -> None:
+    check(exponents(3, 1.0, rounds=1), capsys)
+
+
+def test_tangents_are_those_of_heyoka() -> None:
+    """Both begin with the same frame, and follow the same motion for eight seconds."""
+    pytest.importorskip("heyoka", reason="it is no dependency")
+    np.testing.assert_allclose(of_rodgen(8), of_heyoka(8)[1], atol=1e-4)
 
 
 def test_many_runs(capsys: pytest.CaptureFixture[str]) -> None:

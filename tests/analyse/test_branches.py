@@ -91,6 +91,24 @@ def test_a_free_rod_in_steady_flight() -> None:
     assert float(found["special_value"][0]) == pytest.approx(critical.force, rel=1e-10)
 
 
+def test_divergence_of_a_free_rod_of_two_links() -> None:
+    """Which turns freely besides: at 32 EI/L^2, as critical loads have it."""
+    rod = {"links": 2, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0, "boundary": "free"}
+    scene = Scene.from_dict({"name": "free", "rod": rod, "loads": PUSHED})
+    found = continue_equilibria(scene, FOLLOWER, (0.0, 45.0), step=0.1)
+    assert found["special_kind"].values.tolist() == ["branch"]
+    assert float(found["special_value"][0]) == pytest.approx(32.0, rel=1e-10)
+
+
+def test_stability_that_is_not_known_is_said(rod: Rod) -> None:
+    """External damping has no linear part about a bent state."""
+    loads = PUSHED | {"gravity": {"g": 1.0}, "external_damping": {"coefficient": 0.1}}
+    found = continue_equilibria(rod(4, "clamped", loads), FOLLOWER, (0.0, 10.0), step=0.1)
+    assert set(found["unstable"].values.tolist()) == {-1}
+    assert "external damping" in found.attrs["notes"]
+    assert found.attrs["complete"]
+
+
 def test_the_fold_of_a_column_with_a_force_across(rod: Rod) -> None:
     """The bent state to the other side of a small force across ends in a fold, where both angles of
     two links are in balance and the determinant of their stiffness is zero."""

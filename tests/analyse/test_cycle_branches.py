@@ -80,7 +80,7 @@ def test_the_normal_form_has_the_cycles_beside_it(column: Scene) -> None:
     search = Search.of(column)
     hopf, flow = hopf_of(Variation(search, column, FORCE, (8.0, 22.0)))
     errors = []
-    for amplitude in (0.4, 0.2):
+    for amplitude in (0.06, 0.03):
         x, value, period = hopf.beside(amplitude)
         there = column.model_dump(exclude_none=True)
         there["loads"]["follower"]["force"] = value

@@ -285,6 +285,8 @@ def test_structures_are_those_of_the_header() -> None:
     ffi, _ = many.lane_library()
     known = {
         "struct rodgen_kept": many.KEPT,
+        "struct rodgen_number": many.NUMBER,
+        "struct rodgen_watched": many.WATCHED,
         "struct rodgen_stretch": many.STRETCH,
         "struct rodgen_course": many.COURSE,
         "struct rodgen_outcome": many.OUTCOME,

@@ -238,6 +238,29 @@ def test_statics() -> None:
     assert found["stable"].tolist() == [1, 1]
 
 
+def test_cycles() -> None:
+    """Those of find_cycle; a motion that comes to rest is a failed point."""
+    flutter = scene(
+        BECK,
+        loads={"material_damping": {"time": 0.05}},
+        initial={"phi": "0.1*s"},
+        integrate={"span": [0.0, 200.0]},
+    )
+    study = Study.of(
+        flutter,
+        {"loads.follower.force": [0.0, 96.0]},
+        what="cycle",
+        keep=["period", "amplitude", "stable", "moduli(2)"],
+    )
+    found = computed(study)
+    alone = rodgen.find_cycle(study.scene_at({"loads.follower.force": 96.0}))
+    assert found["period"][1] == alone.period
+    assert found["stable"].tolist() == [-1, 1]
+    np.testing.assert_array_equal(found["moduli(2)"][1], np.abs(alone.nontrivial[:2]))
+    assert found["status"].tolist() == ["failed", "finished"]
+    assert "no cycle" in found["message"][0]
+
+
 def test_exponents() -> None:
     """Those of lyapunov_exponents; a transient longer than the span is a failed point."""
     options = {"span": 8.0, "transient": 1.0}

@@ -161,7 +161,6 @@ def test_what_cannot_be_varied_is_refused(vary: Any, field: str, words: str) -> 
 @pytest.mark.parametrize(
     ("given", "field", "words"),
     [
-        ({"what": "cycle"}, "compute.what", "cycle: not yet"),
         ({"what": "walk"}, "compute.what", "one of run, critical, modes, static"),
         ({"keep": [3]}, "compute.keep[0]", "a function"),
         ({"sample": {"method": "dice", "count": 3}}, "sample.method", "one of sobol"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -53,9 +52,9 @@ def static_equilibria(scene: Scene, *, t: float | None = None) -> list[Equilibri
     bare, _ = straight_state(system, p)
     found: list[tuple[Array, int]] = []
     problem = None
-    if bare is not None:
-        with suppress(AnalysisError):  # a chain without loads is held by nothing
-            problem = equilibria(factor, bare)
+    chain = system.scene.distribution.usual_stiffness == 0
+    if bare is not None and not chain:  # which without loads is held by nothing
+        problem = equilibria(factor, bare)
     if bare is None or problem is None:
         rest = static_equilibrium(scene, t=t)
         at = system.unsettled(rest.phi[system.scene.held :])._replace(force=rest.force)
@@ -129,7 +128,7 @@ def _deflated(problem: Equilibria, known: list[Array]) -> list[tuple[Array, int]
 
 def _guesses(problem: Equilibria) -> list[Array]:
     """Bent rods to begin with."""
-    start = problem.growing.start
+    start = problem.start
     s = (np.arange(start.system.cells) + 0.5) / start.system.cells
     turned = start.at._replace(phi=start.phi + np.pi)
     guesses = [] if start.system.clamped else [problem.packed(replace(start, at=turned), 1.0)]

@@ -25,9 +25,14 @@ class Equilibria(Problem):
     """u: what is unknown of a steady state, and the varied number over its range."""
 
     def __init__(self, variable: Variable, start: Steady, all_modes: bool = False):
-        self.variable, self.growing = variable, Growing(start, all_modes)
+        self.variable, self.start = variable, start
         self._last: tuple[bytes, Steady] | None = None
         self.why_unknown = ""
+        self.growing: Growing | None = None
+        try:
+            self.growing = Growing(start, all_modes)
+        except AnalysisError as error:  # of a bent rod that drag brakes, stability is not known
+            self.why_unknown = str(error)
 
     def value(self, u: Array) -> float:
         """The varied number."""
@@ -55,6 +60,8 @@ class Equilibria(Problem):
         """u of a state at a value."""
 
     def unstable(self, u: Array) -> int | None:
+        if self.growing is None:
+            return None
         try:
             return self.growing.count(self.steady(u))
         except AnalysisError as error:

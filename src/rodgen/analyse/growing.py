@@ -12,7 +12,7 @@ from rodgen.analyse.eigen import Complex, Modal, Motions, lowest_values
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import RIGID, RIGID_DENSE, ROUNDED
 from rodgen.analyse.onset import Onset, onset
-from rodgen.analyse.pencil import Dense, Linear, Pencil
+from rodgen.analyse.pencil import Dense, Linear, Parts, Pencil
 from rodgen.analyse.special_points import on_chord
 from rodgen.analyse.steady import Steady, linearised
 from rodgen.integrate.stepper import Array
@@ -122,7 +122,9 @@ def crossing(problem: Equilibria, a: Point, b: Point) -> list[Special]:
 
 def _crosses(problem: Equilibria, a: Point, b: Point) -> complex:
     """The eigenvalue that grows beside one point and not beside the other."""
-    one, two = (grown(problem.growing.motions(problem.steady(point.u))) for point in (a, b))
+    growing = problem.growing
+    assert growing is not None
+    one, two = (grown(growing.motions(problem.steady(point.u))) for point in (a, b))
     here, there = (one, two) if len(one) > len(two) else (two, one)
     if not len(here):
         return 0j
@@ -142,7 +144,11 @@ def _solved(problem: Equilibria, near: Point, s: complex) -> Special:
         return corrected(problem, guess, last).u
 
     def at(value: float) -> Linear:
-        return linearised(problem.steady(state(value)))
+        here = problem.steady(state(value))
+        linear = linearised(here)
+        if not s and isinstance(linear, Pencil) and here.turns_freely:
+            return Parts.without_turning(linear, here.turning)
+        return linear
 
     kind = HOPF if s else BRANCH
     value = problem.value(near.u)

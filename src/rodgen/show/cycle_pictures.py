@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from rodgen.analyse.cycles.cycle import Cycle
 from rodgen.integrate.stepper import Array
@@ -109,10 +112,7 @@ def amplitudes(data: xarray.Dataset, scene: Scene) -> Figure:
         (low, "period", "period [s]"),
     ):
         height = data[name].values
-        for at in range(len(value) - 1):
-            style = "-" if stable[at] and stable[at + 1] else "--"
-            part = slice(at, at + 2)
-            axes.plot(value[part], height[part], style, color="tab:blue", linewidth=LINE)
+        _draw(axes, value, height, stable)
         for kind in dict.fromkeys(data["special_kind"].values.tolist()):
             here = np.flatnonzero(data["special_kind"].values == kind)
             x = data["special_value"].values[here]
@@ -125,6 +125,15 @@ def amplitudes(data: xarray.Dataset, scene: Scene) -> Figure:
     low.set_xlabel(data.attrs["key"])
     top.set_title(f"{scene.name}: cycles (solid: stable, dashed: unstable)", fontsize="medium")
     return figure
+
+
+def _draw(axes: Axes, x: Array, y: Array, stable: NDArray[np.bool_]) -> None:
+    """A curve, solid where both ends of a piece are stable, dashed elsewhere."""
+    solid = stable[:-1] & stable[1:]
+    changes = (np.flatnonzero(np.diff(solid)) + 1).tolist()
+    for first, last in pairwise([0, *changes, len(solid)]):
+        part = slice(first, last + 1)
+        axes.plot(x[part], y[part], "-" if solid[first] else "--", color="tab:blue", linewidth=LINE)
 
 
 def _height(data: xarray.Dataset, name: str, special: int) -> float:
@@ -148,10 +157,7 @@ def family(data: xarray.Dataset, scene: Scene) -> Figure:
     axes = figure.add_subplot()
     stable = data["unstable"].values == 0
     energy, frequency = data["energy"].values, data["frequency"].values
-    for at in range(len(energy) - 1):
-        style = "-" if stable[at] and stable[at + 1] else "--"
-        part = slice(at, at + 2)
-        axes.plot(energy[part], frequency[part], style, color="tab:blue", linewidth=LINE)
+    _draw(axes, energy, frequency, stable)
     axes.plot([0.0], [data.attrs["linear_frequency"]], "ko", markersize=4, label="linear mode")
     axes.set(xlabel="energy above rest [J]", ylabel="frequency [Hz]")
     axes.set_title(f"{scene.name}: nonlinear mode {data.attrs['mode']}", fontsize="medium")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rodgen.scene import Scene
 
 CRITICAL, MODES, STATIC = "critical", "modes", "static"
-LYAPUNOV, FLOQUET = "lyapunov", "floquet"
+LYAPUNOV, FLOQUET, CYCLE = "lyapunov", "floquet", "cycle"
 FEW = 16  # modes that are looked at for whether one grows
 YES, NO, UNKNOWN = 1, 0, -1
 
@@ -95,6 +95,15 @@ FINDINGS: Mapping[str, Mapping[str, Finding]] = {
         "period": Finding(lambda found, _: found.period, "s"),
         "error": Finding(lambda found, _: found.error),
     },
+    CYCLE: {
+        "period": Finding(lambda found, _: found.period, "s", usual=True),
+        "amplitude": Finding(lambda found, _: found.amplitude, "rad", usual=True),
+        "energy": Finding(lambda found, _: found.energy, "J"),
+        "stable": Finding(lambda found, _: _stable(found.stable), "", "i8", UNKNOWN, True),
+        "unstable": Finding(lambda found, _: found.unstable, "", "i8", UNKNOWN),
+        "moduli": Finding(lambda f, k: _first(np.abs(f.nontrivial), k), several=4),
+        "error": Finding(lambda found, _: found.trivial_error),
+    },
 }
 
 
@@ -116,6 +125,10 @@ def function_of(what: str) -> Callable[..., Any]:
         from rodgen.analyse.floquet import floquet
 
         return floquet
+    if what == CYCLE:
+        from rodgen.analyse.cycles.cycle import find_cycle
+
+        return find_cycle
     from rodgen.analyse.statics import static_equilibrium
 
     return static_equilibrium

@@ -19,8 +19,7 @@ from rodgen.scene.plain import plain, put, read_table
 from rodgen.studies.axis import EXTENDABLE, Axis, Sample, Value, axis
 from rodgen.studies.points import points
 
-WHAT = ("run", "critical", "modes", "static", "lyapunov", "floquet")
-LATER = ("cycle",)
+WHAT = ("run", "critical", "modes", "static", "lyapunov", "floquet", "cycle")
 KEYS = {"": ("name", "scene", "vary", "sample", "compute"), "compute": ("what", "keep", "options")}
 LINKS = "rod.links"
 MOST_TRIED = 1000  # points that are made to find one that the scene takes
@@ -95,8 +94,6 @@ class Study:
         if not isinstance(vary, dict) or not vary:
             raise SceneError("vary", vary, "a table of at least one key of the scene")
         axes = tuple(axis(str(key), table, drawn is not None) for key, table in vary.items())
-        if what in LATER:
-            raise SceneError("compute.what", what, f"one of {', '.join(WHAT)} ({what}: not yet)")
         if what not in WHAT:
             raise SceneError("compute.what", what, f"one of {', '.join(WHAT)}")
         kept = (keep,) if isinstance(keep, str) or callable(keep) else tuple(keep)

@@ -23,7 +23,6 @@ from rodgen.scene.plain import is_number, plain
 
 NUDGE = 1e-5  # of the range, of differences of motions by the number: errors are the square
 REST = 0.05  # of the first cycle: one that is smaller is none
-CLOSE = 2e-3  # of u: derivatives there, which cost ten times what the motion does, will do
 KEPT = 8  # linearised orbits
 COMPLEX = 1e-6  # of the modulus: an imaginary part below it is rounding
 PERIOD_DOUBLING, TORUS = "period doubling", "torus"
@@ -106,7 +105,6 @@ class Cycles(Problem):
         share = 1 / (self.count * size)
         self.weights = np.append(np.full(self.count * size, share), np.ones(more + 1))
         self.least = REST * float(np.ptp(orbit.x, axis=0).max())
-        self._used: list[tuple[Array, Linearised, list[Array]]] = []
         self._known: dict[bytes, tuple[Orbit, Linearised]] = {}
         self.look_from(orbit, value)
 
@@ -156,22 +154,11 @@ class Cycles(Problem):
             self._known[key] = orbit, self.shooting(self.value(u)).linearised(orbit)
         return self._known[key]
 
-    def _near(self, u: Array) -> tuple[Array, Linearised, list[Array]] | None:
-        """Derivatives at a u that is so close that they will do."""
-        near = [one for one in self._used if np.abs(one[0] - u).max() < CLOSE]
-        return near[-1] if near else None
-
     def at(self, u: Array) -> tuple[Array, Array]:
-        orbit, near = self.orbit(u), self._near(u)
-        if near is None:
-            _, made = self.known(u)
-            by_value = self._by_value(u, orbit)
-            self._used = [*self._used[1 - KEPT :], (u.copy(), made, by_value)]
-        else:
-            by_value = near[2]
-            made = self.shooting(self.value(u)).anew(orbit, near[1])
+        orbit, made = self.known(u)
         if np.ptp(orbit.x, axis=0).max() < self.least:
             raise AnalysisError("the cycles shrink to an equilibrium, in a Hopf point")
+        by_value = self._by_value(u, orbit)
         states = self.count * len(self.scale)
         J, F = np.zeros((len(u) - 1, len(u))), np.zeros(len(u) - 1)
         columns = [one.copy() for one in made.B]

@@ -41,7 +41,8 @@ REST = 1e-13  # of the correction of an equilibrium
 @dataclass(frozen=True)
 class Hopf:
     """value: of the number of the scene; frequency [rad/s]; slope: of the eigenvalue s by it;
-    coefficient: c of the normal form; x: the equilibrium (size,); way: q (size,)."""
+    coefficient: c of the normal form; x: the equilibrium (size,); way: q (size,), whose
+    largest angle is 1."""
 
     value: float
     frequency: float
@@ -61,13 +62,12 @@ class Hopf:
         return self.coefficient.real < 0
 
     def beside(self, amplitude: float) -> tuple[Array, float, float]:
-        """A state (size,), the value and the period [s] of the cycle whose states differ from the
-        equilibrium by so much at most."""
-        size = 2 * float(np.abs(self.way).max())
-        square = (amplitude / size) ** 2
+        """A state (size,), the value and the period [s] of the cycle whose angles differ from the
+        equilibrium by so much at most [rad]."""
+        square = (amplitude / 2) ** 2
         aside = -self.coefficient.real / self.slope.real * square
         turned = self.frequency + self.coefficient.imag * square + self.slope.imag * aside
-        x = self.x + 2 * (amplitude / size) * self.way.real
+        x = self.x + amplitude * self.way.real
         return x, self.value + aside, 2 * np.pi / turned
 
 
