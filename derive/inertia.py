@@ -4,6 +4,7 @@ Only this mean enters the equations, so a mass distribution is its moments <1>, 
 """
 
 from collections.abc import Callable
+from functools import cache
 
 from sympy import Expr, Poly, S, integrate
 
@@ -21,4 +22,10 @@ def mean(inertia: str, expression: Expr) -> Expr:
     """Mean of a polynomial in xi over the mass of one link."""
     powers = Poly(expression, xi).all_coeffs()[::-1]
     weigh = INERTIAS[inertia]
-    return sum((c * weigh(xi**power) for power, c in enumerate(powers)), start=S.Zero)
+    return sum((c * _moment(weigh, power) for power, c in enumerate(powers)), start=S.Zero)
+
+
+@cache
+def _moment(weigh: Callable[[Expr], Expr], power: int) -> Expr:
+    """<xi**power>: SymPy takes as long for it as for the rest of an entry."""
+    return weigh(xi**power)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from time import process_time
 from typing import Any
 
@@ -162,3 +163,10 @@ def test_what_has_no_boundary(ziegler: Scene, keys: Any, ranges: Any, field: str
 def test_nothing_begins_in_a_range(ziegler: Scene) -> None:
     with pytest.raises(AnalysisError, match=r"rod\.mass"):
         stability_boundary(ziegler, ("rod.mass", INTERNAL), ranges=((1.0, 2.0), None))
+
+
+def test_what_has_no_effect() -> None:
+    """External damping of a rod in flight has no linear part."""
+    scene = Scene.from_toml(Path(__file__).parents[2] / "scenes" / "missile.toml")
+    with pytest.raises(SceneError, match="small motions depend on"):
+        stability_boundary(scene, (FOLLOWER, EXTERNAL))

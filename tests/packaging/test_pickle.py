@@ -76,6 +76,9 @@ EXAMPLES: dict[str, Callable[[], Any]] = {
     "AnalysisError": lambda: rodgen.AnalysisError("none found"),
     "BuildError": lambda: rodgen.BuildError("no compiler"),
     "Critical": lambda: rodgen.critical_force(SCENE),
+    "Cycle": lambda: rodgen.Cycle(
+        *(SCENE, 0.0, 1.5, np.ones(2), np.ones(2) + 0j, 1, 1e-10, 0.0, 0.5, 0.1, False, 1e-12, 4)
+    ),
     "Ensemble": _ensemble,
     "Equilibrium": lambda: rodgen.static_equilibrium(SCENE),
     "Event": lambda: _solution().events[0],

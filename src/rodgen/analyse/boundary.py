@@ -30,6 +30,7 @@ HUGE = 1e8  # units of damping that are as good as no end
 LARGEST = 400.0  # units of other numbers, a hundred times what they are
 SLOW = -14.0  # logarithm of a frequency over that of the start, which is none
 LIMIT = 1e-10  # of the units, a step: nothing changes any more
+SAME = 1e-12  # of matrices: a change that is rounding
 GROWS, ROUNDED = 1e-6, 1e-9  # of the modulus, and of the largest: less growth may be rounding
 GRID, NARROW = 200, 1e-9  # values along a number; width to which a change is narrowed
 EVERY = 10  # points of which all other motions are looked at
@@ -74,6 +75,8 @@ def stability_boundary(
     own = np.array(
         [_own(scene, key, given) for key, given in zip((a_key, b_key), ranges, strict=True)]
     )
+    if load is not None and not own[0]:  # of a load's angle nothing would be felt without the load
+        own[0] = scene.distribution.usual_stiffness / scene.rod.length**2
     plane = Plane(scene, (a_key, b_key), t, own)
     scales = [_scale_of(plane, axis, ranges[axis]) for axis in (0, 1)]
     begin = np.where([one.damping and not x for one, x in zip(scales, own, strict=True)], 1.0, 0.0)
@@ -234,15 +237,19 @@ def _scale_of(plane: Plane, axis: int, given: Ends | None) -> Scale:
         return Scale(size)
     change = there.plus(here, -1.0).times(1 / size)
     same = all(
-        np.abs(part).max() <= 1e-12 * np.abs(whole).max()
+        np.abs(part).max() <= SAME * np.abs(whole).max()
         for part, whole in ((change.K, here.K), (change.M, here.M))
     )
+    turned = np.abs(size * change.C).max() > SAME * np.abs(here.C).max(initial=0.0)
+    if same and not (turned and change.C.any()):
+        allowed = "numbers that small motions depend on"
+        raise SceneError("vary", plane.keys[axis], allowed)
     squares, shapes = np.linalg.eig(np.linalg.solve(here.M, here.K))
     order = np.argsort(np.abs(squares))
     squares, shapes = squares[order], shapes[:, order]
     first = int(np.argmax(np.abs(squares) > 1e-9 * np.abs(squares).max()))
     rate, shape = float(np.sqrt(abs(squares[first]))), shapes[:, first].real
-    if same and change.C.any():
+    if same:
         drag = abs(shape @ change.C @ shape) / abs(shape @ here.M @ shape)
         return Scale(2 * SHARE * rate / drag if drag else size, damping=True)
     if given is not None:
