@@ -12,7 +12,7 @@ from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.stepper import Array, StepError
 from rodgen.integrate.variations import Steps, Variations
 
-RTOL, ATOL = 1e-12, 1e-14  # a period is to be right to 1e-8, a trivial multiplier as well
+RTOL, ATOL = 1e-11, 1e-14  # a period is to be right to 1e-8, a trivial multiplier as well
 NUDGE = 1e-4  # of a parameter: central differences of it err by the square, 1e-8
 
 
