@@ -1,4 +1,9 @@
-"""Branches of equilibria: Newton's method, following a branch, and which motions grow about it."""
+"""The equilibrium at the end of a branch: Newton's method, the way to it, and which motions grow.
+
+What is asked for is one state under the whole load, which one to three runs of Newton's method
+find, through changes of stability too: `follow` steps in the load and locates nothing on its way.
+Folds, special points and other branches are those of `continuation`.
+"""
 
 from __future__ import annotations
 
