@@ -117,6 +117,10 @@ def test_what_no_branch_begins_with(column: Scene) -> None:
     bare = Scene.from_dict(ZIEGLER | {"loads": {"follower": {"force": 16.0}}})
     with pytest.raises(AnalysisError, match="do not cross"):
         continue_cycles(bare, FORCE, (15.0, 25.0), target="numpy")
+    braked = column.model_dump(exclude_none=True)
+    braked["loads"]["external_damping"]["coefficient"] = 0.5
+    with pytest.raises(AnalysisError, match="not smooth at rest"):
+        continue_cycles(Scene.from_dict(braked), FORCE, (5.0, 25.0))
     for key, ends in (("rod.links", (3, 9)), ("loads.none", (1, 2)), (FORCE, (5.0, 5.0))):
         with pytest.raises(SceneError):
             continue_cycles(column, key, ends)

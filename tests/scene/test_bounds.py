@@ -34,6 +34,7 @@ def _carrying(law: str) -> dict[str, Any]:
         (_stiff("2 if s < 0.2999999 else -1 if s < 0.3 else 2"), "rod.bending_stiffness", "0.3"),
         (_heavy("(s - 0.2)**2 + (t - 1.2345)**2 - 1e-7"), "rod.mass_per_length", "1.2345"),
         (_heavy("abs(s - 0.2345) + abs(t - 3.21) - 1e-7"), "rod.mass_per_length", "3.21"),
+        (_heavy("2 if t < 1.2345 else -1 if t < 1.2346 else 2"), "rod.mass_per_length", "1.2345"),
         (_heavy("1/(t - 3.2123)**2"), "rod.mass_per_length", "3.2123"),
         (_carrying("1.0 - cos(t - 3.2123)"), "bodies[0].mass", "3.2123"),
         (_carrying("interp(t, [0, 3.3333, 7], [1, -1e-9, 1])"), "bodies[0].mass", "3.3333"),

@@ -1,8 +1,8 @@
 """The equilibrium at the end of a branch: Newton's method, the way to it, and which motions grow.
 
-What is asked for is one state under the whole load, which one to three runs of Newton's method find,
-through changes of stability too: `follow` steps in the load and locates nothing on its way. Folds,
-special points and other branches are those of `continuation`.
+What is asked for is one state under the whole load, which one to three runs of Newton's method
+find, through changes of stability too: `follow` steps in the load and locates nothing on its way.
+Folds, special points and other branches are those of `continuation`.
 """
 
 from __future__ import annotations

@@ -18,6 +18,7 @@ from rodgen.analyse.cycles.shooting import Orbit, cut
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.steady import steady
 from rodgen.analyse.system import System
+from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.errors import check_type
 from rodgen.scene.keys import key_place
@@ -129,6 +130,13 @@ def hopf_of(variation: Variation) -> tuple[Hopf, Callable[[float], Flow]]:
         )
     low, high = variation.ends
     state = steady(System.of(variation.at(low)))
+    given = state.system.given
+    for term in map(TERMS.__getitem__, state.system.scene.loads.terms):
+        if term.kinked and np.any(given[term.parameters[0].name]):
+            raise AnalysisError(
+                f"no Hopf point: {term.parameters[0].name} is not smooth at rest, and no normal "
+                "form has the cycles that begin there; start from a run"
+            )
     y = state.system.at_rest(state.at)
     quotient = search.flow(0.0, y).quotient
     quotient = replace(quotient, origin=y)
