@@ -11,17 +11,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rodgen.analyse.boundary import stability_boundary
-    from rodgen.analyse.branches import continue_equilibria
-    from rodgen.analyse.chaos import zero_one_test
+    from rodgen.analyse.branches.boundary import stability_boundary
+    from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
+    from rodgen.analyse.chaos.exponents import Exponents, lyapunov_exponents
+    from rodgen.analyse.chaos.zero_one import zero_one_test
     from rodgen.analyse.critical import Critical, critical_force
     from rodgen.analyse.cycles.branches import continue_cycles
     from rodgen.analyse.cycles.cycle import Cycle, find_cycle
+    from rodgen.analyse.cycles.floquet import Floquet, floquet
     from rodgen.analyse.cycles.nonlinear_modes import continue_mode, nonlinear_mode
     from rodgen.analyse.errors import AnalysisError, MeshWarning
-    from rodgen.analyse.exponents import Exponents, lyapunov_exponents
     from rodgen.analyse.extrapolate import Extrapolation, richardson
-    from rodgen.analyse.floquet import Floquet, floquet
     from rodgen.analyse.fourier import Spectrum, spectrum
     from rodgen.analyse.growth import SimulatedCritical, simulated_critical_force
     from rodgen.analyse.modes import Modes, natural_modes
@@ -69,8 +69,8 @@ _HOMES = {
     "Modes": "rodgen.analyse.modes",
     "static_equilibrium": "rodgen.analyse.statics",
     "Equilibrium": "rodgen.analyse.statics",
-    "continue_equilibria": "rodgen.analyse.branches",
-    "stability_boundary": "rodgen.analyse.boundary",
+    "continue_equilibria": "rodgen.analyse.branches.equilibrium_branch",
+    "stability_boundary": "rodgen.analyse.branches.boundary",
     "critical_force": "rodgen.analyse.critical",
     "Critical": "rodgen.analyse.critical",
     "continue_cycles": "rodgen.analyse.cycles.branches",
@@ -80,11 +80,11 @@ _HOMES = {
     "Cycle": "rodgen.analyse.cycles.cycle",
     "simulated_critical_force": "rodgen.analyse.growth",
     "SimulatedCritical": "rodgen.analyse.growth",
-    "lyapunov_exponents": "rodgen.analyse.exponents",
-    "Exponents": "rodgen.analyse.exponents",
-    "zero_one_test": "rodgen.analyse.chaos",
-    "floquet": "rodgen.analyse.floquet",
-    "Floquet": "rodgen.analyse.floquet",
+    "lyapunov_exponents": "rodgen.analyse.chaos.exponents",
+    "Exponents": "rodgen.analyse.chaos.exponents",
+    "zero_one_test": "rodgen.analyse.chaos.zero_one",
+    "floquet": "rodgen.analyse.cycles.floquet",
+    "Floquet": "rodgen.analyse.cycles.floquet",
     "spectrum": "rodgen.analyse.fourier",
     "Spectrum": "rodgen.analyse.fourier",
     "richardson": "rodgen.analyse.extrapolate",

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.boundary import stability_boundary
+from rodgen.analyse.branches.boundary import stability_boundary
 from rodgen.analyse.errors import AnalysisError
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.keys import with_value

@@ -11,10 +11,11 @@ import pytest
 from scipy.optimize import fsolve
 
 import rodgen
-from rodgen.analyse import branch_data, elastica
-from rodgen.analyse.branches import continue_equilibria
+from rodgen.analyse.branches import branch_data
+from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
+from rodgen.analyse.references import elastica
 from rodgen.scene import Scene, SceneError
 
 Rod = Callable[..., Scene]

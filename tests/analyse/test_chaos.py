@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rodgen.analyse.chaos import spaced, zero_one_test
+from rodgen.analyse.chaos.zero_one import spaced, zero_one_test
 from rodgen.scene import SceneError
 
 

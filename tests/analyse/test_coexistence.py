@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from rodgen.analyse.coexistence import static_equilibria
+from rodgen.analyse.branches.coexistence import static_equilibria
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.scene import Scene
 

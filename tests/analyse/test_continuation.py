@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
-from rodgen.analyse.bordered import Bordered, Matrix
-from rodgen.analyse.continuation import Steps, continued, started
-from rodgen.analyse.curve import BRANCH, FOLD, Curve, Point, Problem
+from rodgen.analyse.curves.bordered import Bordered, Matrix
+from rodgen.analyse.curves.continuation import Steps, continued, started
+from rodgen.analyse.curves.curve import BRANCH, FOLD, Curve, Point, Problem
 from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.stepper import Array
 

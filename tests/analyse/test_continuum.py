@@ -12,16 +12,24 @@ from scipy.integrate import quad, solve_bvp, solve_ivp
 from scipy.linalg import eigvals
 from scipy.special import jn_zeros
 
-from rodgen.analyse.columns import LOADS, Onset, beck, hauger, leipholz, thrust, thrust_frequencies
-from rodgen.analyse.continuum import (
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.references.columns import (
+    LOADS,
+    Onset,
+    beck,
+    hauger,
+    leipholz,
+    thrust,
+    thrust_frequencies,
+)
+from rodgen.analyse.references.continuum import (
     chain_frequency,
     linear_own_weight,
     linear_tip_force,
     natural_frequency,
     wave_number,
 )
-from rodgen.analyse.elastica import Tip, axial_force, own_weight, tip_force
-from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.references.elastica import Tip, axial_force, own_weight, tip_force
 from rodgen.scene.errors import SceneError
 
 

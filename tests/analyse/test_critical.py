@@ -9,12 +9,12 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from rodgen.analyse.columns import Onset, beck, hauger, leipholz, thrust
 from rodgen.analyse.critical import critical_force
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.growth import simulated_critical_force
 from rodgen.analyse.modes import natural_modes
+from rodgen.analyse.references.columns import Onset, beck, hauger, leipholz, thrust
 from rodgen.scene import Scene, SceneError
 
 Rod = Callable[..., Scene]

@@ -12,10 +12,10 @@ import pytest
 from scipy.integrate import DOP853, simpson
 
 import rodgen
-from rodgen.analyse.conserved import zero_exponents
+from rodgen.analyse.chaos.exponents import BATCHES, lyapunov_exponents, standard_errors
+from rodgen.analyse.chaos.volume import Kinetic
+from rodgen.analyse.chaos.zero_exponents import zero_exponents
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.exponents import BATCHES, lyapunov_exponents, standard_errors
-from rodgen.analyse.volume import Kinetic
 from rodgen.integrate.stepper import StepError
 from rodgen.integrate.variations import Variations
 from rodgen.scene import Scene, SceneError

@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
 import rodgen
+from rodgen.analyse.cycles.floquet import floquet, multipliers_of
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.floquet import floquet, multipliers_of
 from rodgen.scene import Scene, SceneError
 
 pytestmark = pytest.mark.compiler
@@ -212,6 +212,6 @@ def test_what_cannot_be_is_refused(load: str, options: dict[str, Any], says: str
 
 def test_no_motion_of_a_period(monkeypatch: pytest.MonkeyPatch) -> None:
     """From a state that a period does not bring back, with too few iterations to find one."""
-    monkeypatch.setattr("rodgen.analyse.floquet.ITERATIONS", 1)
+    monkeypatch.setattr("rodgen.analyse.cycles.floquet.ITERATIONS", 1)
     with pytest.raises(AnalysisError, match=r"mathieu: no motion of period 3\.14159 s was found"):
         floquet(_pendulum(1.0, 0.3), y=[1.0, 5.0])

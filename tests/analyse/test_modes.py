@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.continuum import chain_frequency, natural_frequency
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.modes import natural_modes
+from rodgen.analyse.references.continuum import chain_frequency, natural_frequency
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.scene import Scene, SceneError
 from tests.palette import cases

@@ -11,9 +11,9 @@ import pytest
 from scipy.optimize import fsolve
 
 import rodgen
-from rodgen.analyse import elastica
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
+from rodgen.analyse.references import elastica
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.scene import Scene, SceneError
 

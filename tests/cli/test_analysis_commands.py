@@ -13,10 +13,10 @@ from scipy.special import jn_zeros
 
 import rodgen
 from rodgen.analyse import growth
-from rodgen.analyse.columns import beck
 from rodgen.analyse.critical import family_of
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.onset import digits
+from rodgen.analyse.references.columns import beck
 from rodgen.show.analysis_pictures import stability_curves
 from tests.cli.conftest import LENGTH, STIFFNESS, Run
 

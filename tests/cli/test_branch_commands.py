@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rodgen.analyse import branch_data
-from rodgen.analyse.branches import continue_equilibria
+from rodgen.analyse.branches import branch_data
+from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.scene import Scene
 from tests.cli.conftest import Run
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.columns import beck
+from rodgen.analyse.references.columns import beck
 from rodgen.check.module import check_module
 from rodgen.emit.targets import FORMS
 from rodgen.loading import build

@@ -9,8 +9,8 @@ import pytest
 
 from rodgen import SceneError
 from rodgen.studies import runs
+from rodgen.studies.block_arrays import Made
 from rodgen.studies.keep import kept, variables
-from rodgen.studies.made import Made
 from rodgen.studies.points import points
 from rodgen.studies.specification import Study
 from tests.studies.scenes import PENDULUM, scene

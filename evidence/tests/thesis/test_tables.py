@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from pandas import DataFrame
 
-from rodgen.analyse.columns import thrust
+from rodgen.analyse.references.columns import thrust
 from rodgen.integrate import simulate
 from rodgen_evidence.pages.thesis_page import summary, write_thesis
 from rodgen_evidence.thesis import (

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from rodgen.analyse.bordered import sign_of
+from rodgen.analyse.curves.bordered import sign_of
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import SINGULAR, Cells, Dense, sparse
 from rodgen.analyse.system import System, Unknowns

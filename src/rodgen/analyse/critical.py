@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rodgen.analyse.branch import DIVERGENCE, FLUTTER
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.family import (
     BASIS,
@@ -21,6 +20,7 @@ from rodgen.analyse.family import (
 )
 from rodgen.analyse.onset import At, Onset, digits, onset, turning_onset
 from rodgen.analyse.pencil import Dense, Pencil
+from rodgen.analyse.rest import DIVERGENCE, FLUTTER
 from rodgen.analyse.search import Event, Search, grid
 from rodgen.analyse.system import System, flown
 from rodgen.scene import Scene, SceneError

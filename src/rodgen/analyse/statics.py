@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rodgen.analyse.balance import WholeBalance, balance, free_ways
-from rodgen.analyse.branch import ITERATIONS, Loading, Rest, follow, instability, newton
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.pencil import forces
+from rodgen.analyse.rest import ITERATIONS, Loading, Rest, follow, instability, newton
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
 from rodgen.model.term import FORCE, WEIGHT, Term

@@ -45,8 +45,8 @@ def boundary(
 ) -> None:
     """Follow the boundary of stability of SCENE while two of its numbers change, from the limit of
     no damping to that of much; draw it."""
-    from rodgen.analyse.boundary import stability_boundary
-    from rodgen.analyse.branch_data import save
+    from rodgen.analyse.branches.boundary import stability_boundary
+    from rodgen.analyse.branches.branch_data import save
     from rodgen.scene import Scene, SceneError
 
     keys = vary.split(",")

@@ -66,8 +66,8 @@ def branch(
     """Follow the equilibria, or the steady motion, of SCENE while one of its numbers changes:
     through folds, with branch points, Hopf points and how many motions are unstable; draw the
     diagram."""
-    from rodgen.analyse import branch_data
-    from rodgen.analyse.branches import continue_equilibria
+    from rodgen.analyse.branches import branch_data
+    from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
     from rodgen.scene import Scene, SceneError
 
     if at is not None and resume is None:

@@ -14,7 +14,7 @@ from rodgen.cli.options import AsJson, OutFolder, SceneFile
 from rodgen.cli.results import promised
 
 if TYPE_CHECKING:
-    from rodgen.analyse.exponents import Exponents
+    from rodgen.analyse.chaos.exponents import Exponents
 
 VERDICT = {True: "chaotic", False: "not chaotic", None: "cannot be told; take a longer span"}
 
@@ -37,7 +37,7 @@ def exponents(
     as_json: AsJson = False,
 ) -> None:
     """Show how fast neighbours of the motion of SCENE come apart: its Lyapunov exponents."""
-    from rodgen.analyse.exponents import lyapunov_exponents
+    from rodgen.analyse.chaos.exponents import lyapunov_exponents
     from rodgen.scene import Scene
 
     scene = Scene.from_toml(scene_file)

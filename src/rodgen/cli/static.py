@@ -68,7 +68,7 @@ def static(
 
 def _every(scene: Scene, t: float | None, out_folder: Path, as_json: bool) -> None:
     """List all equilibria that are found."""
-    from rodgen.analyse.coexistence import static_equilibria
+    from rodgen.analyse.branches.coexistence import static_equilibria
     from rodgen.analyse.system import in_words, silent
 
     with promised(None if as_json else out_folder / scene.name) as folder:
@@ -94,7 +94,7 @@ def _stability(rest: Equilibrium) -> str:
 
 def _warning(instability: str, imperfection: float | None) -> str:
     """That the state is unstable, and how a stable one beside it is found."""
-    from rodgen.analyse.branch import DIVERGENCE
+    from rodgen.analyse.rest import DIVERGENCE
 
     words = f"this equilibrium is unstable ({instability}): small motions about it grow"
     if instability != DIVERGENCE:

@@ -45,7 +45,7 @@ def view(
     if at is not None and branch is None:
         raise SceneError("--at", at, "absent without --from")
     if branch is not None:
-        from rodgen.analyse.branch_data import read, scene_at
+        from rodgen.analyse.branches.branch_data import read, scene_at
 
         scene, beside = scene_at(read(branch), -1 if at is None else at), branch
     elif scene_file is not None:

@@ -7,7 +7,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rodgen.analyse.exponents import Exponents
+from rodgen.analyse.chaos.exponents import Exponents
 from rodgen.show.pictures import LINE, canvas
 
 CURVES = 12  # of means that settle

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.endings import RunError
 from rodgen.scene import SceneError
+from rodgen.studies.block_arrays import Made
 from rodgen.studies.findings import analysed
 from rodgen.studies.keep import found
-from rodgen.studies.made import Made
 from rodgen.studies.points import Point
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.studies import analyses, runs
+from rodgen.studies.block_arrays import Made
 from rodgen.studies.keep import RUN, variables
-from rodgen.studies.made import Made
 
 if TYPE_CHECKING:
     from rodgen.studies.specification import Study

@@ -118,11 +118,11 @@ def function_of(what: str) -> Callable[..., Any]:
 
         return natural_modes
     if what == LYAPUNOV:
-        from rodgen.analyse.exponents import lyapunov_exponents
+        from rodgen.analyse.chaos.exponents import lyapunov_exponents
 
         return lyapunov_exponents
     if what == FLOQUET:
-        from rodgen.analyse.floquet import floquet
+        from rodgen.analyse.cycles.floquet import floquet
 
         return floquet
     if what == CYCLE:

@@ -22,7 +22,7 @@ from rodgen.model.quantities import ADDED, LOADS, QUANTITIES, number_in, watched
 from rodgen.model.terms import PARAMETERS
 from rodgen.scene import Scene, SceneError
 from rodgen.studies.findings import FINDINGS, Finding
-from rodgen.studies.kept import EVERY, MOST_POINTS, Count, Kept, Own, Peak, Sampled, Section
+from rodgen.studies.measures import EVERY, MOST_POINTS, Count, Kept, Own, Peak, Sampled, Section
 from rodgen.studies.reference import reference
 from rodgen.studies.variable import ALWAYS, Variable
 

@@ -21,9 +21,9 @@ from rodgen.integrate.stepper import Array
 from rodgen.loading import build_fastest
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.integration import AUTO
+from rodgen.studies.block_arrays import Made
 from rodgen.studies.keep import PARTS, check_numbers, kept
-from rodgen.studies.kept import Count, Kept, Own, Peak, Sampled, Section, crossing_of
-from rodgen.studies.made import Made
+from rodgen.studies.measures import Count, Kept, Own, Peak, Sampled, Section, crossing_of
 from rodgen.studies.points import Point
 from rodgen.studies.reference import reference
 from rodgen.studies.vectors import Copying, copied, copying, groups, packed

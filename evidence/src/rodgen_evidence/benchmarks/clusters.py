@@ -17,9 +17,9 @@ import xarray as xr
 
 from rodgen.studies import task
 from rodgen.studies.block import Block
+from rodgen.studies.block_arrays import Made
 from rodgen.studies.cluster import SETTINGS
 from rodgen.studies.keep import variables
-from rodgen.studies.made import Made
 from rodgen.studies.specification import Study
 from rodgen_evidence.report.costs.rod import scene
 

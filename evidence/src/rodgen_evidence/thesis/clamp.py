@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pandas import DataFrame
 
-from rodgen.analyse import columns, continuum
 from rodgen.analyse.critical import critical_force
-from rodgen.analyse.elastica import own_weight
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.modes import natural_modes
+from rodgen.analyse.references import columns, continuum
+from rodgen.analyse.references.elastica import own_weight
 from rodgen.analyse.statics import static_equilibrium
 from rodgen_evidence.tables import Column
 from rodgen_evidence.thesis import scenes

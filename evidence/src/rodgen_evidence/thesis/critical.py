@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from pandas import DataFrame
 
-from rodgen.analyse import columns
 from rodgen.analyse.critical import critical_force
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.growth import SimulatedCritical, simulated_critical_force
 from rodgen.analyse.modes import natural_modes
+from rodgen.analyse.references import columns
 from rodgen_evidence.thesis import data, scenes
 from rodgen_evidence.thesis.percentages import base_of, beck
 from rodgen_evidence.thesis.table import LINKS, VERDICT, Note, Table, beside, column, percent

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pandas import DataFrame
 
-from rodgen.analyse import continuum
 from rodgen.analyse.fourier import Spectrum, spectrum
 from rodgen.analyse.modes import natural_modes
+from rodgen.analyse.references import continuum
 from rodgen.integrate import simulate
 from rodgen.scene import Scene
 from rodgen_evidence.thesis import data, hypotheses, scenes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pandas import DataFrame
 
-from rodgen.analyse import continuum
+from rodgen.analyse.references import continuum
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.integrate import simulate
 from rodgen.scene import Scene

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rodgen.analyse.continuation import Steps, continued, started
-from rodgen.analyse.curve import Curve, Point, corrected, point_at
+from rodgen.analyse.curves.continuation import Steps, continued, started
+from rodgen.analyse.curves.curve import Curve, Point, corrected, point_at
 from rodgen.analyse.cycles.cycle import SEGMENTS, Cycle, Search, segments_of
 from rodgen.analyse.cycles.family import Cycles, Variation
 from rodgen.analyse.cycles.flow import Flow

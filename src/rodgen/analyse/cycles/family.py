@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rodgen.analyse.curve import Point, Problem, Special
+from rodgen.analyse.curves.curve import Point, Problem, Special
+from rodgen.analyse.curves.special_points import located
 from rodgen.analyse.cycles.cycle import STABLE, Search, nontrivial
 from rodgen.analyse.cycles.drive import load_period
 from rodgen.analyse.cycles.elimination import Complex, Condensed
@@ -14,7 +15,6 @@ from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.cycles.quotient import Quotient
 from rodgen.analyse.cycles.shooting import Linearised, Orbit, Shooting
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.special_points import located
 from rodgen.analyse.system import frozen
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rodgen.analyse.continuation import Steps, continued
-from rodgen.analyse.curve import Curve, Point, Problem, corrected, point_at
+from rodgen.analyse.curves.continuation import Steps, continued
+from rodgen.analyse.curves.curve import Curve, Point, Problem, corrected, point_at
 from rodgen.analyse.cycles.conserved import Conserved
 from rodgen.analyse.cycles.cycle import (
     SEGMENTS,

@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import eigh
 
-from rodgen.analyse.curve import BRANCH, Point, Special, corrected
+from rodgen.analyse.curves.curve import BRANCH, Point, Special, corrected
+from rodgen.analyse.curves.special_points import on_chord
 from rodgen.analyse.eigen import Complex, Modal, Motions, lowest_values
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import RIGID, RIGID_DENSE, ROUNDED
 from rodgen.analyse.onset import Onset, onset
 from rodgen.analyse.pencil import Dense, Linear, Parts, Pencil
-from rodgen.analyse.special_points import on_chord
 from rodgen.analyse.steady import Steady, linearised
 from rodgen.integrate.stepper import Array
 
 if TYPE_CHECKING:
-    from rodgen.analyse.equilibria import Equilibria
+    from rodgen.analyse.branches.equilibria import Equilibria
 
 HOPF = "hopf"
 MODES = 24  # of the rod at the start of a branch, in which its motions are counted

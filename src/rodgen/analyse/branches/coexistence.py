@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from rodgen.analyse.bordered import Bordered
-from rodgen.analyse.branch import Rest, instability
-from rodgen.analyse.branches import switched
-from rodgen.analyse.continuation import Steps, continued, started
-from rodgen.analyse.curve import BRANCH, NOISE, Curve
-from rodgen.analyse.equilibria import Equilibria, equilibria
+from rodgen.analyse.branches.equilibria import Equilibria, equilibria
+from rodgen.analyse.branches.equilibrium_branch import switched
+from rodgen.analyse.branches.variable import LoadFactor
+from rodgen.analyse.curves.bordered import Bordered
+from rodgen.analyse.curves.continuation import Steps, continued, started
+from rodgen.analyse.curves.curve import BRANCH, NOISE, Curve
 from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.rest import Rest, instability
 from rodgen.analyse.statics import Equilibrium, static_equilibrium
 from rodgen.analyse.steady import Steady, straight_state
 from rodgen.analyse.system import System
-from rodgen.analyse.variable import LoadFactor
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene
 

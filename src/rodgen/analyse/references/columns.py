@@ -14,8 +14,8 @@ from mpmath import mp
 from numpy.polynomial import Legendre
 from numpy.polynomial.legendre import leggauss
 
-from rodgen.analyse.continuum import Quantity, Real, positive, rounded
 from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.references.continuum import Quantity, Real, positive, rounded
 from rodgen.scene.errors import SceneError
 
 POLYNOMIALS = 30  # of the Galerkin method that starts the iteration: 9 digits of the lowest ten

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rodgen.analyse.continuation import Steps, continued, started
-from rodgen.analyse.curve import BRANCH, Curve, Point, Special, corrected, point_at
-from rodgen.analyse.equilibria import Equilibria, equilibria
+from rodgen.analyse.branches.equilibria import Equilibria, equilibria
+from rodgen.analyse.branches.small_motions import MODES, MOST_DENSE, Growing
+from rodgen.analyse.branches.variable import SAME, WHOLE, Key
+from rodgen.analyse.curves.continuation import Steps, continued, started
+from rodgen.analyse.curves.curve import BRANCH, Curve, Point, Special, corrected, point_at
 from rodgen.analyse.errors import AnalysisError, guarded
-from rodgen.analyse.growing import MODES, MOST_DENSE, Growing
 from rodgen.analyse.statics import settle
 from rodgen.analyse.steady import Steady, steady
 from rodgen.analyse.system import System, Unknowns
-from rodgen.analyse.variable import SAME, WHOLE, Key
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.keys import with_value
 from rodgen.scene.plain import is_number, plain
@@ -24,7 +24,7 @@ from rodgen.scene.plain import is_number, plain
 if TYPE_CHECKING:
     import xarray
 
-    from rodgen.analyse.branch_data import Recorded
+    from rodgen.analyse.branches.branch_data import Recorded
 
 STEP = 0.02  # of the range, or rad: the longest along a branch
 MOST = 2000  # points
@@ -81,7 +81,7 @@ def continue_equilibria(
     point that each comes after. Its attributes say where it ends and why. Raises SceneError for
     what cannot be varied so, AnalysisError where nothing is found to start with.
     """
-    from rodgen.analyse.branch_data import dataset, recorded
+    from rodgen.analyse.branches.branch_data import dataset, recorded
 
     low, high = _range(key, ends)
     begin = low if start is None else _inside("start", start, ends)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rodgen.analyse.bordered import Bordered, Matrix
+from rodgen.analyse.curves.bordered import Bordered, Matrix
 from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.stepper import Array
 

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.linalg import null_space
 
-from rodgen.analyse.bordered import Bordered
-from rodgen.analyse.curve import Problem
+from rodgen.analyse.curves.bordered import Bordered
+from rodgen.analyse.curves.curve import Problem
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import Dense
 from rodgen.analyse.steady import Steady, linearised, steady

@@ -8,14 +8,14 @@ import numpy as np
 from scipy.sparse import csc_array, diags_array, hstack
 
 from rodgen.analyse.balance import WholeBalance
-from rodgen.analyse.bordered import Matrix
-from rodgen.analyse.curve import Point, Problem, Special
+from rodgen.analyse.branches.small_motions import Growing, crossing
+from rodgen.analyse.branches.variable import Variable
+from rodgen.analyse.curves.bordered import Matrix
+from rodgen.analyse.curves.curve import Point, Problem, Special
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.growing import Growing, crossing
 from rodgen.analyse.pencil import Cells, sparse
 from rodgen.analyse.steady import Steady, straight_state
 from rodgen.analyse.system import System, Unknowns
-from rodgen.analyse.variable import Variable
 from rodgen.integrate.stepper import Array
 
 SMALL = 90  # unknowns up to which full matrices take less time than sparse ones

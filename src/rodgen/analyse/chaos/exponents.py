@@ -15,10 +15,10 @@ from types import ModuleType
 
 import numpy as np
 
-from rodgen.analyse.chaos import LEAST, spaced, zero_one_test
-from rodgen.analyse.conserved import zero_exponents
+from rodgen.analyse.chaos.volume import Kinetic, Plain, VolumeForm
+from rodgen.analyse.chaos.zero_exponents import zero_exponents
+from rodgen.analyse.chaos.zero_one import LEAST, spaced, zero_one_test
 from rodgen.analyse.errors import AnalysisError, guarded
-from rodgen.analyse.volume import Kinetic, Plain, VolumeForm
 from rodgen.integrate.stepper import Array, StepError
 from rodgen.integrate.stretches import window
 from rodgen.integrate.variations import METHODS, PARTS, Steps, Variations

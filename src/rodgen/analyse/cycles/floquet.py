@@ -18,7 +18,7 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rodgen.analyse.conserved import zero_exponents
+from rodgen.analyse.chaos.zero_exponents import zero_exponents
 from rodgen.analyse.cycles.drive import load_period
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.statics import static_equilibrium

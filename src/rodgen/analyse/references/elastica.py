@@ -15,7 +15,7 @@ from mpmath import mp
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from rodgen.analyse.continuum import Quantity, Real, rounded
+from rodgen.analyse.references.continuum import Quantity, Real, rounded
 from rodgen.scene.errors import SceneError
 
 LARGEST = 1000  # load; the tip is then vertical to 8 digits

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rodgen.analyse.curve import (
+from rodgen.analyse.curves.curve import (
     BRANCH,
     FOLD,
     Curve,
@@ -22,8 +22,8 @@ from rodgen.analyse.curve import (
     corrected,
     point_at,
 )
+from rodgen.analyse.curves.special_points import between
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.special_points import between
 from rodgen.integrate.stepper import Array
 
 QUICK = 4  # iterations after which the next step is longer

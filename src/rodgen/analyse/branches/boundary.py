@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rodgen.analyse.boundary_equations import Boundary, Plane, Scale
-from rodgen.analyse.continuation import Steps, continued
+from rodgen.analyse.branches.boundary_equations import Boundary, Plane, Scale
 from rodgen.analyse.critical import Critical, critical_force
-from rodgen.analyse.curve import Curve, Point, corrected, point_at
+from rodgen.analyse.curves.continuation import Steps, continued
+from rodgen.analyse.curves.curve import Curve, Point, corrected, point_at
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.pencil import first_order
 from rodgen.integrate.stepper import Array

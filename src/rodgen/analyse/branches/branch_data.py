@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rodgen.analyse.curve import Point, Special
+from rodgen.analyse.curves.curve import Point, Special
 from rodgen.integrate.files import replaced
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
@@ -22,7 +22,7 @@ from rodgen.scene.plain import plain
 if TYPE_CHECKING:
     import xarray
 
-    from rodgen.analyse.branches import Branch
+    from rodgen.analyse.branches.equilibrium_branch import Branch
 
 FORMAT = "rodgen branch 1"
 UNKNOWN = -1  # unstable directions, where they were not looked at

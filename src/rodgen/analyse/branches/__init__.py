@@ -1,0 +1,1 @@
+"""Branches of equilibria and steady motions, and boundaries of stability."""

@@ -1,0 +1,1 @@
+"""Curves of solutions of F(u) = 0, their continuation and special points."""
