@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rodgen.analyse.branches.boundary import stability_boundary
+    from rodgen.analyse.branches.coexistence import static_equilibria
     from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
     from rodgen.analyse.chaos.exponents import Exponents, lyapunov_exponents
     from rodgen.analyse.chaos.zero_one import zero_one_test
@@ -70,6 +71,7 @@ _HOMES = {
     "static_equilibrium": "rodgen.analyse.statics",
     "Equilibrium": "rodgen.analyse.statics",
     "continue_equilibria": "rodgen.analyse.branches.equilibrium_branch",
+    "static_equilibria": "rodgen.analyse.branches.coexistence",
     "stability_boundary": "rodgen.analyse.branches.boundary",
     "critical_force": "rodgen.analyse.critical",
     "Critical": "rodgen.analyse.critical",
@@ -143,6 +145,7 @@ __all__ = [
     "simulated_critical_force",
     "spectrum",
     "stability_boundary",
+    "static_equilibria",
     "static_equilibrium",
     "study",
     "work_precision",
