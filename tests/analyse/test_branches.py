@@ -13,6 +13,7 @@ from scipy.optimize import fsolve
 import rodgen
 from rodgen.analyse.branches import branch_data
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
+from rodgen.analyse.curves import files
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.references import elastica
@@ -140,7 +141,7 @@ def test_a_file_is_gone_on_from(rod: Rod, tmp_path: Path) -> None:
     scene = rod(10, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
     whole = continue_equilibria(scene, AXIAL, (0.0, -20.0))
     part = continue_equilibria(scene, AXIAL, (0.0, -9.0))
-    branch_data.save(part, tmp_path / "branch.nc")
+    files.save(part, tmp_path / "branch.nc")
     read = branch_data.read(tmp_path / "branch.nc")
     more = continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read)
     assert more["value"].values[0] == pytest.approx(-9.0, rel=1e-13)

@@ -11,6 +11,7 @@ import pytest
 from scipy.special import ellipk
 
 import rodgen
+from rodgen.analyse.curves import files
 from rodgen.analyse.cycles import branch_data
 from rodgen.analyse.cycles.branches import continue_cycles, hopf_of
 from rodgen.analyse.cycles.cycle import Search, find_cycle
@@ -100,7 +101,7 @@ def test_a_branch_has_the_cycle_of_a_run(branch: Any, column: Scene, tmp_path: A
     # What thrust brings in, damping takes out, in every cycle of the branch.
     work = branch["work"].values
     np.testing.assert_allclose(work.sum(axis=1), 0, atol=1e-9 * np.abs(work).max())
-    branch_data.save(branch, tmp_path / "cycles.nc")
+    files.save(branch, tmp_path / "cycles.nc")
     again = branch_data.read(tmp_path / "cycles.nc")
     np.testing.assert_array_equal(again["y0"].values, branch["y0"].values)
     # From there both ways: the same curve.

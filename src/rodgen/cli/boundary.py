@@ -46,7 +46,7 @@ def boundary(
     """Follow the boundary of stability of SCENE while two of its numbers change, from the limit of
     no damping to that of much; draw it."""
     from rodgen.analyse.branches.boundary import stability_boundary
-    from rodgen.analyse.branches.branch_data import save
+    from rodgen.analyse.curves.files import save
     from rodgen.scene import Scene, SceneError
 
     keys = vary.split(",")

@@ -68,6 +68,7 @@ def branch(
     diagram."""
     from rodgen.analyse.branches import branch_data
     from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
+    from rodgen.analyse.curves import files
     from rodgen.scene import Scene, SceneError
 
     if at is not None and resume is None:
@@ -106,7 +107,7 @@ def branch(
             print_json(_object(found))
         else:
             name = "branch" if switch is None else f"branch_{switch}"
-            branch_data.save(found, folder / f"{name}.nc")
+            files.save(found, folder / f"{name}.nc")
             print_values(f"{scene.name}: branch along {vary}", _rows(found))
             out.print(f"Written: {folder / name}.nc")
             from rodgen.show.branch_pictures import bifurcation_diagram

@@ -150,7 +150,7 @@ def _branch(
     out_folder: Path,
     as_json: bool,
 ) -> None:
-    from rodgen.analyse.cycles.branch_data import save
+    from rodgen.analyse.curves.files import save
     from rodgen.analyse.cycles.branches import continue_cycles
 
     ends = _ends(between)

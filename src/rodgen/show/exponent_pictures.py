@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
@@ -29,9 +31,9 @@ def convergence(found: Exponents, name: str) -> Figure:
 
 def _means(axes: Axes, found: Exponents) -> None:
     count = len(found.exponents)
-    shown = range(count)
+    shown: Sequence[int] = range(count)
     if count > CURVES:  # the largest, and the smallest that answer them
-        shown = [*range(CURVES // 2), *range(count - CURVES // 2, count)]  # type: ignore[assignment]
+        shown = [*range(CURVES // 2), *range(count - CURVES // 2, count)]
     colours = colormaps["viridis"](np.linspace(0.0, 0.85, len(shown)))
     few = found.t - (found.t[0] - (found.t[1] - found.t[0])) if len(found.t) > 1 else found.t
     for at, colour in zip(shown, colours, strict=True):

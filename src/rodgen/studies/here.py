@@ -157,7 +157,7 @@ def _serve(study: Study, pipe: Connection, other: Connection) -> None:
                     answer = "made", _answer(study, what)
                 except SceneError as error:
                     answer = "raised", error
-                except Exception as error:
+                except Exception as error:  # of a function of the user's, or of a library under it
                     answer = "raised", StudyError(f"{type(error).__name__}: {error}")
                 pipe.send(answer)
                 continue

@@ -51,7 +51,7 @@ def workers(count: int, plugin: distributed.WorkerPlugin | None = None) -> Itera
         yield cluster.scheduler_address
 
 
-class Empty(distributed.WorkerPlugin):  # type: ignore[misc]
+class Empty(distributed.WorkerPlugin):  # type: ignore[misc]  # Dask has no types
     """Points that cost nothing."""
 
     def setup(self, worker: Any) -> None:

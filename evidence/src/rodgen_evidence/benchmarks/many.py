@@ -55,11 +55,11 @@ def inside() -> Iterator[list[float]]:
         taken.append(time.process_time() - start)
         return done
 
-    native.Block.work = timed  # type: ignore[method-assign]
+    native.Block.work = timed  # type: ignore[method-assign]  # is timed, as it is
     try:
         yield taken
     finally:
-        native.Block.work = work  # type: ignore[method-assign]
+        native.Block.work = work  # type: ignore[method-assign]  # as it was
 
 
 def prepared(model: ModuleType, p: Array, y0: Array, keep: Sequence[str]) -> tuple[float, float]:

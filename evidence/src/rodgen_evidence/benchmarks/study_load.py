@@ -35,7 +35,7 @@ MARKS = 20  # lines that are printed, and one at each power of ten
 FIRST = 100  # tasks before what is measured: connections, imports
 
 
-class Idle(distributed.WorkerPlugin):  # type: ignore[misc]
+class Idle(distributed.WorkerPlugin):  # type: ignore[misc]  # Dask has no types
     """Blocks that are done without a look at them."""
 
     def setup(self, worker: Any) -> None:

@@ -32,7 +32,7 @@ COUNTS = (1, 2, 4, 8, 16)
 POINTS = 200  # of a block that computes
 
 
-class Waiting(distributed.WorkerPlugin):  # type: ignore[misc]
+class Waiting(distributed.WorkerPlugin):  # type: ignore[misc]  # Dask has no types
     """Blocks that wait; seconds: how long."""
 
     def __init__(self, seconds: float):

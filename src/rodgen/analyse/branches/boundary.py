@@ -96,7 +96,7 @@ def stability_boundary(
     damped = bool(np.abs(plane.at(*begin.tolist()).C).any())
     boundary = Boundary(plane, (scales[0], scales[1]), omega, damped)
     start = omega, float(begin[0]), float(begin[1])
-    curve = _followed(boundary, start, limits, _steps(step, most), watch)
+    curve = _followed(boundary, start, limits, Steps.of(step, most, 4), watch)
     return _dataset(scene, boundary, curve, flipped, plane.base.t)
 
 
@@ -308,15 +308,6 @@ def _own(scene: Scene, key: str, given: Ends | None) -> float:
     if not low < high:
         raise SceneError(f"vary.{key}", high, f"above {low:g}, where its range begins")
     return own if low <= own <= high else float((low + high) / 2)
-
-
-def _steps(step: float, most: int) -> Steps:
-    step, most = plain(step, "step"), plain(most, "most")
-    if not (is_number(step) and 0 < step <= 1):
-        raise SceneError("step", step, "a number above 0 and at most 1")
-    if not isinstance(most, int) or isinstance(most, bool) or most < 2:
-        raise SceneError("most", most, "a whole number of at least 2")
-    return Steps(first=step / 4, longest=step, most=most)
 
 
 def _dataset(

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rodgen.analyse.curves import files
 from rodgen.analyse.curves.curve import Point, Special
-from rodgen.integrate.files import replaced
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.keys import with_value
@@ -145,22 +145,6 @@ def scene_at(data: xarray.Dataset, at: int) -> Scene:
     return with_state(scene, data["y"].values[at])
 
 
-def save(data: xarray.Dataset, path: Path) -> None:
-    """Write a branch to a NetCDF file, whole or not at all."""
-    with replaced(path) as part:
-        data.to_netcdf(part, engine="scipy")
-
-
 def read(path: Path) -> xarray.Dataset:
     """The branch in a file. Raises SceneError for what is none."""
-    import xarray
-
-    try:
-        with xarray.open_dataset(path, engine="scipy") as file:
-            data = file.load()
-    except (OSError, ValueError, TypeError, KeyError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise SceneError("file", str(path), f"a NetCDF file that can be read ({reason})") from None
-    if data.attrs.get("format") != FORMAT:
-        raise SceneError("file", str(path), f"a branch written by rodgen (format {FORMAT!r})")
-    return data
+    return files.read(path, "file", "a branch", FORMAT)

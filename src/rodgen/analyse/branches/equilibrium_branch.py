@@ -88,7 +88,7 @@ def continue_equilibria(
     before = None if resume is None else recorded(resume, scene, key, at)
     if before is not None:
         begin = before.value
-    steps = _steps(step, most)
+    steps = Steps.of(step, most, 4)
     problem, first = _prepared(scene, key, ends, begin, imperfection, t)
     branch = Branch(scene, key, problem, Curve())
 
@@ -263,12 +263,3 @@ def _inside(name: str, value: Any, ends: tuple[float, float]) -> float:
     if not (is_number(value) and low <= value <= high):
         raise SceneError(name, value, f"a number in the range, {low:g} to {high:g}")
     return float(value)
-
-
-def _steps(step: float, most: int) -> Steps:
-    step, most = plain(step, "step"), plain(most, "most")
-    if not (is_number(step) and 0 < step <= 1):
-        raise SceneError("step", step, "a number above 0 and at most 1")
-    if not isinstance(most, int) or isinstance(most, bool) or most < 2:
-        raise SceneError("most", most, "a whole number of at least 2")
-    return Steps(first=step / 4, longest=step, most=most)

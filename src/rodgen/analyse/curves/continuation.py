@@ -25,6 +25,8 @@ from rodgen.analyse.curves.curve import (
 from rodgen.analyse.curves.special_points import between
 from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.stepper import Array
+from rodgen.scene import SceneError
+from rodgen.scene.plain import is_number, plain
 
 QUICK = 4  # iterations after which the next step is longer
 STRAIGHT, TURNED = 0.98, 0.9  # cosine between two tangents: for a longer step, at least
@@ -43,6 +45,17 @@ class Steps:
     least: float = 1e-9
     longest: float = 0.1
     most: int = 2000
+
+    @classmethod
+    def of(cls, step: float, most: int, parts: int, least: float = 1e-9) -> Steps:
+        """The longest step and most points that were asked for; parts: of the longest, the first.
+        Raises SceneError."""
+        step, most = plain(step, "step"), plain(most, "most")
+        if not (is_number(step) and 0 < step <= 1):
+            raise SceneError("step", step, "a number above 0 and at most 1")
+        if not isinstance(most, int) or isinstance(most, bool) or most < 2:
+            raise SceneError("most", most, "a whole number of at least 2")
+        return cls(first=step / parts, least=least, longest=step, most=most)
 
 
 def started(problem: Problem, u: Array, way: float = 1.0) -> Point:

@@ -43,7 +43,11 @@ def between(problem: Problem, a: Point, b: Point) -> list[Special]:
         found.append(Special(FOLD, fold.u))
     for kind, value in a.measures.items():
         if value * b.measures.get(kind, value) < 0:
-            here = located(problem, a, b, lambda point, kind=kind: point.measures[kind])  # type: ignore[misc]
+
+            def measured(point: Point, kind: str = kind) -> float:
+                return point.measures[kind]
+
+            here = located(problem, a, b, measured)
             found.append(Special(kind, here.u))
     if a.unstable is not None and b.unstable is not None and a.unstable != b.unstable:
         found += problem.crossings(a, b)

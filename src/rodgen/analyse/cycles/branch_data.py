@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rodgen.analyse.curves import files
 from rodgen.analyse.cycles.cycle import nontrivial
 from rodgen.analyse.cycles.shooting import cut
 from rodgen.integrate.catalogue import Piece
-from rodgen.integrate.files import replaced
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.keys import key_place, with_value
@@ -130,25 +130,9 @@ def _row(branch: Branch, u: Array) -> dict[str, Any]:
     }
 
 
-def save(data: xarray.Dataset, path: Path) -> None:
-    """Write a branch to a NetCDF file, whole or not at all."""
-    with replaced(path) as part:
-        data.to_netcdf(part, engine="scipy")
-
-
 def read(path: Path) -> xarray.Dataset:
     """The branch in a file. Raises SceneError for what is none."""
-    import xarray
-
-    try:
-        with xarray.open_dataset(path, engine="scipy") as file:
-            data = file.load()
-    except (OSError, ValueError, TypeError, KeyError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise SceneError("from", str(path), f"a NetCDF file that can be read ({reason})") from None
-    if data.attrs.get("format") != FORMAT:
-        raise SceneError("from", str(path), f"a branch of cycles written by rodgen ({FORMAT})")
-    return data
+    return files.read(path, "from", "a branch of cycles", FORMAT)
 
 
 def nearest(data: xarray.Dataset, scene: Scene) -> int:

@@ -80,7 +80,7 @@ def continue_cycles(
     check_scene(scene)
     ends = _ends(key, ends)
     count = segments_of(segments)
-    steps = _steps(step, most)
+    steps = Steps.of(step, most, 10, LEAST)
     search = Search.of(scene, target)
     variation = Variation(search, scene, key, ends)
     if isinstance(start, str) and start == HOPF:
@@ -101,14 +101,6 @@ def _ends(key: str, ends: tuple[float, float]) -> tuple[float, float]:
     if not (len(given) == 2 and all(is_number(one) and np.isfinite(one) for one in given)):
         raise SceneError(f"vary.{key}", ends, "two finite numbers")
     return float(given[0]), float(given[1])
-
-
-def _steps(step: float, most: int) -> Steps:
-    if not (is_number(plain(step, "step")) and 0 < step <= 1):
-        raise SceneError("step", step, "above 0 and at most 1")
-    if not (isinstance(plain(most, "most"), int) and most >= 2):
-        raise SceneError("most", most, "a whole number of at least 2")
-    return Steps(first=step / 10, least=LEAST, longest=step, most=most)
 
 
 def _own(scene: Scene, key: str, ends: tuple[float, float]) -> float:

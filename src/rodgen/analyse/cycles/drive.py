@@ -70,16 +70,15 @@ def _periods(scene: Scene, end: float) -> Iterator[float]:
     """Of what swings in the expressions of a scene [s]."""
     for e in (*scene.expressions.values(), *scene.rates.values()):
         for node in ast.walk(ast.parse(e.text, mode="eval")):
-            if _swings(node):
-                slope = _slope(ast.unparse(node.args[0]), e, end)  # type: ignore[attr-defined]
+            if isinstance(node, ast.Call) and _swings(node):
+                slope = _slope(ast.unparse(node.args[0]), e, end)
                 if slope:
                     yield 2 * math.pi / slope
 
 
-def _swings(node: ast.AST) -> bool:
-    """Whether it is a function that repeats, of something."""
-    named = isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
-    return named and node.func.id in SWINGS  # type: ignore[attr-defined]
+def _swings(node: ast.Call) -> bool:
+    """Whether its function repeats."""
+    return isinstance(node.func, ast.Name) and node.func.id in SWINGS
 
 
 def _slope(text: str, of: Expression, end: float) -> float:

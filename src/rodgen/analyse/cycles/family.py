@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -215,13 +216,12 @@ class Cycles(Problem):
             numbers = [count(self.multipliers(point.u)) for point in (before, after)]
             if numbers[0] == numbers[1]:
                 continue
+
+            def measured(point: Point, of: Callable[[Complex], float] = measure) -> float:
+                return of(self.multipliers(point.u))
+
             try:
-                here = located(
-                    self,
-                    before,
-                    after,
-                    lambda point, measure=measure: measure(self.multipliers(point.u)),  # type: ignore[misc]
-                )
+                here = located(self, before, after, measured)
             except AnalysisError:
                 continue
             mu = self.multipliers(here.u)

@@ -1,0 +1,34 @@
+"""Branches in NetCDF files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rodgen.integrate.files import replaced
+from rodgen.scene import SceneError
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def save(data: xarray.Dataset, path: Path) -> None:
+    """Write a branch to a NetCDF file, whole or not at all."""
+    with replaced(path) as part:
+        data.to_netcdf(part, engine="scipy")
+
+
+def read(path: Path, field: str, kind: str, form: str) -> xarray.Dataset:
+    """The branch in a file. field: what it was given as; kind: of branch, in words; form: the
+    attribute `format` of its files. Raises SceneError for what is none."""
+    import xarray
+
+    try:
+        with xarray.open_dataset(path, engine="scipy") as file:
+            data = file.load()
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise SceneError(field, str(path), f"a NetCDF file that can be read ({reason})") from None
+    if data.attrs.get("format") != form:
+        raise SceneError(field, str(path), f"{kind} written by rodgen (format {form!r})")
+    return data
