@@ -4,11 +4,11 @@
 #             [PARTS=rhs,jac] [STEPS=1] [EXPLICIT=1]        make reference    regenerate the reference modules and the keys in docs/scenes.md
 # make figures    draw those of docs/derivation.md anew       make screenshot   the live view's picture
 # make thesis     rebuild the tables of the thesis into results/thesis/       make audit   its equations and listing
-# make guide      take the numbers of README and docs/which-method.md from the last report
+# make guide      take the numbers of docs/speed.md and docs/which-method.md from the last report
 # make report [QUICK=1] [RESUME=1]    error against run time, stability, extremes, beside peers
 # make test-all   the long tests as well         make lint, make types
 # make bench, bench-rhs, bench-many, bench-heyoka, bench-study, bench-engine, bench-workers, bench-load, bench-kills
-# make bench-analyse, bench-exponents, bench-live
+# make bench-analyse, bench-exponents, bench-cycles, bench-live
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -17,6 +17,9 @@ LAYOUT := build/layout
 SPREAD := -n auto --dist worksteal
 # They start a hundred processes, which do not compile the sources anew each, whatever is set.
 PYTEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest
+
+# Rooms whose public functions have examples.
+EXAMPLES := $(addprefix src/rodgen/,scene loading integrate analyse studies)
 
 N ?= 20
 BOUNDARY ?= free
@@ -27,7 +30,7 @@ FORM ?= chain
 PARTS ?= all
 SCENE ?= scenes/missile.toml
 
-.PHONY: demo view derive test test-all lint types bench bench-rhs bench-many bench-heyoka bench-study bench-engine bench-workers bench-load bench-kills bench-analyse bench-exponents bench-live reference figures screenshot thesis audit \
+.PHONY: demo view derive test test-all lint types bench bench-rhs bench-many bench-heyoka bench-study bench-engine bench-workers bench-load bench-kills bench-analyse bench-exponents bench-cycles bench-live docs reference figures screenshot thesis audit \
 	report guide clean
 
 demo: .venv/installed
@@ -45,18 +48,22 @@ derive: .venv/installed
 test: .venv/developing
 	$(PYTEST) $(SPREAD)
 
-test-all: test .venv/evidence
+test-all: test .venv/evidence docs
 	$(PYTEST) $(SPREAD) -m long
 	$(PYTEST) $(SPREAD) -m "long or not long" evidence/tests
+	$(PYTEST) $(SPREAD) -m "long or not long" docs
+	$(PYTEST) $(SPREAD) -m "long or not long" --doctest-modules $(EXAMPLES)
 
-# The packages as they lie in a wheel: derive/ and templates/ inside rodgen/.
+# The packages as they lie in a wheel: derive/, templates/ and scenes/ inside rodgen/.
 $(LAYOUT): .venv/developing .venv/evidence
 	@rm -rf $@ && mkdir -p $@
-	@cp -R src/rodgen $@/rodgen && cp -R derive templates $@/rodgen/ && cp -R evidence/src/rodgen_evidence $@/
+	@cp -R src/rodgen $@/rodgen && cp -R derive templates scenes $@/rodgen/ && cp -R evidence/src/rodgen_evidence $@/
 
 lint: $(LAYOUT)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/codespell $$(git ls-files | grep -vE '\.(svg|png|gif|json|netcdf|js|css)$$')
+	$(BIN)/proselint --config .proselintrc.json check $$(git ls-files '*.md' | grep -v docs/audit.md)
 	cd $(LAYOUT) && ../../$(BIN)/lint-imports --config ../../pyproject.toml --no-logo
 
 types: $(LAYOUT)
@@ -82,6 +89,9 @@ bench-study: .venv/evidence
 bench-exponents: .venv/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.exponents
 
+bench-cycles: .venv/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.cycles
+
 bench-analyse: .venv/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.analyse
 
@@ -98,10 +108,10 @@ bench-kills: .venv/developing .venv/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.study_kills $(STUDIES)
 
 bench-live: .venv/developing .venv/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.live $(or $(SECONDS),20) $(LINKS)
+	@$(BIN)/python -m rodgen_evidence.benchmarks.live $(or $(SECONDS),20) $(LINKS) $(if $(AGAINST),--against $(AGAINST))
 
 reference: .venv/developing
-	$(BIN)/python -m pytest tests/generated/test_reference_modules.py tests/scene/test_documentation.py --update
+	$(BIN)/python -m pytest tests/generated/test_reference_modules.py tests/scene/test_documentation.py tests/studies/test_documentation.py --update
 
 thesis: .venv/evidence
 	@$(BIN)/rodgen thesis
@@ -113,15 +123,21 @@ audit: .venv/evidence
 report: .venv/peers
 	@$(BIN)/rodgen report $(if $(QUICK),--quick) $(if $(RESUME),--resume)
 
-# What README and docs/which-method.md show, from the report that was made last.
+# What docs/speed.md and docs/which-method.md show, from the report that was made last.
 guide: .venv/evidence
 	@mkdir -p docs/report && cp results/report/report.json docs/report/
-	@$(BIN)/python -m rodgen_evidence.pages.report_guide docs/report/report.json README.md docs/which-method.md
+	@$(BIN)/python -m rodgen_evidence.pages.report_guide docs/report/report.json docs/speed.md docs/which-method.md
+
+# The site, in build/site: open index.html there.
+docs: .venv/documenting
+	@$(BIN)/python -m sphinx -W --keep-going -q -j auto docs build/site
+	@echo "build/site/index.html"
 
 figures: .venv/evidence
 	@$(BIN)/python -m rodgen_evidence.figures.model_figures docs/pictures
 	@$(BIN)/python -m rodgen_evidence.figures.rocket_figures scenes/sounding_rocket.toml docs/pictures
 	@$(BIN)/python -m rodgen_evidence.figures.branch_figures scenes docs/pictures
+	@$(BIN)/python -m rodgen_evidence.figures.cycle_figures scenes docs/pictures
 
 screenshot: .venv/developing
 	$(BIN)/python -m pytest -m long tests/live/test_appearance.py -k shows_a_rod --update
@@ -145,6 +161,10 @@ screenshot: .venv/developing
 
 .venv/developing: pyproject.toml | .venv/bin/python
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]"
+	@touch .venv/installed $@
+
+.venv/documenting: pyproject.toml | .venv/bin/python
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[docs]"
 	@touch .venv/installed $@
 
 # What shows how far rodgen can be trusted: the commands report, thesis and audit.

@@ -9,6 +9,8 @@ import pytest
 
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.benchmarks.analyse import analyse
+from rodgen_evidence.benchmarks.cycles import Start, cycles, of_auto
+from rodgen_evidence.benchmarks.cycles import of_rodgen as of_rodgen_cycle
 from rodgen_evidence.benchmarks.exponents import exponents, of_heyoka, of_rodgen
 from rodgen_evidence.benchmarks.main_job import main_job
 from rodgen_evidence.benchmarks.many import many
@@ -42,6 +44,17 @@ def test_tangents_are_those_of_heyoka() -> None:
     """Both begin with the same frame, and follow the same motion for eight seconds."""
     pytest.importorskip("heyoka", reason="it is no dependency")
     np.testing.assert_allclose(of_rodgen(8), of_heyoka(8)[1], atol=1e-4)
+
+
+def test_cycles(capsys: pytest.CaptureFixture[str]) -> None:
+    check(cycles((2,), rounds=1), capsys)
+
+
+def test_a_period_is_that_of_auto() -> None:
+    """By collocation in 80 intervals, whose error falls by 2^8 from that in 40, 2e-9."""
+    pytest.importorskip("bifpy", reason="it is no dependency")
+    start = Start.of(2)
+    assert of_auto(start, 80) == pytest.approx(of_rodgen_cycle(start), rel=2e-10)
 
 
 def test_many_runs(capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,13 +7,15 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from html import escape
 from threading import Timer, current_thread, main_thread
 from time import perf_counter
-from typing import Any, Self
+from typing import Any, Protocol, Self
 
 DERIVING, EMITTING, COMPILING = "deriving the equations", "emitting the module", "compiling"
 
 PATIENCE = 1.0  # seconds without a bar
+TOLD = 0.1  # seconds between two messages to a notebook
 
 Tell = Callable[[str], None]  # is told by name what is begun
 
@@ -103,7 +105,12 @@ def _shows() -> bool:
     where somebody is told already."""
     terminal = sys.stderr is not None and sys.stderr.isatty()
     alone = multiprocessing.parent_process() is None and current_thread() is main_thread()
-    return (terminal or "ipykernel" in sys.modules) and alone and _told.get() is None
+    return (terminal or _in_notebook()) and alone and _told.get() is None
+
+
+def _in_notebook() -> bool:
+    """Whether what is printed goes below the cell of a notebook."""
+    return "ipykernel" in sys.modules
 
 
 class _Bar:
@@ -113,8 +120,7 @@ class _Bar:
         self._what, self._total = what, total
         self._far: dict[str, Any] = {"completed": 0.0, "at": ""}
         self._remaining = remaining
-        self._update: Callable[..., None] | None = None
-        self._stop: Callable[[], None] = lambda: None
+        self._drawn: _Drawn | None = None
         self._timer = Timer(PATIENCE, self._appear)
         self._timer.daemon = True
 
@@ -125,29 +131,92 @@ class _Bar:
     def __exit__(self, *_: object) -> None:
         self._timer.cancel()
         self._timer.join()
-        self._stop()
+        if self._drawn is not None:
+            self._drawn.stop()
 
     def show(self, completed: float, at: str) -> None:
         """How far it is, and what is said of it."""
         self._far = {"completed": completed, "at": at}
-        if self._update is not None:
-            self._update(**self._far)
+        if self._drawn is not None:
+            self._drawn.update(**self._far)
 
     def _appear(self) -> None:
+        kind = InNotebook if _in_notebook() else InTerminal
+        self._drawn = kind(self._what, self._total, self._remaining)
+        self._drawn.update(**self._far)  # what was shown meanwhile
+
+
+class _Drawn(Protocol):
+    """A bar that can be seen."""
+
+    def update(self, completed: float, at: str) -> None:
+        """How far it is, and what is said of it."""
+
+    def stop(self) -> None:
+        """Take it away."""
+
+
+class InTerminal:
+    """A bar in a line of standard error."""
+
+    def __init__(self, what: str, total: float | None, remaining: bool):
         from rich import progress as rich  # only where something takes long
         from rich.console import Console
 
-        # A notebook has a line that can be written over, like a terminal.
-        console = Console(stderr=True, force_terminal=True, force_jupyter=False, highlight=False)
+        console = Console(stderr=True, force_terminal=True, highlight=False)
         columns = (
             rich.TextColumn("{task.description}", markup=False),
             rich.BarColumn(),
             rich.TextColumn("{task.fields[at]}", markup=False),
-            rich.TimeRemainingColumn() if self._remaining else rich.TimeElapsedColumn(),
+            rich.TimeRemainingColumn() if remaining else rich.TimeElapsedColumn(),
         )
-        bar = rich.Progress(*columns, console=console, transient=True)
-        task = bar.add_task(self._what, total=self._total, **self._far)
-        bar.start()
-        self._stop = bar.stop
-        self._update = lambda **far: bar.update(task, **far)
-        self._update(**self._far)  # what was shown meanwhile
+        self._bar = rich.Progress(*columns, console=console, transient=True)
+        self._task = self._bar.add_task(what, total=total, at="")
+        self._bar.start()
+
+    def update(self, completed: float, at: str) -> None:
+        """How far it is, and what is said of it."""
+        self._bar.update(self._task, completed=completed, at=at)
+
+    def stop(self) -> None:
+        """Take it away."""
+        self._bar.stop()
+
+
+class InNotebook:
+    """A bar of the browser's own below a cell, and a line of text where there is no browser."""
+
+    def __init__(self, what: str, total: float | None, remaining: bool):
+        from IPython.display import display
+
+        self._what, self._total, self._remaining = what, total, remaining
+        self._begun = self._told = perf_counter()
+        self._first: float | None = None
+        self._place: Any = display(self._seen(0.0, ""), raw=True, display_id=True)
+
+    def update(self, completed: float, at: str) -> None:
+        """How far it is, and what is said of it; told ten times a second at most."""
+        now = perf_counter()
+        if self._first is None:  # a run that is resumed does not begin at the start
+            self._first = completed
+        if now - self._told >= TOLD:
+            self._told = now
+            self._place.update(self._seen(completed, at), raw=True)
+
+    def stop(self) -> None:
+        """Take it away."""
+        self._place.update({"text/plain": "", "text/html": ""}, raw=True)
+
+    def _seen(self, completed: float, at: str) -> dict[str, str]:
+        words = ", ".join(filter(None, (self._what, at, self._left(completed))))
+        value = "" if self._total is None else f' max="{self._total}" value="{completed}"'
+        html = f"<progress{value}></progress> {escape(words)}"
+        return {"text/plain": words, "text/html": html}
+
+    def _left(self, completed: float) -> str:
+        """What time is left, where that can be told."""
+        done = completed - (self._first or 0.0)
+        if not (self._remaining and self._total and done > 0):
+            return ""
+        left = (perf_counter() - self._begun) * (self._total - completed) / done
+        return f"{left:.0f} s left"

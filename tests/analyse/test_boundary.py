@@ -12,6 +12,9 @@ import pytest
 
 import rodgen
 from rodgen.analyse.branches.boundary import stability_boundary
+from rodgen.analyse.branches.boundary_equations import Boundary, Matrices, Scale
+from rodgen.analyse.branches.outline import Outline
+from rodgen.analyse.curves.continuation import Steps
 from rodgen.analyse.errors import AnalysisError
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.keys import with_value
@@ -102,7 +105,7 @@ def test_much_damping_has_a_limit(rod: Rod) -> None:
     loads = {"follower": {"force": 1.0}, "external_damping": {"coefficient": 1.0}}
     found = stability_boundary(rod(6, "clamped", loads, **ONES), (FOLLOWER, EXTERNAL))
     assert "much damping" in found.attrs["end"]
-    assert "end of the range" in found.attrs["end"]  # no damping, the other limit
+    assert "vanishing damping" in found.attrs["end"]
     least = with_value(rod(6, "clamped", loads, **ONES), EXTERNAL, 1e-6)
     assert float(found["a"][0]) == pytest.approx(rodgen.critical_force(least).force, rel=1e-10)
     much = np.diff(found["a"].values[-4:])
@@ -170,3 +173,96 @@ def test_what_has_no_effect() -> None:
     scene = Scene.from_toml(Path(__file__).parents[2] / "scenes" / "missile.toml")
     with pytest.raises(SceneError, match="small motions depend on"):
         stability_boundary(scene, (FOLLOWER, EXTERNAL))
+
+
+class Pair:
+    """Two motions that do not know of each other, and begin to grow at a = 1 and at b = 1."""
+
+    keys, added = ("a", "b"), 0
+
+    def at(self, a: float, b: float) -> Matrices:
+        K, M = np.diag([1.0, 9.0]), np.eye(2)
+        C = np.array([[1.0 - a, 0.0], [0.0, 1.0 - b]])
+        return Matrices(K, C, M)
+
+    def slopes(self, a: float, b: float) -> tuple[Matrices, Matrices]:
+        nothing = np.zeros((2, 2))
+        by = (Matrices(nothing, np.diag(way), nothing) for way in ([-1.0, 0.0], [0.0, -1.0]))
+        return next(by), next(by)
+
+
+def test_the_outline_turns_where_another_motion_begins() -> None:
+    plain = Scale(1.0, curved=False)
+    boundary = Boundary(Pair(), (plain, plain), 1.0, True)  # type: ignore[arg-type]  # a stand-in
+    outline = Outline([(-2.0, 2.0), (-2.0, 2.0)], Steps.of(0.1, 1000, 4), lambda point: None)
+    found = outline.around(boundary, 1.0, 1.0, 0.0)
+    a, b, frequency, _ = np.array([point.u for point in found.points]).T
+    (corner,) = found.special
+    assert corner.kind == "corner"
+    np.testing.assert_allclose(corner.u[:3], [1.0, 1.0, 1 / (2 * np.pi)], atol=1e-10)
+    at = corner.after + 1
+    np.testing.assert_allclose(a[:at], 1.0, atol=1e-10)
+    np.testing.assert_allclose(b[at:], 1.0, atol=1e-10)
+    assert (b[0], a[-1] < -1.9) == (-2.0, True)
+    np.testing.assert_allclose(2 * np.pi * frequency[[0, -1]], [1.0, 3.0], rtol=1e-10)
+    assert found.complete
+
+
+@pytest.mark.parametrize(("tau", "corner"), [(0.0, None), (0.02, (5 / 6, 2 / 3))])
+def test_flutter_goes_on_as_divergence(rod: Rod, tau: float, corner: Any) -> None:
+    """Ziegler's pendulum under a follower force p and a dead one f (both times l/k): it diverges at
+    p = 3 - f - 1/f; there flutter begins with frequency zero, without damping where the trace of
+    M^-1 K vanishes as well, 2 f^2 - f - 2 = 0, with damping in the springs at (5/6, 2/3)."""
+    loads = {"follower": {"force": 2.0}, "tip": {"x": 0.0, "y": 0.0}}
+    if tau:
+        loads["material_damping"] = {"time": tau}
+    scene = rod(3, "cantilever", loads, inertia="lumped", **ONES)
+    ends = ((-30.0, 30.0), (-30.0, 10.0))
+    found = stability_boundary(scene, (FOLLOWER, "loads.tip.x"), ranges=ends)
+    assert found["special_kind"].values.tolist() == ["zero frequency"]
+    p, f = float(found["special_a"][0]) / 9, -float(found["special_b"][0]) / 9
+    if corner is None:
+        f0 = (1 + np.sqrt(17)) / 4
+        corner = 3 - f0 - 1 / f0, f0
+    # 1e-9: the frequency is zero to a millionth there, of which everything follows the square.
+    assert (p, f) == pytest.approx(corner, rel=1e-9)
+    still = found["frequency"].values == 0.0
+    p, f = found["a"].values[still] / 9, -found["b"].values[still] / 9
+    np.testing.assert_allclose(p, 3 - f - 1 / f, atol=1e-9)
+    assert still.sum() > 20
+    assert (~still).sum() > 20
+    assert found.attrs["complete"]
+    # It is the outline of what is stable: to one side of it something grows, to the other nothing.
+    model = rodgen.build(scene, "numpy")
+    points = np.array([found["a"].values, found["b"].values]).T
+    there_both = points[int(found["special_after"][0])]
+    for at in range(5, found.sizes["point"] - 1, 10):
+        if np.linalg.norm(points[at] - there_both) < 0.5:
+            continue  # so near both sides are as near to the other motion
+        along = points[at + 1] - points[at - 1]
+        across = np.array([-along[1], along[0]]) / np.linalg.norm(along)
+        grow = []
+        for way in (-0.01, 0.01):
+            a, b = (points[at] + way * across).tolist()
+            there = with_value(with_value(scene, FOLLOWER, a), "loads.tip.x", b)
+            J = model.jac(0.0, there.initial_state(), model.parameters(**there.parameters))
+            s = np.linalg.eigvals(J)
+            grow.append(bool(s.real.max() > 1e-6 * np.abs(s).max()))
+        assert sorted(grow) == [False, True]
+
+
+@pytest.mark.long
+def test_a_cusp_is_named(rod: Rod) -> None:
+    """Of an undamped column that a spring holds in its middle the pair of motions that flutters
+    changes: the boundary comes to a point, where both numbers stand still along it."""
+    support = [{"at": 0.5, "stiffness": [0.0, 10.0]}]
+    table = rod(4, "clamped", {"follower": {"force": 1.0}}, **ONES).model_dump(exclude_none=True)
+    scene = Scene.from_dict(table | {"supports": support})
+    found = stability_boundary(
+        scene, (FOLLOWER, "supports.0.stiffness.1"), ranges=((0.0, 400.0), (0.0, 1500.0))
+    )
+    assert "cusp" in found["special_kind"].values
+    at = int(found["special_after"][list(found["special_kind"].values).index("cusp")])
+    a, b = found["a"].values, found["b"].values
+    before, after = (np.array([a[k + 1] - a[k], b[k + 1] - b[k]]) for k in (at - 1, at + 1))
+    assert before @ after < 0

@@ -14,9 +14,10 @@ import rodgen
 from rodgen.analyse.curves import files
 from rodgen.analyse.cycles import branch_data
 from rodgen.analyse.cycles.branches import continue_cycles, hopf_of
-from rodgen.analyse.cycles.cycle import Search, find_cycle
 from rodgen.analyse.cycles.family import Variation
+from rodgen.analyse.cycles.hopf import fastest_growing
 from rodgen.analyse.cycles.nonlinear_modes import continue_mode, nonlinear_mode
+from rodgen.analyse.cycles.search import Search, find_cycle
 from rodgen.analyse.errors import AnalysisError
 from rodgen.scene import Scene, SceneError
 from tests.analyse.test_cycles import ZIEGLER
@@ -62,6 +63,19 @@ def test_flutter_of_zieglers_pendulum_is_a_hopf_point() -> None:
     assert hopf.supercritical
 
 
+def test_slow_flutter_of_a_strongly_damped_rod_is_a_hopf_point() -> None:
+    """Oscillations of 1 rad/s that grow with the value, beside decays of 10^8 /s, as 80 links with
+    material damping have them."""
+
+    def growing(value: float) -> complex:
+        J = np.diag([value, value, -1e8, -1e7, -3.0, -5.0])
+        J[0, 1], J[1, 0] = -1.0, 1.0
+        return fastest_growing(J) or 0j
+
+    assert growing(0.25) == pytest.approx(0.25 + 1j, rel=1e-6)  # rounding of 10^8 is 1e-8
+    assert fastest_growing(np.diag([1.0, -1.0])) is None
+
+
 def test_cycles_begin_where_flutter_does(column: Scene, branch: Any) -> None:
     without = COLUMN | {"loads": {k: v for k, v in COLUMN["loads"].items() if k not in NOTHING}}
     critical = rodgen.critical_force(Scene.from_dict(without))
@@ -95,8 +109,8 @@ def test_the_normal_form_has_the_cycles_beside_it(column: Scene) -> None:
 def test_a_branch_has_the_cycle_of_a_run(branch: Any, column: Scene, tmp_path: Any) -> None:
     alone = find_cycle(column)
     at = branch_data.nearest(branch, column)
-    _, _, y0, period = branch_data.on_branch(branch, at)
-    found = find_cycle(column, y0=y0, period=period)
+    _, known = branch_data.on_branch(branch, at)
+    found = find_cycle(column, y0=known.y0, period=known.period)
     assert found.period == pytest.approx(alone.period, rel=1e-9)
     # What thrust brings in, damping takes out, in every cycle of the branch.
     work = branch["work"].values
@@ -110,6 +124,23 @@ def test_a_branch_has_the_cycle_of_a_run(branch: Any, column: Scene, tmp_path: A
     assert periods == pytest.approx(alone.period, rel=1e-4)  # of a line between points
     assert both["value"].values.min() == 19.0
     assert both["value"].values.max() == 20.5
+
+
+def test_a_scene_at_a_point_of_a_branch_starts_on_its_cycle(column: Scene) -> None:
+    """Where the load grows at the start of the span, it starts when that has ended."""
+    table = column.model_dump(exclude_none=True)
+    table["loads"]["follower"]["force"] = "P0*min(t/0.5, 1)"
+    table["parameters"] = {"P0": 20.0}
+    grows = Scene.from_dict(table)
+    found = continue_cycles(grows, "parameters.P0", (19.0, 20.5), start="run", step=1.0)
+    for at in (0, found.sizes["point"] - 1):
+        scene = branch_data.scene_at(found, at)
+        start, period = scene.integrate.span[0], float(found["period"][at])
+        assert start == 20.0
+        run = rodgen.simulate(scene, span=[start, start + period], rtol=1e-10, atol=1e-12)
+        np.testing.assert_allclose(run.y[-1], run.y[0], atol=1e-7 * np.abs(run.y).max())
+    with pytest.raises(SceneError, match="at = "):
+        branch_data.scene_at(found, found.sizes["point"])
 
 
 def test_what_no_branch_begins_with(column: Scene) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,11 +11,13 @@ import pytest
 from scipy.integrate import solve_bvp, solve_ivp
 
 import rodgen
-from rodgen.analyse.cycles.cycle import Cycle, find_cycle
+from rodgen.analyse.cycles.cycle import Cycle
 from rodgen.analyse.cycles.elimination import multipliers
+from rodgen.analyse.cycles.search import Search, find_cycle
 from rodgen.analyse.errors import AnalysisError
 from rodgen.scene import Scene, SceneError
 
+SCENES = Path(__file__).parents[2] / "scenes"
 # Ziegler's double pendulum with damping, beyond its flutter.
 ZIEGLER: dict[str, Any] = {
     "name": "ziegler",
@@ -86,6 +90,82 @@ def test_from_a_run_as_from_nearby(cycle: Cycle) -> None:
     assert sum(found.work.values()) == pytest.approx(0, abs=1e-9 * found.work["follower"])
 
 
+def test_shooting_finds_what_collocation_finds(cycle: Cycle) -> None:
+    """Two discretisations with nothing in common but the rates: to the tolerance of either."""
+    assert cycle.by == "collocation"
+    assert cycle.error < 1e-9
+    shot = find_cycle(
+        Scene.from_dict(ZIEGLER), y0=NEAR, period=ABOUT, by="shooting", target="numpy"
+    )
+    assert shot.by == "shooting"
+    assert shot.period == pytest.approx(cycle.period, rel=1e-9)
+    for mu in shot.multipliers:
+        assert np.abs(cycle.multipliers - mu).min() < 1e-8
+
+
+@pytest.mark.parametrize("count", [2, 4])
+def test_leading_multipliers_are_those_of_all(cycle: Cycle, count: int) -> None:
+    """Newton's method on a few directions, Picard's iteration on the rest."""
+    found = find_cycle(
+        Scene.from_dict(ZIEGLER), y0=NEAR, period=ABOUT, multipliers=count, target="numpy"
+    )
+    assert found.by == "picard"
+    assert len(found.multipliers) == count
+    assert found.period == pytest.approx(cycle.period, rel=1e-10)
+    np.testing.assert_allclose(
+        np.abs(found.multipliers), np.abs(cycle.multipliers[:count]), atol=1e-9
+    )
+
+
+@pytest.mark.long  # it compiles a structure of its own
+def test_stiff_cycles_by_radau_as_by_dop853() -> None:
+    """Tangents of an implicit stepper, whose steps are longer than the fastest motion lasts: it
+    decays by exp(-60000) in a period."""
+    table = Scene.from_toml(SCENES / "beck_after_flutter.toml").model_dump(exclude_none=True)
+    table["rod"]["links"], table["loads"]["material_damping"]["time"] = 20, 0.01
+    scene = Scene.from_dict(table)
+    leading = find_cycle(scene, multipliers=3)
+    flow = Search.of(scene).flow(0.0, leading.y0)
+    x, period = leading.y0[flow.quotient.kept], leading.period
+    assert flow.suited(0.0, x, period).method == "radau"
+    slow, fast = (
+        replace(flow, method=method).with_tangents(0.0, x, period / 8)
+        for method in ("dop853", "radau")
+    )
+    for a, b in zip(slow, fast, strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-8 * np.abs(a).max())
+    whole = find_cycle(scene, y0=leading.y0, period=leading.period)
+    assert whole.by == "collocation"
+    assert whole.period == pytest.approx(leading.period, rel=1e-9)
+    np.testing.assert_allclose(
+        np.abs(whole.multipliers[:3]), np.abs(leading.multipliers), atol=1e-8
+    )
+    # Nothing of the fastest motions is left after a period, whatever the steps.
+    assert np.abs(whole.multipliers[8:]).max() < 1e-12
+
+
+@pytest.mark.long  # a third of it on one core: hundreds of intervals of a module without a compiler
+@pytest.mark.parametrize(
+    ("load", "within"),
+    [
+        ({"drag": {"normal": 0.5, "tangential": 0.1}}, 1e-9),
+        ({"external_damping": {"coefficient": 0.5}}, 1e-7),
+    ],
+)
+def test_a_kink_takes_more_intervals_and_what_is_left_is_told(
+    load: dict[str, Any], within: float
+) -> None:
+    """The order of collocation is lost; the mesh gathers at the kinks. Multipliers by shooting are
+    right to some 1e-6 there."""
+    scene = Scene.from_dict(ZIEGLER | {"loads": ZIEGLER["loads"] | load})
+    found = find_cycle(scene, y0=NEAR, period=ABOUT, target="numpy")
+    assert found.error < within
+    assert found.trivial_error < 10 * within
+    shot = find_cycle(scene, y0=found.y0, period=found.period, by="shooting", target="numpy")
+    assert shot.period == pytest.approx(found.period, rel=1e-10)
+    assert np.abs(shot.nontrivial[0] - found.nontrivial[0]) < 1e-5
+
+
 @pytest.mark.parametrize("segments", [1, 3, 20])
 def test_as_stable_with_any_number_of_segments(cycle: Cycle, segments: int) -> None:
     scene = Scene.from_dict(ZIEGLER)
@@ -124,7 +204,18 @@ def test_what_is_no_cycle_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    "given", [{"period": 1.0}, {"y0": NEAR}, {"segments": 0}, {"y0": [0.0], "period": 1.0}]
+    "given",
+    [
+        {"period": 1.0},
+        {"y0": NEAR},
+        {"segments": 0},
+        {"y0": [0.0], "period": 1.0},
+        {"by": "hand"},
+        {"by": "collocation", "segments": 3},
+        {"by": "shooting", "multipliers": 3},
+        {"segments": 3, "multipliers": 3},
+        {"multipliers": 0},
+    ],
 )
 def test_values_that_cannot_be_used(given: dict[str, Any]) -> None:
     with pytest.raises(SceneError):

@@ -81,7 +81,8 @@ def test_modes_are_eigenvalues_of_the_jacobian(angle: str, states: dict[str, Any
     for frequency, growth in zip(modes.frequencies, modes.growth, strict=True):
         there = complex(growth, 2 * np.pi * frequency)
         assert np.abs(s - there).min() < 1e-6 * max(1.0, abs(there))
-    assert modes.displacements.shape == (4, 7, 2)
+    assert modes.displacements.shape == (len(modes.frequencies), 7, 2)
+    assert len(modes.frequencies) >= 4
 
 
 def test_where_the_gyro_must_not_sit() -> None:

@@ -147,6 +147,21 @@ def test_a_rod_beyond_its_critical_force_grows(rod: Rod) -> None:
     assert found.frequencies[0] == pytest.approx(found.frequencies[1])
 
 
+@pytest.mark.parametrize("time", [0.001, 0.1, 1.0])
+def test_what_grows_is_seen_among_motions_that_die_away(rod: Rod, time: float) -> None:
+    """Strong damping and thrust give dozens of motions that are gone within a period, with
+    frequencies next to zero. Growth begins where `critical_force`, by other matrices, finds it."""
+    scene = rod(50, "clamped", THRUST | {"material_damping": {"time": time}})
+    force = rodgen.critical_force(scene).force
+    for factor, grows in ((0.999, False), (1.001, True), (2.0, True)):
+        pushed = rod(
+            50,
+            "clamped",
+            {"follower": {"force": factor * force}, "material_damping": {"time": time}},
+        )
+        assert (natural_modes(pushed, count=1).growth.max() > 0) == grows
+
+
 @pytest.mark.parametrize("loads", [{"follower": {"force": 5.0, "angle": 0.1}}, {"tip": {"y": 1.0}}])
 def test_a_free_rod_that_turns_has_no_steady_state(rod: Rod, loads: dict[str, Any]) -> None:
     with pytest.raises(AnalysisError, match="no steady state"):

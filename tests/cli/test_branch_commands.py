@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,6 +14,7 @@ import pytest
 
 from rodgen.analyse.branches import branch_data
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
+from rodgen.analyse.curves import files
 from rodgen.scene import Scene
 from tests.cli.conftest import Run
 
@@ -78,7 +81,7 @@ def test_branch_as_table_file_and_picture(works: Run, column: Callable[..., Path
     more = ("--vary", "loads.tip.x", "--from", 0, "--to", -15, "--step", 0.1, "--json")
     found = works("branch", scene, *more, "--resume", folder / "branch_1.nc")
     points = json.loads(found.stdout)["points"]
-    assert points[0]["value"] == pytest.approx(-10.0)
+    assert [one["value"] for one in points[: data.sizes["point"]]] == data["value"].values.tolist()
     assert points[-1]["value"] == -15.0
 
 
@@ -139,3 +142,47 @@ def test_what_is_refused(
 ) -> None:
     command, *rest = arguments
     refused(command, column(), *rest, says=says)
+
+
+PROGRAM = """
+import signal, sys
+from rodgen.analyse.curves import continuation
+from rodgen.cli import main
+made, count = continuation.point_at, [0]
+def point_at(*arguments):
+    count[0] += 1
+    if count[0] == 9:
+        signal.raise_signal(signal.{name})
+    return made(*arguments)
+continuation.point_at = point_at
+main()
+"""
+FLUTTER = ("boundary", "--vary", "loads.follower.force,loads.material_damping.time", "--a", "0:60")
+
+
+@pytest.mark.parametrize(
+    ("name", "command", "file"),
+    [
+        ("SIGINT", ("branch", "--vary", "loads.tip.x", "--from", 0, "--to", -30), "branch"),
+        pytest.param("SIGTERM", FLUTTER, "boundary", marks=pytest.mark.long),
+    ],
+)
+def test_ctrl_c_writes_what_was_found(
+    works: Run, column: Callable[..., Path], name: str, command: tuple[Any, ...], file: str
+) -> None:
+    first, *rest = map(str, command)
+    scene = str(column())
+    program = [sys.executable, "-c", PROGRAM.format(name=name), first, scene, *rest]
+    done = subprocess.run(program, capture_output=True, text=True)
+    assert done.returncode == 130, done.stderr
+    written = Path(f"results/column/{file}.nc")
+    assert done.stderr.count("\n") == 1
+    assert "it was interrupted at" in done.stderr
+    assert [one.name for one in written.parent.iterdir()] == [written.name]  # and no picture
+    data = files.read(written, "file", "a curve", f"rodgen {file} 1")
+    count = data.sizes["point"]
+    assert f"{count} points in {written}; --resume {written} goes on with it" in done.stderr
+    assert not data.attrs["complete"]
+    ways = ("--resume", written, *(("--at", 0) if file == "boundary" else ()))
+    works(first, scene, *rest, *ways)
+    assert files.read(written, "file", "a curve", f"rodgen {file} 1").attrs["complete"]

@@ -88,8 +88,13 @@ def test_pictures(works: Run, column: Path, tmp_path: Path) -> None:
     ("options", "says", "status"),
     [
         (("--segments", "0"), "segments = 0", 2),
+        (("--by", "hand"), "by = 'hand'", 2),
+        (("--multipliers", "4", "--by", "shooting"), "picard", 2),
+        (("--by", "shooting", *VARIED), "--by", 2),
         (("--at", "3"), "--from", 2),
         (("--between", "1,2"), "--vary", 2),
+        (("--switch", "1"), "--vary", 2),
+        (("--start", "run", "--switch", "1", *VARIED), "switch = 1", 2),
         (("--mode", "1"), "--energy", 2),
         (("--mode", "1", "--energy", "1"), "without dissipation", 2),
         (("--vary", "loads.follower.force"), "two numbers", 2),

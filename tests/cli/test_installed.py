@@ -70,7 +70,7 @@ sys.meta_path.insert(0, Absent())
 from rodgen.cli import main
 main()
 """
-VIEW = ("nicegui", "tomli_w", "uvicorn", "fastapi", "starlette")
+VIEW = ("nicegui", "uvicorn", "fastapi", "starlette")
 EXTRAS = ",".join((*VIEW, "imageio_ffmpeg", "cffi", "sksundae"))
 VIEWED = ("view", ROOT / "scenes" / "missile.toml", "--no-open", "--port", 0)
 
@@ -83,14 +83,14 @@ def without(packages: str, *arguments: object) -> subprocess.CompletedProcess[st
 @pytest.mark.parametrize(
     ("missing", "arguments", "said"),
     [
-        (EXTRAS, VIEWED, 'pip install "rodgen[view]"'),
+        (EXTRAS, VIEWED, 'pip install ".[view]" in a clone'),
         (EXTRAS, ("run", "SCENE", "--target", "c"), "pip install cffi"),
         pytest.param(
-            *(EXTRAS, ("run", "SCENE", "--method", "cvode"), 'pip install "rodgen[cvode]"'),
+            *(EXTRAS, ("run", "SCENE", "--method", "cvode"), 'pip install ".[cvode]" in a clone'),
             marks=pytest.mark.long,
         ),
         *(
-            pytest.param(name, VIEWED, 'pip install "rodgen[view]"', marks=pytest.mark.long)
+            pytest.param(name, VIEWED, 'pip install ".[view]" in a clone', marks=pytest.mark.long)
             for name in VIEW
         ),
     ],

@@ -36,7 +36,8 @@ def modules(folder: Path) -> set[str]:
 @pytest.fixture
 def pictures() -> set[str]:
     """Names of the pictures of a run, for tests that have them drawn."""
-    return {"shape.png", "trajectory.png", "energy.png", "phase.png"}
+    names = ("shape", "trajectory", "energy", "phase", "tail", "moment")
+    return {f"{name}.png" for name in names}
 
 
 @pytest.fixture(autouse=True)

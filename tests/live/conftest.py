@@ -123,7 +123,7 @@ def start(*arguments: str) -> Server:
     """`rodgen view` with these arguments, once it has told its address."""
     pytest.importorskip("nicegui", reason="the extra view is not installed")
     process = subprocess.Popen(
-        [Path(sys.executable).with_name("rodgen"), "view", *arguments, "--no-open"],
+        [Path(sys.executable).with_name("rodgen"), "view", "--no-open", "--paused", *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -96,8 +96,10 @@ def test_all_that_events_can_watch_is_there(make_scene: Make, boundary: str) -> 
     model = rodgen.build(scene)
     quantities = Catalogue(scene, model).quantities
     assert set(model.STATE) <= set(quantities)
+    light = {"gravity_energy"}  # zero without gravity, and not offered
     for name, numbers in watched(scene.hold, 3):
-        assert {name.format(number) for number in numbers} <= set(quantities)
+        assert {name.format(number) for number in numbers} - light <= set(quantities)
+    assert not light & set(quantities)
     for name, quantity in quantities.items():  # and so they can be watched, if they move
         assert quantity.name == name
         assert quantity.unit == KINDS[quantity.kind].unit
@@ -244,3 +246,31 @@ def test_states_that_are_added_and_loads_that_follow_are_shown(make_scene: Make)
     np.testing.assert_allclose(found[:, 1], 20 + chunk.y[:, -1], rtol=1e-15)
     np.testing.assert_array_equal(found[:, 2], chunk.y[:, -2])
     assert catalogue.kinds["state"] == ["gimbal"]
+
+
+def test_momenta_are_those_of_the_centre_and_of_a_rigid_turn(make_scene: Make) -> None:
+    """Mass times the velocity of the centre; moment of inertia times the rate of all links, however
+    the rod moves on, and however bent it is."""
+    scene = make_scene(4, "free", TERMS)
+    y = some_states(scene)
+    turning = y.copy()
+    turning[:, 8:] = 0.7
+    for states in (y, turning):
+        catalogue, chunk = at_rest(scene, states)
+        names = ("momentum_x", "momentum_y", "angular_momentum", "inertia_x", "inertia_y")
+        speeds = ("centre_of_gravity_vx", "centre_of_gravity_vy")
+        px, py, spin, ix, iy, vx, vy = catalogue.columns((*names, *speeds), chunk).T
+        # The velocity is a difference of 1e-5 rad.
+        assert px == pytest.approx(scene.mass * vx, rel=1e-8, abs=1e-8)
+        assert py == pytest.approx(scene.mass * vy, rel=1e-8, abs=1e-8)
+    assert spin == pytest.approx(0.7 * (ix + iy), rel=1e-12)
+
+
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+def test_curvature_times_stiffness_is_the_bending_moment(make_scene: Make, boundary: str) -> None:
+    scene = make_scene(4, boundary, (), rod=clamped_at(boundary))
+    catalogue, chunk = at_rest(scene, some_states(scene))
+    springs = [name.removeprefix("curvature_") for name in catalogue.kinds["curvature"]]
+    bent = catalogue.columns([f"curvature_{spring}" for spring in springs], chunk)
+    moments = catalogue.columns([f"bending_moment_{spring}" for spring in springs], chunk)
+    assert scene.rod.bending_stiffness * bent == pytest.approx(moments, rel=1e-12)

@@ -6,6 +6,7 @@ Most of it is long: what the page asks of a run, and what it is given, is tested
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -80,8 +81,12 @@ def test_sliders_and_fields_change_numbers_in_the_simulation(view: View) -> None
 
 @pytest.mark.long
 def test_blow_up_is_told_in_words_and_can_be_mended(view: View) -> None:
-    """First by another step; from a state beyond use by a reset alone."""
+    """A method is given a step that is stable, and one without such a step is refused; from a state
+    beyond use only a reset leads on, not another step."""
     view.select("method", "euler")
+    view.noted("with every step of euler")
+    view.select("method", "rk4")
+    view.run().passes(0.3).pause()
     view.fill("step", "0.2")
     view.button("One step").click()
     alert = view.page.get_by_role("alert").filter(has_text="Stopped at t =")
@@ -94,6 +99,7 @@ def test_blow_up_is_told_in_words_and_can_be_mended(view: View) -> None:
     expect(alert).to_contain_text("Reset it")
     expect(alert).not_to_contain_text("go on from there")
     view.fill("step", "0.0001")
+    view.answered().state("stopped")
     view.button("Reset to").click()
     view.run().passes(0.1)
 
@@ -187,3 +193,39 @@ def test_click_counts_as_soon_as_there_is_a_button(
         view.page.goto(server.address)
         view.state("running")
         view.page.close()
+
+
+def test_page_begins_with_a_rod_that_moves_and_tells_its_keys(
+    serve: Callable[..., Any], blank: View, folder: Path
+) -> None:
+    """Until the space bar stops it; the list of scenes has a picture of each that can be read."""
+    view = blank.open(serve(str(folder / "dart.toml"), "--port", "0", "--moving").address)
+    view.passes(0.1).state("running")
+    expect(view.page.get_by_role("status").filter(has_text="in a loop")).to_be_visible()
+    view.page.keyboard.press("?")
+    keys = view.page.get_by_role("dialog", name="Keys")
+    expect(keys).to_contain_text("One step of the method")
+    keys.get_by_role("button", name="Close").click()
+    expect(keys).to_have_count(0)
+    view.page.keyboard.press(" ")
+    view.state("paused")
+    view.page.get_by_role("combobox", name="Scene").click()
+    widths = "[...document.querySelectorAll('.rg-gallery img')].map(i => i.naturalWidth > 0)"
+    view.sees(widths, [False, True, True, True], "not a picture of each scene")  # bad, dart, ...
+
+
+@pytest.mark.long
+def test_undo_by_keys_and_what_differs_from_the_file(view: View) -> None:
+    """Keys undo where nothing is typed; the field says what the file has while it differs."""
+    view.tab("Parameters").fill("gravity", "3")
+    said = view.page.get_by_text("in the file: 9.81")
+    expect(said).to_be_visible()
+    view.page.get_by_role("slider", name="Time that is shown").focus()
+    view.page.keyboard.press("Control+z")
+    expect(view.field("gravity")).to_have_value("9.81")
+    expect(said).to_have_count(0)
+    expect(view.button("Undo")).to_be_disabled()
+    view.page.keyboard.press("Control+Shift+Z")
+    expect(view.field("gravity")).to_have_value("3")
+    view.button("Undo").click()
+    expect(view.field("gravity")).to_have_value("9.81")

@@ -47,7 +47,7 @@ def test_defect_is_said_on_the_page(blank: View, folder: Path, tmp_path: Path) -
     command = [Path(sys.executable).with_name("rodgen"), "view", folder / "dart.toml"]
     with open(tmp_path / "said", "w") as said:
         process = subprocess.Popen(
-            [*command, "--port", "0", "--no-open"],
+            [*command, "--port", "0", "--no-open", "--paused"],
             stdout=subprocess.PIPE,
             stderr=said,
             text=True,

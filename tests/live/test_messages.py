@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import struct
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +15,7 @@ import pytest
 import rodgen
 from rodgen.integrate.live import Live
 from rodgen.live.run import page_state
+from rodgen.live.run.marks import Marks
 from rodgen.live.run.message import LONGEST_TRAIL, TRAIL_AT_FIRST, Trail, encode, rod_arrays
 from rodgen.live.run.page_state import AHEAD, PageState
 from rodgen.live.samples import Chunk, Store
@@ -29,6 +31,8 @@ class Stepped:
         self.model, self.status = build_fastest(scene), "running"
         self.live = Live(scene, self.model, scene.integrate.output_every)
         self.plots: dict[str, Any] = {}
+        self.marks, self.past, self.ghost, self.keeps = Marks(), None, None, False
+        self.begun = 0
         self.page = PageState()
         self.begin()
 
@@ -43,7 +47,7 @@ class Stepped:
     def to(self, t: float) -> None:
         """Samples up to a time."""
         chunk = self.store.add(self.live.advance(t, 60.0))
-        self.shown = chunk.last()
+        self.seen = chunk.last()
         self.page.fed(self.plots, chunk)
 
     def present(self) -> None:
@@ -157,7 +161,7 @@ def test_every_sample_since_the_last_message_is_in_the_trail(
 @pytest.mark.parametrize("changing", [False, True])
 def test_trail_of_a_page_that_does_not_answer_stays_short(run: Stepped, changing: bool) -> None:
     """Whether parameters are the same all the time, or others for every sample."""
-    chunk, trail = run.shown, Trail()
+    chunk, trail = run.seen, Trail()
     trail.take(run.model, run.store)
     for x in range(5000):
         y = chunk.y.copy()
@@ -177,7 +181,7 @@ def test_page_that_comes_late_gets_the_last_places(run: Stepped) -> None:
     run.to(0.5)
     places = Trail().take(run.model, run.store)
     assert len(places) == TRAIL_AT_FIRST
-    assert places[-1, :2] == pytest.approx(run.model.joints(run.shown.y[-1], run.shown.p)[-1])
+    assert places[-1, :2] == pytest.approx(run.model.joints(run.seen.y[-1], run.seen.p)[-1])
 
 
 # The rod ---------------------------------------------------------------------------------------
@@ -245,7 +249,8 @@ def test_no_address_of_another_server_is_in_the_components() -> None:
     files = [p for p in Path(home.__path__[0]).rglob("*") if p.suffix in (".js", ".css", ".py")]
     assert any(p.suffix == ".js" for p in files)
     for path in files:
-        text = path.read_text(encoding="utf-8")
+        # A comment that a copied library begins with says where it comes from.
+        text = re.sub(r"^/\*!.*?\*/", "", path.read_text(encoding="utf-8"))
         for scheme in ("http://", "https://", "//cdn", "wss://"):
             rest = text.replace('f"http://{', "").replace("http://www.w3.org/2000/svg", "")
             assert scheme not in rest, path

@@ -40,3 +40,29 @@ def test_as_fast_as_it_goes(clock: Any) -> None:
     pace.start(1.0)
     assert pace.due() == math.inf
     assert pace.ratio is None
+
+
+@pytest.mark.parametrize(
+    ("reached", "spent", "missed"),
+    [
+        (0.5, 0.5, True),  # half of what is due, all of it in steps
+        (0.5, 0.01, False),  # the machine is busy with other things
+        (1.0, 0.9, False),
+    ],
+)
+def test_real_time_is_missed_where_steps_are_what_takes_so_long(
+    clock: Any, reached: float, spent: float, missed: bool
+) -> None:
+    """Not from the first moment: a run is given two seconds."""
+    pace, t, seen = Pace(1.0, clock), 0.0, []
+    pace.start(t)
+    for _ in range(180):
+        clock.now += 1 / 60
+        t += reached / 60
+        pace.spend(spent / 60)
+        pace.reached(t)
+        seen.append(pace.missed)
+    assert not any(seen[:119])
+    assert seen[-1] == missed
+    pace.speed = math.inf
+    assert not pace.missed

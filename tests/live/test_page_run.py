@@ -130,7 +130,7 @@ def test_page_that_is_asked_for_and_never_shown() -> None:
 
         async def show() -> None:
             with client:
-                await Page(sessions, Modules(), Folder(Path()), SCENE).show("")
+                await Page(sessions, Modules(), Folder(Path()), SCENE, moves=False).show("")
 
         showing = asyncio.create_task(show())
         await asyncio.sleep(0.01)
@@ -142,3 +142,48 @@ def test_page_that_is_asked_for_and_never_shown() -> None:
     finished(asked())
     core.loop = None
     assert len(sessions) == 0
+
+
+def test_changes_are_undone_and_redone(page: PageRun) -> None:
+    """Those of one value that follow each other, as a slider makes them, are one."""
+
+    async def changes() -> None:
+        for mass in (4.0, 5.0, 6.0):
+            await page.change([(MASS, mass)], f"rod.mass = {mass}")
+        await page.change([(GRAVITY, 1.5)], "loads.gravity.g = 1.5")
+
+    def values() -> tuple[float, float | None]:
+        return page.scene.rod.mass, page.scene.loads.value("gravity")
+
+    finished(changes())
+    seen = [values()]
+    for forth in (False, False, False, True, True, True):
+        finished(page.undo(forth))
+        seen.append(values())
+    there = [(6.0, 1.5), (6.0, 9.81), (3.0, 9.81), (3.0, 9.81), (6.0, 9.81), (6.0, 1.5), (6.0, 1.5)]
+    assert seen == there
+    assert page.run.undo.file == SCENE
+    finished(page.undo())
+    finished(page.change([(MASS, 7.0)], "rod.mass = 7"))
+    finished(page.undo(forth=True))  # there is nothing to redo after another change
+    assert values() == (7.0, 9.81)
+
+
+def test_scene_and_structure_are_undone(page: PageRun, making: Making) -> None:
+    """The scene of another file, and what differs from a file, come back, too."""
+    other = edit(SCENE, [(MASS, 7.0)])
+    finished(page.take(other))
+    assert page.run.undo.file == other
+    finished(page.change([(LINKS, 3)], ""))
+    finished(page.undo())
+    assert (page.scene, page.run.undo.file) == (other, other)
+    finished(page.undo())
+    assert (page.scene, page.run.undo.file) == (SCENE, SCENE)
+    finished(page.undo(forth=True))
+    assert (page.scene.rod.mass, making.made) == (7.0, [3, 5])
+
+
+def test_refused_changes_are_not_undone(page: PageRun) -> None:
+    with pytest.raises(SceneError):
+        finished(page.change([(MASS, -1.0)], "rod.mass = -1"))
+    assert page.run.undo.next(forth=False) is None

@@ -330,14 +330,70 @@ def test_the_page_is_told_what_to_draw(bar: Any) -> None:
     catalogue, _ = bar
     made = plot(catalogue, kind="phase", x="phi_0", y=["omega_0"]).to_json()
     json.dumps(made)
-    assert made["x"] == {"label": "φ₀", "unit": "rad"}
-    assert made["y"] == {"label": "ω₀", "unit": "rad/s"}
-    assert made["series"] == [{"name": "omega_0", "label": "ω₀", "unit": "rad/s"}]
+    assert made["x"] == {"label": "φ₀", "unit": "rad", "log": False, "period": 0.0}
+    assert made["y"] == {"label": "ω₀", "unit": "rad/s", "log": False}
+    omega = {"name": "omega_0", "label": "ω₀", "unit": "rad/s", "period": 0.0}
+    assert made["series"] == [omega]
     assert (made["id"], made["kind"], made["window"]) == ("p1", "phase", 20.0)
     mixed = plot(catalogue, kind="time", y=["phi_0", "tip_x"], title="two").to_json()
     assert mixed["y"]["unit"] == ""  # rad and m: the series tell
     assert mixed["title"] == "two"
     energies = plot(catalogue, kind="time", y=["energy"]).to_json()
-    assert energies["y"] == {"label": "energy", "unit": "J"}
+    assert energies["y"] == {"label": "energy", "unit": "J", "log": False}
     assert energies["title"] == "energies"
-    assert len(energies["series"]) == 4
+    names = [one["name"] for one in energies["series"]]
+    assert names == ["kinetic_energy", "spring_energy", "total_energy"]  # there is no gravity
+
+
+def test_angles_can_be_wrapped(bar: Any) -> None:
+    """Of a bar that turns with the rate 1 rad/s, over time, over one another, and in a section."""
+    catalogue, chunk = bar
+    chunk = turning(chunk, np.arange(0.0, 30.0, 0.05), 1.0)
+    choices = ({"kind": "time", "y": "phi_0"}, {"kind": "phase", "x": "phi_0", "y": "t"})
+    for choice, column in zip(choices, (1, 1), strict=True):
+        straight, wrapped = (plot(catalogue, **choice, wrapped=yes) for yes in (False, True))
+        expected, found = straight.feed(chunk), wrapped.feed(chunk)
+        assert expected is not None
+        assert found is not None
+        angle = expected[:, column]
+        assert np.ptp(angle) > 4 * np.pi
+        assert np.abs(found[:, column]).max() <= np.pi
+        # Of angles below 30 rad, rounding alone.
+        np.testing.assert_allclose(np.exp(1j * found[:, column]), np.exp(1j * angle), atol=1e-13)
+        others = [k for k in range(expected.shape[1]) if k != column]
+        np.testing.assert_array_equal(found[:, others], expected[:, others])
+    section = plot(catalogue, kind="poincare", x="t", y="phi_0", when="tip_y", wrapped=True)
+    points = section.feed(chunk)
+    assert points is not None
+    # tip_y rises through zero where the bar points along x.
+    np.testing.assert_allclose(points[:, 2], 0.0, atol=1e-6)  # of cubics, 0.05^4 = 6e-6 over 24
+    periods = [
+        plot(catalogue, kind="time", y="phi_0", wrapped=yes).to_json() for yes in (False, True)
+    ]
+    assert [made["series"][0]["period"] for made in periods] == [0.0, 2 * np.pi]
+
+
+def test_energy_in_gravity_is_counted_from_the_start(make_scene: Any) -> None:
+    """A rod 4 km below the origin: what falls is seen. Kinetic energy is as it is, and what comes
+    later counts from the same start."""
+    scene = make_scene(5, terms=("follower", "gravity", "internal_damping", "external_damping"))
+    model = rodgen.build(scene)
+    catalogue = Catalogue(scene, model)
+    y = np.tile(scene.initial_state(), (5, 1))
+    y[:, 1] = -4000.0 - np.arange(5.0)
+    p = model.parameters(**scene.parameters)
+    works = catalogue.works
+    chunk = Chunk(np.arange(5.0), y, np.zeros((5, len(works))), works, p)
+    made = plot(catalogue, kind="time", y=["energy"])
+    rows = np.concatenate(
+        [made.backlog([chunk.some(slice(3))]), made.feed(chunk.some(slice(3, 5)))]
+    )
+    fallen = -scene.parameters["mass"] * 9.81 * np.arange(5.0)
+    columns = {one["label"]: k for k, one in enumerate(made.to_json()["series"], 1)}
+    own = rows[:, columns["kinetic energy"]] + rows[:, columns["spring energy"]]
+    for label, energy in (("gravity", fallen), ("total", fallen + own)):
+        found = rows[:, columns[f"{label} energy from the start"]]
+        np.testing.assert_allclose(found, energy, rtol=1e-9, atol=1e-9)  # eps of 1e5 J
+    phase = plot(catalogue, kind="phase", x="t", y="gravity_energy").feed(chunk)
+    assert phase is not None
+    assert phase[0, 2] < -1e4  # as it is, over another

@@ -41,6 +41,23 @@ DRAWN = """
         };
     }
 """
+# How far up the rod reaches [m].
+TALLEST = """import("rodgen-live/hub.js").then(({ hub }) =>
+    Math.max(...hub.rod.joints.filter((_, at) => at % 2)))"""
+# In what order joints and links are drawn, of the last picture.
+ORDER = """
+    const context = document.querySelector(".rodgen-rod canvas").getContext("2d");
+    for (const [name, what] of [["setTransform", null], ["fill", "joint"], ["stroke", "links"]]) {
+        const usual = context[name].bind(context);
+        context[name] = (...given) => {
+            if (!what) window.order = [];
+            else if (what === "links" ? context.lineWidth > 2 && context.lineCap === "round"
+                : context.fillStyle === "#7a8696") order.push(what);
+            usual(...given);
+        };
+    }
+    null;
+"""
 # [left, top, right, bottom] of the pixels of a colour in a picture, and how many they are.
 COLOURED = """colour => {
     const canvas = document.querySelector(".rodgen-rod canvas");
@@ -164,6 +181,49 @@ def test_picture_is_fitted_to_its_size_until_a_part_is_chosen(opened: Open) -> N
     assert link() == pytest.approx(chosen, abs=0.01)
 
 
+def test_picture_is_fitted_again_after_a_change_and_a_reset(opened: Open) -> None:
+    """A longer rod, another place of it: unless a part of the picture was chosen."""
+    view = opened(column={"boundary": "clamped", "loads": FOLLOWER})
+    whole(view)
+    view.tab("Parameters").fill("length", "40")
+    view.sees(TALLEST, pytest.approx(40.0, rel=0.01), "not as long")
+    whole(view)
+    view.page.get_by_role("img", name="rod of").press("+")
+    view.fill("length", "4000")
+    view.sees(TALLEST, pytest.approx(4000.0, rel=0.01), "not as long")
+    view.button("Reset to").click()
+    arrow(view, False)
+
+
+def test_joints_do_not_hide_the_moments_that_links_are_coloured_by(opened: Open) -> None:
+    """The line of the links passes over every joint: the last joint is not on top of it."""
+    view = opened(bent={"links": 4, "boundary": "clamped", "loads": FOLLOWER})
+    view.page.evaluate(ORDER)
+    drawn(view, "ArrowLeft")
+    order = view.page.evaluate("order")
+    assert "joint" in order
+    assert order[-1] == "links"
+
+
+def test_displacements_are_drawn_larger_and_said_to_be(opened: Open) -> None:
+    """A column in its first millimetres: of its tail tenfold is ten times as far aside."""
+    column = {"boundary": "clamped", "loads": FOLLOWER, "clamp_angle": 1.5707963267948966}
+    view = opened(column={**column, "links": 3})
+    view.button("Kick").click()
+    view.fill("impulse along x", "0.01")
+    view.pause_after(0.2)
+
+    def aside() -> float:
+        joints = [place for place in drawn(view)["circles"] if place[2] < 7]
+        scale = abs(joints[-1][1] - joints[0][1])
+        return float((joints[-1][0] - joints[0][0]) / scale)
+
+    once = aside()
+    view.select("Displacements", "× 10")
+    view.sees("drawn.texts.includes('displacements × 10')", True, "it is not said")
+    assert aside() == pytest.approx(10 * once, rel=0.02)  # lengths change by their squares
+
+
 def test_bodies_are_drawn_to_scale(opened: Open) -> None:
     """A third of the whole mass of 4.5 kg has a third of the area that all of it had."""
     body = '[[bodies]]\nname = "tank"\nat = 0.5\nmass = 1.5\n'
@@ -176,7 +236,7 @@ def test_joints_are_drawn_where_they_do_not_touch(opened: Open) -> None:
     """All or none: of 100 links in 300 pixels none, and all once they are larger."""
     view = opened(fine={"links": 100})
 
-    joints = "drawn.circles.filter(([, , radius]) => radius < 5).length"
+    joints = "drawn.circles.filter(([, , radius]) => radius < 7).length"
     drawn(view, "ArrowLeft")
     assert view.page.evaluate(joints) == 0
     for _ in range(8):
@@ -224,3 +284,32 @@ def test_trail_is_there_again_after_a_reload(opened: Open) -> None:
     assert moved > still + 20
     again = pytest.approx(moved, rel=0.2)  # it goes through other samples
     view.until(lambda: drawn(view)["lines"], again, "the trail is another")
+
+
+def test_link_that_is_pointed_at_tells_what_it_does(opened: Open) -> None:
+    """Of a rod that stands, in its middle link; nothing beside the rod."""
+    view = opened(still={"links": 3, "boundary": "clamped", "clamp_angle": np.pi / 2})
+    joints = [place for place in drawn(view)["circles"] if place[2] < 7]
+    box = view.page.get_by_role("img", name="rod of").bounding_box()
+    (x, y, _), (u, v, _) = joints[1:3]
+    view.page.mouse.move(box["x"] + (x + u) / 2, box["y"] + (y + v) / 2)
+    said = view.sees("drawn.texts", lambda texts: "link 1" in texts, "nothing is told")
+    assert {"φ = 1.571 rad (90°)", "ω = 0 rad/s", "M = 0 and 0 N m at its joints"} <= set(said)
+    view.page.mouse.move(box["x"] + (x + u) / 2 + 60, box["y"] + (y + v) / 2)
+    view.sees("drawn.texts.includes('link 1')", False, "it is still told")
+
+
+def test_modes_swing_about_the_present_state(opened: Open) -> None:
+    """Told by their frequencies, until the button is pressed again."""
+    view = opened(column={"boundary": "clamped", "loads": FOLLOWER, "clamp_angle": np.pi / 2})
+    told = "drawn.texts.find(text => text.startsWith('mode '))"
+    view.button("Mode shapes").click()
+    first = view.sees(told, lambda text: text is not None, "no mode")
+    assert re.fullmatch(r"mode 1: [\d.]+ Hz, about the rod as at t = 0 s", first)
+    moved = view.page.evaluate("drawn.number")
+    view.sees("drawn.number", lambda now: now > moved + 3, "it does not swing")
+    view.page.get_by_role("combobox", name="Mode").click()
+    view.page.get_by_role("option", name=re.compile("^2: ")).click()
+    view.sees(told, lambda text: text.startswith("mode 2: "), "not the second")
+    view.button("Mode shapes").click()
+    view.sees(told, None, "it is still shown")

@@ -5,16 +5,17 @@ from __future__ import annotations
 import json
 import struct
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 
 import rodgen
-from rodgen.live.run.live_run import PAUSED, RUNNING, STOPPED, LiveRun
+from rodgen.live.run.live_run import BEYOND, PAUSED, RUNNING, STOPPED, LiveRun
 from rodgen.live.run.page_state import AHEAD
 from rodgen.live.run.scenes import edit
+from rodgen.live.run.worker import Pace
 from rodgen.scene import Scene, SceneError
 from tests.live.conftest import ROD, varied
 from tests.live.view import until
@@ -85,6 +86,21 @@ def test_run_goes_by_the_clock_and_pauses(run: LiveRun) -> None:
     assert run.shown.t[-1] == t
 
 
+def test_run_goes_round_until_somebody_changes_it(scene: Scene) -> None:
+    """It begins again where the span of its scene is over, and goes on beyond that once paused."""
+    run = LiveRun(edit(scene, [(("integrate", "span"), [0.0, 0.05])]))
+    try:
+        run.do(run.go_round).result()
+        until(lambda: run.begun, lambda count: count > 3, "it does not begin again")
+        assert run.status == RUNNING
+        run.do(lambda: run.kick(0, 0.5, (0.1, 0.0))).result()
+        begun = run.begun
+        past(run, 0.2)
+        assert run.begun == begun
+    finally:
+        run.close()
+
+
 def test_samples_are_those_of_simulate(run: LiveRun, scene: Scene) -> None:
     run.do(lambda: run.set_speed(np.inf)).result()
     run.do(run.go).result()
@@ -141,12 +157,91 @@ def test_blow_up_stops_and_a_change_mends(run: LiveRun, scene: Scene) -> None:
     until(lambda: run.status, STOPPED, "it goes on")
     assert "stopped at t =" in run.message
     assert (run.lost, told[-1]) == (True, STOPPED)
+    run.do(lambda: run.change(scene)).result()
+    run.do(lambda: run.kick(0, 0.5, (1.0, 0.0))).result()
+    assert run.status == STOPPED
     run.do(run.restart).result()
     assert not run.lost
     run.do(lambda: run.change(scene)).result()
     run.do(run.go).result()
     past(run, 0.2)
     assert run.status == RUNNING
+
+
+def test_state_that_a_method_has_made_is_lost_before_it_is_large(
+    run: LiveRun, scene: Scene
+) -> None:
+    """Between two samples a motion grows from ten times what it began with beyond all numbers; the
+    energy of the last sample came from nowhere."""
+    table = scene.model_dump(exclude_none=True)
+    table["integrate"] |= {"method": "euler", "step": 0.01, "output_every": 0.1}
+    run.do(lambda: run.set_speed(np.inf)).result()
+    run.do(lambda: run.change(Scene.from_dict(table))).result()
+    run.do(run.go).result()
+    until(lambda: run.status, STOPPED, "it goes on")
+    assert np.abs(run.shown.y[-1]).max() < BEYOND
+    assert run.lost
+    run.do(lambda: run.change(scene)).result()
+    assert run.status == STOPPED
+
+
+@pytest.mark.parametrize(
+    ("method", "damping", "half"),
+    [
+        ("euler", 0.05, lambda root: -root.real / abs(root) ** 2),
+        ("semi_implicit_euler", 0.0, lambda root: 1 / abs(root)),
+        ("rk4", 0.0, lambda root: 2**0.5 / abs(root)),
+    ],
+)
+def test_step_for_a_method_is_half_its_limit(
+    run: LiveRun, scene: Scene, method: str, damping: float, half: Callable[[complex], float]
+) -> None:
+    """Textbook limits (Hairer, Norsett, Wanner 1993, II and IV.2), by the fastest root of the
+    module's own Jacobian."""
+    damped = edit(scene, [(("loads", "internal_damping", "coefficient"), damping)])
+    run.do(lambda: run.change(damped)).result()
+    roots = np.linalg.eigvals(run.model.jac(0.0, damped.initial_state(), run.live.p))
+    fastest = roots[np.argmax(np.abs(roots))]
+    step = run.do(lambda: run.live.step_for(method)).result()
+    assert step == pytest.approx(half(fastest), rel=6e-3)  # three digits
+
+
+def test_method_without_a_stable_step_is_refused(run: LiveRun) -> None:
+    """Nothing damps the rod but what is next to nothing."""
+    with pytest.raises(SceneError, match="with every step of euler this rod swings ever wider"):
+        run.do(lambda: run.live.step_for("euler")).result()
+
+
+class Missed(Pace):
+    """Says that real time is missed."""
+
+    missed = True
+
+
+def test_tolerance_for_looking_is_taken_where_real_time_is_missed(
+    run: LiveRun, scene: Scene
+) -> None:
+    """And said, in the record as well; once it was taken back, it is not taken again by itself
+    before the scene has another tolerance. The scene itself keeps its own."""
+    run.pace = Missed()
+    run.do(run.go).result()
+    until(lambda: run.live.settings.method, "gauss", "it is not taken")
+    used = run.live.settings
+    assert (used.method, used.rtol, used.atol) == ("gauss", 1e-3, 1e-6)
+    assert run.present().settings == used
+    assert run.live.scene == scene
+    past(run, 0.1)
+    assert "gauss at rtol 0.001 for looking at t = " in run.do(run.solution).result().message
+    run.do(lambda: run.roughen(False)).result()
+    past(run, float(run.shown.t[-1]) + 0.1)
+    assert not run.live.rough
+    assert run.live.settings == scene.integrate
+    other = edit(scene, [(("integrate", "rtol"), 1e-7)])
+    run.do(lambda: run.change(other)).result()
+    until(lambda: run.live.settings.method, "gauss", "it is not taken")
+    run.do(run.pause).result()
+    run.do(lambda: run.change(scene)).result()
+    assert run.live.settings == scene.integrate
 
 
 def test_slow_page_gets_fewer_messages_and_all_rows(run: LiveRun) -> None:

@@ -52,3 +52,19 @@ def test_changes_without_end_cost_no_memory() -> None:
         store.add(Samples(np.array([float(k)]), np.full((1, 2), float(k)), np.empty((1, 0))))
     assert len(store._epochs) <= MOST + 1
     assert all(chunk.p[0] == chunk.t[0] for chunk in store.chunks())
+
+
+def test_sample_is_found_by_its_time_and_by_its_neighbours() -> None:
+    store = Store(4, ("follower",), start=0.0)
+    store.change(np.array([1.0]), 0.0)
+    store.add(_samples(0, 10))
+    store.change(np.array([2.0]), 0.5)
+    store.add(_samples(10, 15))
+    assert store.span == (0.0, 14.0)
+    for t, by, found in ((3.4, 0, 3), (3.6, 0, 4), (3.6, -1, 3), (-5, 0, 0), (99, 0, 14)):
+        near = store.near(t, by)
+        assert near.t.tolist() == [found]
+        assert near.y[0, 3] == found
+    assert store.near(2.0, -7).t[0] == 0.0  # the ends hold
+    assert store.near(13.0, 7).t[0] == 14.0
+    assert (store.near(9.2).p[0], store.near(9.2, 1).p[0]) == (1.0, 2.0)

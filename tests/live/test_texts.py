@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import rodgen
+from rodgen.integrate.live import FOR_LOOKING
 from rodgen.integrate.stepper import Array, Counts
 from rodgen.live.samples import Chunk
 from rodgen.live.texts import WIDTH, Present, digits, fixed, groups, texts, whole
@@ -197,7 +198,8 @@ def test_rounding_is_no_product_of_inertia(make_scene: Make) -> None:
 def test_how_the_run_goes(make_scene: Make) -> None:
     counts = Counts(steps=1234567, rejected=89, rhs=12)
     scene = make_scene(2, output_every=0.02)
-    found = shown(scene, t=12.3, counts=counts, seconds=7.126, ratio=1.7264, method="radau")
+    used = scene.integrate.model_copy(update={"method": "radau"})
+    found = shown(scene, t=12.3, counts=counts, seconds=7.126, ratio=1.7264, settings=used)
     stripped = {key: text.strip() for key, text in found.items()}
     assert stripped["method"] == "radau (auto)"
     assert stripped["t"] == "12.30"  # samples are 0.02 s apart
@@ -207,6 +209,10 @@ def test_how_the_run_goes(make_scene: Make) -> None:
     assert stripped["rejected"] == "89"
     assert stripped["rhs"] == "12"
     assert float(stripped["rtol"]) == 1e-10
+    rough = scene.integrate.model_copy(update=FOR_LOOKING)
+    found = shown(scene, settings=rough)
+    assert found["method"] == "gauss (for looking)"
+    assert (float(found["rtol"]), float(found["atol"])) == (1e-3, 1e-6)
     fixed_step = make_scene(2, method="rk4", step=0.001)
     found = shown(fixed_step)
     assert (found["method"].strip(), float(found["step"])) == ("rk4", 0.001)

@@ -12,10 +12,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from rodgen.live.catalogue import KINDS
+
 if TYPE_CHECKING:
     from playwright.sync_api import Locator, LocatorAssertions, Page
 
 T = TypeVar("T")
+NUMBERED = re.compile(r"_(\d+)")  # in the name of a quantity along the rod
 PATIENT = 600.0  # seconds that a busy machine may take, for a module to be made too
 # What a page sends on its own connection, in window.sent by the names of events, and the texts of
 # all notes that it shows, in window.notes; both from its first moment on.
@@ -171,7 +174,8 @@ class View:
         return self
 
     def field(self, name: str) -> Locator:
-        return self.page.get_by_role("textbox", name=name)
+        """The field of this name; the numbers of an expression have fields below it."""
+        return self.page.get_by_role("textbox", name=name).first
 
     def fill(self, name: str, text: str) -> None:
         """Type into a field, and Enter."""
@@ -213,16 +217,28 @@ class View:
         dialog = self.page.get_by_role("dialog")
         dialog.get_by_role("combobox", name="kind of plot").click()
         options = self.page.get_by_role("option")
-        options.filter(has_text=kind).click()
+        options.filter(has_text=kind).first.click()
         for label, names in chosen.items():
             field = dialog.get_by_role("combobox", name=label.replace("_", " "), exact=True)
+            numbers: dict[str, list[str]] = {}
             for name in names.split():
-                field.fill(name)
-                options.filter(has_text=f"({name})").first.click()
+                along = None if name.startswith("principal") else NUMBERED.search(name)
+                kind = NUMBERED.sub("", name) if along else name
+                if kind not in numbers:
+                    field.fill(kind)
+                    options.filter(has_text=f"({kind})").first.click()
+                numbers.setdefault(kind, []).extend([along[1]] if along else [])
             if label == "quantities":
                 self.page.keyboard.press("Escape")
             expect(options).to_have_count(0)
+            for kind, some in numbers.items():
+                if some:
+                    self._which(dialog, kind).fill(", ".join(some))
         return dialog
+
+    def _which(self, dialog: Locator, kind: str) -> Locator:
+        """The last field that asks which of a kind."""
+        return dialog.get_by_role("textbox", name=f"which {KINDS[kind].title}").last
 
     def add_plot(self, kind: str, **chosen: str) -> None:
         dialog = self.plot_dialog(kind, **chosen)

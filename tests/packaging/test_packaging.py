@@ -14,8 +14,26 @@ import pytest
 import rodgen
 
 ROOT = Path(__file__).parents[2]
-SUFFIXES = (".py", ".jinja", ".typed", ".c", ".h", ".js", ".css")  # of what is installed
-MAPPED = {"rodgen": "src/rodgen", "rodgen/derive": "derive", "rodgen/templates": "templates"}
+# Of what is installed.
+SUFFIXES = (
+    ".py",
+    ".pyi",
+    ".jinja",
+    ".typed",
+    ".c",
+    ".h",
+    ".js",
+    ".css",
+    ".toml",
+    ".html",
+    ".LICENSE",
+)
+MAPPED = {
+    "rodgen": "src/rodgen",
+    "rodgen/derive": "derive",
+    "rodgen/templates": "templates",
+    "rodgen/scenes": "scenes",
+}
 
 
 @pytest.fixture(scope="module")
@@ -123,6 +141,7 @@ def test_running_a_built_scene_needs_no_sympy() -> None:
 
 
 def test_every_public_name_is_there() -> None:
+    assert {"Scene", "simulate", "study"} < set(rodgen.__all__) <= set(dir(rodgen))
     for name in rodgen.__all__:
         assert getattr(rodgen, name) is not None
     with pytest.raises(AttributeError, match="nothing"):

@@ -16,6 +16,7 @@ from typing import Any
 import cloudpickle
 import numpy as np
 import pytest
+import xarray
 
 import rodgen
 from rodgen.analyse.fourier import peaks_of
@@ -68,16 +69,33 @@ def _critical() -> rodgen.SimulatedCritical:
 def _exponents() -> rodgen.Exponents:
     several = [np.ones((1, 3)) for _ in range(2)]
     means = [np.arange(3.0), np.ones(3), np.ones(1)]
-    return rodgen.Exponents(*means, *several, 0.5, 0.9, float("nan"), {"time": 1}, ("a note",))
+    rest = 0.5, 0.9, float("nan"), {"time": 1}, ("a note",)
+    return rodgen.Exponents(*means, *several, *rest, scene=SCENE)
 
 
 # How to come by one of every class that is public. What is missing here fails the test below.
 EXAMPLES: dict[str, Callable[[], Any]] = {
     "AnalysisError": lambda: rodgen.AnalysisError("none found"),
+    "BranchInterrupted": lambda: rodgen.BranchInterrupted(xarray.Dataset({"a": ("point", [1.0])})),
     "BuildError": lambda: rodgen.BuildError("no compiler"),
     "Critical": lambda: rodgen.critical_force(SCENE),
     "Cycle": lambda: rodgen.Cycle(
-        *(SCENE, 0.0, 1.5, np.ones(2), np.ones(2) + 0j, 1, 1e-10, 0.0, 0.5, 0.1, False, 1e-12, 4)
+        *(
+            SCENE,
+            0.0,
+            1.5,
+            np.ones(2),
+            np.ones(2) + 0j,
+            1,
+            1e-10,
+            0.0,
+            0.5,
+            0.1,
+            False,
+            1e-12,
+            4,
+            "collocation",
+        )
     ),
     "Ensemble": _ensemble,
     "Equilibrium": lambda: rodgen.static_equilibrium(SCENE),

@@ -241,7 +241,7 @@ def test_failed_run_goes_on_where_it_is() -> None:
     assert 0.01 < samples.t[-1] <= live.t == caught.value.t < 1.0
     mended = scene.with_integrate(method="dop853", rtol=1e-9, atol=1e-10)
     live.change(mended)
-    assert live.method == "dop853"
+    assert live.settings.method == "dop853"
     y = np.concatenate((samples.y, gone_on(live, 1.0).y))
     expected = rodgen.simulate(mended, model=live.model, rtol=1e-12).y
     np.testing.assert_allclose(y, expected, rtol=1e-8, atol=1e-8)

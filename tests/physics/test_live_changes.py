@@ -226,18 +226,18 @@ def test_auto_is_asked_now_and_then(monkeypatch: pytest.MonkeyPatch, make_scene:
     monkeypatch.setattr(live_module, "choose", lambda *a: (asked.append(a), choose(*a))[1])
     scene = make_scene(4, terms=("internal_damping",), method="auto", span=[0.0, 100.0])
     live = live_of(scene)
-    assert (live.method, len(asked)) == ("dop853", 1)
+    assert (live.settings.method, len(asked)) == ("dop853", 1)
     stiff = {"rod": {"bending_stiffness": 1e7}, "loads": {"internal_damping": {"coefficient": 1e4}}}
     for k in range(1, 20):
         live.change(other(scene, rod={"bending_stiffness": 30.0 + k}))
         live.advance(live.t, 0.001)
     live.change(other(scene, **stiff))
-    assert (live.method, len(asked)) == ("dop853", 1)
+    assert (live.settings.method, len(asked)) == ("dop853", 1)
     clock[0] += live_module.PAUSE
     live.advance(live.t, 0.001)
-    assert (live.method, live.choice.method, len(asked)) == ("radau", "radau", 2)
+    assert (live.settings.method, live.choice.method, len(asked)) == ("radau", "radau", 2)
     live.change(other(scene, **stiff, integrate={"method": "gauss"}))
-    assert (live.method, live.choice.reason) == ("gauss", "the scene asks for it")
+    assert (live.settings.method, live.choice.reason) == ("gauss", "the scene asks for it")
 
 
 @pytest.mark.parametrize(

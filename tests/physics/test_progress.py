@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -114,6 +115,40 @@ def test_the_first_run_has_bars_from_the_start(
     assert list(bars) == ["generating", "test"]
     assert list(dict.fromkeys(bars["generating"])) == [DERIVING, EMITTING]  # part by part
     assert bars["test"][-1].startswith("t = ")
+
+
+def test_a_bar_in_a_notebook_is_one_output_that_goes_away(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    seen: list[dict[str, str]] = []
+
+    class Place:
+        def update(self, data: dict[str, str], raw: bool) -> None:
+            assert raw
+            seen.append(data)
+
+    def display(data: dict[str, str], raw: bool, display_id: bool) -> Place:
+        assert raw
+        assert display_id
+        seen.append(data)
+        return Place()
+
+    kernel = ModuleType("IPython.display")
+    kernel.display = display  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "IPython.display", kernel)
+    monkeypatch.setitem(sys.modules, "ipykernel", ModuleType("ipykernel"))
+    monkeypatch.setattr(progress, "PATIENCE", 0.0)
+    monkeypatch.setattr(progress, "TOLD", 0.0)
+    with redirect_stderr(io.StringIO()) as text, progress.running("<a>", 0.0, 2.0) as update:
+        for t in (0.5, 1.0):
+            while len(seen) < 3 and not any(f"t = {t:.3f}" in one["text/plain"] for one in seen):
+                update(t)
+    assert text.getvalue() == ""
+    halfway = next(one for one in seen if "t = " in one["text/plain"])
+    assert halfway["text/html"].startswith('<progress max="2.0" value="')
+    assert "&lt;a&gt;, t = " in halfway["text/html"]
+    assert "s left" in seen[-2]["text/plain"]
+    assert seen[-1] == {"text/plain": "", "text/html": ""}
 
 
 def test_no_bar_where_it_is_not_wanted(make_scene: Make) -> None:

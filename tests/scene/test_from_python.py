@@ -12,6 +12,7 @@ import pytest
 
 import rodgen
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.integration import Integrate, Settings
 from tests.scene.tables import ROD
 
 PHI = [0.0, 0.1, 0.2, 0.3, 0.4]
@@ -128,3 +129,7 @@ def test_what_is_no_solution() -> None:
     scene = Scene.from_dict({"name": "test", "rod": ROD})
     with pytest.raises(TypeError, match=r"^solution must be a Solution .*, not Scene$"):
         rodgen.spectrum(scene)  # type: ignore[arg-type]
+
+
+def test_every_key_of_integrate_is_a_typed_keyword() -> None:
+    assert set(Settings.__annotations__) == set(Integrate.model_fields)

@@ -10,7 +10,7 @@ import pytest
 
 from rodgen.analyse.critical import critical_force
 from rodgen.analyse.modes import natural_modes
-from rodgen.live.run.scenes import edit, fields_of, from_toml_text, to_toml
+from rodgen.live.run.scenes import edit, fields_of, from_toml_text
 from rodgen.loading import build
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.overrides import with_parameters
@@ -43,7 +43,7 @@ def test_each_has_parameters_of_its_own() -> None:
     changed = with_parameters(scene, {"follower_3_angle": 0.2, "follower_2_force_1": 8.0})
     assert changed.parameters == given | {"follower_3_angle": 0.2, "follower_2_force_1": 8.0}
     assert changed.structure == scene.structure
-    assert from_toml_text(to_toml(changed).encode()) == changed
+    assert from_toml_text(changed.to_toml().encode()) == changed
 
 
 def test_controls_move_each_by_itself() -> None:

@@ -9,12 +9,10 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from rodgen.analyse.precision.contestant import Row
 from rodgen.analyse.precision.rows import label, short
-from rodgen.show.precision_pictures import spread
 from rodgen_evidence.pages import report_curves
 from rodgen_evidence.pages.report_guide import save_guide_figures
 from rodgen_evidence.pages.report_page import made_lines, read_report, write_report
@@ -462,17 +460,6 @@ def test_unseen_errors_are_counted_and_listed(tmp_path):
     assert "a step too large" in listed
     assert "off by half" in listed
     assert '<span class="unseen">unseen</span> 1:' in text
-
-
-def test_names_stay_apart_and_in_order():
-    rng = np.random.default_rng(1)
-    for count in (1, 2, 9, 40):
-        heights = list(rng.random(count) ** 3)
-        places = spread(heights, 0.04)
-        ordered = [places[at] for at in np.argsort(heights)]
-        apart = min(0.04, 1 / max(count - 1, 1))
-        assert np.all(np.diff(ordered) >= apart - 1e-12)
-        assert 0 <= min(places) <= max(places) <= 1 + 1e-12
 
 
 def test_labels():

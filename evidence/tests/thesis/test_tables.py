@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from pandas import DataFrame
 
+from rodgen.analyse.critical import critical_force
 from rodgen.analyse.references.columns import thrust
 from rodgen.integrate import simulate
 from rodgen_evidence.pages.thesis_page import summary, write_thesis
@@ -21,6 +22,7 @@ from rodgen_evidence.thesis import (
     frequencies,
     mass_spring_table,
     methods,
+    outlook,
     rebuild,
     run_times,
     scenes,
@@ -186,6 +188,7 @@ COLUMNS = {
     "4.1": methods.COLUMNS_4_1,
     "4.2": run_times.COLUMNS,
     "clamp": clamp.columns_of(clamp.LINKS),
+    "outlook": outlook.COLUMNS,
 }
 TEXTS = {
     "name": "f1 < f2",
@@ -229,6 +232,27 @@ def test_clamps_converge_with_their_orders():
         assert row["limit"] == pytest.approx(row["continuum"], abs=10 * row["limit_error"])
 
 
+def test_the_outlook_is_answered():
+    """With figures of other routes: critical_force has the Hopf point, a run the amplitude; small
+    modes have the shapes of the continuum but for 1/n^2, 6e-4 times some ten for the third."""
+    rows = outlook.table_outlook().rows
+    value = dict(zip(rows["quantity"], rows["value"], strict=True))
+    force = critical_force(outlook.pushed(outlook.FORCE)).force
+    assert value[outlook.BEGIN] == pytest.approx(force, rel=1e-9)
+    assert value["first Lyapunov coefficient (below 0: supercritical)"] < 0
+    assert (rows[rows["question"] == outlook.SHAPES]["value"] < 0.01).all()
+    assert (rows[rows["question"] == outlook.FREQUENCIES]["value"].abs() < 1).all()
+    medium = rows[rows["question"] == outlook.MEDIUM]
+    swings = medium["value"][medium["quantity"].str.startswith(outlook.SWING)].to_numpy()
+    assert (np.diff(swings) < 0).all()
+    late = simulate(outlook.pushed(outlook.FORCE, outlook.EXTERNAL[-1]))
+    tail = np.abs(late.phi[late.t > 0.8 * outlook.SPAN]).max()
+    assert tail == pytest.approx(swings[-1], rel=0.01)  # samples miss the crest by a little
+    assert value["first exponent at 200 N [1/s]"] > 2 * value["its error at 200 N [1/s]"]
+    regular = value["first exponent at 140 N [1/s]"]
+    assert abs(regular) < 2 * value["its error at 140 N [1/s]"]
+
+
 class _Page(HTMLParser):
     """Headings and the files that a page asks for."""
 
@@ -255,6 +279,7 @@ def test_page_names_every_table_and_needs_no_network(tmp_path: Path):
         "4.1",
         "4.2",
         "clamp",
+        "outlook",
     ]
     tables = [made_up(number) for number in sorted(rebuild.TABLES)]
     page = write_thesis(tmp_path, tables, 1.0)

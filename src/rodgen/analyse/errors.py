@@ -5,9 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache, wraps
-from typing import TYPE_CHECKING, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 if TYPE_CHECKING:
+    import xarray
     from threadpoolctl import ThreadpoolController
 
 P = ParamSpec("P")
@@ -16,6 +17,18 @@ R = TypeVar("R")
 
 class AnalysisError(ArithmeticError):
     """An analysis has no result; the message says what was searched."""
+
+
+class BranchInterrupted(KeyboardInterrupt):
+    """Ctrl-C while a branch, a boundary or a family of motions was followed. found: the Dataset of
+    what there is of it, of which the analysis goes on when it is given as ``resume``."""
+
+    def __init__(self, found: xarray.Dataset):
+        super().__init__(f"interrupted after {found.sizes['point']} points")
+        self.found = found
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.found,)
 
 
 class MeshWarning(UserWarning):

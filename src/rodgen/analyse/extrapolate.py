@@ -45,21 +45,48 @@ def richardson(
     *,
     noise: float | None = None,
 ) -> Extrapolation:
-    """Limit of values (m,) computed with n (m,) links, in any sequence, n not only doubled.
+    """Return the limit of values that were computed with several numbers of links.
 
-    n: numbers of links, or the scenes themselves; then it is warned (MeshWarning) of damping that
-    is not one and the same for all of them (see Scene.with_links).
-    order: p where theory knows it, or all exponents in turn, (2, 4, 6). Without it p solves
-    (v1 - v2) / (v2 - v3) = (n1^-p - n2^-p) / (n2^-p - n3^-p) for the three finest, and is rounded
-    where it is close to a whole number; p + 1, p + 2, ... follow, or p + 2, p + 4, ... where
-    p is even and four values or more show it. noise: absolute error of
-    the values; rounding by default. As many terms are eliminated as lower the estimate of the
-    error: twice what the next term to be eliminated changes, or the last one where there is none,
-    and the noise times its weights. L. F. Richardson, Phil. Trans. A 226 (1927) 299-361;
-    P. J. Roache, J. Fluids Eng. 116 (1994) 405-413.
+    As many terms of v(n) = v + C n^-p + ... are eliminated as lower the estimate of the error:
+    twice what the next term to be eliminated changes, or the last one where there is none, and the
+    noise times its weights. Source: L. F. Richardson, Phil. Trans. A 226 (1927) 299-361; P. J.
+    Roache, J. Fluids Eng. 116 (1994) 405-413.
 
-    Raises SceneError for bad input: fewer than three values, two where the order is given;
-    AnalysisError where the finest values do not converge.
+    Parameters
+    ----------
+    n
+        Numbers of links (m,), in any sequence, not only doubled, or the scenes themselves. Of
+        scenes it is warned of damping that is not one and the same for all of them (see
+        Scene.with_links).
+    values
+        What was computed, (m,).
+    order
+        p where theory knows it, or all exponents in turn, such as (2, 4, 6). Without it p solves
+        (v1 - v2) / (v2 - v3) = (n1^-p - n2^-p) / (n2^-p - n3^-p) for the three finest, and is
+        rounded where it is close to a whole number; p + 1, p + 2, ... follow, or p + 2, p + 4, ...
+        where p is even and four values or more show it.
+    noise
+        Absolute error of the values; rounding by default.
+
+    Returns
+    -------
+    Extrapolation
+        The limit, an estimate of its error, and the order.
+
+    Raises
+    ------
+    SceneError
+        For fewer than three values, or two where the order is given.
+    AnalysisError
+        Where the finest values do not converge.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> n = [10, 20, 40, 80]
+    >>> found = rodgen.richardson(n, [1 + 3 / k**2 - 2 / k**4 for k in n])
+    >>> round(found.value, 9), found.order
+    (1.0, 2.0)
     """
     count, v = _checked(_links(n), values, 3 if order is None else 2)
     if noise is not None and not 0 <= noise < np.inf:

@@ -21,6 +21,7 @@ from rodgen.integrate.stepper import Array
 from rodgen.loading import build, build_fastest
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.expression import Expression
+from rodgen.scene.integration import Settings
 from rodgen.scene.overrides import check_used, initial_tables, with_parameters
 
 FAINT = 1e-6  # of the strongest direction: what is weaker is lost in errors of the run
@@ -104,35 +105,86 @@ def simulated_critical_force(
     disturbance: str | None = None,
     progress: Callable[[float, bool], None] = lambda force, grew: None,
     target: str | None = None,
-    **settings: Any,
+    method: str | None = None,
+    step: float | None = None,
+    rtol: float | None = None,
+    atol: float | None = None,
+    max_steps: int | None = None,
 ) -> SimulatedCritical:
-    """Bisection by simulations of so many seconds, each from the steady state under its force,
-    disturbed a little; of the initial state of the scene its speed alone is used.
+    """Find a critical force by bisection, with runs in which a small motion grows or does not.
 
-    By default the growth is measured: from the samples of the angles between links, of their
-    rates and of added states (of a free rod that loads steer, of its mean angle, too), those of the
-    steady state taken off, follows by how much the motion that grows most has grown, and 1 % within
-    the span is growth. Where ``growth`` is given, a motion has grown when the
-    largest angle between two links exceeds so many times that of the start, as in the thesis: a
-    finite time then finds too large a force, since next to the onset growth is slow, and a small
-    growth too small a one, since frequencies that nearly meet beat. tolerance: of the force,
-    relative; t, speed, after: as of `critical_force`, but the speed changes as the run goes on;
-    low, high: forces between which it lies [N], by default found by doubling from 4 EI/L^2;
-    disturbance: angles [rad], an expression in s as in a scene, by default about 1e-6, or 1e-4
-    where ``growth`` is given; progress: called with every force and whether the motion grew;
-    target: "c" or "numpy", "c" where it can be built; settings: those of `simulate` (method, step;
-    rtol 1e-10 and atol 1e-12, if not given, or 1e-6 and 1e-8 where ``growth`` is). Raises
-    SceneError, AnalysisError where there is no steady state, or nothing grows up to 1000 EI/L^2.
+    Each simulation starts from the steady state under its force, disturbed a little. Of the initial
+    state of the scene its speed alone is used. By default the growth is measured: from the samples
+    of the angles between links, of their rates and of added states (of a free rod that loads steer,
+    of its mean angle, too), those of the steady state taken off, follows by how much the motion
+    that grows most has grown, and 1 % within the span is growth.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    span
+        Seconds of every simulation.
+    growth
+        Where it is given, a motion has grown when the largest angle between two links exceeds so
+        many times that of the start, as in the thesis. A finite time then finds too large a force,
+        since next to the onset growth is slow, and a small growth too small a one, since
+        frequencies that nearly meet beat.
+    tolerance
+        Of the force, relative.
+    t, speed, after
+        As of `critical_force`, but the speed changes as the run goes on.
+    low, high
+        Forces between which it lies [N]; by default found by doubling from 4 EI/L^2.
+    disturbance
+        Angles [rad], an expression in s as in a scene; by default about 1e-6, or 1e-4 where
+        ``growth`` is given.
+    progress
+        Called with every force and whether the motion grew.
+    target
+        "c" or "numpy"; "c" where it can be built.
+    method, step, rtol, atol, max_steps
+        As of `simulate`; rtol 1e-10 and atol 1e-12, if not given, or 1e-6 and 1e-8 where ``growth``
+        is.
+
+    Returns
+    -------
+    SimulatedCritical
+        The force [N], and those between which it lies.
+
+    Raises
+    ------
+    SceneError
+        For values that cannot be used.
+    AnalysisError
+        Where there is no steady state, or nothing grows up to 1000 EI/L^2.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene = rodgen.Scene.example("ziegler")
+    >>> found = rodgen.simulated_critical_force(scene, span=40.0, tolerance=1e-2)
+    >>> found.low <= found.force <= found.high
+    True
     """
     # Refuses a scene without a follower force, or without a stiffness.
     family = family_of(scene, t, speed, after)
-    check_used(scene.with_integrate(**settings).integrate, settings)
+    given: Settings = {
+        "method": method,
+        "step": step,
+        "rtol": rtol,
+        "atol": atol,
+        "max_steps": max_steps,
+    }
+    check_used(scene.with_integrate(**given).integrate, given)
     over = 1.0 if growth is None else growth - 1
     for name, value in (("span", span), ("growth - 1", over), ("tolerance", tolerance)):
         if not (np.isfinite(value) and value > 0):
             raise SceneError(name, value, "positive")
     begun = time.perf_counter()
-    settings = TOLERANCES[growth is None] | settings
+    settings: dict[str, Any] = TOLERANCES[growth is None] | {
+        name: value for name, value in given.items() if value is not None
+    }
     run = _Run(family, span, growth, disturbance, progress, target, settings)
     lower, upper = _bracket(run, low, high, family.unit)
     while upper - lower > tolerance * upper:

@@ -18,16 +18,19 @@ from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.mesh import mesh_notes
 from rodgen.scene.plain import plain
+from rodgen.shown import Shown
 
 DENSE = 24  # links up to which all eigenvalues are computed; the lowest alone beyond
 FARTHEST = 16  # times the asked count of eigenvalues are looked at beyond MOST_DENSE links
 STILL = 1e-7  # of the modulus: a real part below it is rounding
+GONE = 2 * np.pi / np.log(1e16)  # of the decay: a slower oscillation is rounding after a period
 SLACK = "rod.spring has no slope above 0 at d = 0: nothing resists a small bend of the straight rod"
+NAMED = 3  # frequencies in a line of text
 NUDGE = 1e-6  # rad, of the differences by which shapes are drawn: errors are its square
 
 
-@dataclass(frozen=True)
-class Modes:
+@dataclass(frozen=True, repr=False)
+class Modes(Shown):
     """Small motions about a steady state, y = Re(shape exp(s t)), by ascending frequency.
 
     frequencies: (k,) [Hz], Im s / 2 pi; growth: (k,) [1/s], Re s, negative for what dies away;
@@ -36,20 +39,28 @@ class Modes:
     frequency that turn or move the rod as a whole, left out; overdamped: motions without frequency
     among those computed, left out too; joints: (n+1, 2) of the steady state [m]; speed: of a free
     rod along its axis, nose first [m/s]; notes: what is to be known of that speed, where it counts,
-    and of damping that belongs to the number of links.
+    and of damping that belongs to the number of links; scene: whose they are.
     """
 
     frequencies: Array
     growth: Array
-    phi: NDArray[Any] = field(repr=False)
-    displacements: NDArray[Any] = field(repr=False)
-    joints: Array = field(repr=False)
+    phi: NDArray[Any]
+    displacements: NDArray[Any]
+    joints: Array
     state: str
     rigid: int
     overdamped: int
     t: float
     speed: float = 0.0
     notes: tuple[str, ...] = ()
+    scene: Scene = field(kw_only=True, compare=False)
+
+    def __repr__(self) -> str:
+        count, growing = len(self.frequencies), int((self.growth > 0).sum())
+        span = ", ".join(f"{f:.5g}" for f in self.frequencies[:NAMED])
+        more = ", ..." if count > NAMED else ""
+        grow = f"; {growing} grow" if growing else ""
+        return f"<Modes of {self.scene.name}: {count}, {span}{more} Hz, {self.state}{grow}>"
 
 
 @guarded
@@ -61,18 +72,50 @@ def natural_modes(
     speed: float | None = None,
     after: float | None = None,
 ) -> Modes:
-    """The lowest natural frequencies and mode shapes of a scene about its steady state: straight
-    and at rest, in static equilibrium, or straight and steadily accelerating under its thrust.
+    """Return the lowest natural frequencies and mode shapes of a scene about its steady state.
 
-    count: how many, at most; t: time whose loads are taken [s], by default the start of the span.
-    speed: at which a free rod flies along its axis, nose first [m/s], by default the part along it
-    of the scene's initial velocity; after: time [s] of a run of the scene whose loads, speed and
-    direction are taken instead. The speed is taken as though it stayed as it is.
-    All eigenvalues are computed up to 24 links, where a third or more are asked for, where there is
-    external damping, and with internal damping up to 500 links; else those of smallest |s| by
-    sparse shift-invert, in O(n). With much damping beyond 500 links overdamped motions can leave
-    fewer than ``count``, and one of large |s| but low frequency can be missed. Raises SceneError,
-    and AnalysisError where there is no steady state.
+    That state is straight and at rest, in static equilibrium, or straight and steadily accelerating
+    under its thrust. All eigenvalues are computed up to 24 links, where a third or more are asked
+    for, where there is external damping, and with internal damping up to 500 links; else those of
+    smallest modulus by sparse shift-invert, in O(n). With much damping beyond 500 links overdamped
+    motions can leave fewer than ``count``, and one of large modulus but low frequency can be
+    missed. Motions that grow always come out. A motion that dies away within a
+    period counts as overdamped.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    count
+        How many of the lowest modes, at most; all that grow come beside them.
+    t
+        Time whose loads are taken [s]; by default the start of the span.
+    speed
+        At which a free rod flies along its axis, nose first [m/s]; by default the part along it of
+        the scene's initial velocity. It is taken as though it stayed as it is.
+    after
+        Time [s] of a run of the scene whose loads, speed and direction are taken instead.
+
+    Returns
+    -------
+    Modes
+        Frequencies (k,) [Hz], growth (k,) [1/s] and shapes, by ascending frequency.
+
+    Raises
+    ------
+    SceneError
+        For values that cannot be used.
+    AnalysisError
+        Where there is no steady state.
+
+    Examples
+    --------
+    Beck's column at 75 N, near the force at which its first two frequencies meet:
+
+    >>> import rodgen
+    >>> modes = rodgen.natural_modes(rodgen.Scene.example("becks_column"), count=3)
+    >>> modes.frequencies.round(3)
+    array([0.276, 0.432, 1.725])
     """
     count = plain(count, "count")
     if not isinstance(count, int) or count < 1:
@@ -105,6 +148,7 @@ def modes_about(state: Steady, count: int) -> Modes:
         t=system.t,
         speed=system.speed,
         notes=state.notes + mesh_notes(system.scene) + (SLACK,) * system.scene.slack,
+        scene=system.scene,
     )
 
 
@@ -119,18 +163,19 @@ def _found(state: Steady, pencil: Pencil | Dense, count: int) -> Values:
     asked = count
     while True:
         found = lowest_values(pencil, asked, state.turning if turns else None)
-        if len(_oscillating(found.s, count)[1]) == count or asked >= FARTHEST * count:
+        if len(_oscillating(found.s, count)[1]) >= count or asked >= FARTHEST * count:
             return found
         asked *= 2  # overdamped motions have taken the places
 
 
 def _oscillating(s: NDArray[Any], count: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Which eigenvalues oscillate; the numbers of the first ``count`` of them by frequency, those
-    that grow without oscillating first."""
-    moves = s.imag > STILL * np.abs(s)
-    grows = ~moves & (s.real > STILL * np.abs(s))
+    """Which eigenvalues oscillate before they have died away; the numbers of the lowest ``count``
+    of them and of all that grow, by frequency."""
+    moves = s.imag > np.maximum(STILL * np.abs(s), -GONE * s.real)
+    grows = s.real > STILL * np.abs(s)
     kept = np.flatnonzero(moves | grows)
-    return moves, kept[np.argsort(s[kept].imag, kind="stable")][:count]
+    kept = kept[np.argsort(s[kept].imag, kind="stable")]
+    return moves, kept[(np.arange(len(kept)) < count) | grows[kept]]
 
 
 def _rigid(state: Steady) -> int:

@@ -17,6 +17,7 @@ from rodgen.model.term import FORCE, WEIGHT, Term
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.plain import is_number, plain
+from rodgen.shown import Shown
 
 NEAR_END = 1e-4  # rad
 UNBALANCED = 1e-12  # of the forces that hold a rod: rounding
@@ -24,8 +25,8 @@ MOST_BENT = 1.0  # rad
 MOST_TURNED = 10.0  # of the tail: a rod that turns more elsewhere is not bent by it
 
 
-@dataclass(frozen=True)
-class Equilibrium:
+@dataclass(frozen=True, repr=False)
+class Equilibrium(Shown):
     """Rest under loads that do not change.
 
     y: the state (states,); phi: angles of all n links [rad]; joints: (n+1, 2) [m]; tip: the tail
@@ -35,13 +36,13 @@ class Equilibrium:
     instability: "divergence" where a small motion about it grows without oscillating, so that
     another equilibrium is to be looked for, "flutter" where one oscillates more and more, "" where
     none grows, None where that was not looked at (more than 200 links); stable: the same as yes or
-    no; t: the time whose loads were taken [s]; states: added states by name.
+    no; t: the time whose loads were taken [s]; states: added states by name; scene: whose it is.
     """
 
-    y: Array = field(repr=False)
-    phi: Array = field(repr=False)
-    joints: Array = field(repr=False)
-    force: Array = field(repr=False)
+    y: Array
+    phi: Array
+    joints: Array
+    force: Array
     tip: Array = field(init=False)
     change: float
     iterations: int
@@ -50,30 +51,62 @@ class Equilibrium:
     instability: str | None
     t: float
     states: dict[str, float] = field(default_factory=dict)
+    scene: Scene = field(kw_only=True, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tip", self.joints[-1])
         stable = None if self.instability is None else not self.instability
         object.__setattr__(self, "stable", stable)
 
+    def __repr__(self) -> str:
+        x, y = self.tip
+        known = "stability not looked at" if self.stable is None else "stable"
+        how = f"unstable ({self.instability})" if self.instability else known
+        return f"<Equilibrium of {self.scene.name}: tail at ({x:.6g}, {y:.6g}) m; {how}>"
+
 
 @guarded
 def static_equilibrium(
     scene: Scene, *, t: float | None = None, imperfection: float | None = None
 ) -> Equilibrium:
-    """The equilibrium that the rod reaches from its straight shape as its loads grow from zero.
+    """Return the equilibrium that a straight rod reaches as its loads grow from zero.
 
-    t: time whose loads are taken [s], by default the start of the scene's span. imperfection: the
-    angle [rad], above 0 and at most 1, by which the tail of an unloaded rod is turned that is bent
-    evenly; it is loaded, and then made straight again under its whole load. What is found is an
-    equilibrium of the scene's own rod, beyond a buckling load the bent and stable one (that which
-    turns to the left), where without imperfection it is the straight and unstable one. A pinned rod
-    hangs from its pivot, imperfect or not; a free rod rests where [[supports]], a [foundation] or
-    loads that follow its place hold it, and in a direction in which nothing does, where it is at
-    the start. Loads that follow the motion and added states are at rest with it. The tip is right
-    to about 1e-10 of the length at a few hundred links. Raises SceneError for a free rod that
-    nothing holds and an imperfection out of range, AnalysisError where no equilibrium is found;
-    both say why.
+    A pinned rod hangs from its pivot. A free rod rests where [[supports]], a [foundation] or loads
+    that follow its place hold it, and in a direction in which nothing does, where it is at the
+    start. Loads that follow the motion and added states are at rest with it. The tip is right to
+    about 1e-10 of the length at a few hundred links.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    t
+        Time whose loads are taken [s]; by default the start of the scene's span.
+    imperfection
+        The angle [rad], above 0 and at most 1, by which the tail of an unloaded rod is turned that
+        is bent evenly. It is loaded, and then made straight again under its whole load. What is
+        found is an equilibrium of the scene's own rod: beyond a buckling load the bent and stable
+        one (that which turns to the left), where without imperfection it is the straight and
+        unstable one.
+
+    Returns
+    -------
+    Equilibrium
+        The state, the places of the joints (n + 1, 2) [m], and whether it is stable.
+
+    Raises
+    ------
+    SceneError
+        For a free rod that nothing holds, and an imperfection out of range.
+    AnalysisError
+        Where no equilibrium is found, with the reason.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> found = rodgen.static_equilibrium(rodgen.Scene.example("cantilever_self_weight"))
+    >>> found.stable, found.joints.shape[1]
+    (True, 2)
     """
     bend = 0.0 if imperfection is None else checked_imperfection(imperfection)
     system = System.of(scene, t)
@@ -93,6 +126,7 @@ def static_equilibrium(
         instability=instability(system, rest, p),
         t=system.t,
         states=dict(zip(scene.states, rest.at.added.tolist(), strict=True)),
+        scene=scene,
     )
 
 

@@ -32,6 +32,11 @@ class Steady:
     p: Array
 
     @property
+    def y(self) -> Array:
+        """The state (states,), without velocities."""
+        return self.system.at_rest(self.at)
+
+    @property
     def phi(self) -> Array:
         """Angles of the moving links (cells,) [rad]."""
         return self.at.phi

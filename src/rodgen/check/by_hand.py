@@ -9,7 +9,7 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from mpmath import mp, mpf
+from mpmath import mp, mpf, mpmathify
 from sympy import Dummy, Indexed, IndexedBase, Symbol, lambdify
 
 from rodgen.derive.closed_form import Arithmetic, ClosedForm, Links, differing_links, link_sizes
@@ -64,7 +64,7 @@ class ByHand:
         self.structure = structure_of(module)
         hold = BOUNDARIES[module.BOUNDARY]
         number: dict[str, Any] = {
-            name: [mpf(float(v)) for v in value] if np.ndim(value) else mpf(float(value))
+            name: [mpmathify(v) for v in value] if np.ndim(value) else mpmathify(value)
             for name, value in values.items()
         }
         self.number = number
@@ -75,7 +75,7 @@ class ByHand:
         stiffness = None if differing is None else dict(zip(joints, differing, strict=True))
         added = getattr(module, "STATES", {})
         half, base = (len(y) - len(added)) // 2, 2 * hold.translates
-        q, u, z = ([mpf(float(v)) for v in part] for part in np.split(y, [half, 2 * half]))
+        q, u, z = ([mpmathify(v) for v in part] for part in np.split(y, [half, 2 * half]))
         self.signals: dict[str, Any] = dict(zip(added, z, strict=True))
         self.rates: list[Any] = []
         held = hold.first

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +9,7 @@ import typer
 
 from rodgen.cli.console import err, out, progress, warn, working
 from rodgen.cli.results import writable
+from rodgen.cli.signals import end_as_by_ctrl_c
 
 
 def animate(
@@ -54,8 +54,7 @@ def animate(
     times = plan(stored.t, settings).times
     with working("generating"):
         stored.model = build_fastest(stored.scene)
-    # What a batch system sends to end a program is to leave nothing behind either.
-    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
+    end_as_by_ctrl_c()
     with progress(out_file.name, float(times[0]), float(times[-1])) as update:
         made = film(stored.t, stored.at, out_file, settings, update)
     for note in made.notes:

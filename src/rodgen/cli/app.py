@@ -6,6 +6,7 @@ is annotated for Typer.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
 
@@ -23,16 +24,20 @@ from rodgen.cli import (
     modes,
     precision,
     run,
+    scenes,
     show,
     static,
     study,
     view,
 )
 from rodgen.cli.errors import BAD_INPUT, fail
+from rodgen.cli.shared import with_shared
 
 GROUP = "rodgen.commands"
 EVIDENCE = ("report", "thesis", "audit")  # what evidence/ adds, where it is installed
 OWN: dict[str, Callable[..., object]] = {
+    "scenes": scenes.scenes,
+    "new": scenes.new,
     "derive": derive.derive,
     "run": run.run,
     "view": view.view,
@@ -60,13 +65,12 @@ def commands() -> typer.Typer:
     app = typer.Typer(
         help="Equations of motion of planar flexible rods: derived, proven, generated, integrated.",
         epilog=f"Not installed: {', '.join(missing)} ({HOW})." if missing else None,
-        add_completion=False,
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
     )
     for name, command in OWN.items():
         # A negative number is a value to refuse, not an option.
-        app.command(name, context_settings={"ignore_unknown_options": name == "derive"})(command)
+        _make_known(app, name, command, ignore_unknown_options=name == "derive")
     for name, entry in sorted(added.items()):
         if name not in OWN:  # a package cannot take the place of a command
             _add(app, entry)
@@ -84,7 +88,18 @@ def _add(app: typer.Typer, entry: EntryPoint) -> None:
     except Exception as error:  # whatever another package does when it is imported
         _refuse(app, entry.name, f"{entry.name} cannot be loaded from {entry.value}: {error}")
     else:
-        app.command(entry.name)(command)
+        _make_known(app, entry.name, command)
+
+
+def _make_known(
+    app: typer.Typer, name: str, command: Callable[..., object], **settings: bool
+) -> None:
+    """A command with the options that all share, and its first sentence whole in the list."""
+    about = " ".join((command.__doc__ or "").split())
+    sentence = re.match(r".*?\.(?= |$)|.*", about)
+    app.command(name, short_help=sentence and sentence[0], context_settings=settings)(
+        with_shared(command)
+    )
 
 
 def _refuse(app: typer.Typer, name: str, why: str, hidden: bool = False) -> None:

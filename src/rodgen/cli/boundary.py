@@ -7,19 +7,32 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rodgen.cli.console import finite, out, print_json, print_values, working, write_picture
-from rodgen.cli.errors import FAILED_RUN, fail
-from rodgen.cli.options import AsJson, AtTime, OutFolder, SceneFile
+from rodgen.cli.console import finite, print_json, print_values
+from rodgen.cli.curves import followed, numbers
+from rodgen.cli.options import (
+    AsJson,
+    AtTime,
+    LongestStep,
+    MostPoints,
+    OutFolder,
+    PointNumber,
+    ResumeFile,
+    point_of,
+)
 from rodgen.cli.results import promised
+from rodgen.scene import Scene
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.figure import Figure
 
 RANGE = "FROM:TO"
+NAME = "boundary"  # of its files
+_SPECIAL = ("kind", "a", "b", "frequency")
 
 
 def boundary(
-    scene_file: SceneFile,
+    scene: Scene,
     vary: Annotated[
         str,
         typer.Option(
@@ -35,62 +48,56 @@ def boundary(
         str | None,
         typer.Option("--b", metavar=RANGE, help="The range of B; from 0 on, if not given."),
     ] = None,
-    step: Annotated[
-        float, typer.Option(help="The longest step, where 1 changes the equations by their size.")
-    ] = 0.1,
-    most: Annotated[int, typer.Option(help="Points to either side at most.")] = 1000,
+    resume: ResumeFile = None,
+    at: PointNumber = None,
+    step: LongestStep = 0.1,
+    most: MostPoints = 1000,
     t: AtTime = None,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
     """Follow the boundary of stability of SCENE while two of its numbers change, from the limit of
     no damping to that of much; draw it."""
-    from rodgen.analyse.branches.boundary import stability_boundary
-    from rodgen.analyse.curves.files import save
-    from rodgen.scene import Scene, SceneError
+    from rodgen.analyse.branches.boundary import read, stability_boundary
+    from rodgen.scene import SceneError
 
     keys = vary.split(",")
     if len(keys) != 2:
         raise SceneError("--vary", vary, "two numbers of the scene with a comma between them")
     finite("--t", t)
-    scene = Scene.from_toml(scene_file)
+    number = point_of(resume, at, "--resume")
+    given = (("--a", first), ("--b", second))
+    ranges = [(text and numbers(option, text, ":")) or None for option, text in given]
+    before = None if resume is None else read(resume)
     with promised(None if as_json else out_folder / scene.name) as folder:
-        with working("following the boundary") as said:
-            found = stability_boundary(
+        made = followed(
+            "the boundary",
+            lambda said: stability_boundary(
                 scene,
                 (keys[0], keys[1]),
-                ranges=(_range("--a", first), _range("--b", second)),
+                ranges=(ranges[0], ranges[1]),
                 step=step,
                 most=most,
                 t=t,
+                resume=before,
+                at=number,
                 watch=lambda point: said(f"{point[0]:.6g}, {point[1]:.6g}"),
-            )
+            ),
+        )
+        found = made.data
+        made.warn()
         if as_json:
             print_json(_object(found))
         else:
-            save(found, folder / "boundary.nc")
             print_values(f"{scene.name}: boundary of stability", _rows(found))
-            out.print(f"Written: {folder / 'boundary.nc'}")
-            from rodgen.show.branch_pictures import boundary_curve
-
-            write_picture(lambda: boundary_curve(found, scene), folder, "boundary")
-    if not found.attrs["complete"]:
-        fail(f"the boundary ends before it leaves its ranges: {found.attrs['end']}", FAILED_RUN)
+            made.write(folder, NAME, lambda: _curve(found, scene))
+        made.stop(None if as_json else folder / f"{NAME}.nc")
 
 
-def _range(option: str, text: str | None) -> tuple[float, float] | None:
-    """Both ends of a range."""
-    from rodgen.scene import SceneError
+def _curve(found: xarray.Dataset, scene: Scene) -> Figure:
+    from rodgen.show.branch_pictures import boundary_curve
 
-    if text is None:
-        return None
-    try:
-        low, high = (float(part) for part in text.split(":"))
-    except ValueError:
-        raise SceneError(option, text, "two numbers with a colon between them, as 0:20") from None
-    finite(option, low)
-    finite(option, high)
-    return low, high
+    return boundary_curve(found, scene)
 
 
 def _object(found: xarray.Dataset) -> dict[str, Any]:
@@ -98,7 +105,14 @@ def _object(found: xarray.Dataset) -> dict[str, Any]:
     rows = zip(*(found[name].values.tolist() for name in names), strict=True)
     attributes = {name: found.attrs[name] for name in ("a", "b", "kind", "end", "t")}
     points = [list(row) for row in rows]
-    return {"points": points, "complete": bool(found.attrs["complete"]), **attributes}
+    special = zip(*(found[f"special_{name}"].values.tolist() for name in _SPECIAL), strict=True)
+    named = [dict(zip(_SPECIAL, one, strict=True)) for one in special]
+    return {
+        "points": points,
+        "special": named,
+        "complete": bool(found.attrs["complete"]),
+        **attributes,
+    }
 
 
 def _rows(found: xarray.Dataset) -> dict[str, str]:
@@ -113,4 +127,13 @@ def _rows(found: xarray.Dataset) -> dict[str, str]:
         "first": point(0),
         "last": point(-1),
         "ends": found.attrs["end"],
+        **_named(found),
+    }
+
+
+def _named(found: xarray.Dataset) -> dict[str, str]:
+    special = zip(*(found[f"special_{name}"].values.tolist() for name in _SPECIAL), strict=True)
+    return {
+        f"special {number}": f"{kind} at {a:.10g}, {b:.10g}, at {frequency:.8g} Hz"
+        for number, (kind, a, b, frequency) in enumerate(special, 1)
     }

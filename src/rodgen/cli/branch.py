@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rodgen.cli.console import finite, out, print_json, print_values, warn, working, write_picture
-from rodgen.cli.errors import FAILED_RUN, fail
-from rodgen.cli.options import AsJson, AtTime, OutFolder, SceneFile
+from rodgen.cli.console import finite, print_json, print_values
+from rodgen.cli.curves import followed
+from rodgen.cli.options import (
+    AsJson,
+    AtTime,
+    LongestStep,
+    MostPoints,
+    OutFolder,
+    PointNumber,
+    ResumeFile,
+    Vary,
+    point_of,
+)
 from rodgen.cli.results import promised
+from rodgen.scene import Scene
 
 if TYPE_CHECKING:
     import xarray
-
-LAST = -1
+    from matplotlib.figure import Figure
 
 
 def branch(
-    scene_file: SceneFile,
-    vary: Annotated[
-        str, typer.Option(metavar="KEY", help="The number that is varied: loads.follower.force.")
-    ],
+    scene: Scene,
+    vary: Vary,
     first: Annotated[float, typer.Option("--from", help="Where it begins, and the branch.")],
     last: Annotated[float, typer.Option("--to", help="Where it ends.")],
     start: Annotated[
@@ -40,14 +49,8 @@ def branch(
             "the special points.",
         ),
     ] = None,
-    resume: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Go on from the branch in this file, written before."),
-    ] = None,
-    at: Annotated[
-        int | None,
-        typer.Option(help="Number of the point of FILE to go on from; the last, if not given."),
-    ] = None,
+    resume: ResumeFile = None,
+    at: PointNumber = None,
     imperfection: Annotated[
         float | None,
         typer.Option(
@@ -55,10 +58,16 @@ def branch(
             help="Begin with the bent equilibrium that rodgen static finds with it.",
         ),
     ] = None,
-    step: Annotated[
-        float, typer.Option(help="The longest step: a share of the range, and rad of the angles.")
-    ] = 0.02,
-    most: Annotated[int, typer.Option(help="Points at most.")] = 2000,
+    motion: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WHERE",
+            help="Of a rod that nothing holds in place, follow steady motions, bent or not: the "
+            "one near SCENE's initial state (initial), or that a run of SCENE leads to (run).",
+        ),
+    ] = None,
+    step: LongestStep = 0.02,
+    most: MostPoints = 2000,
     t: AtTime = None,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
@@ -68,53 +77,55 @@ def branch(
     diagram."""
     from rodgen.analyse.branches import branch_data
     from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
-    from rodgen.analyse.curves import files
-    from rodgen.scene import Scene, SceneError
 
-    if at is not None and resume is None:
-        raise SceneError("--at", at, "absent without --resume")
+    number = point_of(resume, at, "--resume")
     for option, value in (("--from", first), ("--to", last), ("--t", t)):
         finite(option, value)
-    scene = Scene.from_toml(scene_file)
     before = None if resume is None else branch_data.read(resume)
     given: dict[str, Any] = {
         "start": start,
         "resume": before,
-        "at": LAST if at is None else at,
+        "at": number,
         "imperfection": imperfection,
+        "motion": motion,
         "step": step,
         "most": most,
         "t": t,
     }
     with promised(None if as_json else out_folder / scene.name) as folder:
-        with working("following the branch") as said:
 
-            def follow(number: int | None) -> xarray.Dataset:
-                return continue_equilibria(
-                    scene,
-                    vary,
-                    (first, last),
-                    switch=number,
-                    watch=lambda value: said(f"{vary} = {value:.6g}"),
-                    **given,
-                )
+        def follow(said: Callable[[str], None], switch: int | None) -> xarray.Dataset:
+            def watch(value: float) -> None:
+                said(f"{vary} = {value:.6g}")
 
-            found = follow(switch)
-            others = [] if switch is None or as_json else [follow(None)]
-        for note in filter(None, found.attrs["notes"].split("\n")):
-            warn(note)
+            ends = (first, last)
+            return continue_equilibria(scene, vary, ends, switch=switch, watch=watch, **given)
+
+        made = followed("the branch", lambda said: follow(said, switch))
+        found = made.data
+        made.warn()
+        file = None
         if as_json:
             print_json(_object(found))
         else:
-            name = "branch" if switch is None else f"branch_{switch}"
-            files.save(found, folder / f"{name}.nc")
+            reached = found.attrs["switch"]  # 0 where Ctrl-C came before
+            name = f"branch_{reached}" if reached else "branch"
+            file = folder / f"{name}.nc"
             print_values(f"{scene.name}: branch along {vary}", _rows(found))
-            out.print(f"Written: {folder / name}.nc")
-            from rodgen.show.branch_pictures import bifurcation_diagram
+            made.write(folder, name, lambda: _diagram(found, scene, follow))
+        made.stop(file)
 
-            write_picture(lambda: bifurcation_diagram([*others, found], scene), folder, name)
-    if not found.attrs["complete"]:
-        fail(f"the branch ends before it leaves the range: {found.attrs['end']}", FAILED_RUN)
+
+def _diagram(
+    found: xarray.Dataset,
+    scene: Scene,
+    follow: Callable[[Callable[[str], None], int | None], xarray.Dataset],
+) -> Figure:
+    """The picture of a branch, with the one that it leaves."""
+    from rodgen.show.branch_pictures import bifurcation_diagram
+
+    others = [follow(lambda text: None, None)] if found.attrs["switch"] else []
+    return bifurcation_diagram([*others, found], scene)
 
 
 def _object(found: xarray.Dataset) -> dict[str, Any]:
@@ -154,6 +165,9 @@ def _rows(found: xarray.Dataset) -> dict[str, str]:
         "unstable directions": f"{_number(unstable[0])} at its start, {_number(unstable[-1])} at "
         "its end",
     }
+    if "turning" in found:
+        turning = found["turning"].values
+        rows["turns with"] = f"{turning[0]:.9g} rad/s at its start, {turning[-1]:.9g} at its end"
     parts = (found[f"special_{name}"].values for name in ("kind", "value", "frequency", "note"))
     for number, (kind, value, frequency, note) in enumerate(zip(*parts, strict=True), 1):
         words = f"{kind} point at {value:.12g}" if kind != "fold" else f"fold at {value:.12g}"

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
-from rodgen.cli.console import out, working
+from rodgen.cli.console import out, print_json, print_table, working
 from rodgen.cli.errors import DISPROVEN, fail
+from rodgen.cli.options import AsJson
 from rodgen.cli.results import is_generated
 from rodgen.loading import load_module
 from rodgen.scene import SceneError
@@ -18,9 +18,11 @@ from rodgen.scene import SceneError
 def check(
     module_file: Annotated[Path, typer.Argument(metavar="MODULE", help="A generated module.")],
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random states.")] = 1,
+    as_json: AsJson = False,
 ) -> None:
     """Compare MODULE, which is run, with hand-assembled equations in 50-digit arithmetic."""
     from rodgen.check.module import DIGITS, LIMIT, check_module
+    from rodgen.show.result_tables import ResultTable
 
     if module_file.suffix != ".py" or not is_generated(module_file):  # nothing else is run
         allowed = "a .py that rodgen derive wrote (of a C module, the .py beside the .c)"
@@ -31,14 +33,17 @@ def check(
         for deviation in check_module(module, seed=seed):
             deviations.append(deviation)
             step(f"{deviation.quantity}, {deviation.states}")
-    table = Table(title=f"{module_file.name} against {DIGITS}-digit arithmetic")
-    for column in ("quantity", "states"):
-        table.add_column(column)
-    table.add_column("largest relative error", justify="right")
-    for d in deviations:
-        table.add_row(d.quantity, d.states, f"{d.error:.2e}")
-    out.print(table)
     worst = max(d.error for d in deviations)
+    if as_json:
+        rows = [{"quantity": d.quantity, "states": d.states, "error": d.error} for d in deviations]
+        print_json({"deviations": rows, "largest": worst, "allowed": LIMIT})
+    else:
+        table = ResultTable.of_rows(
+            ("quantity", "states", "largest relative error"),
+            ((d.quantity, d.states, f"{d.error:.2e}") for d in deviations),
+        )
+        print_table(f"{module_file.name} against {DIGITS}-digit arithmetic", table)
     if not worst <= LIMIT:
         fail(f"largest relative error {worst:.2e} is above {LIMIT:g}", DISPROVEN)
-    out.print(f"largest relative error {worst:.2e}, allowed {LIMIT:g}")
+    if not as_json:
+        out.print(f"largest relative error {worst:.2e}, allowed {LIMIT:g}")

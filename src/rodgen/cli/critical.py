@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -22,7 +22,7 @@ from rodgen.cli.console import (
     write_picture,
 )
 from rodgen.cli.errors import FAILED_RUN, fail
-from rodgen.cli.options import After, AsJson, AtTime, OutFolder, SceneFile, Speed
+from rodgen.cli.options import After, AsJson, AtTime, OutFolder, Speed
 from rodgen.cli.results import promised
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
@@ -40,7 +40,7 @@ SCALABLE = ", ".join(term.table for term in TERMS.values() if term.sizes)
 
 
 def critical(
-    scene_file: SceneFile,
+    scene: Scene,
     lowest: Annotated[
         float | None, typer.Option(help="Where the search begins [N]; 0, if not given.")
     ] = None,
@@ -89,7 +89,6 @@ def critical(
         raise SceneError("--simulate", simulate, "a positive number of seconds")
     if simulate is not None and load not in (None, FOLLOWER):
         raise SceneError("--simulate", simulate, "absent: runs find a follower force alone")
-    scene = Scene.from_toml(scene_file)
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("searching"):
             scene, t = flown(scene, t, speed, after)
@@ -113,8 +112,11 @@ def critical(
         else:
             print_notes(found.notes)
             out.print(f"{scene.name}: other {in_words(scene, found.t, own)}")
-            print_values(f"{scene.name}: critical {label_of(found.load)}", _rows(found, simulated))
             from rodgen.show.analysis_pictures import stability_curves
+            from rodgen.show.result_tables import of_critical
+
+            rows = of_critical(found) | _simulated_rows(found.force, simulated)
+            print_values(f"{scene.name}: critical {label_of(found.load)}", rows)
 
             write_picture(lambda: stability_curves(found, family), folder, "critical")
     if isinstance(simulated, AnalysisError):
@@ -156,45 +158,17 @@ def _doubt(found: Critical, simulated: Simulated | None, family: Family) -> str 
 
 
 def _object(found: Critical, simulated: Simulated | None, doubted: str | None) -> dict[str, Any]:
+    told = {one.name: getattr(found, one.name) for one in fields(found) if one.name != "scene"}
     if simulated is None:
-        return asdict(found)
+        return told
     result = None if isinstance(simulated, AnalysisError) else asdict(simulated)
-    return asdict(found) | {"simulated": result, "doubt": doubted}
+    return told | {"simulated": result, "doubt": doubted}
 
 
-def _rows(found: Critical, simulated: Simulated | None) -> dict[str, str]:
-    from rodgen.analyse.family import factor_of, label_of
-    from rodgen.analyse.onset import digits
-
-    low, high, forces = found.searched
-    first, second = found.modes
-    rows = {
-        f"critical {label_of(found.load)}": f"{digits(found.force, found.error)} {found.unit}",
-        factor_of(found.load): digits(
-            found.factor, found.error * found.factor / (found.force or 1)
-        ),
-        "kind": found.kind + ", where stability is regained" * (found.end == "lower"),
-        "frequency at onset": f"{digits(found.frequency, found.frequency_error)} Hz",
-        "modes": f"{first} and {second}" if first != second else str(first),
-        "error, estimated": f"{found.error:.1e} {found.unit}",
-        "grows from the state": found.state,
-        "searched": f"{low:g} to {high:g} {found.unit} at {forces} forces",
-        "modes looked at": "all" if found.complete else "the lowest 16",
-    }
-    if found.growth:
-        rows["grows already"] = f"at {low:g} {found.unit}, with {found.growth:.4g} 1/s"
-    if found.stable is not None:
-        ends = [f"{a:.10g} to {b:.10g} {found.unit}" for a, b in found.stable]
-        rows["stable"] = ", ".join(ends) or "nowhere in the range"
-    if found.turning:
-        rows["apart from that"] = f"the rod turns as a whole, with {found.turning:.4g} 1/s"
-    if simulated is not None:
-        rows |= _simulated_rows(found.force, simulated)
-    return rows
-
-
-def _simulated_rows(force: float, simulated: Simulated) -> dict[str, str]:
-    """What simulations found, beside the force by eigenvalues [N]."""
+def _simulated_rows(force: float, simulated: Simulated | None) -> dict[str, str]:
+    """What simulations found, where there are any, beside the force by eigenvalues [N]."""
+    if simulated is None:
+        return {}
     if isinstance(simulated, AnalysisError):
         return {"by simulation": str(simulated)}
     away = simulated.force / force - 1 if force else 0.0

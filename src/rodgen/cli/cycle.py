@@ -2,50 +2,69 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from rodgen.cli.console import out, print_json, print_values, warn, working, write_picture
-from rodgen.cli.options import AsJson, OutFolder, SceneFile
+from rodgen.cli.curves import followed, numbers
+from rodgen.cli.options import (
+    AsJson,
+    LongestStep,
+    MostPoints,
+    OutFolder,
+    PointNumber,
+    ResumeFile,
+    point_of,
+)
 from rodgen.cli.results import promised
+from rodgen.scene import Scene
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.figure import Figure
     from rich.table import Table
 
     from rodgen.analyse.cycles.cycle import Cycle
-    from rodgen.scene import Scene
 
-SHOWN = 10  # multipliers
+CYCLES = "cycles"  # files of a branch
 # Error of the trivial multipliers, beyond which all of them are doubtful; where they are double,
 # they move by the root of the rounding.
 UNSURE, UNSURE_DOUBLE = 1e-6, 1e-4
+ROUGH = 1e-8  # likewise, of the error of collocation
+SEGMENTS = 4  # that are shot, unless others are asked for
 
 
 def cycle(
-    scene_file: SceneFile,
+    scene: Scene,
+    by: Annotated[
+        str | None,
+        typer.Option(
+            help="collocation, on a mesh of the period, shooting, or picard, which computes the "
+            "leading multipliers alone; if not given, collocation, and picard for many links."
+        ),
+    ] = None,
+    multipliers: Annotated[
+        int | None,
+        typer.Option(metavar="K", help="By picard: so many leading multipliers; 10, if not given."),
+    ] = None,
     segments: Annotated[
-        int, typer.Option(help="How many segments of the period are shot one by one.")
-    ] = 4,
+        int | None,
+        typer.Option(help="How many segments of the period are shot one by one; 4, if not given."),
+    ] = None,
     branch_file: Annotated[
         Path | None,
         typer.Option(
             "--from",
             metavar="FILE",
             help="A branch of cycles that this command has written: begin with one of its cycles, "
-            "stable or not, instead of a run.",
+            "stable or not, instead of a run; without --at with that nearest to SCENE's own value, "
+            "at which the cycle is then found. With --vary, a branch of equilibria that rodgen "
+            "branch has written: begin in its Hopf point --at (1 is the first special point).",
         ),
     ] = None,
-    at: Annotated[
-        int | None,
-        typer.Option(
-            help="The number of the cycle in that file; if not given, that nearest to SCENE's own "
-            "value, at which the cycle is then found."
-        ),
-    ] = None,
+    at: PointNumber = None,
     vary: Annotated[
         str | None,
         typer.Option(metavar="KEY", help="Follow the branch of cycles along a number of SCENE."),
@@ -60,6 +79,17 @@ def cycle(
         str,
         typer.Option(help="Where the branch begins: hopf (a Hopf point), or run (SCENE's cycle)."),
     ] = "hopf",
+    switch: Annotated[
+        int | None,
+        typer.Option(
+            metavar="NUMBER",
+            help="With --vary: follow the branch that begins in the special point of this number: "
+            "a branch point, or a period doubling, from which cycles of twice the period go.",
+        ),
+    ] = None,
+    resume: ResumeFile = None,
+    step: LongestStep = 0.1,
+    most: MostPoints = 200,
     mode: Annotated[
         int | None,
         typer.Option(
@@ -76,13 +106,15 @@ def cycle(
 ) -> None:
     """Show the periodic motion that SCENE settles on, and its Floquet multipliers; draw both. With
     --vary, follow such motions along a number of SCENE."""
-    from rodgen.scene import Scene, SceneError
+    from rodgen.scene import SceneError
 
-    scene = Scene.from_toml(scene_file)
     if vary is None and between is not None:
         raise SceneError("--between", between, "given with --vary, the key that is varied")
-    if at is not None and branch_file is None:
-        raise SceneError("--at", at, "given with --from, the file of a branch")
+    if vary is None and resume is not None:
+        raise SceneError("--resume", str(resume), "given with --vary, the key that is varied")
+    if vary is None and switch is not None:
+        raise SceneError("--switch", switch, "given with --vary, the key that is varied")
+    number = point_of(branch_file or resume, at, "--from or --resume")
     if (mode is None) != (energy is None):
         name, other = ("--mode", "--energy") if energy is None else ("--energy", "--mode")
         raise SceneError(name, energy if mode is None else mode, f"given with {other}")
@@ -91,24 +123,45 @@ def cycle(
             if value is not None:
                 raise SceneError(option, str(value), "absent beside --mode")
     if vary is not None:
-        _branch(scene, vary, between, start, segments, out_folder, as_json)
+        for option, asked in (("--by", by), ("--multipliers", multipliers)):
+            if asked is not None:
+                raise SceneError(option, asked, "absent beside --vary: branches are shot")
+        from rodgen.analyse.branches.branch_data import read as equilibria
+        from rodgen.analyse.cycles.branch_data import read
+
+        begin: dict[str, Any] = {"start": start}
+        if resume:
+            begin = {"resume": read(resume), "at": number}
+        elif branch_file:
+            begin = {"start": equilibria(branch_file), "at": at}
+        how = {"switch": switch, "segments": segments or SEGMENTS, "step": step, "most": most}
+        _branch(scene, vary, between, as_json, out_folder, **begin, **how)
         return
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("looking for a cycle"):
             if mode is not None and energy is not None:
-                found = _of_mode(scene, mode, energy, segments)
+                found = _of_mode(scene, mode, energy, segments or SEGMENTS)
             else:
-                found = _found(scene, segments, branch_file, at)
+                found = _found(
+                    scene, branch_file, at, by=by, segments=segments, multipliers=multipliers
+                )
         if not found.stable:
             warn(f"this cycle is unstable: {found.unstable} multipliers are larger than 1")
         double = not (found.work or found.forced)  # energy is kept
+        if found.error > ROUGH:
+            warn(
+                f"the larger multipliers are right to about {found.error:.0e} only: drag and other "
+                "loads with a kink spoil the order of collocation"
+            )
         if found.trivial_error > (UNSURE_DOUBLE if double else UNSURE):
             warn(f"the multipliers are right to {found.trivial_error:.1e} only")
         if as_json:
             print_json(_object(found))
             return
-        print_values(f"{scene.name}: cycle", _rows(found))
         from rodgen.show.cycle_pictures import film_strip, unit_circle
+        from rodgen.show.result_tables import of_cycle
+
+        print_values(f"{scene.name}: cycle", of_cycle(found))
 
         write_picture(lambda: film_strip(found), folder, "cycle")
         write_picture(lambda: unit_circle(found), folder, "multipliers")
@@ -116,7 +169,7 @@ def cycle(
             from rodgen.analyse.cycles.nonlinear_modes import continue_mode
             from rodgen.show.cycle_pictures import family
 
-            data = continue_mode(scene, mode, energy, segments=segments)
+            data = continue_mode(scene, mode, energy, segments=segments or SEGMENTS)
             write_picture(lambda: family(data, scene), folder, "mode")
 
 
@@ -126,69 +179,59 @@ def _of_mode(scene: Scene, mode: int, energy: float, segments: int) -> Cycle:
     return nonlinear_mode(scene, mode, energy, segments=segments)
 
 
-def _found(scene: Scene, segments: int, branch_file: Path | None, at: int | None) -> Cycle:
-    from rodgen.analyse.cycles.cycle import find_cycle
+def _found(scene: Scene, branch_file: Path | None, at: int | None, **given: Any) -> Cycle:
+    """given: to `find_cycle`."""
+    from rodgen.analyse.cycles.search import find_cycle
 
     if branch_file is None:
-        return find_cycle(scene, segments=segments)
+        return find_cycle(scene, **given)
     from rodgen.analyse.cycles.branch_data import nearest, on_branch, read
 
     data = read(branch_file)
+    there, known = on_branch(data, nearest(data, scene) if at is None else at)
     if at is not None:
-        scene, _, y0, period = on_branch(data, at)
-    else:
-        _, _, y0, period = on_branch(data, nearest(data, scene))
-    return find_cycle(scene, y0=y0, period=period, segments=segments)
+        scene = there
+    return find_cycle(scene, y0=known.y0, period=known.period, **given)
 
 
 def _branch(
-    scene: Scene,
-    key: str,
-    between: str | None,
-    start: str,
-    segments: int,
-    out_folder: Path,
-    as_json: bool,
+    scene: Scene, key: str, between: str | None, as_json: bool, out_folder: Path, **given: Any
 ) -> None:
-    from rodgen.analyse.curves.files import save
     from rodgen.analyse.cycles.branches import continue_cycles
-
-    ends = _ends(between)
-    with promised(None if as_json else out_folder / scene.name) as folder:
-        with working("following cycles"):
-            data = continue_cycles(scene, key, ends, start=start, segments=segments)
-        if not data.attrs["complete"]:
-            warn(f"the branch stops at {float(data['value'][-1]):.9g}: {data.attrs['end']}")
-        for note in filter(None, data.attrs["notes"].split("\n")):
-            warn(note)
-        if as_json:
-            print_json(_branch_object(data))
-            return
-        out.print(_branch_table(data, scene.name, key))
-        if "supercritical" in data.attrs:
-            kind = "super" if data.attrs["supercritical"] else "sub"
-            out.print(
-                f"The Hopf point is {kind}critical: first Lyapunov coefficient "
-                f"{data.attrs['lyapunov']:.6g} per rad^2."
-            )
-        file = folder / "cycles.nc"
-        save(data, file)
-        out.print(f"Written: {file}")
-        from rodgen.show.cycle_pictures import amplitudes
-
-        write_picture(lambda: amplitudes(data, scene), folder, "cycles")
-
-
-def _ends(between: str | None) -> tuple[float, float]:
-    """Two numbers from A,B. Raises SceneError."""
     from rodgen.scene import SceneError
 
-    try:
-        low, high = (float(part) for part in (between or "").split(","))
-    except ValueError:
-        allowed = "two numbers A,B between which the key of --vary is varied"
-        raise SceneError("--between", between, allowed) from None
-    return low, high
+    if between is None:
+        raise SceneError("--between", None, "two numbers A,B between which the key of --vary goes")
+    ends = numbers("--between", between, ",")
+    switch = given["switch"]
+    name = CYCLES if switch is None else f"{CYCLES}_{switch}"
+    with promised(None if as_json else out_folder / scene.name) as folder:
+        made = followed(
+            "the branch of cycles",
+            lambda said: continue_cycles(
+                scene, key, ends, watch=lambda value: said(f"{key} = {value:.6g}"), **given
+            ),
+        )
+        data = made.data
+        made.warn()
+        if as_json:
+            print_json(_branch_object(data))
+        else:
+            out.print(_branch_table(data, scene.name, key))
+            if "supercritical" in data.attrs:
+                kind = "super" if data.attrs["supercritical"] else "sub"
+                out.print(
+                    f"The Hopf point is {kind}critical: first Lyapunov coefficient "
+                    f"{data.attrs['lyapunov']:.6g} per rad^2."
+                )
+            made.write(folder, name, lambda: _amplitudes(data, scene))
+        made.stop(None if as_json else folder / f"{name}.nc")
+
+
+def _amplitudes(data: xarray.Dataset, scene: Scene) -> Figure:
+    from rodgen.show.cycle_pictures import amplitudes
+
+    return amplitudes(data, scene)
 
 
 def _branch_object(data: xarray.Dataset) -> dict[str, object]:
@@ -221,7 +264,7 @@ def _branch_table(data: xarray.Dataset, name: str, key: str) -> Table:
             table.add_row(str(at), *(f"{one:.9g}" for one in row), str(int(data["unstable"][at])))
         for after, number in special:
             if after == at:
-                kind = str(data["special_kind"].values[number])
+                kind = f"{number + 1}: {data['special_kind'].values[number]}"
                 value, period = (
                     float(data[f"special_{one}"][number]) for one in ("value", "period")
                 )
@@ -236,36 +279,3 @@ def _object(found: Cycle) -> dict[str, object]:
         "energy": found.energy,
         "y0": found.y0.tolist(),
     }
-
-
-def _rows(found: Cycle) -> dict[str, str]:
-    of = ", that of the loads" if found.forced else ""
-    rows = {
-        "period": f"{found.period:.12g} s{of}",
-        "frequency": f"{1 / found.period:.10g} Hz",
-        "amplitude of the angles": f"{found.amplitude:.8g} rad",
-        "energy of y0": f"{found.energy:.10g} J",
-        **{f"work of {name} a period": f"{work:.8g} J" for name, work in found.work.items()},
-    }
-    if found.angle:
-        rows["turned after a period by"] = (
-            f"{found.angle:.10g} rad = {math.degrees(found.angle):.6g} degrees"
-        )
-    if found.drift.any():
-        rows["moved after a period by"] = f"({found.drift[0]:.8g}, {found.drift[1]:.8g}) m"
-    multipliers = found.nontrivial[:SHOWN].tolist()
-    for at, mu in enumerate(multipliers):
-        sign = f" {'+-'[mu.imag < 0]} {abs(mu.imag):.8g} i" if mu.imag else ""
-        rows[f"multiplier {at + 1}"] = f"{mu.real:.8g}{sign}   (size {abs(mu):.8g})"
-    left = len(found.nontrivial) - len(multipliers)
-    rows["further multipliers"] = f"{left}, smaller" if left else "none"
-    rows["multipliers that are 1"] = f"{found.trivial}, found with an error of " * bool(
-        found.trivial
-    ) + (f"{found.trivial_error:.1e}" if found.trivial else "none: the loads give the phase")
-    rows["stable"] = "yes" if found.stable else "NO"
-    way = f"after a run of {found.after:g} s, " if found.after else ""
-    way += f"by {found.iterations} iterations of Newton's method"
-    if not found.iterations:
-        way = "on the family of a linear mode"
-    rows["found"] = f"{way}; closes to {found.residual:.1e} of its size"
-    return rows

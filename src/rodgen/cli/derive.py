@@ -3,34 +3,50 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.table import Table
 
 from rodgen.check.proofs import MOST_EXPLICIT, MOST_JOINTS, Proof, prove
-from rodgen.cli.console import out, working
+from rodgen.cli.console import out, print_json, working
 from rodgen.cli.errors import DISPROVEN, fail
+from rodgen.cli.options import AsJson
 from rodgen.cli.results import promised, unwritable
+from rodgen.cli.shared import Changes, read_scene
 from rodgen.emit.targets import FORMS, TARGETS, check_output, closed, offered
 from rodgen.loading import companions, sources
 from rodgen.loading.cache import write_whole
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.model.terms import TERMS, THESIS_TERMS
 from rodgen.scene import SceneError, Structure
+from rodgen.scene.errors import Missing
 from rodgen.scene.structure import choose, parse_terms
 
 OTHERS = ", ".join(name for name in TERMS if name not in THESIS_TERMS)
 
 
 def derive(
-    links: Annotated[str, typer.Argument(help="Number of links, N.")],
-    boundary: Annotated[str, typer.Option(help=", ".join(BOUNDARIES))] = "free",
-    inertia: Annotated[str, typer.Option(help=", ".join(INERTIAS))] = "uniform",
+    links: Annotated[
+        str | None, typer.Argument(metavar="N", help="Number of links; absent beside --scene.")
+    ] = None,
+    scene_file: Annotated[
+        Path | None,
+        typer.Option("--scene", metavar="FILE", help="Scene for whose module this is, instead."),
+    ] = None,
+    changes: Changes = None,
+    boundary: Annotated[
+        str | None, typer.Option(help=", ".join(BOUNDARIES), show_default="free")
+    ] = None,
+    inertia: Annotated[
+        str | None, typer.Option(help=", ".join(INERTIAS), show_default="uniform")
+    ] = None,
     terms: Annotated[
-        str, typer.Option(help=f"all (but {OTHERS}), none, or a list with commas")
-    ] = "all",
+        str | None,
+        typer.Option(help=f"all (but {OTHERS}), none, or a list with commas", show_default="all"),
+    ] = None,
     target: Annotated[str, typer.Option(help=f"{', '.join(TARGETS)} or both")] = "numpy",
     form: Annotated[str, typer.Option(help=", ".join(FORMS))] = "chain",
     out_folder: Annotated[Path, typer.Option("--out", help="Folder for the module.")] = Path(),
@@ -43,9 +59,14 @@ def derive(
     explicit: Annotated[
         bool, typer.Option(help=f"Run LagrangesMethod with all links beyond {MOST_EXPLICIT} too.")
     ] = False,
+    as_json: AsJson = False,
 ) -> None:
-    """Derive the equations of N links, prove them, and write the generated module."""
-    structure = Structure(_whole(links), boundary, inertia, parse_terms(terms))
+    """Derive the equations of N links, or of a scene, prove them, and write the generated module.
+
+    With --json, one JSON object is printed instead of a table; the module is written all the same.
+    """
+    given = {"N": links, "--boundary": boundary, "--inertia": inertia, "--terms": terms}
+    structure = _structure(given, scene_file, changes)
     choose("target", target, (*TARGETS, "both"))
     targets = TARGETS if target == "both" else (target,)
     for one in targets:
@@ -55,7 +76,8 @@ def derive(
         closed(one, wanted, with_steps and target != "both")
     with promised(out_folder):
         proof = _prove(structure, explicit)
-        out.print(_table(structure, proof))
+        if not as_json:
+            out.print(_table(structure, proof))
         with working("generating"):
             texts: dict[str, str] = {}
             for one in targets:
@@ -64,7 +86,43 @@ def derive(
                     one, wanted, steps
                 )
         for name, text in texts.items():
-            out.print(_write(out_folder / name, text))
+            said = _write(out_folder / name, text)
+            if not as_json:
+                out.print(said)
+        if as_json:
+            print_json(_object(structure, proof, [out_folder / name for name in texts]))
+
+
+def _structure(
+    given: Mapping[str, str | None], scene_file: Path | None, changes: Sequence[str] | None
+) -> Structure:
+    """What is derived: of a scene, or of what options say. Raises SceneError."""
+    if scene_file is not None:
+        for option, value in given.items():
+            if value is not None:
+                raise SceneError(option, value, "absent beside --scene, which says it")
+        return read_scene(scene_file, changes).structure
+    if changes:
+        raise SceneError("--set", changes, "given with --scene, whose keys it changes")
+    links, boundary, inertia, terms = given.values()
+    if links is None:
+        raise SceneError("N", Missing(), "given, the number of links, or else --scene FILE")
+    return Structure(
+        _whole(links), boundary or "free", inertia or "uniform", parse_terms(terms or "all")
+    )
+
+
+def _object(structure: Structure, proof: Proof, files: Sequence[Path]) -> dict[str, Any]:
+    proven = [
+        {"name": one.name, "how": one.how, "entries": one.entries} for one in proof.comparisons
+    ]
+    return {
+        "module": structure.stem,
+        "structure": structure.hash,
+        "proven": proven,
+        "proven_earlier": proof.kept,
+        "files": [str(path) for path in files],
+    }
 
 
 def _whole(text: str) -> int:

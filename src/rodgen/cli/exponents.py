@@ -7,11 +7,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
-from rodgen.cli.console import out, print_json, print_notes, progress, write_picture
-from rodgen.cli.options import AsJson, OutFolder, SceneFile
+from rodgen.cli.console import (
+    finite_or_none,
+    out,
+    print_json,
+    print_notes,
+    print_table,
+    progress,
+    write_picture,
+)
+from rodgen.cli.options import AsJson, OutFolder
 from rodgen.cli.results import promised
+from rodgen.scene import Scene
 
 if TYPE_CHECKING:
     from rodgen.analyse.chaos.exponents import Exponents
@@ -20,7 +28,7 @@ VERDICT = {True: "chaotic", False: "not chaotic", None: "cannot be told; take a 
 
 
 def exponents(
-    scene_file: SceneFile,
+    scene: Scene,
     count: Annotated[
         int | None,
         typer.Option(help="How many, from the largest on; all of the state, if not given."),
@@ -38,9 +46,7 @@ def exponents(
 ) -> None:
     """Show how fast neighbours of the motion of SCENE come apart: its Lyapunov exponents."""
     from rodgen.analyse.chaos.exponents import lyapunov_exponents
-    from rodgen.scene import Scene
 
-    scene = Scene.from_toml(scene_file)
     start, end = scene.integrate.span
     length = end - start if span is None else span
     with promised(None if as_json else out_folder / scene.name) as folder:
@@ -52,11 +58,12 @@ def exponents(
             print_json(_object(found))
             return
         print_notes(found.notes)
-        out.print(_table(found, scene.name))
+        from rodgen.show.exponent_pictures import convergence
+        from rodgen.show.result_tables import of_exponents
+
+        print_table(f"{scene.name}: Lyapunov exponents", of_exponents(found))
         for line in _words(found):
             out.print(line)
-        from rodgen.show.exponent_pictures import convergence
-
         write_picture(lambda: convergence(found, scene.name), folder, "exponents")
 
 
@@ -64,26 +71,12 @@ def _object(found: Exponents) -> dict[str, object]:
     return {
         "exponents": found.exponents.tolist(),
         "errors": found.errors.tolist(),
-        "zero_one": _number(found.zero_one),
-        "divergence": _number(found.divergence),
+        "zero_one": finite_or_none(found.zero_one),
+        "divergence": finite_or_none(found.divergence),
         "transient": found.transient,
         "zeros": found.zeros,
         "notes": list(found.notes),
     }
-
-
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-def _table(found: Exponents, name: str) -> Table:
-    table = Table(title=f"{name}: Lyapunov exponents")
-    for column in ("", "exponent [1/s]", "error [1/s]", ""):
-        table.add_column(column, justify="right")
-    for at, (mean, error) in enumerate(zip(found.exponents, found.errors, strict=True)):
-        said = "zero within its error" if abs(mean) <= 2 * error else ""
-        table.add_row(str(at + 1), f"{mean:.6g}", f"{error:.2g}", said)
-    return table
 
 
 def _words(found: Exponents) -> list[str]:

@@ -6,18 +6,27 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
-from rodgen.cli.console import finite, out, print_json, print_notes, warn, working, write_picture
-from rodgen.cli.options import After, AsJson, AtTime, OutFolder, SceneFile, Speed
+from rodgen.cli.console import (
+    finite,
+    out,
+    print_json,
+    print_notes,
+    print_table,
+    warn,
+    working,
+    write_picture,
+)
+from rodgen.cli.options import After, AsJson, AtTime, OutFolder, Speed
 from rodgen.cli.results import promised
+from rodgen.scene import Scene
 
 if TYPE_CHECKING:
     from rodgen.analyse.modes import Modes
 
 
 def modes(
-    scene_file: SceneFile,
+    scene: Scene,
     count: Annotated[int, typer.Option(help="How many modes, from the lowest on.")] = 10,
     t: AtTime = None,
     speed: Speed = None,
@@ -28,9 +37,7 @@ def modes(
     """Show the natural frequencies of SCENE about its steady state; draw the shapes."""
     from rodgen.analyse.modes import natural_modes
     from rodgen.analyse.system import in_words, silent
-    from rodgen.scene import Scene
 
-    scene = Scene.from_toml(scene_file)
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("linearising"):
             found = natural_modes(scene, count, t=finite("--t", t), speed=speed, after=after)
@@ -41,7 +48,9 @@ def modes(
         print_notes(found.notes)
         out.print(f"{scene.name}: {in_words(scene, found.t)}")
         if len(found.frequencies):
-            out.print(_table(found, scene.name))
+            from rodgen.show.result_tables import of_modes
+
+            print_table(f"{scene.name}: natural frequencies", of_modes(found))
         else:
             out.print(f"{scene.name}: no natural frequencies")
         out.print(f"About the state: {found.state}.")
@@ -75,19 +84,6 @@ def _object(found: Modes) -> dict[str, object]:
         "speed": found.speed,
         "notes": found.notes,
     }
-
-
-def _table(found: Modes, name: str) -> Table:
-    table = Table(title=f"{name}: natural frequencies")
-    damped = bool(found.growth.any())
-    columns = ["mode", "frequency [Hz]", "period [s]"]
-    for column in [*columns, *["growth [1/s]", "damping ratio"] * damped]:
-        table.add_column(column, justify="right")
-    for at, (f, growth) in enumerate(zip(found.frequencies, found.growth, strict=True)):
-        size = float((growth**2 + (6.283185307179586 * f) ** 2) ** 0.5)
-        row = [str(at + 1), f"{f:.10g}", f"{1 / f:.6g}" if f else "-"]
-        table.add_row(*row, *[f"{growth:.6g}", f"{0.0 - growth / size:.6g}" if f else "-"] * damped)
-    return table
 
 
 def _left_out(found: Modes) -> str:

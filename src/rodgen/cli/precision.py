@@ -10,7 +10,7 @@ import typer
 from rich.table import Table
 
 from rodgen.cli.console import out, print_json, working, write_picture
-from rodgen.cli.options import AsJson, OutFolder, SceneFile
+from rodgen.cli.options import AsJson, OutFolder
 from rodgen.cli.results import promised
 from rodgen.scene import Scene
 
@@ -22,7 +22,7 @@ UNITS = {"error_phi": "rad", "error_tail": "m"}
 
 
 def precision(
-    scene_file: SceneFile,
+    scene: Scene,
     seconds: Annotated[
         float, typer.Option(help="About how long it takes, besides making the module [s].")
     ] = 40.0,
@@ -32,7 +32,6 @@ def precision(
     """Measure error against run time on SCENE, of rodgen's methods and SciPy's; draw it."""
     from rodgen.analyse.precision.work_precision import work_precision
 
-    scene = Scene.from_toml(scene_file)
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("measuring") as step:
             found = work_precision(scene, seconds=seconds, progress=step)

@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
-import signal
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import typer
 
-from rodgen.cli.console import err, out, progress, warn, working
+from rodgen.cli.console import (
+    drawn,
+    err,
+    finite_or_none,
+    out,
+    print_json,
+    progress,
+    warn,
+    working,
+)
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
-from rodgen.cli.options import OutFolder, SceneFile
+from rodgen.cli.options import OutFolder
 from rodgen.cli.results import check_same, promised, to_replace, unwritable
+from rodgen.cli.signals import end_as_by_ctrl_c, hold_back_ctrl_c, let_ctrl_c_through
 from rodgen.integrate import Interrupted, RunError, Solution, StepWarning, resume, simulate
 from rodgen.integrate.error_growth import error_growth as growth_of
 from rodgen.integrate.files.checkpoint import beside
@@ -24,14 +34,15 @@ from rodgen.integrate.methods.compiled import parts
 from rodgen.loading import build, companions, fastest, sources
 from rodgen.loading.cache import write_whole
 from rodgen.scene import Scene
+from rodgen.scene.integration import Settings
 from rodgen.scene.overrides import check_used
 
-RESULT = "solution.nc"
+RESULT, SUMMARY = "solution.nc", "summary.txt"
 
 
 def run(
     context: typer.Context,
-    scene_file: SceneFile,
+    scene: Scene,
     method: Annotated[str | None, typer.Option(help="Instead of the scene's method.")] = None,
     step: Annotated[float | None, typer.Option(help="Step of a fixed-step method [s].")] = None,
     rtol: Annotated[float | None, typer.Option(help="Relative tolerance.")] = None,
@@ -54,12 +65,21 @@ def run(
     resumed: Annotated[
         bool, typer.Option("--resume", help="Go on with the run of SCENE that was stopped.")
     ] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Say what came out in one JSON object.")
+    ] = False,
 ) -> None:
     """Integrate SCENE; write states, pictures and a summary, and say what came out."""
     check_every(checkpoint, "--checkpoint")
-    given = Scene.from_toml(scene_file)
-    overrides = {"step": step, "rtol": rtol, "atol": atol}
-    scene = given.with_integrate(method=method, span=span, output_every=output_every, **overrides)
+    overrides: Settings = {
+        "method": method,
+        "span": span,
+        "step": step,
+        "rtol": rtol,
+        "atol": atol,
+        "output_every": output_every,
+    }
+    scene = scene.with_integrate(**overrides)
     check_used(scene.integrate, overrides, prefix="--")
     start, end = scene.integrate.span
     folder = out_folder / scene.name
@@ -76,8 +96,7 @@ def run(
                 model, without_c = fastest(scene, wanted)
         context.with_resource(promised(folder))
         stale = to_replace(scene, file)
-    # What a batch system sends to end a program is to lose nothing either.
-    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
+    end_as_by_ctrl_c()
     with progress(scene.name, start, end) as update, _warned():
         try:
             if resumed:
@@ -90,14 +109,19 @@ def run(
         except RunError as error:
             solution, status = error.solution, FAILED_RUN
         except Interrupted as error:
-            _hold_back_ctrl_c()
+            hold_back_ctrl_c()
             solution, status = error.solution, INTERRUPTED
             err.print(f"rodgen: {solution.message}; writing what was computed")
     if error_growth and not status:
         _find_error_growth(solution)
     with np.errstate(all="ignore"):  # a run that blew up has energies that overflow
         pictured = status != INTERRUPTED and len(solution.t) > 0
-        _write(solution, folder, without_c, stale, pictured)
+        written = _write(solution, folder, without_c, stale, pictured)
+        if as_json:
+            print_json(_object(solution, folder, written))
+        else:
+            out.print((folder / SUMMARY).read_text(encoding="utf-8"), end="")
+            out.print(f"Written to {folder}: {', '.join(written)}.")
     if status:
         does = "goes on with it" if beside(file).exists() else "starts it again"
         again = f"; --resume {does}" if status == INTERRUPTED else ""
@@ -112,7 +136,7 @@ def _find_error_growth(solution: Solution) -> None:
         with working("following a neighbouring motion"):
             solution.errors = growth_of(solution)
     except KeyboardInterrupt:
-        _hold_back_ctrl_c()
+        hold_back_ctrl_c()
         err.print("rodgen: interrupted: how fast errors grow is not known")
 
 
@@ -131,13 +155,13 @@ def _warned() -> Iterator[None]:
 
 def _write(
     solution: Solution, folder: Path, without_c: str, stale: list[Path], pictured: bool
-) -> None:
-    """What is made from the states, which are there already. Ctrl-C can still leave out the
-    pictures; where the run itself was stopped by it, there are none.
+) -> list[str]:
+    """What is made from the states, which are there already, as names of files. Ctrl-C can still
+    leave out the pictures; where the run itself was stopped by it, there are none.
 
     without_c: why the C module was not used; stale: files of the module that was there before.
     """
-    _hold_back_ctrl_c()
+    hold_back_ctrl_c()
     from rodgen.show.summary import summary
 
     words = summary(solution, without_c)
@@ -146,31 +170,42 @@ def _write(
     target = model.PROVENANCE["target"]
     texts = sources(solution.scene, target) | companions(target)
     # Of what lies in a folder, the folder.
-    written = [RESULT, "summary.txt", *dict.fromkeys("".join(n.partition("/")[:2]) for n in texts)]
+    written = [RESULT, SUMMARY, *dict.fromkeys("".join(n.partition("/")[:2]) for n in texts)]
     try:
         with working("writing") as step:
-            write_whole(folder / "summary.txt", words)
+            write_whole(folder / SUMMARY, words)
             for name, text in texts.items():
                 write_whole(folder / name, text)
             for file in stale:
                 if file.name not in texts:
                     file.unlink(missing_ok=True)
             step(RESULT)
-            if pictured:
-                _let_ctrl_c_through()
+            if pictured and drawn():
+                let_ctrl_c_through()
                 from rodgen.show.pictures import save_pictures
 
                 written += [picture.name for picture in save_pictures(solution, folder)]
     except OSError as error:
         raise unwritable(folder, error) from None
-    out.print(words, end="")
-    out.print(f"Written to {folder}: {', '.join(written)}.")
+    return written
 
 
-def _hold_back_ctrl_c() -> None:
-    """What was computed is to be written first."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _let_ctrl_c_through() -> None:
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+def _object(solution: Solution, folder: Path, written: Sequence[str]) -> dict[str, Any]:
+    stats, settings, t = solution.stats, solution.scene.integrate, solution.t
+    errors = solution.errors
+    return {
+        "name": solution.scene.name,
+        "status": solution.status,
+        "message": solution.message,
+        "samples": len(t),
+        "end": float(t[-1]) if len(t) else None,
+        "method": settings.method,
+        **asdict(stats),
+        "tip": [finite_or_none(float(x)) for x in solution.tip[-1]] if len(t) else None,
+        "work": {name: finite_or_none(float(w[-1])) for name, w in solution.work.items() if len(t)},
+        "energy_error": finite_or_none(solution.energy_error),
+        "error_growth": None if errors is None else finite_or_none(errors.factor),
+        "events": [{"name": event.name, "t": event.t} for event in solution.events],
+        "folder": str(folder),
+        "files": list(written),
+    }

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rodgen.cli.console import finite, out, print_json, print_values, warn, working, write_picture
-from rodgen.cli.options import AsJson, AtTime, OutFolder, SceneFile
+from rodgen.cli.options import AsJson, AtTime, OutFolder
 from rodgen.cli.results import promised
+from rodgen.scene import Scene
 
 if TYPE_CHECKING:
     from rodgen.analyse.statics import Equilibrium
-    from rodgen.scene import Scene
-
-STABLE = {"": "yes", None: "not looked at (more than 200 links)"}
-ROUNDING = 1e-15  # of the largest coordinate
 
 
 def static(
-    scene_file: SceneFile,
+    scene: Scene,
     t: AtTime = None,
     imperfection: Annotated[
         float | None,
@@ -43,9 +39,8 @@ def static(
     """Show the static equilibrium of SCENE; draw the deflected rod."""
     from rodgen.analyse.statics import static_equilibrium
     from rodgen.analyse.system import System, in_words, silent
-    from rodgen.scene import Scene, SceneError
+    from rodgen.scene import SceneError
 
-    scene = Scene.from_toml(scene_file)
     if every:
         if imperfection is not None:
             raise SceneError("--imperfection", imperfection, "absent beside --all")
@@ -60,8 +55,10 @@ def static(
             print_json(_object(rest) | {"silent": silent(scene, rest.t)})
             return
         out.print(f"{scene.name}: {in_words(scene, rest.t)}")
-        print_values(f"{scene.name}: static equilibrium", _rows(rest))
         from rodgen.show.analysis_pictures import equilibrium_shape
+        from rodgen.show.result_tables import of_equilibrium
+
+        print_values(f"{scene.name}: static equilibrium", of_equilibrium(rest))
 
         write_picture(lambda: equilibrium_shape(rest, System.of(scene, t)), folder, "static")
 
@@ -89,6 +86,8 @@ def _every(scene: Scene, t: float | None, out_folder: Path, as_json: bool) -> No
 def _stability(rest: Equilibrium) -> str:
     if rest.instability:
         return f"unstable ({rest.instability})"
+    from rodgen.show.result_tables import STABLE
+
     return "stable" if rest.stable else STABLE[None]
 
 
@@ -114,21 +113,4 @@ def _object(rest: Equilibrium) -> dict[str, object]:
         "iterations": rest.iterations,
         "stages": list(rest.stages),
         "t": rest.t,
-    }
-
-
-def _rows(rest: Equilibrium) -> dict[str, str]:
-    largest = abs(rest.joints).max()
-    x, y, x0, y0 = (0.0 if abs(c) < ROUNDING * largest else c for c in (*rest.tip, *rest.joints[0]))
-    angle = float(rest.phi[-1])
-    stages = len(rest.stages)
-    return {
-        "tip x": f"{x:.12g} m",
-        "tip y": f"{y:.12g} m",
-        "tip angle": f"{angle:.12g} rad = {math.degrees(angle):.6g} degrees",
-        "joint 0": f"({x0:.12g}, {y0:.12g}) m",
-        **{name: f"{value:.12g}" for name, value in rest.states.items()},
-        "Newton iterations": f"{rest.iterations}, the last correction {rest.change:.1e} rad",
-        "load stages": str(stages) if stages > 1 else "1 (the whole load at once)",
-        "stable": STABLE.get(rest.instability, f"NO ({rest.instability})"),
     }

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import signal
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import out, print_values, working
+from rodgen.cli.console import drawn, out, print_values, working
 from rodgen.cli.errors import BAD_INPUT, FAILED_RUN, INTERRUPTED, fail
+from rodgen.cli.options import OutFolder
+from rodgen.cli.signals import end_as_by_ctrl_c, hold_back_ctrl_c
 
 STORE = "study.zarr"
 SHOW = "show"
@@ -23,12 +24,10 @@ def study(
             help="A study, in TOML; or the store of one, whose pictures are drawn again.",
         ),
     ],
-    out_folder: Annotated[
-        Path, typer.Option("--out", help="Folder in which a folder of the study's name is made.")
-    ] = Path("results"),
+    out_folder: OutFolder = Path("results"),
     workers: Annotated[
         int | None,
-        typer.Option(help="Processes; by default one a processor. With 1, one without Dask."),
+        typer.Option(help="By default one a processor, of short studies 1, without Dask."),
     ] = None,
     scheduler: Annotated[
         str | None,
@@ -71,8 +70,7 @@ def study(
     with working("checking"):
         made = Study.from_toml(given[0])
     store = out_folder / made.name / STORE
-    # What a batch system sends to end a program is to lose nothing either.
-    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
+    end_as_by_ctrl_c()
     why, status = "", 0
     try:
         run(
@@ -88,7 +86,7 @@ def study(
     except StudyError as error:
         why, status = str(error), FAILED_RUN
     except KeyboardInterrupt:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        hold_back_ctrl_c()
         why, status = "interrupted", INTERRUPTED
     if status:
         fail(f"{why}; {_kept(store)}", status)
@@ -118,7 +116,8 @@ def _draw(store: Path) -> None:
     from rodgen.show.study_pictures import draw
     from rodgen.studies.store import read
 
-    with working("drawing"):
-        made = draw(read(store), store.absolute().parent)
-    written = [str(path) for path in made]
-    out.print(f"Written: {', '.join([str(store), *written])}")
+    written = [store]
+    if drawn():
+        with working("drawing"):
+            written += draw(read(store), store.absolute().parent)
+    out.print(f"Written: {', '.join(map(str, written))}")

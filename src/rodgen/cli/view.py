@@ -2,69 +2,144 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rodgen.cli.console import out
 from rodgen.cli.errors import BAD_INPUT, fail
+from rodgen.cli.options import PointNumber, point_of
+from rodgen.cli.shared import Changes, read_scene
+from rodgen.extras import how_to_have
+
+if TYPE_CHECKING:
+    from rodgen.integrate.solution import Solution
+    from rodgen.scene import Scene
+
+RESULT = ".nc"  # what a file of a result ends in
 
 
 def view(
     scene_file: Annotated[
-        Path | None, typer.Argument(metavar="SCENE", help="A scene, in TOML.")
+        Path | None,
+        typer.Argument(metavar="SCENE", help="A scene, in TOML; with --export a result, too."),
     ] = None,
     branch: Annotated[
         Path | None,
         typer.Option(
-            "--from", metavar="FILE", help="Start in a state of a branch: FILE of rodgen branch."
+            "--from",
+            metavar="FILE",
+            help="Start in a state of a branch, or of one of its cycles: FILE of rodgen branch or "
+            "of rodgen cycle --vary.",
         ),
     ] = None,
-    at: Annotated[
-        int | None, typer.Option(help="Number of the point of FILE; its last, if not given.")
-    ] = None,
+    at: PointNumber = None,
     folder: Annotated[
         Path | None, typer.Option(help="Scenes to choose from; if not given, those beside SCENE.")
     ] = None,
+    changes: Changes = None,
     host: Annotated[
         str, typer.Option(help="Address to listen on; other than the loopback, a token is needed.")
     ] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Port; 0 takes any that is free.")] = 8642,
+    paused: Annotated[
+        bool, typer.Option("--paused/--moving", help="Whether the rod waits at first, or moves.")
+    ] = False,
+    export: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Write the run of SCENE, or a result in NetCDF, as a page that needs no server; "
+            "FOLDER/index.html opens from the file system.",
+        ),
+    ] = None,
     opened: Annotated[
         bool, typer.Option("--open/--no-open", help="Whether to open the page in a browser.")
     ] = True,
 ) -> None:
     """Watch SCENE move in a browser, change it while it runs, plot anything; Ctrl-C ends it."""
-    from rodgen.scene import Scene, SceneError
+    from rodgen.scene import SceneError
 
     if (scene_file is None) == (branch is None):
         raise SceneError(
             "SCENE", scene_file and str(scene_file), "a scene, or --from with a branch"
         )
-    if at is not None and branch is None:
-        raise SceneError("--at", at, "absent without --from")
+    if changes and branch is not None:
+        raise SceneError("--set", changes, "absent beside --from")
+    if export is not None and scene_file is not None and scene_file.suffix == RESULT:
+        if changes:
+            raise SceneError("--set", changes, "absent beside a result")
+        _export(lambda: _read(scene_file), export)
+        return
+    number = point_of(branch, at, "--from")
     if branch is not None:
-        from rodgen.analyse.branches.branch_data import read, scene_at
-
-        scene, beside = scene_at(read(branch), -1 if at is None else at), branch
+        scene, beside = _at_point(branch, number), branch
     elif scene_file is not None:
-        scene, beside = Scene.from_toml(scene_file), scene_file
+        scene, beside = read_scene(scene_file, changes), scene_file
+    if export is not None:
+        _export(lambda: _solved(scene), export)
+        return
     if not 0 <= port <= 65535:
         raise SceneError("--port", port, "a whole number from 0 to 65535")
     place = folder or beside.resolve().parent
     if not place.is_dir():
         raise SceneError("--folder", str(place), "a folder")
-    try:
+    with _needed():
         from rodgen.live.page.server import Settings, serve
-    except ModuleNotFoundError as error:
-        # Whatever is not ours comes with the extra, or with what the extra brings.
-        if (error.name or "").partition(".")[0] == "rodgen":
-            raise
-        fail(f'the live view needs more: pip install "rodgen[view]" ({error})', BAD_INPUT)
 
     def said(address: str) -> None:
         out.print(f"{scene.name} is shown at {address}\nCtrl-C ends it.")
 
-    serve(Settings(scene, place, host, port, opened, said))
+    serve(Settings(scene, place, host, port, opened, not paused, said))
     out.print("\nEnded.")
+
+
+@contextmanager
+def _needed() -> Iterator[None]:
+    """What is imported is in the extra; where that is not there, it is said."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        # Whatever is not ours comes with the extra, or with what the extra brings.
+        if (error.name or "").partition(".")[0] == "rodgen":
+            raise
+        fail(f"the live view needs more: {how_to_have('view')} ({error})", BAD_INPUT)
+
+
+def _solved(scene: Scene) -> Solution:
+    """The run of a scene."""
+    from rodgen.integrate.simulate import simulate
+
+    return simulate(scene)
+
+
+def _read(file: Path) -> Solution:
+    """The run in a result, as many samples of it as the live view keeps."""
+    from rodgen.integrate.files.storage import load
+    from rodgen.live.samples import MOST
+
+    return load(file, MOST)
+
+
+def _export(run: Callable[[], Solution], folder: Path) -> None:
+    """Write a run as a page, once it is known that the folder can be had."""
+    with _needed():
+        from rodgen.live.page.export import check_own, export
+    check_own(folder)
+    export(run(), folder)
+    out.print(f"Written: {folder / 'index.html'}")
+
+
+def _at_point(file: Path, number: int) -> Scene:
+    """The scene that starts in the state of a point of a branch in a file."""
+    from rodgen.analyse.branches import branch_data
+    from rodgen.analyse.curves.files import read
+    from rodgen.analyse.cycles import branch_data as cycle_data
+
+    data = read(file, "--from", "a branch", branch_data.FORMAT, cycle_data.FORMAT)
+    if data.attrs["format"] == cycle_data.FORMAT:
+        return cycle_data.scene_at(data, number)
+    return branch_data.scene_at(data, number)

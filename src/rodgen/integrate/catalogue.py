@@ -93,7 +93,7 @@ class Motion:
         raise NotImplementedError
 
     def values(self, name: str) -> Any:
-        """A quantity by its name in model/quantities.py, (..., *dimensions); computed once."""
+        """A quantity by its name in model/quantities.py, one row for each state; computed once."""
         found = self._computed.get(name)
         if found is None:
             found = self._computed[name] = _formula(name)(self)
@@ -216,6 +216,48 @@ def _opened(motion: Motion, links: str, clamp: Array | float) -> Array:
     return np.diff(np.concatenate((*root, values, *tail), axis=-1), axis=-1)
 
 
+def _curvature(motion: Motion) -> Array:
+    """Turn between neighbouring links over the length of the cell of their spring: a link, and less
+    than that where a spring in the root or the tail is stiffer."""
+    bend, hold = motion.values("bend"), motion.hold
+    links = motion.values("phi").shape[-1]
+    per_link = np.ones(bend.shape[-1])
+    if hold.root:
+        per_link[0] = hold.root
+    if hold.tail:
+        per_link[-1] = hold.tail
+    length = np.asarray(motion.parameter("length"))[..., None]
+    found: Array = bend * per_link * links / length
+    return found
+
+
+def _gained(motion: Motion, rates: Array) -> Array:
+    """What kinetic energy gains by the rate at which further rates (..., positions) are taken on:
+    it is quadratic in the rates, so that a difference of any size is exact."""
+    half, sides = _positions(motion), []
+    for sign in (1, -1):
+        y = motion.y.copy()
+        y[..., half : 2 * half] += sign * rates
+        sides.append(motion.called("energy", y)[..., 0])
+    found: Array = (sides[0] - sides[1]) / 2
+    return found
+
+
+def _momentum(motion: Motion) -> Array:
+    units = np.eye(2, _positions(motion))
+    return np.stack([_gained(motion, unit) for unit in units], axis=-1)
+
+
+def _angular_momentum(motion: Motion) -> Array:
+    """Of a rod that moves freely, about its centre of gravity: all links turn at 1 rad/s more, and
+    joint 0 goes around that centre."""
+    size = _positions(motion)
+    rates = np.ones((*motion.y.shape[:-1], size))
+    x, y = np.moveaxis(motion.values("base") - motion.values("centre_of_gravity"), -1, 0)
+    rates[..., 0], rates[..., 1] = -y, x
+    return _gained(motion, rates)
+
+
 def _velocity(motion: Motion, function: str, *at: int) -> Array:
     """Velocity of a point, (..., 2): what its positions, which a function of the module gives,
     differ by a little before and after. Relative to joint 0, lest a rod far away lose its digits.
@@ -288,6 +330,9 @@ FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "centre_of_gravity": _module("centre_of_gravity"),
     "centre_velocity": lambda motion: _velocity(motion, "centre_of_gravity"),
     "bending_moments": _module("bending_moments"),
+    "curvature": _curvature,
+    "momentum": _momentum,
+    "angular_momentum": _angular_momentum,
     "energy": _module("energy"),  # of its parts, (..., 3)
     "kinetic_energy": _part("energy", 0),
     "spring_energy": _part("energy", 1),

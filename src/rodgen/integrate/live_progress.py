@@ -18,6 +18,7 @@ from rodgen.integrate.samples import Samples, Tape
 from rodgen.integrate.stepper import Array, Counts, StepError
 from rodgen.integrate.stretches import CREEP, STRIDE, Windows, inside
 from rodgen.scene import Scene
+from rodgen.scene.integration import Integrate
 
 STOPS = (StepError, OverflowError)  # what a method ends with that cannot go on
 
@@ -159,9 +160,9 @@ class Progress:
         return self._course.machine.y.copy()
 
     @property
-    def method(self) -> str:
-        """The method in use."""
-        return self._course.scene.integrate.method
+    def settings(self) -> Integrate:
+        """Method, step and tolerances in use."""
+        return self._course.scene.integrate
 
     @property
     def every(self) -> float:

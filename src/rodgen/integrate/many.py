@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from types import ModuleType
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,7 +27,7 @@ from rodgen.integrate.stretches import UNBOUNDED, Stretches, inside, step_to
 from rodgen.model.methods import METHODS
 from rodgen.native.many import REACHED, STOPPED
 from rodgen.scene.errors import SceneError, check_type, explain
-from rodgen.scene.integration import AUTO, Integrate
+from rodgen.scene.integration import AUTO, Integrate, Settings
 from rodgen.scene.overrides import check_used
 from rodgen.scene.plain import plain
 
@@ -41,28 +41,59 @@ def simulate_many(
     *,
     keep: Sequence[str] = (),
     workers: int = 1,
-    **settings: Any,
+    **settings: Unpack[Settings],
 ) -> Ensemble:
     """Integrate many rods of one structure, each with parameters and an initial state of its own.
 
-    p: parameters (rods, parameters), as the module's `parameters` packs them, or by name, each a
-    number or (rods,), of several numbers (K,) or (rods, K); y0: states (rods, states) at the start,
-    in the order of the module's STATE. Either may be one for all rods, without the first axis.
-    keep: reductions such as "max(phi_19)" or "rms(tip_y, from=5)": last, min, max, mean, rms, std
-    or time_of_max of a number of any quantity, over the samples of a run (between two times [s]).
-    workers: threads that share the work. settings: as those of [integrate] in a scene, such as
-    span, method (by default dop853), step, rtol, atol, output_every, t_eval, max_steps.
-
     Explicit methods of C modules take their steps in C, as many rods side by side as a vector has
-    lanes, each with a step of its own; samples are not stored, but taken into what is kept as runs
+    lanes, each with a step of its own. Samples are not stored, but taken into what is kept as runs
     go. Where laws of the motion switch at a sensor or a state, with methods that are implicit or
     not compiled, and for quantities that C does not have, runs are made one after the other. What
     comes out of a run does not depend on the others, their order or number, nor on the workers, to
     the bit. A run that fails does not stop the others.
 
-    Raises SceneError for arrays of other shapes, values that are not finite or not allowed, names
-    that the module does not have, reductions that are none, and settings that cannot be used;
-    TypeError for what is no module.
+    Parameters
+    ----------
+    model
+        A module of `build`.
+    p
+        Parameters (rods, parameters), as the module's `parameters` packs them, or by name, each a
+        number or (rods,), of several numbers (K,) or (rods, K). One set for all has no first axis.
+    y0
+        States (rods, states) at the start, in the order of the module's STATE, or one for all.
+    keep
+        Reductions such as "max(phi_19)" or "rms(tip_y, from=5)": last, min, max, mean, rms, std or
+        time_of_max of a number of any quantity, over the samples of a run (between two times [s]).
+    workers
+        Threads that share the work.
+    **settings
+        As those of [integrate] in a scene: span, method (by default dop853), step, rtol, atol,
+        output_every, t_eval, max_steps.
+
+    Returns
+    -------
+    Ensemble
+        What is kept, in arrays (rods,).
+
+    Raises
+    ------
+    SceneError
+        For arrays of other shapes, values that are not finite or not allowed, names that the module
+        does not have, reductions that are none, and settings that cannot be used.
+    TypeError
+        For what is no module.
+
+    Examples
+    --------
+    >>> import numpy as np, rodgen
+    >>> scene = rodgen.Scene.example("missile")
+    >>> model = rodgen.build(scene)
+    >>> p = scene.parameters | {"mass": np.linspace(19, 21, 3)}
+    >>> found = rodgen.simulate_many(
+    ...     model, p, scene.initial_state(), keep=["last(tip_x)"], span=[0, 1], rtol=1e-6
+    ... )
+    >>> found.values["last(tip_x)"].shape
+    (3,)
     """
     check_type("model", model, ModuleType, see="rodgen.build")
     return watched_many(model, p, y0, keep=keep, workers=workers, **settings)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,7 +37,7 @@ from rodgen.loading import build, build_fastest
 from rodgen.native.library import DeferredInterrupt
 from rodgen.progress import running, telling
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.integration import AUTO
+from rodgen.scene.integration import AUTO, Settings
 from rodgen.scene.overrides import check_used, with_parameters, with_state
 from rodgen.scene.scene import check_scene
 
@@ -57,30 +57,70 @@ def simulate(
     y0: ArrayLike | None = None,
     parameters: Mapping[str, Any] | None = None,
     error_growth: bool = False,
-    **overrides: Any,
+    **overrides: Unpack[Settings],
 ) -> Solution:
     """Integrate a scene.
 
-    target: "c" or "numpy"; if not given, C where it can be built. y0: the state (states,) at the
-    start, in the order of the module's STATE, instead of the scene's [initial]. parameters: values
-    instead of those of the scene, by their names in the module, such as {"follower_force": 300}.
-    overrides: values for the scene's [integrate] (method, span, step, rtol, atol, output_every,
-    t_eval, max_steps); all of these are checked as the scene's are. model: a module built before.
-    progress: called with the time [s] some ten times a second; where it has a method ``stage``,
-    that is told before which stage the making of the module is at, such as "compiling". If it is
-    not given, terminals and notebooks show a bar of what takes more than a second, unless it is
-    False.
-    out: a NetCDF file into which samples are written as they come, so that memory does not grow
-    with the span; the Solution then has at most MOST_SAMPLES of them. checkpoint: seconds between
-    two states of the run beside that file, from which `resume` goes on to the same bits.
-    error_growth: also find how fast small errors grow (`sol.error_growth`, which the file does not
-    keep), by a neighbouring motion after the run; that takes three to six times as long as the run.
+    Parameters
+    ----------
+    scene
+        What moves, under which loads, from where, for how long, by which method.
+    target
+        "c" or "numpy"; if not given, C where it can be built.
+    model
+        A module that `build` has made before.
+    progress
+        Called with the time [s] some ten times a second. Where it has a method ``stage``, that is
+        told which stage the making of the module is at, such as "compiling". If it is not given,
+        terminals and notebooks show a bar of what takes more than a second; False shows none.
+    out
+        A NetCDF file into which samples are written as they come, so that memory does not grow with
+        the span. The Solution then has at most MOST_SAMPLES of them.
+    checkpoint
+        Seconds between two states of the run beside that file, from which `resume` goes on to the
+        same bits.
+    y0
+        The state (states,) at the start, in the order of the module's STATE, instead of the scene's
+        [initial].
+    parameters
+        Values instead of those of the scene, by their names in the module, such as
+        {"follower_force": 300}.
+    error_growth
+        Also find how fast small errors grow (`sol.error_growth`, which the file does not keep), by
+        a neighbouring motion after the run. That takes three to six times as long as the run.
+    **overrides
+        Values for the scene's [integrate]: method, span, step, rtol, atol, output_every, t_eval,
+        max_steps. They are checked as the scene's are.
 
-    Raises SceneError for values that cannot be used, such as a step for a method that chooses its
-    own, or masses that jump too often for that to be accounted for, TypeError for what is no Scene,
-    RunError where the state stops being finite or the method gives up, Interrupted on Ctrl-C; the
-    last two carry the samples so far. Warns (StepWarning) of a fixed step beyond the method's
-    stability limit, and of loads that steps cannot follow.
+    Returns
+    -------
+    Solution
+        States (T, states) at T times, and every quantity that follows from them.
+
+    Raises
+    ------
+    SceneError
+        For values that cannot be used, such as a step for a method that chooses its own, or masses
+        that jump too often for that to be accounted for.
+    TypeError
+        For what is no Scene.
+    RunError
+        Where the state stops being finite or the method gives up. It carries the samples so far.
+    Interrupted
+        On Ctrl-C. It carries the samples so far.
+
+    Warns
+    -----
+    StepWarning
+        Of a fixed step beyond the method's stability limit, and of loads that steps cannot follow.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene = rodgen.Scene.example("missile")
+    >>> sol = rodgen.simulate(scene, rtol=1e-8, progress=False)
+    >>> sol.status, sol.y.shape[0] == len(sol.t), sol.energy_error < 1e-4
+    ('finished', True, True)
     """
     check_scene(scene)
     if parameters is not None:
@@ -116,8 +156,36 @@ def resume(
     """Go on with a run that was killed, from the last checkpoint beside its file.
 
     What comes out is bitwise what the run would have given, on the same machine with the same
-    compiler; without a checkpoint it starts again. Raises SceneError for a run that has ended, and
-    for a checkpoint that is damaged or of another version's module.
+    compiler. Without a checkpoint the run starts again.
+
+    Parameters
+    ----------
+    path
+        The file that `simulate(out=...)` or `rodgen run` was writing.
+    progress, checkpoint
+        As of `simulate`.
+
+    Returns
+    -------
+    Solution
+        The whole run.
+
+    Raises
+    ------
+    SceneError
+        For a run that has ended, and for a checkpoint that is damaged or of another version's
+        module.
+
+    Examples
+    --------
+    >>> import rodgen, tempfile, pathlib
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "run.nc"
+    >>> scene = rodgen.Scene.example("missile")
+    >>> sol = rodgen.simulate(scene, out=path, checkpoint=1.0, progress=False)
+    >>> rodgen.resume(path)
+    Traceback (most recent call last):
+    ...
+    rodgen.scene.errors.SceneError: ...
     """
     saver = Saver.resume(Path(path), checkpoint)
     with DeferredInterrupt() as interrupt:

@@ -19,11 +19,14 @@ from rodgen.loading import build, build_fastest
 from rodgen.loading.module import asked
 from rodgen.model.rod import Boundary
 from rodgen.scene import Scene, SceneError
+from rodgen.shown import Shown, appearance
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
     from rodgen.integrate.dense_output import DenseOutput
+    from rodgen.shown import Video
 
 
 class Energy(NamedTuple):
@@ -106,7 +109,7 @@ class _Module:
 
 
 @dataclass(repr=False)
-class Solution(Motion):
+class Solution(Motion, Shown):
     """States of a scene over time.
 
     t: times [s], (T,); y: states in the order of the module's STATE, (T, states); work: work done
@@ -315,6 +318,36 @@ class Solution(Motion):
         from rodgen.integrate.files.storage import to_xarray
 
         return to_xarray(self)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """One row a sample, over the time t [s], with a column for every number, named as events
+        and studies name them: phi_0, tip_x, joint_3_y; units are in `attrs["units"]`, by name."""
+        from rodgen.integrate.files.frame import to_pandas
+
+        return to_pandas(self)
+
+    def animate(
+        self,
+        *,
+        fps: float = 30.0,
+        speed: float | None = None,
+        view: str | None = None,
+        width: int = 640,
+        height: int = 360,
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Video:
+        """A video of the run, which notebooks play and `save` writes to a file.
+
+        fps: frames a second; speed: simulated seconds in a second of film, by default 1 where that
+        takes 3 to 60 s; view: "fixed", "centre" (moves with the centre of gravity) or "axes" (turns
+        with the principal axes, too), by default fixed where the rod is then large enough; width,
+        height [pixels], even; start, end: simulated times [s]. It is MP4 where there is an ffmpeg
+        or the package imageio-ffmpeg, else GIF. Raises SceneError for what cannot be used.
+        """
+        settings = {"fps": fps, "speed": speed, "view": view, "start": start, "end": end}
+        video: Video = appearance().video(self, width=width, height=height, **settings)
+        return video
 
     def save(self, path: str | Path) -> None:
         """Write everything to a NetCDF file, whole or not at all."""

@@ -252,14 +252,14 @@ def limit(method: str, value: complex, partner: complex | None = None) -> float:
 
 def largest(method: str, model: ModuleType, t: float, y: Array, p: Array) -> float:
     """The largest stable step [s] of a method about a state, by the fastest motion there; infinite
-    where there is no limit."""
+    where there is no limit, 0 where every step is unstable."""
     if method not in LIMITS:
         return np.inf
     try:
         fastest = dominant(model, t, y, p)
     except StepError:  # the run itself will say so
         return np.inf
-    return limit(method, fastest.value, fastest.partner) or np.inf
+    return limit(method, fastest.value, fastest.partner)
 
 
 def _growth(method: str, step: float, fastest: Dominant) -> float:

@@ -2,7 +2,8 @@
 
 The tangents V obey dV/dt = J(t, y) V along the motion y, by the exact derivatives of the equations.
 They are integrated by the very stages that the motion is, outside of the error control: the motion
-is that of a run without them, step by step, and V is the derivative of the steps themselves.
+is that of a run without them, step by step, and V is the derivative of the steps themselves. Where
+stages are solved for, those of V are too, by the factors of the step's Newton matrix, in O(n).
 """
 
 from __future__ import annotations
@@ -20,14 +21,17 @@ from rodgen.integrate.methods.compiled import FAILURES, FIRST, MOST, SLICE
 from rodgen.integrate.stepper import Array, StepError
 from rodgen.integrate.stretches import Stretches, inside
 from rodgen.loading import build_fastest
-from rodgen.model.methods import TABLEAUX
+from rodgen.model.methods import COLLOCATION, EITHER, TABLEAUX
 from rodgen.native import run
 from rodgen.scene import Scene
 from rodgen.scene.integration import Integrate
 
 PARTS = ("rhs", "tangents")  # of a module
-# Whose steps take tangents along: those by a sum of stages, in which every state moves alike.
-METHODS = ("dop853", *(name for name, tableau in TABLEAUX.items() if not tableau.follow))
+# Whose steps take tangents along: those in which every state moves alike.
+METHODS = (
+    *("dop853", *COLLOCATION),
+    *(name for name, tableau in TABLEAUX.items() if not tableau.follow),
+)
 
 
 @dataclass(frozen=True)
@@ -186,7 +190,9 @@ class _InC:
     ):
         count, states = tangents.shape
         kind = run.with_tangents(model.VARIATIONS, count)
-        self._run = kind(steps.method, t, y, p, steps.step, steps.rtol, steps.atol)
+        equal = steps.step > 0 and steps.method in EITHER
+        method = f"{steps.method}_equal_steps" if equal else steps.method
+        self._run = kind(method, t, y, p, steps.step, steps.rtol, steps.atol)
         first = len(self._run.state) - count * states
         self._states = states
         self.tangents = self._run.state[first:].reshape(count, states)

@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 
 from rodgen.integrate.catalogue import Piece, loads_at_work
 from rodgen.integrate.stepper import Array
+from rodgen.live.own import OwnQuantity
 from rodgen.live.samples import Chunk
 from rodgen.model.parameter import typeset
-from rodgen.model.quantities import ADDED, KINDS, LOADS, PERIODS, QUANTITIES, WORKS, numbers
+from rodgen.model.quantities import ADDED, KINDS, LOADS, OWN, PERIODS, QUANTITIES, WORKS, numbers
 from rodgen.model.terms import PARAMETERS, words_of
 from rodgen.scene import Scene, SceneError
 
 __all__ = ["KINDS", "PERIODS", "Catalogue", "Shown"]
 
+MOST_OWN = 100  # expressions that are known at a time
 MOST_PLANS = 256  # kept, one for every set of names that plots have asked for
 
 
@@ -54,12 +56,14 @@ class Catalogue:
 
     quantities: all of them by name, in the order in which they are offered; kinds: names by kind,
     of what can be shown together; along: of kinds that go along the rod, where on it their
-    quantities are, from 0 at joint 0 to 1 at the tail; works: loads without potential. All are
-    fixed by the structure of the scene: values of parameters are taken from each chunk.
+    quantities are, from 0 at joint 0 to 1 at the tail; works: loads without potential. Expressions
+    of quantities are quantities too, once they have been asked for. All are
+    fixed by the structure of the scene, which model is of: values of parameters are taken from each
+    chunk.
     """
 
     def __init__(self, scene: Scene, model: ModuleType):
-        self._model, self._timed = model, scene.timed
+        self.model, self._timed = model, scene.timed
         self.works = loads_at_work(scene, model)
         self.quantities: dict[str, Shown] = {}
         self.kinds: dict[str, list[str]] = {}
@@ -78,21 +82,44 @@ class Catalogue:
                 self.along[kind] = np.array(along)
         self._plans: dict[tuple[str, ...], list[_Part]] = {}
         self._last: tuple[Chunk, Piece] | None = None
+        self._own: dict[str, OwnQuantity] = {}
 
     def columns(self, names: Sequence[str], chunk: Chunk) -> Array:
         """Values of quantities at the samples of a chunk, (K, names). Raises SceneError for a name
         that is not known. What was computed is kept for the next call with the same chunk."""
+        own = {at: self._own[name] for at, name in enumerate(names) if name in self._own}
+        if own:
+            return self._with_own(names, own, chunk)
         if self._last is None or self._last[0] is not chunk:
-            self._last = chunk, motion_of(self._model, chunk, self._timed)
+            self._last = chunk, motion_of(self.model, chunk, self._timed)
         motion, out = self._last[1], np.empty((len(chunk), len(names)))
         with np.errstate(all="ignore"):  # a state may have stopped being finite
             for quantity, columns, to in self._plan(tuple(names)):
                 out[:, to] = motion.values(quantity).reshape(len(chunk), -1)[:, columns]
         return out
 
+    def _with_own(self, names: Sequence[str], own: dict[int, OwnQuantity], chunk: Chunk) -> Array:
+        out = np.empty((len(chunk), len(names)))
+        rest = [at for at in range(len(names)) if at not in own]
+        out[:, rest] = self.columns([names[at] for at in rest], chunk)
+        for at, quantity in own.items():
+            out[:, at] = quantity.values(self.model, self.columns, chunk)
+        return out
+
+    def _take_own(self, name: str, field: str) -> Shown:
+        """An expression of quantities, which is a quantity from now on. Raises SceneError."""
+        if len(self._own) >= MOST_OWN:
+            raise SceneError(field, name, f"one of the {MOST_OWN} expressions that are known")
+        known = self._places.keys()
+        self._own[name] = OwnQuantity.of(name, known, field)
+        found = self.quantities[name] = Shown(name, name, "", OWN)
+        return found
+
     def quantity(self, name: object, field: str = "quantity") -> Shown:
         """A quantity by name. Raises SceneError that says what there is."""
         found = self.quantities.get(name) if isinstance(name, str) else None
+        if found is None and isinstance(name, str) and not name.isidentifier():
+            found = self._take_own(name, field)
         if found is None:
             raise SceneError(field, name, self._allowed(str(name), self.quantities))
         return found
@@ -101,8 +128,8 @@ class Catalogue:
         """The names that a name or a kind stands for. Raises SceneError that says what there is."""
         if isinstance(name, str) and name in self.kinds:
             return self.kinds[name]
-        if isinstance(name, str) and name in self.quantities:
-            return [name]
+        if isinstance(name, str) and (name in self.quantities or not name.isidentifier()):
+            return [self.quantity(name, field).name]
         raise SceneError(field, name, self._allowed(str(name), [*self.quantities, *self.kinds]))
 
     def _allowed(self, name: str, known: Sequence[str] | dict[str, Shown]) -> str:
@@ -152,6 +179,8 @@ def _every(scene: Scene, works: tuple[str, ...]) -> Iterator[tuple[Shown, _Place
         "": {"": ""},
     }
     for quantity in QUANTITIES:
+        if quantity.name == "gravity_energy" and "gravity" not in scene.loads.terms:
+            continue
         unit = typeset(quantity.unit)
         for term, words in terms.get(quantity.each, {}).items():
             for name, label, kind, at, along in numbers(quantity, scene.hold, scene.rod.links):

@@ -105,11 +105,28 @@ class Store:
         numbers = self._epoch_of[: self.count]
         edges = [0, *(np.flatnonzero(np.diff(numbers)) + 1), self.count]
         for first, last in itertools.pairwise(edges):
-            if first == last:
-                continue
-            epoch, rows = self._epochs[int(numbers[first])], self._rows[first:last]
-            y, work = np.split(rows[:, 1:], [self._states], axis=1)
-            yield replace(epoch, t=rows[:, 0].copy(), y=y.copy(), work=work.copy())
+            if first < last:
+                yield self._piece(first, last)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Times of the first and the last sample that is kept [s]; there must be one."""
+        return float(self._rows[0, 0]), float(self._rows[self.count - 1, 0])
+
+    def near(self, t: float, by: int = 0) -> Chunk:
+        """The sample nearest to a time [s], or so many samples from it, as far as there are any;
+        there must be one."""
+        times = self._rows[: self.count, 0]
+        after = min(int(np.searchsorted(times, t)), self.count - 1)
+        closer = after and t - times[after - 1] < times[after] - t
+        found = min(max(after - bool(closer) + by, 0), self.count - 1)
+        return self._piece(found, found + 1)
+
+    def _piece(self, first: int, last: int) -> Chunk:
+        """Samples between two changes, by their numbers."""
+        epoch, rows = self._epochs[int(self._epoch_of[first])], self._rows[first:last]
+        y, work = np.split(rows[:, 1:], [self._states], axis=1)
+        return replace(epoch, t=rows[:, 0].copy(), y=y.copy(), work=work.copy())
 
 
 @dataclass(repr=False)

@@ -20,7 +20,7 @@ from rodgen.model.rod import CLAMP_ANGLE, MASS_PER_LENGTH, ROD
 from rodgen.model.term import WEIGHT
 from rodgen.model.terms import EMPTYING, PARAMETERS, TERMS
 from rodgen.scene import Scene, spring
-from rodgen.scene.integration import AUTO
+from rodgen.scene.integration import AUTO, Integrate
 
 WIDTH = 12  # of -1.2345e-100
 FIGURE_SPACE = "\u2007"  # as wide as a digit, and kept by HTML at the start of a line
@@ -65,15 +65,15 @@ class Row(NamedTuple):
 @dataclass(frozen=True)
 class Present:
     """chunk: its last sample is the present; counts and seconds: cost of the run so far, computing
-    time [s]; ratio: simulated seconds in one second of late, None where it is not known; method:
-    in use, where the scene leaves it open; critical: critical follower force [N], or in words why
-    there is none ("computing"), or None."""
+    time [s]; ratio: simulated seconds in one second of late, None where it is not known; settings:
+    in use, where they are not the scene's own; critical: critical follower force [N], or in words
+    why there is none ("computing"), or None."""
 
     chunk: Chunk
     counts: Counts
     seconds: float
     ratio: float | None = None
-    method: str | None = None
+    settings: Integrate | None = None
     critical: float | str | None = None
 
 
@@ -82,6 +82,7 @@ class Now:
 
     def __init__(self, scene: Scene, model: ModuleType, present: Present):
         self.scene, self.model, self.present = scene, model, present
+        self.settings = present.settings or scene.integrate
         self.motion = motion_of(model, present.chunk.last(), scene.timed)
 
     def value(self, name: str, at: Index = ()) -> float:
@@ -323,10 +324,10 @@ def _work(term: str) -> Callable[[Now], str]:
 def _integration(scene: Scene) -> Iterator[Entry]:
     yield Row("method", "method", ""), _method
     if scene.integrate.fixed:
-        yield Row("step", "step", "s"), lambda now: digits(now.scene.integrate.step or math.nan)
+        yield Row("step", "step", "s"), _step
     else:
-        yield Row("rtol", "relative tolerance", ""), lambda now: digits(now.scene.integrate.rtol)
-        yield Row("atol", "absolute tolerance", ""), lambda now: digits(now.scene.integrate.atol)
+        yield Row("rtol", "relative tolerance", ""), lambda now: digits(now.settings.rtol)
+        yield Row("atol", "absolute tolerance", ""), lambda now: digits(now.settings.atol)
     yield Row("t", "simulated time", "s"), _time
     yield Row("seconds", "computing time", "s"), lambda now: fixed(now.present.seconds, 2)
     yield Row("ratio", "ratio to real time", ""), _ratio
@@ -336,10 +337,16 @@ def _integration(scene: Scene) -> Iterator[Entry]:
 
 
 def _method(now: Now) -> str:
-    asked, used = now.scene.integrate.method, now.present.method
-    if asked == AUTO and used and used != AUTO:
-        return padded(f"{used} ({AUTO})")
-    return padded(asked)
+    asked, used = now.scene.integrate, now.settings
+    if used.rtol != asked.rtol:
+        return padded(f"{used.method} (for looking)")
+    by_rule = asked.method == AUTO != used.method
+    return padded(f"{used.method} ({AUTO})" if by_rule else used.method)
+
+
+def _step(now: Now) -> str:
+    step = now.settings.step
+    return padded(NOTHING) if step is None else digits(step)
 
 
 def _time(now: Now) -> str:

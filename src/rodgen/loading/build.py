@@ -31,13 +31,45 @@ def build(
     form: str = "chain",
     parts: Iterable[str] = ("rhs",),
 ) -> ModuleType:
-    """The generated module of a scene (rhs, energy, ... as in its docstrings).
+    """Return the generated module of a scene.
 
-    target: "numpy" or "c"; form: "chain", O(n), or for NumPy "dense". parts: what of it is made at
-    once, by the names of `rodgen derive --parts`; everything else comes when it is asked for.
-    Terminals and notebooks show a bar of what takes more than a second. Raises SceneError for what
-    is not offered and for more links than the dense form can hold, BuildError where a C module
-    cannot be compiled or loaded.
+    The module has `rhs(t, y, p)` and, when they are asked for, `jac`, `energy`, `joints` and what
+    else stands in its docstrings. Terminals and notebooks show a bar of what takes more than a
+    second.
+
+    Parameters
+    ----------
+    scene
+        A scene, or the structure of one.
+    target
+        "numpy" or "c".
+    form
+        "chain", O(n), or for NumPy "dense", which has the mass matrix.
+    parts
+        What of the module is made at once, by the names of `rodgen derive --parts`. Everything else
+        is made when it is asked for.
+
+    Returns
+    -------
+    module
+        Functions of the time t [s], states y (states,) and parameters p, in SI units.
+
+    Raises
+    ------
+    SceneError
+        For what is not offered, and for more links than the dense form can hold.
+    BuildError
+        Where a C module cannot be compiled or loaded.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> rod = rodgen.build(rodgen.Structure(2, "pinned", terms=("gravity",)))
+    >>> rod.STATE
+    ('phi_0', 'phi_1', 'omega_0', 'omega_1')
+    >>> p = rod.parameters(mass=1.0, length=1.0, bending_stiffness=0.0, gravity=9.81)
+    >>> rod.rhs(0.0, [0.0, 0.0, 0.0, 0.0], p).round(3)
+    array([  0.   ,   0.   , -25.226,   8.409])
     """
     structure, parts = _structure(scene), tuple(parts)
     check_output(target, form)
@@ -144,7 +176,9 @@ def companions(
     if not target_of(target).compiled:
         return {}
     loops = (LOOPS.get(part, ()) for part in closed(target, parts, steps))
-    names = dict.fromkeys(("__init__.py", "library.py", *chain.from_iterable(loops)))
+    names = dict.fromkeys(
+        ("__init__.py", "library.py", "functions.py", *chain.from_iterable(loops))
+    )
     folder = files("rodgen.native")
     return {f"rodgen_native/{name}": folder.joinpath(name).read_text("utf-8") for name in names}
 

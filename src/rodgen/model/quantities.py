@@ -17,6 +17,7 @@ from rodgen.model.rod import Boundary
 FILE, DATASET, SHOWN = "file", "dataset", "shown"
 # What there is a quantity for each of.
 WORKS, FORCES, LOADS, ADDED = "works", "forces", "loads", "added states"
+OWN = "own"  # the kind of expressions that somebody types
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 Index = tuple[int, ...]
 
@@ -166,6 +167,28 @@ QUANTITIES = (
         {"bend_rate_{}": "Δω{}"},
         kept=SHOWN,
     ),
+    Quantity(
+        "curvature", "1/m", "curvatures at the springs", SPRING, {"curvature_{}": "κ{}"}, kept=SHOWN
+    ),
+    Quantity(
+        "momentum",
+        "N s",
+        "momentum",
+        AXIS,
+        _point("momentum_", "the momentum"),
+        "momentum",
+        SHOWN,
+        free=True,
+    ),
+    Quantity(
+        "angular_momentum",
+        "N m s",
+        f"angular momentum about {CENTRE}",
+        (),
+        {"angular_momentum": "angular momentum"},
+        kept=SHOWN,
+        free=True,
+    ),
 )
 
 
@@ -200,12 +223,16 @@ KINDS = dict(
         _kind("power", "power", "power of the loads"),
         _kind("load", "force", "loads"),
         ("state", Kind("states that are added", "state", "")),
+        (OWN, Kind("expressions of quantities", "value", "")),
+        _kind("momentum", "momentum"),
+        _kind("angular_momentum", "angular momentum"),
         _kind("base", "x₀, y₀"),
         _kind("base_velocity", "ẋ₀, ẏ₀"),
         _kind("phi", "φ"),
         _kind("omega", "ω"),
         _kind("bend", "Δφ"),
         _kind("bend_rate", "Δω"),
+        _kind("curvature", "κ"),
         _kind("bending_moment", "bending moment", "bending moments"),
         _kind("joint_x", "x", "x of the joints"),
         _kind("joint_y", "y", "y of the joints"),

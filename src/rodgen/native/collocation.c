@@ -9,9 +9,6 @@ static const double FAST = 5e-2;
 
 /* Whether there is a last step to go on from, and how. */
 enum { ROUGH = 1, SMOOTH = 2 };
-/* Whether there are derivatives of the equations, and of which step. */
-enum { NONE, OLD, FRESH };
-
 /* Newton's method for the three stages, in the variables in which the matrix falls apart. Returns
    the number of iterations, 0 if it does not converge; rate: how fast the changes shrink, in equal steps
    the first ones. */
@@ -89,7 +86,7 @@ static double predicted(const struct run *r, double h, double reach)
 }
 
 /* A shift and the derivatives that belong to it, where they are not there yet. */
-static void prepare(struct run *r, const struct collocation *m, double h)
+void rodgen_collocation_prepare(struct run *r, const struct collocation *m, double h)
 {
     if (r->is->blocks == NONE) {
         r->of->linearise(inside(r->is, r->is->t), r->before, r->p, r->newton);
@@ -253,7 +250,7 @@ int rodgen_collocation_step(struct run *r)
         const double wanted = r->is->step < r->is->longest ? r->is->step : r->is->longest;
         /* The last two steps share what is left, so that none is tiny. */
         const double h = wanted >= left * (1.0 - 1e-12) ? left : 2.0 * wanted > left ? left / 2.0 : wanted;
-        prepare(r, m, h);
+        rodgen_collocation_prepare(r, m, h);
         predict(r, m, r->is->predicts ? h / last_step(r->is) : 0.0);
         double rate, lag;
         const int iterations = solve_stages(r, m, h, &rate);
@@ -278,6 +275,8 @@ int rodgen_collocation_step(struct run *r)
             again = whole;
             continue;
         }
+        if (!rodgen_collocation_tangents(r, m, h))
+            return given_up(r, DIVERGED);
         const int kept = iterations <= 3 || rate <= 0.02;
         const double grown = factor > 10.0 ? 10.0 : factor > 0.2 ? factor : 0.2;
         const double chosen = kept && grown >= 1.0 && grown < 1.2 ? h : h * grown;
@@ -303,7 +302,7 @@ int rodgen_collocation_equal_step(struct run *r)
     double rate;
     int iterations;
     do {
-        prepare(r, m, h);
+        rodgen_collocation_prepare(r, m, h);
         predict(r, m, r->is->predicts ? h / r->is->last_step : 0.0);
         iterations = solve_stages(r, m, h, &rate);
         if (!iterations && r->is->blocks == FRESH)
@@ -312,6 +311,8 @@ int rodgen_collocation_equal_step(struct run *r)
     } while (!iterations);
     if (!arrive(r, m, h, next))
         return given_up(r, NOT_FINITE);
+    if (!rodgen_collocation_tangents(r, m, h))
+        return given_up(r, DIVERGED);
     ++r->is->taken;
     return keep(r, m, h, next, 0.0);
 }

@@ -28,6 +28,15 @@ static inline double quintic(const double *part, double x)
     return x * (part[0] + x * (part[1] + x * (part[2] + x * (part[3] + x * part[4]))));
 }
 
+/* Whether there are derivatives of the equations, and of which step. */
+enum { NONE, OLD, FRESH };
+
+/* A shift and the derivatives that belong to it, where they are not there yet: collocation.c. */
+void rodgen_collocation_prepare(struct run *r, const struct collocation *m, double h);
+
+/* The tangents of a step whose stages are known: collocation_tangents.c. Returns 0 where they are not found. */
+int rodgen_collocation_tangents(struct run *r, const struct collocation *m, double h);
+
 /* Have what the polynomial of the last step lacks: collocation_dense.c. */
 void rodgen_collocation_complete(struct run *r, const struct collocation *m);
 

@@ -163,6 +163,8 @@ def compiler_command() -> list[str]:
     given = _words("CC")
     for command in [given] if given else [["cc"], ["gcc"], ["clang"]]:
         program = shutil.which(command[0])
+        if program and Path(program).stem.lower() == "cl":
+            raise _failure("CC=cl: MSVC does not compile this C99; set CC to gcc or clang")
         if program:
             return [os.path.abspath(program), *command[1:]]
     if given:

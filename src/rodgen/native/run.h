@@ -33,13 +33,15 @@ enum {
 /* Stages of a step, and what dense output needs of them. */
 enum { STAGES = 22 };
 
-/* One run. Arrays are of all states and works, but for direction (of the positions) and shifted
+/* One run. Arrays are of all states and works, and of tangents behind these, which explicit methods move
+   as they move states: for them all counts these too, and directions says how many; but for direction (of the positions) and shifted
    (real and imaginary parts of the states). */
 struct run {
     rodgen_run *is;
     const struct rodgen_system *of;
     const double *p;
-    ptrdiff_t states, half, all, base;
+    ptrdiff_t states, half, all, base, width;
+    size_t directions;
     double *y, *f;             /* at the end of the last step */
     double *before, *f_before; /* at its start */
     double *trial, *error;
@@ -135,7 +137,10 @@ static inline double inside(const rodgen_run *is, double t)
 /* Rates and powers. */
 static inline void flow_at(struct run *r, double t, const double *y, double *dy)
 {
-    r->of->flow(inside(r->is, t), y, r->p, dy, r->flow);
+    if (r->of->variations != NULL)
+        r->of->variations(inside(r->is, t), y, r->p, dy, r->directions, r->flow);
+    else
+        r->of->flow(inside(r->is, t), y, r->p, dy, r->flow);
     ++r->is->rhs;
 }
 

@@ -29,7 +29,14 @@ IMPLICIT = METHODS[METHODS.index("dop853") + 1 :]
 STATUSES = numbered("steps.h")
 REFUSED = STATUSES["REFUSED"]
 HEADERS = ("collocation.h", "control.h", "sums.h", "run.h", "steps.h", "methods.h", "tableaux.h")
-FILES = ("steps.c", "explicit.c", "collocation.c", "collocation_dense.c", *HEADERS)
+FILES = (
+    "steps.c",
+    "explicit.c",
+    "collocation.c",
+    "collocation_dense.c",
+    "collocation_tangents.c",
+    *HEADERS,
+)
 
 
 def step_library() -> tuple[Any, Any]:
@@ -83,16 +90,16 @@ def newton(ffi: Any, library: Any, stem: str) -> Part:
 
 
 def variations(ffi: Any, library: Any, stem: str) -> Part:
-    """What explicit methods need for the tangents too."""
-    part = Part.of(ffi, library, stem, "variations_work", ("variations",))
-    return Part(library, {"flow": part.functions["variations"]}, part.size)
+    """What runs with tangents need in place of the rates alone."""
+    return Part.of(ffi, library, stem, "variations_work", ("variations",))
 
 
 @dataclass
 class Equations:
     """Equations as the step loops know them.
 
-    states: of y; works: names of the loads without potential; base: numbers of y before the angles;
+    states: of y; works: names of the loads without potential; tangents: how many go on with y;
+    base: numbers of y before the angles;
     flow, newton: their parts, the second when it is first asked for; packed, state: what checks p
     and y; added: numbers of y behind positions and velocities.
     """
@@ -105,12 +112,18 @@ class Equations:
     state: Callable[[Any], Array]
     newton: Callable[[], Part]
     added: int = 0
+    tangents: int = 0
+
+    @property
+    def width(self) -> int:
+        """Numbers of a row: y, works and tangents."""
+        return self.states + len(self.works) + self.tangents * self.states
 
     def system(self, ffi: Any, implicit: bool) -> Any:
         """A struct rodgen_system."""
         system = ffi.new("struct rodgen_system *")
         system.states, system.works, system.base = self.states, len(self.works), self.base
-        system.added = self.added
+        system.added, system.tangents = self.added, self.tangents
         parts = [self.flow, self.newton()] if implicit else [self.flow]
         for part in parts:
             for name, address in part.functions.items():
@@ -123,7 +136,8 @@ class Equations:
 class Run:
     """A run in compiled steps by one of METHODS, from one break point of the loads to the next.
 
-    state (states + works,): y, then the work [J] of every load of works; rates: of these; numbers:
+    state (states + works,): y, then the work [J] of every load of works, then the tangents of a
+    run that has them; rates: of these; numbers:
     t, steps, rejected, rhs, jacobian, factorisations, ... as steps.h has them; memory: all that a
     run knows, as bytes: with the same bytes in it, another run of this module goes on to the same
     bits.
@@ -166,8 +180,7 @@ class Run:
         """States and works in the memory, which lives as long as any part of it."""
         address = int(self._ffi.cast("uintptr_t", where(self._system, self.numbers)))
         start = address - self.memory.ctypes.data
-        count = self.equations.states + len(self.equations.works)
-        return self.memory[start : start + 8 * count].view(float)
+        return self.memory[start : start + 8 * self.equations.width].view(float)
 
     def begin(
         self, end: float, low: float = -np.inf, high: float = np.inf, longest: float = np.inf
@@ -221,13 +234,8 @@ class Run:
 
 def with_tangents(equations: Equations, count: int) -> type[Run]:
     """Runs of equations with so many tangents: state and rates end with their numbers
-    (count * states,), direction after direction."""
-
-    def packed(p: Any) -> Array:
-        return np.append(equations.packed(p), float(count))
-
-    names = (*equations.works, *("tangent",) * (count * equations.states))
-    return type("Run", (Run,), {"equations": replace(equations, works=names, packed=packed)})
+    (count * states,), direction after direction; rates and samples by explicit methods alone."""
+    return type("Run", (Run,), {"equations": replace(equations, tangents=count)})
 
 
 def _rows(name: str, out: Any, count: int, width: int) -> Array:

@@ -18,16 +18,29 @@ static size_t positions(const struct rodgen_system *system)
    then the direction, the shifted states, and memory of the equations. */
 enum { ROWS = 6 + STAGES };
 
+/* Numbers of a row. */
+static size_t width_of(const struct rodgen_system *system)
+{
+    return system->states + system->works + system->tangents * system->states;
+}
+
 size_t rodgen_run_size(const struct rodgen_system *system)
 {
-    const size_t states = system->states, row = lined((states + system->works) * sizeof(double));
+    const size_t states = system->states, row = lined(width_of(system) * sizeof(double));
     return lined(sizeof(rodgen_run)) + ROWS * row + lined(positions(system) * sizeof(double))
         + lined(2 * states * sizeof(double)) + lined(system->flow_size) + lined(system->newton_size);
 }
 
+/* Whether the run's method solves for its stages: tangents are solved for once these are known. */
+static int implicit(const rodgen_run *is)
+{
+    return is->method == GAUSS || is->method == RADAU || is->method == GAUSS_EQUAL_STEPS;
+}
+
 static struct run run_of(const struct rodgen_system *system, rodgen_run *run, const double *p)
 {
-    const size_t states = system->states, all = states + system->works, row = lined(all * sizeof(double));
+    const size_t states = system->states, row = lined(width_of(system) * sizeof(double));
+    const size_t directions = implicit(run) ? 0 : system->tangents;
     char *at = (char *)run + lined(sizeof *run);
     double *rows[ROWS];
     for (int number = 0; number < ROWS; ++number, at += row)
@@ -38,7 +51,9 @@ static struct run run_of(const struct rodgen_system *system, rodgen_run *run, co
         .p = p,
         .states = (ptrdiff_t)states,
         .half = (ptrdiff_t)positions(system),
-        .all = (ptrdiff_t)all,
+        .all = (ptrdiff_t)(states + system->works + directions * states),
+        .width = (ptrdiff_t)width_of(system),
+        .directions = directions,
         .base = (ptrdiff_t)system->base,
         .y = rows[0],
         .f = rows[1],
@@ -165,7 +180,7 @@ int rodgen_run_on(const struct rodgen_system *system, rodgen_run *run, const dou
     struct run view = run_of(system, run, p), *const r = &view;
     for (;; --quota) {
         while (*sampled < count && times[*sampled] <= run->t) {
-            double *const out = samples + *sampled * (size_t)r->all;
+            double *const out = samples + *sampled * (size_t)r->width;
             if (times[*sampled] == run->t)
                 copy(r, out, r->y);
             else

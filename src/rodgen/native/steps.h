@@ -17,10 +17,14 @@ struct rodgen_system {
     size_t states, works; /* numbers of y, and loads without potential */
     size_t base;          /* numbers of y before the angles */
     size_t added;         /* numbers of y behind positions and velocities */
+    size_t tangents;      /* small changes of the state that go on with it, each as long as it */
     size_t flow_size, newton_size; /* bytes of memory that flow and the others work in */
     /* Rates dy of the state y at time t, then the power of every load without potential. Nothing
        of y may be read after the first of dy is written. */
     void (*flow)(double t, const double *y, const double *p, double *dy, void *memory);
+    /* The same with the first so many tangents behind the works. Asked for in place of flow, if it
+       is given. */
+    void (*variations)(double t, const double *y, const double *p, double *dy, size_t count, void *memory);
     /* Derivatives of the equations at a state; then factors of (shift I - J) for a real shift and
        for a complex one, given by its real and imaginary part; then what they solve in place:
        numbers (states), and (states, 2) real and imaginary parts. */
@@ -57,7 +61,7 @@ typedef struct {
 } rodgen_run;
 
 /* Memory of a run, all zero at first and aligned as malloc's, without pointers: whoever copies it
-   can go on from the copy. Its state: y, then the work of every load without potential. */
+   can go on from the copy. Its state: y, then the work of every load without potential, then tangents. */
 size_t rodgen_run_size(const struct rodgen_system *system);
 double *rodgen_run_state(const struct rodgen_system *system, rodgen_run *run);
 
@@ -68,7 +72,7 @@ double *rodgen_run_rates(const struct rodgen_system *system, rodgen_run *run);
 int rodgen_run_start(const struct rodgen_system *system, rodgen_run *run, const double *p);
 
 /* Take at most quota steps towards run->end and write the states and works at times that are passed
-   (count, states + works), from *sampled on; trace, if it is given: t, y and dy of every step. Ends
+   (count, states + works + tangents * states), from *sampled on, of which methods by collocation write no tangents; trace, if it is given: t, y and dy of every step. Ends
    with any of the above. */
 int rodgen_run_on(const struct rodgen_system *system, rodgen_run *run, const double *p, long long quota,
                   size_t count, const double *times, double *samples, size_t *sampled, double *trace);

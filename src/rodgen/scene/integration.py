@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Self
+from typing import Annotated, Self, TypedDict
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
 from rodgen.model.methods import EITHER, FIXED_STEP, METHODS
@@ -19,6 +19,19 @@ MOST_SAMPLES = 10**6
 MOST_STEPS = 10**9
 MOST_ADAPTIVE = 10**7
 LEAST_RTOL = 2.3e-14  # a hundred times the rounding of a double, below which SciPy clips
+
+
+class Settings(TypedDict, total=False):
+    """Values for [integrate] as keyword arguments, those of a scene where they are None."""
+
+    method: str | None
+    span: ArrayLike | None
+    step: float | None
+    rtol: float | None
+    atol: float | None
+    output_every: float | None
+    t_eval: ArrayLike | None
+    max_steps: int | None
 
 
 class Integrate(Table):

@@ -2,18 +2,54 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
-from rodgen.scene.errors import SceneError
+from rodgen.scene.errors import SceneError, short
 from rodgen.scene.plain import entry, put
-from rodgen.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from rodgen.scene.scene import Scene
 
 
 def with_value(scene: Scene, name: str, value: Any, field: str = "vary") -> Scene:
     """The scene with another value of a key. Raises SceneError."""
     table = scene.model_dump(exclude_none=True)
     put(table, key_place(table, name, field), value)
-    return Scene.from_dict(table)
+    return scene.from_dict(table)
+
+
+def put_values(scene: dict[str, Any], values: Mapping[str, Any]) -> None:
+    """Put values into the tables of a scene by their dotted names, which may be new to them; None
+    takes away what is there. Raises SceneError for a name that leads to no table or list."""
+    for name, value in values.items():
+        *outer, last = name.split(".")
+        table: Any = scene
+        for depth, key in enumerate(outer):
+            at = _key_in(table, key, name, outer[:depth])
+            table = table[at] if isinstance(table, list) else table.setdefault(at, {})
+        at = _key_in(table, last, name, outer)
+        if value is not None:
+            table[at] = value
+        elif isinstance(table, list) or at in table:
+            del table[at]
+
+
+def _key_in(table: Any, key: str, name: str, outer: Sequence[str], field: str = "key") -> Any:
+    """What stands for a part of a dotted name: a key of a table, the number of one of a list, which
+    may be told by its name. outer: the parts before. Raises SceneError."""
+    if isinstance(table, dict):
+        return key
+    at = ".".join(outer)
+    if not isinstance(table, list):
+        raise SceneError(field, name, f"a key of the scene ({at} is {short(table)})")
+    names = [one.get("name") if isinstance(one, dict) else None for one in table]
+    if key in names:
+        return names.index(key)
+    if key.isascii() and key.isdigit() and int(key) < len(table):
+        return int(key)
+    known = ", ".join(str(n or number) for number, n in enumerate(names)) or "none"
+    raise SceneError(field, name, f"a key of the scene ({at} has {known})")
 
 
 def key_place(scene: dict[str, Any], name: str, field: str = "vary") -> tuple[str, ...]:
@@ -24,15 +60,11 @@ def key_place(scene: dict[str, Any], name: str, field: str = "vary") -> tuple[st
     for key in [*outer, last]:
         inner = entry(scene, *found_at)
         if isinstance(inner, list):
-            names = [one.get("name") if isinstance(one, dict) else None for one in inner]
-            key = str(names.index(key)) if key in names else key
-            known = [str(n or at) for at, n in enumerate(names)]
-            there = key.isascii() and key.isdigit() and int(key) < len(inner)
-        else:
-            known = list(inner) if isinstance(inner, dict) else []
-            # What a table may have beside what it has, the scene itself tells when it is made.
-            there = key in known or (isinstance(inner, dict) and bool(outer) and key is last)
-        if not there:
+            found_at.append(str(_key_in(inner, key, name, found_at, field)))
+            continue
+        known = list(inner) if isinstance(inner, dict) else []
+        # What a table may have beside what it has, the scene itself tells when it is made.
+        if not (key in known or (isinstance(inner, dict) and bool(outer) and key is last)):
             at = ".".join(found_at) or "the scene"
             allowed = f"a key of the scene ({at} has {', '.join(known) or 'none'})"
             raise SceneError(field, name, allowed)

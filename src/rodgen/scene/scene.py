@@ -5,8 +5,7 @@ from __future__ import annotations
 import operator
 import re
 from functools import cached_property
-from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,20 +21,20 @@ from pydantic import (
 from rodgen.model.methods import EITHER
 from rodgen.model.parameter import JOINTS, LINKS
 from rodgen.model.rod import CLAMP_ANGLE, ROD, Boundary
-from rodgen.model.terms import PARAMETERS, PLACES
+from rodgen.model.terms import PARAMETERS, PLACES, TERMS
 from rodgen.scene import spring
 from rodgen.scene import structure as st
 from rodgen.scene.along import Distribution
 from rodgen.scene.anchors import Anchors
 from rodgen.scene.course import Course
 from rodgen.scene.errors import SceneError, check_type, explain
+from rodgen.scene.exchange import Exchange
 from rodgen.scene.expression import Expression, parsed
-from rodgen.scene.files import with_tables
-from rodgen.scene.integration import AUTO, Integrate
+from rodgen.scene.integration import AUTO, Integrate, Settings
 from rodgen.scene.law import Law
 from rodgen.scene.mesh import with_links
 from rodgen.scene.numbers import check_names, check_states, mass_of
-from rodgen.scene.plain import plain, read_table
+from rodgen.scene.plain import plain
 from rodgen.scene.tables import (
     Body,
     Event,
@@ -52,9 +51,10 @@ from rodgen.scene.tables import (
     check_events,
     tables_in,
 )
+from rodgen.shown import Shown
 
 
-class Scene(Table):
+class Scene(Exchange, Shown):
     """A whole scene, checked. Raises SceneError where a file or a value cannot be used.
 
     numbers: by the names that they have in expressions; the table [parameters] of a file.
@@ -83,22 +83,11 @@ class Scene(Table):
         except ValidationError as error:
             raise explain(error, tables, type(self)) from None
 
-    @classmethod
-    def from_toml(cls, path: str | Path) -> Scene:
-        """Read a scene from a TOML file, of at most 10 MB, 1e5 values, and 50 levels; tables of
-        numbers that an expression takes from a file are read from the folder of the scene."""
-        return cls.from_dict(with_tables(read_table(Path(path)), Path(path).parent))
-
-    @classmethod
-    def from_dict(cls, table: dict[str, Any]) -> Scene:
-        """Check a scene that is already a dictionary of tables."""
-        if not isinstance(table, dict):
-            raise SceneError("scene", table, "a table")
-        if "numbers" in table:
-            raise SceneError(
-                "numbers", table["numbers"], "absent: [parameters] has numbers by name"
-            )
-        return cls(**{str(key): value for key, value in table.items()})
+    def __repr__(self) -> str:
+        rod, (start, end) = self.rod, self.integrate.span
+        loads = ", ".join(TERMS[name].words for name in self.loads.terms) or "no loads"
+        what = f"{rod.boundary} rod of {rod.links} links, {loads}"
+        return f"<Scene {self.name}: {what}; t = {start:g} to {end:g} s>"
 
     @field_validator("events", "bodies", "supports", mode="before")
     @classmethod
@@ -360,21 +349,21 @@ class Scene(Table):
         ascending [s]: an integrator of one's own should step onto them."""
         return self.course.breaks()
 
-    def with_integrate(self, **changes: Any) -> Scene:
+    def with_integrate(self, **given: Unpack[Settings]) -> Self:
         """A scene with other values in [integrate]; those that are None are left.
 
         A tolerance takes the place of a step of the scene, where the method has a use for either;
         another output_every that of t_eval.
         """
-        changes = {name: value for name, value in changes.items() if value is not None}
-        table = self.model_dump(exclude_none=True)
+        changes = {name: value for name, value in given.items() if value is not None}
+        table = self.to_dict()
         method = changes.get("method", self.integrate.method)
         if method in EITHER and {"rtol", "atol"} & set(changes):
             table["integrate"].pop("step", None)
         if "output_every" in changes:
             table["integrate"].pop("t_eval", None)
         table["integrate"] |= changes
-        return Scene.from_dict(table)
+        return self.from_dict(table)
 
     def integrated_by(self, method: str) -> Scene:
         """A scene with the method that was found for it; what `auto` finds is no method of equal
@@ -384,12 +373,12 @@ class Scene(Table):
             found["step"] = None
         return self.model_copy(update={"integrate": self.integrate.model_copy(update=found)})
 
-    def with_links(self, links: int) -> Scene:
+    def with_links(self, links: int) -> Self:
         """A scene of this rod with another number of links: coefficients of damping that belong to
         a number of links are converted, c_int by (n'/n)^2, a fin by n'/n. Raises SceneError for a
         number that is not allowed, and for a scene that has a list of a value for every link or
         watches one of its links."""
-        return Scene.from_dict(with_links(self, links))
+        return self.from_dict(with_links(self, links))
 
 
 def check_scene(scene: object) -> None:

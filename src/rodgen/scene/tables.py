@@ -58,9 +58,31 @@ DIRECTIONS, ACTIONS = ("rising", "falling", "either"), ("record", "stop")
 
 
 class Table(BaseModel):
-    """A table of a scene: no key that is not known, no value of another type."""
+    """A table of a scene: no key that is not known, no value of another type; never changed."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(
+            f"{type(self).__name__}.{name} cannot be set: scenes do not change. "
+            f'Make another: scene.replace({{"rod.length": 3.0}}), by the dotted name of the key'
+        )
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(
+            f"{type(self).__name__}.{name} cannot be deleted: scenes do not change. "
+            'Make another: scene.replace({"loads.gravity": None}), by the dotted name of the key'
+        )
+
+    def __hash__(self) -> int:
+        return hash(tuple(_hashable(getattr(self, name)) for name in type(self).model_fields))
+
+
+def _hashable(value: Any) -> Any:
+    """What is equal for equal values, of lists and dictionaries as well."""
+    if isinstance(value, dict):
+        return frozenset((key, _hashable(one)) for key, one in value.items())
+    return tuple(map(_hashable, value)) if isinstance(value, list) else value
 
 
 def tables_in(key: str, tables: Any, kind: type[Table]) -> list[Any]:

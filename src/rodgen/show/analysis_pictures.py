@@ -20,7 +20,8 @@ from rodgen.model.parameter import typeset
 from rodgen.model.term import FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
-from rodgen.show.pictures import LINE, canvas, draw_anchors, draw_bodies
+from rodgen.show.canvas import LINE, canvas, fit
+from rodgen.show.pictures import draw_anchors, draw_bodies
 
 PANELS = 6  # modes drawn
 AMPLITUDE = 0.1  # of the length
@@ -107,7 +108,7 @@ def equilibrium_shape(rest: Equilibrium, system: System) -> Figure:
     draw_anchors(axes, system.scene, joints, "tab:blue")
     axes.plot(*joints[0], "ks" if system.clamped else "ko", markersize=6)
     side = -1.0 if straight[-1, 0] > joints[-1, 0] else 1.0  # where the straight rod is not
-    drawn = _loads(axes, system, joints, rest, side)
+    drawn = draw_loads(axes, system, joints, rest.y, side)
     points = np.concatenate((straight, joints, *drawn))
     low, high = points.min(axis=0), points.max(axis=0)
     half = np.maximum((high - low) / 2, 0.2 * length) + 0.06 * length
@@ -115,21 +116,22 @@ def equilibrium_shape(rest: Equilibrium, system: System) -> Figure:
     axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
     axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
     axes.set_aspect("equal")
-    figure.set_figheight(min(5.2 * half[1] / half[0] + 1.5, 6.5))
+    fit(figure, min(5.2 * half[1] / half[0] + 1.5, 6.5))
     state = ", unstable" if rest.stable is False else ""
-    axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{name}: static equilibrium{state}")
-    handles = [*axes.get_legend_handles_labels()[0], *_keys(system, rest)]
+    unit = "m" if times == 1 else f"m, but displacements x {times:g}"
+    axes.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]", title=f"{name}: static equilibrium{state}")
+    handles = [*axes.get_legend_handles_labels()[0], *load_keys(system, rest.y)]
     figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize="small")
     return figure
 
 
-def _sizes(system: System, rest: Equilibrium) -> dict[str, float]:
+def _sizes(system: System, y: Array) -> dict[str, float]:
     """Forces and weights that are not zero, by their terms; of what differs from link to link, the
-    largest; of what follows the motion, that at rest."""
+    largest; of what follows the motion, that in a state y (states,)."""
     found, p = {}, system.parameters()
     given = system.given
     if system.scene.fed:
-        given = given | system.model.signals(system.t, rest.y, p)
+        given = given | system.model.signals(system.t, y, p)
     for name in system.scene.loads.terms:
         if TERMS[name].kind in (FORCE, SPREAD, WEIGHT):
             parts = [max(np.atleast_1d(given[e.name]), key=abs) for e in TERMS[name].sizes]
@@ -137,8 +139,9 @@ def _sizes(system: System, rest: Equilibrium) -> dict[str, float]:
     return {name: size for name, size in found.items() if size}
 
 
-def _keys(system: System, rest: Equilibrium) -> list[Line2D]:
-    rows = [(TERMS[name], size) for name, size in _sizes(system, rest).items()]
+def load_keys(system: System, y: Array) -> list[Line2D]:
+    """What a legend has of the loads in a state y (states,)."""
+    rows = [(TERMS[name], size) for name, size in _sizes(system, y).items()]
     labels = [f"{term.label} {size:.4g} {term.sizes[0].shown_unit}" for term, size in rows]
     return [
         Line2D([], [], color=term.colours[0], marker=">", markersize=4, label=label)
@@ -146,15 +149,13 @@ def _keys(system: System, rest: Equilibrium) -> list[Line2D]:
     ]
 
 
-def _loads(
-    axes: Axes, system: System, joints: Array, rest: Equilibrium, side: float
-) -> list[Array]:
-    """Arrows of the loads; their ends, pairs of points (2, 2). side: +1 or -1, to the right or the
-    left, where gravity stands beside a rod that hangs."""
+def draw_loads(axes: Axes, system: System, joints: Array, y: Array, side: float) -> list[Array]:
+    """Arrows of the loads in a state y (states,); their ends, pairs of points (2, 2). side: +1 or
+    -1, to the right or the left, where gravity stands beside a rod that hangs."""
     size = ARROW * system.scene.rod.length
-    forces = system.model.forces(system.t, rest.y, system.parameters())
+    forces = system.model.forces(system.t, y, system.parameters())
     ends = []
-    for name, amount in _sizes(system, rest).items():
+    for name, amount in _sizes(system, y).items():
         term = TERMS[name]
         if term.kind == FORCE:
             shares = np.hypot(*forces[name].T)

@@ -17,7 +17,7 @@ from rodgen.analyse.system import without
 from rodgen.integrate.stepper import Array
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
-from rodgen.show.pictures import LINE, canvas
+from rodgen.show.canvas import LINE, canvas
 
 if TYPE_CHECKING:
     import xarray
@@ -138,6 +138,11 @@ def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
     figure = canvas(6.4, 5.2)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     upper.plot(x, y, color="tab:blue", linewidth=LINE)
+    places = [data[f"special_{name}"].values for name in ("a", "b")]
+    for kind, *place in zip(data["special_kind"].values, *places, strict=True):
+        upper.plot(place[1 - up], place[up], "s", color="tab:red", markersize=5)
+        beside = {"textcoords": "offset points", "fontsize": "small"}
+        upper.annotate(kind, (place[1 - up], place[up]), (6, -12), **beside)
     lower.plot(x, frequency, color="tab:blue", linewidth=LINE)
     positive = x[x > 0]
     if _damps(names[1 - up]) and len(positive) and positive.max() > WIDE * positive.min():

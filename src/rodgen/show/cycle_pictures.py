@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from rodgen.analyse.cycles.cycle import Cycle
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene
-from rodgen.show.pictures import LINE, canvas, draw_anchors, draw_bodies
+from rodgen.show.canvas import LINE, canvas
+from rodgen.show.pictures import draw_anchors, draw_bodies
 
 if TYPE_CHECKING:
     import xarray

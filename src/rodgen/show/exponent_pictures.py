@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rodgen.analyse.chaos.exponents import Exponents
-from rodgen.show.pictures import LINE, canvas
+from rodgen.show.canvas import LINE, canvas
 
 CURVES = 12  # of means that settle
 NAMED = 6  # of these, with a name each

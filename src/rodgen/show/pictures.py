@@ -1,4 +1,4 @@
-"""Pictures of a run, made for print: shape, trajectories, energies, phase plot."""
+"""Pictures of a run, made for print."""
 
 from __future__ import annotations
 
@@ -9,19 +9,21 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from rodgen.integrate import Solution
+from rodgen.model.terms import TERMS, words_of
 from rodgen.scene import Scene
+from rodgen.show.canvas import FAINT, LINE, SERIES, canvas
+from rodgen.show.time_pictures import NAMED, acting, mark_times, moments, tail
 
 SHAPES = 12  # rods drawn in one picture
 DOTS_PER_INCH = 200
 SLIVER = 0.05  # width over length
-LINE = 1.2  # points
 BODY = 16.0  # points across: of a body that is the whole mass
+SHARP, MOST_SHARP = 0.5, 0.25  # cosine of a turn of 60 degrees; share of turns beyond in a curve
 LARGEST = 1e12  # of any state: beyond, nothing of the picture can be read
 
 
@@ -30,12 +32,16 @@ def save_pictures(solution: Solution, folder: Path) -> list[Path]:
 
     Of a run that blew up only what can be drawn is drawn.
     """
-    beyond = np.flatnonzero(np.abs(solution.y).max(axis=1) > LARGEST)
-    count = int(beyond[0]) if len(beyond) else len(solution.t)
-    if not count:
+    shown = drawable(solution)
+    if not len(shown.t):
         return []
-    shown = solution.until(count)
     return save_figures(((name, draw(shown)) for name, draw in PICTURES.items()), folder)
+
+
+def drawable(solution: Solution) -> Solution:
+    """The run before it blew up, without samples where it did so at once."""
+    beyond = np.flatnonzero(np.abs(solution.y).max(axis=1) > LARGEST)
+    return solution.until(int(beyond[0])) if len(beyond) else solution
 
 
 def save_figures(figures: Iterable[tuple[str, Figure]], folder: Path) -> list[Path]:
@@ -63,9 +69,7 @@ def shapes(solution: Solution) -> Figure:
     legend = "dot: joint 0" + "; discs: bodies, by mass" * bool(solution.scene.bodies)
     axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{solution.scene.name}: shape ({legend})")
     fixed = [(tie.x, tie.y) for tie in solution.scene.anchors.ties]
-    _frame(
-        axes, np.concatenate((solution.joints[times].reshape(-1, 2), np.reshape(fixed, (-1, 2))))
-    )
+    frame(axes, np.concatenate((solution.joints[times].reshape(-1, 2), np.reshape(fixed, (-1, 2)))))
     figure.colorbar(colours, ax=axes, label="t [s]")
     return figure
 
@@ -90,15 +94,32 @@ def trajectories(solution: Solution) -> Figure:
     """Paths of the centre of gravity and of the tail."""
     figure, axes = _figure(6.0, 5.0)
     paths = {"centre of gravity": solution.centre_of_gravity, "tail": solution.tip}
+    axes.set_prop_cycle(color=SERIES)
     for (name, path), line in zip(paths.items(), ("-", "--"), strict=True):
         (drawn,) = axes.plot(*path.T, line, label=name, linewidth=LINE)
         axes.plot(*path[0], "o", color=drawn.get_color(), markersize=4)
+    _say(axes, solution)
     axes.set(
         xlabel="x [m]", ylabel="y [m]", title=f"{solution.scene.name}: trajectories (dot: start)"
     )
-    _frame(axes, np.concatenate(list(paths.values())))
+    frame(axes, np.concatenate(list(paths.values())))
     figure.legend(loc="outside lower center", ncols=2)
     return figure
+
+
+def _say(axes: Axes, solution: Solution) -> None:
+    """Say on the path of the centre of gravity where forces begin or end to act, and what
+    happened."""
+    ends = (solution.t[0], solution.t[-1])
+    said = [(event.t, event.name) for event in solution.events]
+    for term, start, end in acting(solution):
+        said += [(t, f"{term.label} {what}") for t, what in ((start, "begins"), (end, "ends"))]
+    path = solution.centre_of_gravity
+    for t, words in said[:NAMED]:
+        if ends[0] < t < ends[1]:
+            x, y = (float(np.interp(t, solution.t, part)) for part in path.T)
+            axes.plot(x, y, "D", color=FAINT, markersize=4)
+            axes.annotate(f"  {words}", (x, y), fontsize="x-small", color=FAINT, va="center")
 
 
 def energies(solution: Solution) -> Figure:
@@ -106,13 +127,17 @@ def energies(solution: Solution) -> Figure:
     figure = canvas(6.0, 6.0)
     axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     t, energy = solution.t, solution.energy
+    axes.set_prop_cycle(color=SERIES)
     axes.plot(t, energy.kinetic, label="kinetic", linewidth=LINE)
     axes.plot(t, energy.spring, label="springs", linewidth=LINE)
     if "gravity" in solution.scene.loads.terms:
         axes.plot(t, energy.gravity, label="gravity", linewidth=LINE)
     axes.plot(t, energy.total, "k-", label="total", linewidth=LINE)
-    for term, work in solution.work.items():
-        axes.plot(t, work, "--", label=f"work of {term.replace('_', ' ')}", linewidth=LINE)
+    for name, work in solution.work.items():
+        label = f"work of {words_of(name)}"
+        colour = TERMS[name].colours[0] if name in TERMS else FAINT
+        axes.plot(t, work, "--", color=colour, label=label, linewidth=LINE)
+    mark_times(axes, solution)
     axes.set(ylabel="energy [J]", title=f"{solution.scene.name}: energies and work")
     axes.grid(alpha=0.3)
     figure.legend(fontsize="small", loc="outside lower center", ncols=3)
@@ -134,12 +159,25 @@ def phase_plot(solution: Solution) -> Figure:
     else:
         angle, rate = solution.phi[:, 0], solution.omega[:, 0]
         labels = (r"$\varphi_0$ [rad]", r"$\omega_0$ [rad/s]")
-    axes.plot(angle, rate, "-", linewidth=0.8)
+    joined = _is_curve(angle, rate)
+    axes.plot(angle, rate, "-" if joined else ".", linewidth=0.8, markersize=1.5, color=SERIES[0])
     axes.plot(angle[0], rate[0], "o", markersize=4, color="k", label="start")
-    axes.plot(angle[-1], rate[-1], "s", markersize=4, color="tab:red", label="end")
-    axes.set(xlabel=labels[0], ylabel=labels[1], title=f"{solution.scene.name}: phase plot")
+    axes.plot(angle[-1], rate[-1], "s", markersize=5, color=SERIES[1], label="end")
+    apart = "" if joined else " (samples: too far apart for a curve)"
+    axes.set(xlabel=labels[0], ylabel=labels[1], title=f"{solution.scene.name}: phase plot{apart}")
     axes.legend()
     return figure
+
+
+def _is_curve(x: np.ndarray, y: np.ndarray) -> bool:
+    """Whether lines between samples follow the motion: where these are too far apart, most turn
+    back sharply."""
+    steps = np.stack([np.diff(v) / (np.ptp(v) or 1.0) for v in (x, y)], axis=-1)
+    before, after = steps[:-1], steps[1:]
+    sizes = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
+    moving = sizes > 1e-12
+    back = (before * after).sum(axis=1)[moving] < SHARP * sizes[moving]
+    return not moving.any() or float(back.mean()) < MOST_SHARP
 
 
 PICTURES: dict[str, Callable[[Solution], Figure]] = {
@@ -147,14 +185,9 @@ PICTURES: dict[str, Callable[[Solution], Figure]] = {
     "trajectory": trajectories,
     "energy": energies,
     "phase": phase_plot,
+    "tail": tail,
+    "moment": moments,
 }
-
-
-def canvas(width: float, height: float) -> Figure:
-    """A figure of this size [inches], without a window."""
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
 
 
 def _figure(width: float, height: float) -> tuple[Figure, Axes]:
@@ -164,7 +197,7 @@ def _figure(width: float, height: float) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def _frame(axes: Axes, points: np.ndarray) -> None:
+def frame(axes: Axes, points: np.ndarray) -> None:
     """Equal scales, unless the picture would be a sliver in which nothing is seen."""
     flat = points.reshape(-1, 2)
     low, high = flat.min(axis=0), flat.max(axis=0)

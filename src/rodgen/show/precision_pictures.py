@@ -8,12 +8,10 @@ import re
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import Formatter, FuncFormatter, NullFormatter
-from scipy.optimize import isotonic_regression
 
 from rodgen.analyse.precision.contestant import Row
 from rodgen.analyse.precision.rows import fine, front, grouped, label, number, text
@@ -59,8 +57,7 @@ MEASURES = {
     "error_energy": "largest error of the energy [of its scale]",
 }
 LARGEST, SMALLEST = 10.0, 1e-17  # errors that are drawn
-LEADER = {"arrowstyle": "-", "linewidth": 0.5, "alpha": 0.55, "relpos": (0, 0.5), "shrinkA": 1}
-LINE = 0.145  # inches that a name takes
+COLUMNS, LINE = 3, 0.16  # of names below a diagram, and inches that a row of them takes
 
 
 class Look(NamedTuple):
@@ -138,7 +135,7 @@ def _between(ratio: float) -> Formatter:
     return FuncFormatter(words)
 
 
-def legend(figure: Figure, columns: int = 3) -> Figure:
+def legend(figure: Figure, columns: int = COLUMNS) -> Figure:
     """The names of all lines below the diagram."""
     figure.legend(
         loc="outside lower center", ncols=columns, fontsize=8, frameon=False, labelcolor=INK
@@ -147,16 +144,15 @@ def legend(figure: Figure, columns: int = 3) -> Figure:
 
 
 def work_precision(rows: Sequence[Row], measure: str, trusted: float) -> Figure | None:
-    """Run time against error, with names beside the lines; None where there is nothing to draw."""
+    """Run time against error, with names below; None where there is nothing to draw."""
     names = grouped(drawn(rows, measure, "seconds"), label)
     if not names:
         return None
-    height = max(4.0, LINE * len(names) + 0.8)
+    height = 4.2 + LINE * math.ceil(len(names) / COLUMNS)
     figure, frame = axes(7.6, height, MEASURES[measure], "run time [s]")
     _lines(frame, rows, measure, "seconds", trusted)
     _front(frame, rows, measure, trusted)
-    _names(frame, names, measure, "seconds", LINE / (height - 0.7))
-    return figure
+    return legend(figure)
 
 
 def small(rows: Sequence[Row], measure: str, cost: str, trusted: float) -> Figure | None:
@@ -187,10 +183,12 @@ def _error(row: Row, measure: str) -> float:
 def _lines(frame: Axes, rows: Sequence[Row], measure: str, cost: str, trusted: float) -> None:
     shown = drawn(rows, measure, cost)
     frame.set(xscale="log", yscale="log")
-    for some in grouped(shown, label).values():
+    for name, some in grouped(shown, label).items():
         ordered = sorted(some, key=lambda row: -number(row, "setting"))
         errors = [_error(row, measure) for row in ordered]
-        frame.plot(errors, [number(row, cost) for row in ordered], **look(ordered[0]).line)
+        frame.plot(
+            errors, [number(row, cost) for row in ordered], label=name, **look(ordered[0]).line
+        )
     errors = [_error(row, measure) for row in shown]
     left, right = 2.5 * max(errors), min(errors) / 2.5
     frame.set_xlim(left, right)  # falls to the right
@@ -209,37 +207,3 @@ def _front(frame: Axes, rows: Sequence[Row], measure: str, trusted: float) -> No
     frame.plot(errors, seconds, color=GOLD, linewidth=5, alpha=0.35, zorder=2)
     ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgecolor": INK, "markersize": 7.5}
     frame.plot(errors, seconds, "o", markeredgewidth=0.8, zorder=4, **ring)
-
-
-def _names(frame: Axes, names: dict[str, list[Row]], measure: str, cost: str, apart: float) -> None:
-    """Beside the most accurate point of every line, one below the other."""
-    low, high = (math.log(limit) for limit in frame.get_ylim())
-    ends = {name: min(some, key=lambda row: _error(row, measure)) for name, some in names.items()}
-    heights = {name: (math.log(number(r, cost)) - low) / (high - low) for name, r in ends.items()}
-    places = spread(list(heights.values()), apart)
-    for (name, row), place in zip(ends.items(), places, strict=True):
-        style = look(row)
-        colour = style.line["color"]
-        frame.annotate(
-            name,
-            (_error(row, measure), number(row, cost)),
-            (1.04, place),
-            textcoords="axes fraction",
-            fontsize=7.5,
-            color=colour,
-            va="center",
-            fontweight="bold" if style.ours else "normal",
-            arrowprops={"color": colour, **LEADER},
-        )
-
-
-def spread(heights: Sequence[float], apart: float) -> list[float]:
-    """Places from 0 to 1 in the order of these heights, at least so far apart, and together as
-    near to them as can be (least squares: those that are too close share their mean)."""
-    count = len(heights)
-    apart = min(apart, 1.0 / max(count - 1, 1))
-    distances, order = apart * np.arange(count), np.argsort(heights, kind="stable")
-    means = isotonic_regression(np.asarray(heights)[order] - distances).x
-    places = np.empty(count)
-    places[order] = np.clip(means, 0.0, max(0.0, 1.0 - (count - 1) * apart)) + distances
-    return [*map(float, places)]

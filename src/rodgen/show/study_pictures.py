@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,8 @@ from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from rodgen.integrate.endings import FAILED, FINISHED
-from rodgen.show.pictures import LINE, canvas, save_figures
+from rodgen.show.canvas import LINE, SERIES, canvas
+from rodgen.show.pictures import save_figures
 from rodgen.show.study_results import Results, logarithmic
 
 if TYPE_CHECKING:
@@ -34,7 +36,6 @@ MANY = 3000  # points of a map beyond which those of a whole grid are not shown
 MOST_PERIOD = 8  # different values of a section that are told apart
 SAME, OUTSIDE = 1e-3, (0.001, 0.999)  # of the range; what of all values is taken for it
 LOST = "tab:red"
-CLASSES = "#4c72b0", "#dd8452", "#55a868", "#8172b3", "#937860", "#64b5cd"
 
 
 def draw(dataset: xarray.Dataset, folder: Path) -> list[Path]:
@@ -45,20 +46,27 @@ def draw(dataset: xarray.Dataset, folder: Path) -> list[Path]:
     has. Three: a matrix of maps. Samples, and more axes: a scatter matrix. Failed points are red
     crosses. Of more than 200 000 points only some are shown, as the title says.
     """
-    return save_figures(_figures(Results.thinned(dataset)), folder)
+    pictures = pictures_of(dataset)
+    return save_figures(((file_name(name), make()) for name, make in pictures.items()), folder)
 
 
-def _figures(of: Results) -> Iterator[tuple[str, Figure]]:
+def pictures_of(dataset: xarray.Dataset) -> dict[str, Callable[[], Figure]]:
+    """What draws the pictures that `draw` writes, by the names of what they show."""
+    return {name: partial(way, *of) for name, way, of in _ways(Results.thinned(dataset))}
+
+
+def _ways(of: Results) -> Iterator[tuple[str, Callable[..., Figure], tuple[Any, ...]]]:
+    """Every picture: its name, what draws it, and from what."""
     if not of.sampled and len(of.axes) <= 3:
         ways: dict[int, Callable[[Results, str], Figure]] = {1: curve, 2: map_of, 3: maps_of}
         for name in of.kept[:MOST_PICTURES]:
             if of.is_section(name):
                 if len(of.axes) < 3 and not name.endswith(".t"):
-                    yield file_name(name), (bifurcation, periods)[len(of.axes) - 1](of, name)
+                    yield name, (bifurcation, periods)[len(of.axes) - 1], (of, name)
             elif len(of.axes) == 1 or not of.beyond(name):
-                yield file_name(name), ways[len(of.axes)](of, name)
+                yield name, ways[len(of.axes)], (of, name)
     else:
-        yield "scatter", scatter_matrix(of)
+        yield "scatter", scatter_matrix, (of,)
 
 
 def file_name(name: str) -> str:
@@ -218,7 +226,7 @@ def maps_of(of: Results, name: str) -> Figure:
 def _scale(values: NDArray[np.float64], classes: Sequence[str]) -> tuple[Normalize, Colormap]:
     """Colours of values, or of classes."""
     if classes:
-        colours = [CLASSES[at % len(CLASSES)] for at in range(len(classes))]
+        colours = [SERIES[at % len(SERIES)] for at in range(len(classes))]
         norm = BoundaryNorm(np.arange(len(classes) + 1) - 0.5, len(classes))
         return norm, ListedColormap(colours)
     found = values[np.isfinite(values)]

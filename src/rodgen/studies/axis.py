@@ -49,6 +49,11 @@ class Axis:
         digest = hashlib.sha256(values.dtype.str.encode() + values.tobytes()).hexdigest()
         return [self.name, len(self.values), digest, str(self.low), str(self.high), self.scale]
 
+    @property
+    def ends(self) -> tuple[Value, Value]:
+        """Its first and last value, or those of its range."""
+        return (self.values[0], self.values[-1]) if len(self.values) else (self.low, self.high)
+
     def drawn(self, share: float) -> Value:
         """The value that a share, from 0 to below 1, of the range or of the list stands for."""
         if self.values:

@@ -79,24 +79,65 @@ def study(
 ) -> xr.Dataset:
     """Compute a scene at many values of its keys.
 
-    scene: a Scene, the path of one, or a Study, which has all of what follows up to options.
-    vary: values of every key, by dotted name, such as {"loads.follower.force": [5, 10]}, or a table
-    {from, to, count, scale}. what: "run", "critical", "modes" or "static". keep: reductions of a
-    run such as "max(phi_19)", or functions of a Solution. sample: {method, count, seed} to draw
-    points from ranges in place of a grid. options: of what is computed.
-    out: folder of the store, a Zarr group that keeps what is done; without it nothing is kept.
-    workers: processes, by default one a processor; with 1 there is no Dask: everything is computed
-    in one that is forked off this one, to the same bits. scheduler: address of a Dask scheduler
-    whose workers are taken instead. resume: go on with the store that is there. adaptive: of a grid
-    of two axes, compute only what is needed to find where neighbours differ, to this share of an
-    axis; by: in what they differ, a variable or "variable > level", by default the first; the other
-    points have the status "".
-    yes: also where there are more than 1e8 points.
-
     A point that cannot be computed has status "failed", its reason as message, and not-a-number.
-    Returns an xarray.Dataset over the varied keys of a grid, or over the points of a sample.
-    Raises SceneError for what cannot be used, before anything is computed; StudyError where workers
-    or the scheduler are lost, ImportError without the extra `study`.
+
+    Parameters
+    ----------
+    scene
+        A Scene, the path of one, or a Study, which has all of what follows up to ``options``.
+    vary
+        Values of every key, by dotted name, such as {"loads.follower.force": [5, 10]}, or a table
+        {from, to, count, scale}.
+    what
+        "run", "critical", "modes", "static", "lyapunov", "floquet" or "cycle".
+    keep
+        Reductions of a run such as "max(phi_19)", quantities of an analysis, or functions of a
+        Solution.
+    sample
+        {method, count, seed}, to draw points from ranges in place of a grid.
+    options
+        What the analysis takes besides.
+    out
+        Folder of the store, a Zarr group that keeps what is done. Without it nothing is kept.
+    workers
+        Processes; by default one a processor, or one alone for studies that take it less than 15
+        seconds. With 1 there is no Dask: everything is computed in one that is forked off this
+        one, to the same bits.
+    scheduler
+        Address of a Dask scheduler whose workers are taken instead.
+    resume
+        Go on with the store that is there.
+    adaptive
+        Of a grid of two axes, compute only what is needed to find where neighbours differ, to this
+        share of an axis. The other points have the status "".
+    by
+        In what neighbours differ: a variable, or "variable > level"; by default the first.
+    yes
+        Also where there are more than 1e8 points.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the varied keys of a grid, or over the points of a sample.
+
+    Raises
+    ------
+    SceneError
+        For what cannot be used, before anything is computed.
+    StudyError
+        Where workers or the scheduler are lost. What is marked in the store is kept.
+    ImportError
+        Without the extra `study`.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene = rodgen.Scene.example("ziegler")
+    >>> data = rodgen.study(
+    ...     scene, {"loads.follower.force": [1.5, 3.0]}, what="modes", keep=["stable"], workers=1
+    ... )
+    >>> data["stable"].values.tolist()
+    [1, 0]
     """
     made = scene if isinstance(scene, Study) else _made(scene, vary, what, keep, sample, options)
     temporary = out is None
@@ -148,7 +189,7 @@ def run(
             there = Store.of(path, study, how)
             if rounds is None and there.done().all():
                 return
-        pool = _workers(stack, workers, scheduler, said)
+        pool = _workers(stack, study, workers, scheduler, said)
         seconds, texts = PIECE, Texts()
         if there is None or rounds is not None:
             with working(f"{study.name}: timing a point"):
@@ -207,12 +248,20 @@ def _check(study: Study, path: Path, workers: Any, scheduler: Any, resume: bool,
 
 
 def _workers(
-    stack: ExitStack, workers: int | None, scheduler: str | None, said: Callable[[str], None]
+    stack: ExitStack,
+    study: Study,
+    workers: int | None,
+    scheduler: str | None,
+    said: Callable[[str], None],
 ) -> Workers:
-    if workers == 1:
+    if scheduler is None and workers in (None, 1):
         from rodgen.studies.here import Here
 
-        return stack.enter_context(Here())
+        with ExitStack() as alone, working(f"{study.name}: timing a point"):
+            here = alone.enter_context(Here())
+            if workers == 1 or here.is_enough(study):
+                stack.push(alone.pop_all())
+                return here
     from dask.system import CPU_COUNT
 
     from rodgen.studies.cluster import Cluster

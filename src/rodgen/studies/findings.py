@@ -126,7 +126,7 @@ def function_of(what: str) -> Callable[..., Any]:
 
         return floquet
     if what == CYCLE:
-        from rodgen.analyse.cycles.cycle import find_cycle
+        from rodgen.analyse.cycles.search import find_cycle
 
         return find_cycle
     from rodgen.analyse.statics import static_equilibrium

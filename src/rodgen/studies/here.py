@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 Texts = dict[tuple[str, ...], str]
 # Other systems fork no process that has threads, as one with a dashboard or a notebook has.
 FORKS = sys.platform == "linux"
+PAYS = 15.0  # seconds of a study from which on starting workers, 1.5 s each, is worth it
+SOON = 5.0  # seconds after which nobody waits to know that
 TIMING, UNKNOWN = "timing", 1.0  # seconds of a point that kills its process while it is timed
 
 
@@ -37,6 +39,7 @@ class Here:
     def __init__(self) -> None:
         self._child: _Child | None = None
         self._status = 0  # of the last one that died
+        self._each: float | None = None  # seconds of a point, once they are known
 
     def __enter__(self) -> Self:
         return self
@@ -46,8 +49,21 @@ class Here:
 
     def timed(self, study: Study) -> tuple[float, Texts]:
         """Time that a point takes [s], and no texts."""
-        found = self._asked(study, TIMING)
-        return (UNKNOWN if found is None else float(found)), {}
+        return self._time(study) if self._each is None else self._each, {}
+
+    def is_enough(self, study: Study) -> bool:
+        """Whether a study is so short that more processes are not worth their start."""
+        if not FORKS:  # nothing ends a point here that takes long
+            return False
+        try:
+            return study.count * self._time(study, SOON) < PAYS
+        except _LateError:
+            return False
+
+    def _time(self, study: Study, patience: float | None = None) -> float:
+        found = self._asked(study, TIMING, patience)
+        self._each = UNKNOWN if found is None else float(found)
+        return self._each
 
     def compute(self, store: Store, blocks: Iterator[int], texts: Texts) -> Iterator[Done]:
         """Compute blocks in their order."""
@@ -83,15 +99,16 @@ class Here:
             deaths, status = deaths + first, self._status
         return task.failed(study, f"its process was ended {by(status)}, twice and alone")
 
-    def _asked(self, study: Study, what: Any) -> Any:
-        """What the process answers; None where it died of it. Raises what was raised in it."""
+    def _asked(self, study: Study, what: Any, patience: float | None = None) -> Any:
+        """What the process answers; None where it died of it. Raises what was raised in it, and
+        _LateError where it does not answer in so many seconds."""
         if not FORKS:
             return _answer(study, what)
         if self._child is None or self._child.study is not study:
             self._end()
             self._child = _Child(study)
         try:
-            kind, answer = self._child.ask(what)
+            kind, answer = self._child.ask(what, patience)
         except (EOFError, OSError):
             self._status = self._child.wait()
             self._child = None
@@ -104,6 +121,10 @@ class Here:
         if self._child is not None:
             self._child.end()
             self._child = None
+
+
+class _LateError(Exception):
+    """There is no answer yet."""
 
 
 class _Child:
@@ -120,9 +141,12 @@ class _Child:
             self._process.start()
         other.close()
 
-    def ask(self, what: Any) -> tuple[str, Any]:
-        """Its answer. Raises EOFError or OSError where it dies."""
+    def ask(self, what: Any, patience: float | None = None) -> tuple[str, Any]:
+        """Its answer. Raises EOFError or OSError where it dies, _LateError where it does not answer
+        in so many seconds."""
         self._pipe.send(what)
+        if not self._pipe.poll(patience):
+            raise _LateError
         answer: tuple[str, Any] = self._pipe.recv()
         return answer
 

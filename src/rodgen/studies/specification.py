@@ -9,19 +9,19 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from typing import Any, Self
 
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.errors import check_type
 from rodgen.scene.keys import key_place
-from rodgen.scene.plain import plain, put, read_table
+from rodgen.scene.plain import plain, read_table
 from rodgen.studies.axis import EXTENDABLE, Axis, Sample, Value, axis
 from rodgen.studies.points import points
 
 WHAT = ("run", "critical", "modes", "static", "lyapunov", "floquet", "cycle")
 KEYS = {"": ("name", "scene", "vary", "sample", "compute"), "compute": ("what", "keep", "options")}
-LINKS = "rod.links"
 MOST_TRIED = 1000  # points that are made to find one that the scene takes
 MANY = 10**8  # points, beyond which a study is asked for twice
 UNKNOWN = "absent: not a known key"  # how a scene refuses a key
@@ -29,7 +29,7 @@ UNKNOWN = "absent: not a known key"  # how a scene refuses a key
 Kept = str | Callable[..., Any]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Study:
     """A study, checked. Raises SceneError for what is none, before anything is computed.
 
@@ -46,6 +46,21 @@ class Study:
     what: str = "run"
     keep: tuple[Kept, ...] = ()
     options: dict[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        points = " x ".join(map(str, self.shape))
+        return f"<Study {self.name}: {self.what} at {points} of {', '.join(self.dims)}>"
+
+    def _repr_html_(self) -> str:
+        """A table of what is varied, for notebooks."""
+        rows = [
+            (one.name, f"{len(one.values)} values" if one.values else one.scale, *one.ends)
+            for one in self.axes
+        ]
+        head = "<tr><th>key</th><th></th><th>from</th><th>to</th></tr>"
+        cells = ("".join(f"<td>{escape(str(cell))}</td>" for cell in row) for row in rows)
+        body = "".join(f"<tr>{row}</tr>" for row in cells)
+        return f"<div><p>{escape(repr(self))}</p><table>{head}{body}</table></div>"
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
@@ -184,15 +199,7 @@ class Study:
     def scene_at(self, point: Mapping[str, Value]) -> Scene:
         """The scene with the values of a point, which may leave keys as they are. Another number
         of links converts damping as `Scene.with_links` does. Raises SceneError."""
-        links = point.get(LINKS)
-        scene = self.base
-        if links is not None and links != scene.rod.links:
-            scene = scene.with_links(links)  # type: ignore[arg-type]
-        table = scene.model_dump(exclude_none=True)
-        for name, value in point.items():
-            if name != LINKS:
-                put(table, self.place(name), value)
-        return Scene.from_dict(table)
+        return self.base.replace(point)
 
     @cached_property
     def contents(self) -> dict[str, str]:

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from rodgen.loading.cache import PACKAGES, source_hash
 from rodgen.scene import SceneError
+from rodgen.shown import show_datasets
 from rodgen.studies.keep import variables
 from rodgen.studies.layout import Layout
 from rodgen.studies.points import Point
@@ -157,6 +158,7 @@ def read(path: str | Path) -> xr.Dataset:
     """
     import xarray as xr
 
+    show_datasets()
     path = Path(path)
     group = _group(path)
     if "digest" not in group.attrs:

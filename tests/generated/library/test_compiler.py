@@ -161,6 +161,10 @@ WRONG: dict[str, tuple[Spoil, str]] = {
         )
         for command in ("no-such-compiler -m64", "/no/such/cc", "''")
     },
+    "MSVC": (
+        lambda b: b.patch.setenv("CC", str(b.compiler().rename(b.temporary / "cl"))),
+        "MSVC does not compile",
+    ),
     "no compiler": (lambda b: b.patch.setenv("PATH", str(b.temporary)), "cc, gcc, clang"),
     "crash": (lambda b: b.compiler(answers="kill -SEGV $$\n"), "exit status -11"),
     "no shell": (lambda b: b.compiler().write_text("#!/no/such/shell\n"), "fakecc --version: "),

@@ -48,6 +48,18 @@ def damped_column(scenes: Path) -> Figure:
     return boundary_curve(rodgen.stability_boundary(scene, (FORCE, INTERNAL), ranges=ranges), scene)
 
 
+def spring_column(scenes: Path) -> Figure:
+    """Flutter and divergence of Beck's column with a spring across its tail."""
+    table = rodgen.Scene.from_toml(scenes / "becks_column.toml").model_dump(exclude_none=True)
+    ones = {"length": 1.0, "mass": 1.0, "bending_stiffness": 1.0}
+    table["rod"] |= {"links": 8, "clamp_angle": 0.0} | ones
+    table["loads"] = {"follower": {"force": 1.0}, "material_damping": {"time": 0.01}}
+    table["supports"] = [{"at": 1.0, "stiffness": [0.0, 10.0]}]
+    scene = rodgen.Scene.from_dict(table)
+    keys, ranges = (FORCE, "supports.0.stiffness.1"), ((0.0, 60.0), (0.0, 100.0))
+    return boundary_curve(rodgen.stability_boundary(scene, keys, ranges=ranges), scene)
+
+
 def umbrella(scenes: Path) -> Figure:
     """Boundaries of Ziegler's pendulum in the plane of two dampings, for forces below and above
     that at which it flutters without any: sections of Whitney's umbrella."""
@@ -83,6 +95,7 @@ FIGURES = {
     "branch_imperfect": imperfect_column,
     "branch_damping": damped_column,
     "branch_umbrella": umbrella,
+    "branch_spring": spring_column,
 }
 
 

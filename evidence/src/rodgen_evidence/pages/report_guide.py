@@ -1,6 +1,6 @@
-"""Tables of README, pictures and tables of docs/which-method.md, from a report that was written.
+"""Tables of docs/speed.md, pictures and tables of docs/which-method.md, from a report.
 
-python -m rodgen_evidence.pages.report_guide docs/report/report.json README.md docs/which-method.md
+python -m rodgen_evidence.pages.report_guide REPORT.json docs/speed.md docs/which-method.md
 """
 
 from __future__ import annotations
@@ -182,17 +182,17 @@ TABLES: Tables = {
 
 def guide_renewed(guide: str, contents: Contents) -> str:
     """The guide with its tables made anew. Raises ValueError where marks are missing."""
-    return _renewed(guide, contents, TABLES, "report/report.json")
+    return _renewed(guide, contents, TABLES)
 
 
-def readme_renewed(readme: str, contents: Contents) -> str:
-    """README with its tables made anew. Raises ValueError where the marks are missing."""
-    return _renewed(readme, contents, {"speed": speed}, "docs/report/report.json")
+def speed_renewed(page: str, contents: Contents) -> str:
+    """The page of speeds with its tables made anew. Raises ValueError where marks are missing."""
+    return _renewed(page, contents, {"speed": speed})
 
 
-def _renewed(page: str, contents: Contents, tables: Tables, source: str) -> str:
+def _renewed(page: str, contents: Contents, tables: Tables) -> str:
     for name, made in tables.items():
-        begin, end = f"<!-- {name}: from {source} -->", f"<!-- /{name} -->"
+        begin, end = f"<!-- {name}: from report/report.json -->", f"<!-- /{name} -->"
         start, rest = page.split(begin)
         _, after = rest.split(end)
         page = "\n\n".join((f"{start}{begin}", "\n".join(made(contents)), f"{end}{after}"))
@@ -238,9 +238,9 @@ def save_guide_figures(report_json: Path, folder: Path) -> list[Path]:
 
 
 if __name__ == "__main__":
-    report, readme, guide = map(Path, sys.argv[1:])
+    report, speeds, guide = map(Path, sys.argv[1:])
     contents, _ = read_report(report)
-    for page, renewed in ((readme, readme_renewed), (guide, guide_renewed)):
+    for page, renewed in ((speeds, speed_renewed), (guide, guide_renewed)):
         write_whole(page, renewed(page.read_text(encoding="utf-8"), contents))
     for file in save_guide_figures(report, guide.parent / "pictures"):
         print(file)

@@ -14,6 +14,7 @@ from rodgen_evidence.thesis.critical import table_3_4, table_3_6
 from rodgen_evidence.thesis.frequencies import table_3_1, table_3_2
 from rodgen_evidence.thesis.mass_spring_table import table_3_5
 from rodgen_evidence.thesis.methods import table_4_1
+from rodgen_evidence.thesis.outlook import table_outlook
 from rodgen_evidence.thesis.run_times import table_4_2
 from rodgen_evidence.thesis.statics import table_3_3
 from rodgen_evidence.thesis.table import Table
@@ -29,6 +30,7 @@ TABLES: dict[str, Callable[[], Table]] = {
     "4.2": table_4_2,
     "3.3": table_3_3,
     "clamp": table_clamp,
+    "outlook": table_outlook,
 }
 AT_ONCE = 2  # more would disturb the run times that are measured
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rodgen.analyse.branches.boundary_equations import Boundary, Plane, Scale
+from rodgen.analyse.branches.outline import GROWS, ROUNDED, Ends, Outline, rates
 from rodgen.analyse.critical import Critical, critical_force
-from rodgen.analyse.curves.continuation import Steps, continued
-from rodgen.analyse.curves.curve import Curve, Point, corrected, point_at
+from rodgen.analyse.curves import files
+from rodgen.analyse.curves.continuation import Steps
+from rodgen.analyse.curves.curve import Curve
+from rodgen.analyse.curves.datasets import attributes, extended, kept, to_go_on
 from rodgen.analyse.errors import AnalysisError, guarded
-from rodgen.analyse.pencil import first_order
-from rodgen.integrate.stepper import Array
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.keys import key_place, with_value
@@ -22,19 +24,14 @@ from rodgen.scene.plain import entry, is_number, plain
 if TYPE_CHECKING:
     import xarray
 
-Ends = tuple[float, float]
 STEP = 0.1  # of the units along the boundary
 MOST = 1000  # points to either side
 SHARE = 0.02  # of critical damping in the lowest motion: where a search begins
 HUGE = 1e8  # units of damping that are as good as no end
 LARGEST = 400.0  # units of other numbers, a hundred times what they are
-SLOW = -14.0  # logarithm of a frequency over that of the start, which is none
-LIMIT = 1e-10  # of the units, a step: nothing changes any more
 SAME = 1e-12  # of matrices: a change that is rounding
-GROWS, ROUNDED = 1e-6, 1e-9  # of the modulus, and of the largest: less growth may be rounding
 GRID, NARROW = 200, 1e-9  # values along a number; width to which a change is narrowed
-EVERY = 10  # points of which all other motions are looked at
-UNSTABLE = "another motion is unstable already"
+FORMAT = "rodgen boundary 1"
 FLUTTER, DIVERGENCE = "flutter", "divergence"
 
 
@@ -47,25 +44,70 @@ def stability_boundary(
     step: float = STEP,
     most: int = MOST,
     t: float | None = None,
+    resume: xarray.Dataset | None = None,
+    at: int = -1,
     watch: Callable[[tuple[float, float, float]], None] = lambda point: None,
 ) -> xarray.Dataset:
-    """The curve in the plane of two numbers of a scene on which flutter or divergence begins.
+    """Follow the curve on which flutter or divergence begins, in the plane of two numbers.
 
-    keys: both numbers, named as in a study, such as loads.follower.force and
-    loads.material_damping.time. Where one is the size of a load, `critical_force` finds it for the
-    other's value in the scene (for a little damping, where it is that of none); else the first is
-    searched through for where a motion begins or ceases to grow. From there the curve is followed
-    both ways to the ends of ranges, by default 0 and what is as good as no end: of damping, of
-    which only the logarithm counts there, until nothing changes any more. Its limit for vanishing
-    damping is a point of it; that is not the onset of the rod without damping (H. Ziegler,
-    Ingenieur-Archiv 20 (1952) 49-56). It ends where another motion becomes unstable first, or
-    flutter becomes divergence. step: the longest, in units over which the linearised equations
-    change by their own size; most: points to either side; t: time whose loads are taken [s]; watch:
-    called with every point.
+    Where one number is the size of a load, `critical_force` finds it for the other's value in the
+    scene (for a little damping, where it is that of none); else the first is searched through for
+    where a motion begins or ceases to grow. From there the curve is followed both ways. Its limit
+    for vanishing damping is a point of it; that is not the onset of the rod without damping (H.
+    Ziegler, Ingenieur-Archiv 20 (1952) 49-56). Where another motion becomes unstable first, or
+    flutter becomes divergence, it goes on along what begins there: it is the outline of what is
+    stable around its start.
 
-    The Dataset has one dimension along the boundary: both numbers as a and b, frequency [Hz]; its
-    attributes say what begins there, and why it ends. Raises SceneError, and AnalysisError where
-    nothing begins.
+    Parameters
+    ----------
+    scene
+        The scene.
+    keys
+        Both numbers, named as in a study, such as loads.follower.force and
+        loads.material_damping.time.
+    ranges
+        Ends of both; by default 0 and what is as good as no end: of damping, of which only the
+        logarithm counts there, until nothing changes any more.
+    step
+        The longest, in units over which the linearised equations change by their own size.
+    most
+        Points to either side.
+    t
+        Time whose loads are taken [s].
+    resume, at
+        A boundary of the same scene and numbers that is gone on with from its point ``at``, in its
+        direction.
+    watch
+        Called with every point.
+
+    Returns
+    -------
+    xarray.Dataset
+        One dimension along the boundary: both numbers as a and b, frequency [Hz] (0 of divergence);
+        special points, special_kind "corner" (two motions begin at once), "zero frequency" (flutter
+        and divergence at once) or "cusp" with special_a, special_b, special_frequency and
+        special_after, the point that each comes after. Its attributes say what begins there, and
+        why it ends.
+
+    Raises
+    ------
+    SceneError
+        For numbers that cannot be varied so.
+    AnalysisError
+        Where nothing begins.
+    BranchInterrupted
+        On Ctrl-C, with what there is.
+
+    Examples
+    --------
+    With vanishing damping Ziegler's pendulum flutters at 41/28 of k/l:
+
+    >>> import rodgen
+    >>> scene = rodgen.Scene.example("ziegler").replace({"loads.material_damping.time": 0.1})
+    >>> keys = ("loads.follower.force", "loads.material_damping.time")
+    >>> line = rodgen.stability_boundary(scene, keys, ranges=(None, (0.0, 1.0)))
+    >>> round(float(line.a[line.b == 0].item()), 9), round(41 / 28, 9)
+    (1.464285714, 1.464285714)
     """
     a_key, b_key = _checked(scene, keys)
     load, flipped = _load(scene, a_key, b_key)
@@ -82,7 +124,14 @@ def stability_boundary(
     begin = np.where([one.damping and not x for one, x in zip(scales, own, strict=True)], 1.0, 0.0)
     begin = own + begin * [one.unit for one in scales]
     limits = [_limits(one, given) for one, given in zip(scales, ranges, strict=True)]
-    if load is not None:
+    rows = [] if resume is None else _recorded(resume, scene, keys, at)
+    places = [(row[:2][::-1] if flipped else row[:2]) for row in rows]
+    if rows:
+        begin, omega = np.array(places[0]), 2 * np.pi * rows[0][2]
+        if load is not None:
+            scales[0] = Scale(abs(float(begin[0])) / 4 or 1.0)
+            limits[0] = _limits(scales[0], ranges[0])
+    elif load is not None:
         found = _onset(with_value(scene, b_key, float(begin[1])), load, own[0], t)
         begin[0], omega = found.force, 2 * np.pi * found.frequency
         scales[0] = Scale(abs(found.force) / 4 or 1.0)
@@ -91,13 +140,38 @@ def stability_boundary(
     origin = np.where([one.damping for one in scales], 0.0, begin)
     plane = Plane(scene, (a_key, b_key), t, origin)
     plane.made_fast(np.array([one.unit for one in scales]))
-    if load is None:
+    if load is None and not rows:
         begin[0], omega = _first(plane, scales[0], limits[0], float(begin[1]))
-    damped = bool(np.abs(plane.at(*begin.tolist()).C).any())
+    if resume is None:
+        damped = bool(np.abs(plane.at(*begin.tolist()).C).any())
+    else:  # of which the limit of no damping is a point, too
+        damped = bool(resume.attrs["damped"])
     boundary = Boundary(plane, (scales[0], scales[1]), omega, damped)
-    start = omega, float(begin[0]), float(begin[1])
-    curve = _followed(boundary, start, limits, Steps.of(step, most, 4), watch)
-    return _dataset(scene, boundary, curve, flipped, plane.base.t)
+    outline = Outline(limits, Steps.of(step, most, 4), watch)
+    if rows:
+        points = [
+            boundary.packed(2 * np.pi * (row[2] or rows[0][2]), *place)
+            for row, place in zip(rows, places, strict=True)
+        ]
+        curve = outline.gone_on(boundary, points)
+    else:
+        curve = outline.around(boundary, omega, float(begin[0]), float(begin[1]))
+
+    def whole() -> xarray.Dataset:
+        made = _dataset(scene, boundary, curve, flipped, plane.base.t)
+        return made if resume is None else extended(resume, at, made)
+
+    return kept(curve, whole)
+
+
+def _recorded(
+    data: xarray.Dataset, scene: Scene, keys: tuple[str, str], at: int
+) -> list[tuple[float, float, float]]:
+    """Both numbers and the frequency [Hz] of a point of a file, and of the one that it comes after,
+    if any."""
+    numbers = to_go_on(data, FORMAT, scene, dict(zip(("a", "b"), keys, strict=True)), at)
+    a, b, frequency = (data[name].values.tolist() for name in ("a", "b", "frequency"))
+    return [(a[row], b[row], frequency[row]) for row in numbers]
 
 
 def _first(plane: Plane, scale: Scale, limits: Ends, b: float) -> tuple[float, float]:
@@ -105,7 +179,7 @@ def _first(plane: Plane, scale: Scale, limits: Ends, b: float) -> tuple[float, f
     the one that does so oscillates [rad/s]."""
 
     def growing(x: float) -> tuple[int, complex]:
-        s = _rates(plane, scale.value(x), b)
+        s = rates(plane, scale.value(x), b)
         grows = s.real > GROWS * np.abs(s) + ROUNDED * np.abs(s).max(initial=0.0)
         return int(grows.sum()), complex(s[np.argmax(s.real)])
 
@@ -131,11 +205,6 @@ def _first(plane: Plane, scale: Scale, limits: Ends, b: float) -> tuple[float, f
     return scale.value(high), abs(s.imag) if abs(s.imag) > abs(s.real) else 0.0
 
 
-def _rates(plane: Plane, a: float, b: float) -> Any:
-    """All eigenvalues [1/s] at a point of the plane."""
-    return np.linalg.eigvals(first_order(*plane.at(a, b), plane.added)).astype(complex)
-
-
 def _onset(scene: Scene, load: str, own: float, t: float | None) -> Critical:
     """Where the scene loses its stability as a load grows; of one that is unstable without load,
     beyond its own load."""
@@ -145,84 +214,6 @@ def _onset(scene: Scene, load: str, own: float, t: float | None) -> Critical:
         if not own > 0:
             raise
         return critical_force(scene, load=load, t=t, lowest=own)
-
-
-def _followed(
-    boundary: Boundary,
-    start: tuple[float, float, float],
-    limits: list[Ends],
-    steps: Steps,
-    watch: Callable[[tuple[float, float, float]], None],
-) -> Curve:
-    """The boundary to both sides of a point."""
-    omega, a, b = start
-    u = boundary.packed(omega or 1.0, a, b)
-    boundary.bordered(u)
-    row = np.append(np.zeros(len(u) - 1), 1.0)
-    found = corrected(boundary, u, row)
-    (low, high), (least, largest) = limits
-    sides = []
-
-    def seen(point: Point) -> None:
-        boundary.bordered(point.u)
-        watch(boundary.values(point.u))
-
-    for way in (-1.0, 1.0):
-        boundary.bordered(found.u)
-        first = point_at(boundary, found, way * row)
-        before: list[Array] = [first.u]
-        count = 0
-
-        def until(point: Point, before: list[Array] = before) -> str:
-            nonlocal count
-            count += 1
-            change = np.abs(point.u - before[0])
-            before[0] = point.u
-            if not low <= point.u[-2] <= high:
-                return f"{boundary.plane.keys[0]} leaves its range"
-            if change[-2] < LIMIT and boundary.scales[1].damping and point.u[-1] > 1:
-                return "the limit of much damping was reached"
-            if len(point.u) > 2 and point.u[0] < SLOW and not boundary.scales[1].damping:
-                return "flutter becomes divergence, as its frequency goes to zero"
-            if count % EVERY == 0 and _others(boundary, point):
-                return UNSTABLE
-            return ""
-
-        side = continued(boundary, first, least, largest, steps, watch=seen, until=until)
-        _shortened(boundary, side, (low, high))
-        sides.append(side)
-    back, on = sides
-    back = back.backwards()
-    return Curve(
-        back.points[:-1] + on.points,
-        [],
-        f"{back.end}; {on.end}",
-        back.complete and on.complete,
-        [f"one side: {sides[0].end}", f"other side: {on.end}"],
-    )
-
-
-def _shortened(boundary: Boundary, side: Curve, range_of: Ends) -> None:
-    """Without its last points where they lie beyond the range of the first number, or where another
-    motion is unstable."""
-    low, high = range_of
-    while len(side.points) > 1:
-        last = side.points[-1]
-        beyond = not low <= last.u[-2] <= high
-        if not (beyond or (side.end == UNSTABLE and _others(boundary, last))):
-            return
-        side.points.pop()
-
-
-def _others(boundary: Boundary, point: Point) -> bool:
-    """Whether a motion grows at a point of the boundary other than the one that is about to."""
-    a, b, frequency = boundary.values(point.u)
-    s = _rates(boundary.plane, a, b)
-    omega = 2 * np.pi * frequency
-    apart = np.minimum(np.abs(s - 1j * omega), np.abs(s + 1j * omega))
-    # Two frequencies that meet, or the one that is about to grow.
-    s = s[np.argsort(apart)[4 if omega and not boundary.damped else 2 :]]
-    return bool((s.real > GROWS * np.abs(s) + ROUNDED * np.abs(s).max(initial=0.0)).any())
 
 
 def _scale_of(plane: Plane, axis: int, given: Ends | None) -> Scale:
@@ -310,15 +301,18 @@ def _own(scene: Scene, key: str, given: Ends | None) -> float:
     return own if low <= own <= high else float((low + high) / 2)
 
 
+def read(path: Path) -> xarray.Dataset:
+    """The boundary in a file. Raises SceneError for what is none."""
+    return files.read(path, "file", "a boundary", FORMAT)
+
+
 def _dataset(
     scene: Scene, boundary: Boundary, curve: Curve, flipped: bool, t: float
 ) -> xarray.Dataset:
-    import json
-    from importlib.metadata import version
-
     import xarray
 
-    rows = np.array([boundary.values(point.u) for point in curve.points])
+    rows = np.array([point.u for point in curve.points])
+    special = np.array([one.u for one in curve.special]).reshape(-1, 4)
     keys = boundary.plane.keys
     a, b = (1, 0) if flipped else (0, 1)
     names = keys[a], keys[b]
@@ -326,17 +320,20 @@ def _dataset(
         "a": ("point", rows[:, a], {"long_name": names[0]}),
         "b": ("point", rows[:, b], {"long_name": names[1]}),
         "frequency": ("point", rows[:, 2], {"units": "Hz"}),
+        "length": ("point", np.cumsum([0.0, *np.abs(np.diff(rows[:, 3]))])),
+        "special_kind": ("special", np.array([one.kind for one in curve.special], dtype="U16")),
+        "special_a": ("special", special[:, a]),
+        "special_b": ("special", special[:, b]),
+        "special_frequency": ("special", special[:, 2], {"units": "Hz"}),
+        "special_after": (
+            "special",
+            np.array([one.after for one in curve.special], dtype=np.int32),
+        ),
     }
-    notes = {
-        "format": "rodgen boundary 1",
-        "rodgen": version("rodgen"),
-        "scene": json.dumps(scene.model_dump(exclude_none=True)),
+    said = attributes(FORMAT, scene, curve, t) | {
         "a": names[0],
         "b": names[1],
         "kind": FLUTTER if boundary.omega else DIVERGENCE,
         "damped": int(boundary.damped),
-        "end": curve.end,
-        "complete": int(curve.complete),
-        "t": t,
     }
-    return xarray.Dataset(data, attrs=notes)
+    return xarray.Dataset(data, attrs=said)

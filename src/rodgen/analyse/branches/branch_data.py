@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from dataclasses import dataclass
-from importlib.metadata import version
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from rodgen.analyse.branches.motions import Motions
 from rodgen.analyse.curves import files
 from rodgen.analyse.curves.curve import Point, Special
+from rodgen.analyse.curves.datasets import (
+    attributes,
+    lengths,
+    point_number,
+    scene_of,
+    to_go_on,
+)
 from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.scene.keys import with_value
 from rodgen.scene.overrides import with_state
-from rodgen.scene.plain import plain
 
 if TYPE_CHECKING:
     import xarray
@@ -33,18 +38,16 @@ def dataset(branch: Branch) -> xarray.Dataset:
     import xarray  # only where it is needed: it takes long to import
 
     points, special = branch.curve.points, branch.curve.special
-    u = np.array([point.u for point in points])
-    steps = [branch.problem.length(step) for step in np.diff(u, axis=0)]
     unstable = [UNKNOWN if p.unstable is None else p.unstable for p in points]
     data: dict[str, Any] = {
-        name: (("point", *dims), values, attributes)
-        for name, (dims, values, attributes) in _states(branch, points).items()
+        name: (("point", *dims), values, units)
+        for name, (dims, values, units) in _states(branch, points).items()
     }
     data["unstable"] = ("point", np.array(unstable, dtype=np.int32))
-    data["length"] = ("point", np.concatenate(([0.0], np.cumsum(steps))))
-    for name, (dims, values, attributes) in _states(branch, special).items():
+    data["length"] = ("point", lengths(branch.problem, branch.curve))
+    for name, (dims, values, units) in _states(branch, special).items():
         if name in ("value", "phi", "tip"):
-            data[f"special_{name}"] = (("special", *dims), values, attributes)
+            data[f"special_{name}"] = (("special", *dims), values, units)
     data["special_kind"] = ("special", np.array([one.kind for one in special], dtype="U16"))
     frequency = np.array([one.frequency for one in special])
     data["special_frequency"] = ("special", frequency, {"units": "Hz"})
@@ -53,18 +56,16 @@ def dataset(branch: Branch) -> xarray.Dataset:
     notes = [*branch.curve.notes]
     if branch.problem.why_unknown:
         notes.append(f"stability is not known everywhere: {branch.problem.why_unknown}")
-    attributes = {
-        "format": FORMAT,
-        "rodgen": version("rodgen"),
-        "scene": json.dumps(branch.scene.model_dump(exclude_none=True)),
-        "key": branch.key,
-        "t": branch.problem.variable.base.t,
-        "end": branch.curve.end,
-        "complete": int(branch.curve.complete),
-        "notes": "\n".join(notes),
-        "switch": branch.number,
-    }
-    return xarray.Dataset(data, {"axis": ["x", "y"]}, attributes)
+    t = branch.problem.variable.base.t
+    said = attributes(FORMAT, branch.scene, replace(branch.curve, notes=notes), t)
+    moving = isinstance(branch.problem, Motions)
+    if moving:
+        rates = [branch.problem.steady(point.u).y for point in points]
+        base, half = branch.problem.variable.base.base, len(rates[0]) // 2
+        turning = [float(y[half + base]) for y in rates]
+        data["turning"] = ("point", np.array(turning), {"units": "rad/s"})
+    said |= {"key": branch.key, "switch": branch.number, "moving": int(moving)}
+    return xarray.Dataset(data, {"axis": ["x", "y"]}, said)
 
 
 def _states(branch: Branch, points: Sequence[Point | Special]) -> dict[str, Any]:
@@ -77,7 +78,7 @@ def _states(branch: Branch, points: Sequence[Point | Special]) -> dict[str, Any]
     low, high = problem.variable.ends
     for row, point in enumerate(points):
         state = problem.steady(point.u)
-        system, y = state.system, state.system.at_rest(state.at)
+        system, y = state.system, state.y
         exact = [end for end in (low, high) if problem.scaled(end) == point.u[-1]]
         made["value"][row] = exact[0] if exact else problem.value(point.u)
         made["phi"][row] = system.all_links(state.phi)
@@ -90,59 +91,34 @@ def _states(branch: Branch, points: Sequence[Point | Special]) -> dict[str, Any]
         "y": (("state",), {"long_name": "state"}),
         "force": (("cell", "axis"), {"units": "m/s2", "long_name": "joint forces over the mass"}),
     }
-    return {name: (over, made[name], attributes) for name, (over, attributes) in dims.items()}
+    return {name: (over, made[name], units) for name, (over, units) in dims.items()}
 
 
-@dataclass(frozen=True)
-class Recorded:
-    """A point of a file, its number, its value and that of the point before it; states: of both, as
-    angles, joint forces, position and added states."""
+class Recorded(NamedTuple):
+    """A point of a file and the one that it comes after, if any: values, states and joint
+    forces; moving: whether these are steady motions."""
 
-    number: int
-    value: float
-    others: tuple[float, ...]
-    states: list[tuple[Array, Array, Array, Array]]
+    values: list[float]
+    states: list[tuple[Array, Array]]
+    moving: bool
 
 
 def recorded(data: xarray.Dataset, scene: Scene, key: str, at: int) -> Recorded:
     """A point of a branch. Raises SceneError for one of another scene or key, and for a point that
     it does not have."""
-    if data.attrs.get("format") != FORMAT:
-        raise SceneError("resume", data.attrs.get("format"), f"a branch of rodgen ({FORMAT})")
-    if data.attrs["key"] != key:
-        raise SceneError("resume", data.attrs["key"], f"a branch along {key}")
-    own, other = (scene.model_dump(exclude_none=True), json.loads(data.attrs["scene"]))
-    other = Scene.from_dict(other).model_dump(exclude_none=True)
-    if own["rod"] != other["rod"] or set(own["loads"]) != set(other["loads"]):
-        raise SceneError("resume", other.get("name"), "a branch of this scene")
-    count, number = data.sizes["point"], plain(at, "at")
-    if not isinstance(number, int) or isinstance(number, bool) or not -count <= number < count:
-        raise SceneError("at", at, f"the number of a point, 0 to {count - 1}")
-    number %= count
-    rows = [number] + ([number - 1] if number else [])
-    if not number and count > 1:  # the first point is gone on from backwards
-        rows.append(1)
-    values = [float(data["value"][row]) for row in rows]
-    base = 2 * scene.hold.translates
-    half = base + scene.rod.links - scene.held
-    states = []
-    for row in rows:
-        y, force = data["y"].values[row], data["force"].values[row]
-        states.append((y[base:half], force, y[:base], y[2 * half :]))
-    return Recorded(number, values[0], tuple(values[1:]), states)
+    rows = to_go_on(data, FORMAT, scene, {"key": key}, at)
+    states = [(data["y"].values[row], data["force"].values[row]) for row in rows]
+    return Recorded([float(data["value"][row]) for row in rows], states, bool(data.attrs["moving"]))
 
 
 def scene_at(data: xarray.Dataset, at: int) -> Scene:
-    """The scene at a point of a branch, which starts in its state; of a free rod that nothing
-    holds, in its own. Raises SceneError for a point that the branch does not have."""
-    count = data.sizes["point"]
-    if not -count <= at < count:
-        raise SceneError("at", at, f"the number of a point, 0 to {count - 1}")
-    scene = Scene.from_dict(json.loads(data.attrs["scene"]))
-    scene = with_value(scene, data.attrs["key"], float(data["value"][at]))
-    if scene.hold.translates and not scene.anchors.ties:
+    """The scene at a point of a branch, which starts in its state; straight in steady flight, in
+    its own. Raises SceneError for a point that the branch does not have."""
+    number = point_number(data, at)
+    scene = with_value(scene_of(data), data.attrs["key"], float(data["value"][number]))
+    if scene.hold.translates and not (scene.anchors.ties or data.attrs["moving"]):
         return scene
-    return with_state(scene, data["y"].values[at])
+    return with_state(scene, data["y"].values[number])
 
 
 def read(path: Path) -> xarray.Dataset:

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from rodgen.analyse.branches.equilibria import Equilibria, equilibria
-from rodgen.analyse.branches.equilibrium_branch import switched
 from rodgen.analyse.branches.variable import LoadFactor
 from rodgen.analyse.curves.bordered import Bordered
 from rodgen.analyse.curves.continuation import Steps, continued, started
 from rodgen.analyse.curves.curve import BRANCH, NOISE, Curve
+from rodgen.analyse.curves.switching import switched
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.rest import Rest, instability
 from rodgen.analyse.statics import Equilibrium, static_equilibrium
@@ -32,15 +32,41 @@ WAVES = (0.5, 1.5)  # half waves of their angles along the rod
 
 @guarded
 def static_equilibria(scene: Scene, *, t: float | None = None) -> list[Equilibrium]:
-    """The equilibria of a scene that are found, the most stable first, as `static_equilibrium` has
-    them; iterations count Newton's corrections.
+    """Return the equilibria of a scene that are found, the most stable first.
 
     The branch of the unloaded rod is followed while its loads grow together, and from every branch
-    point the other branch both ways, and so on; from what lies at the whole load, and from rods
+    point the other branch both ways, and so on. From what lies at the whole load, and from rods
     that are bent in one and in two waves to both sides, Newton's method is deflated: it is driven
     away from what is known (P. E. Farrell, A. Birkisson and S. W. Funke, SIAM J. Sci. Comput. 37
-    (2015) A2026). There may be more. Raises SceneError for a free rod that nothing holds,
-    AnalysisError where none is found.
+    (2015) A2026). There may be more.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    t
+        Time whose loads are taken [s]; by default the start of the span.
+
+    Returns
+    -------
+    list of Equilibrium
+        Each as `static_equilibrium` has it; iterations count Newton's corrections.
+
+    Raises
+    ------
+    SceneError
+        For a free rod that nothing holds.
+    AnalysisError
+        Where none is found.
+
+    Examples
+    --------
+    A column at 30 EI/L^2 stands straight, or bent in one or two ways to either side:
+
+    >>> import rodgen
+    >>> scene = rodgen.Scene.example("euler_column").replace({"loads.tip.y": -30.0})
+    >>> [one.stable for one in rodgen.static_equilibria(scene)]
+    [True, True, False, False, False]
     """
     system = System.of(scene, t)
     if not (system.clamped or system.anchored):
@@ -81,7 +107,7 @@ def _on_branches(problem: Equilibria, u: Array) -> list[Array]:
     found: list[Array] = []
     seen: list[Array] = []
     try:
-        waiting = [continued(problem, started(problem, u), 0.0, 1.0, STEPS)]
+        waiting = [continued(problem, started(problem, u), 0.0, 1.0, STEPS).uninterrupted()]
     except AnalysisError:
         return found
     while waiting and len(seen) < MOST_BRANCHES:
@@ -94,7 +120,8 @@ def _on_branches(problem: Equilibria, u: Array) -> list[Array]:
                 and _new(problem, special.u, seen)
             ):
                 seen.append(special.u)
-                waiting.append(switched(problem, special, (0.0, 1.0), STEPS))
+                curve = switched(problem, special, (0.0, 1.0), STEPS)
+                waiting.append(curve.uninterrupted())
     return found
 
 
@@ -180,4 +207,5 @@ def _equilibrium(state: Steady, iterations: int) -> Equilibrium:
         instability=instability(system, Rest(state.at), state.p),
         t=system.t,
         states=dict(zip(system.scene.states, state.at.added.tolist(), strict=True)),
+        scene=system.scene,
     )

@@ -28,11 +28,15 @@ class Equilibria(Problem):
         self.variable, self.start = variable, start
         self._last: tuple[bytes, Steady] | None = None
         self.why_unknown = ""
-        self.growing: Growing | None = None
+        self.growing = self._growing(start, all_modes)
+
+    def _growing(self, start: Steady, all_modes: bool) -> Growing | None:
+        """What grows about its states, in modes of the first, where it is counted so."""
         try:
-            self.growing = Growing(start, all_modes)
+            return Growing(start, all_modes)
         except AnalysisError as error:  # of a bent rod that drag brakes, stability is not known
             self.why_unknown = str(error)
+            return None
 
     def value(self, u: Array) -> float:
         """The varied number."""
@@ -58,6 +62,11 @@ class Equilibria(Problem):
     @abstractmethod
     def packed(self, state: Steady, value: float) -> Array:
         """u of a state at a value."""
+
+    def restored(self, system: System, p: Array, y: Array, force: Array) -> Steady:
+        """The state of a file: its angles, position and added states in y, and joint forces."""
+        base, half = system.base, system.base + system.cells
+        return Steady(system, Unknowns(y[base:half], force, y[:base], y[2 * half :]), p)
 
     def unstable(self, u: Array) -> int | None:
         if self.growing is None:
@@ -164,6 +173,16 @@ class Flight(Equilibria):
     def __init__(self, variable: Variable, start: Steady, all_modes: bool = False):
         super().__init__(variable, start, all_modes)
         self.weights = np.ones(1)
+
+    def _growing(self, start: Steady, all_modes: bool) -> Growing | None:
+        # Without load any rod turns freely: what its turning does is told by one that does not.
+        values = [value for value in self.variable.ends if start.turns_freely]
+        for value in values:
+            p = self.variable.parameters(value)
+            state, _ = straight_state(self.variable.system(value), p)
+            if state is not None and not state.turns_freely:
+                start = state
+        return super()._growing(start, all_modes)
 
     def packed(self, state: Steady, value: float) -> Array:
         return np.array([self.scaled(value)])

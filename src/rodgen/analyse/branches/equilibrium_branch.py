@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rodgen.analyse.branches.equilibria import Equilibria, equilibria
+from rodgen.analyse.branches.motions import Motions, begun, motion_of
 from rodgen.analyse.branches.small_motions import MODES, MOST_DENSE, Growing
 from rodgen.analyse.branches.variable import SAME, WHOLE, Key
-from rodgen.analyse.curves.continuation import Steps, continued, started
-from rodgen.analyse.curves.curve import BRANCH, Curve, Point, Special, corrected, point_at
-from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.curves.continuation import Steps, continued, started, taken_up
+from rodgen.analyse.curves.curve import (
+    Curve,
+    Point,
+    Special,
+    both_ways,
+    corrected,
+    point_at,
+)
+from rodgen.analyse.curves.datasets import extended, kept
+from rodgen.analyse.curves.special_points import branch_point
+from rodgen.analyse.curves.switching import chosen, switched
+from rodgen.analyse.errors import guarded
 from rodgen.analyse.statics import settle
 from rodgen.analyse.steady import Steady, steady
-from rodgen.analyse.system import System, Unknowns
+from rodgen.analyse.system import System
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.keys import with_value
 from rodgen.scene.plain import is_number, plain
@@ -29,7 +40,6 @@ if TYPE_CHECKING:
 STEP = 0.02  # of the range, or rad: the longest along a branch
 MOST = 2000  # points
 CHECKED = 5  # points of a branch of which all modes are looked at
-ASTRAY = 1e-6  # by which a state of a file may be corrected
 
 
 @dataclass(frozen=True)
@@ -58,28 +68,72 @@ def continue_equilibria(
     resume: xarray.Dataset | None = None,
     at: int = -1,
     imperfection: float | None = None,
+    motion: str | None = None,
     step: float = STEP,
     most: int = MOST,
     t: float | None = None,
     watch: Callable[[float], None] = lambda value: None,
 ) -> xarray.Dataset:
-    """The branch of equilibria, or of steady motions, on which a scene is, along one number of it.
+    """Follow the branch of equilibria, or of steady motions, of a scene along one number of it.
 
-    key: the number, named as in a study, such as loads.follower.force; ends: between which it is
-    varied. The branch begins at the first end and is followed to where it leaves the range,
-    through folds. start: another value in the range to begin at, from which it is followed both
-    ways; switch: follow, instead of it, the other branch, both ways, from the branch point of this
-    number (1 is the first); resume: a branch of the same scene and key of which point ``at`` is
-    gone on from, in its direction; imperfection: begin with the bent equilibrium that
-    `static_equilibrium` finds with it; step: the longest, as a share of the range and in rad of
-    the mean square of all angles; most: points; t: time whose loads are taken [s]; watch: called
-    with every value.
+    The branch begins at the first end and is followed to where it leaves the range, through folds.
 
-    The Dataset has one dimension along the branch: value, unstable (how many directions are
-    unstable, -1 where that is not known), tip [m], phi [rad]; and special points, special_kind
-    "branch", "fold" or "hopf" with special_value, special_frequency [Hz] and special_after, the
-    point that each comes after. Its attributes say where it ends and why. Raises SceneError for
-    what cannot be varied so, AnalysisError where nothing is found to start with.
+    Parameters
+    ----------
+    scene
+        The scene.
+    key
+        The number, named as in a study, such as loads.follower.force.
+    ends
+        Between which it is varied.
+    start
+        Another value in the range to begin at, from which the branch is followed both ways.
+    switch
+        Follow, instead of it, the other branch, both ways, from the branch point of this number (1
+        is the first).
+    resume, at
+        A branch of the same scene and key that is gone on with from its point ``at``, in its
+        direction.
+    imperfection
+        Begin with the bent equilibrium that `static_equilibrium` finds with it.
+    motion
+        Of a rod that nothing holds in place, follow steady motions (bent or not, accelerated,
+        dragged, turning) from the one near the scene's initial state ("initial"), or that a run
+        over its span leads to ("run").
+    step
+        The longest, as a share of the range and in rad of the mean square of all angles.
+    most
+        Points.
+    t
+        Time whose loads are taken [s].
+    watch
+        Called with every value.
+
+    Returns
+    -------
+    xarray.Dataset
+        One dimension along the branch: value, unstable (how many directions are unstable, -1 where
+        that is not known), tip [m], phi [rad], of steady motions turning [rad/s]; and special
+        points, special_kind "branch", "fold" or "hopf" with special_value, special_frequency [Hz]
+        and special_after, the point that each comes after. Its attributes say where it ends and
+        why.
+
+    Raises
+    ------
+    SceneError
+        For what cannot be varied so.
+    AnalysisError
+        Where nothing is found to start with.
+    BranchInterrupted
+        On Ctrl-C, with what there is.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene = rodgen.Scene.example("euler_column")
+    >>> branch = rodgen.continue_equilibria(scene, "loads.tip.y", (0, -30))
+    >>> branch.special_kind.values.tolist(), branch.special_value.values.round(2).tolist()
+    (['branch', 'branch'], [-2.47, -22.18])
     """
     from rodgen.analyse.branches.branch_data import dataset, recorded
 
@@ -87,9 +141,10 @@ def continue_equilibria(
     begin = low if start is None else _inside("start", start, ends)
     before = None if resume is None else recorded(resume, scene, key, at)
     if before is not None:
-        begin = before.value
+        begin = before.values[0]
     steps = Steps.of(step, most, 4)
-    problem, first = _prepared(scene, key, ends, begin, imperfection, t)
+    problem = _prepared(scene, key, ends, begin, imperfection, motion, before, t)
+    first = problem.start
     branch = Branch(scene, key, problem, Curve())
 
     def seen(point: Point) -> None:
@@ -101,62 +156,28 @@ def continue_equilibria(
             point = _taken_up(problem, before)
             return continued(problem, point, *bounds, steps, watch=seen)
         u = problem.packed(first, begin)
-        way = float(np.sign(high - low))
-        made = continued(problem, started(problem, u, way), *bounds, steps, watch=seen)
-        if start is None or begin in (low, high):
-            return made
-        back = continued(problem, started(problem, u, -way), *bounds, steps, watch=seen)
-        return _joined(back, made)
+        onward = float(np.sign(high - low))
+
+        def follow(way: float) -> Curve:
+            return continued(problem, started(problem, u, way * onward), *bounds, steps, watch=seen)
+
+        return follow(1.0) if start is None or begin in (low, high) else both_ways(follow)
 
     curve = walk(problem)
-    if not _counted(problem, curve):  # in too few modes
+    if not (curve.interrupted or _counted(problem, curve)):  # in too few modes
         problem = equilibria(problem.variable, first, True)
         curve = walk(problem)
-    if switch is not None:
-        special = _chosen(curve, switch)
+    if switch is not None and not curve.interrupted:
+        problem, special = _entered(problem, curve, chosen(curve.special, switch))
         bounds = problem.scaled(min(low, high)), problem.scaled(max(low, high))
         curve = switched(problem, special, bounds, steps, seen)
-    branch = Branch(scene, key, problem, curve, switch or 0)
-    return dataset(branch)
+        branch = replace(branch, number=switch)
 
+    def whole() -> xarray.Dataset:
+        found = dataset(replace(branch, problem=problem, curve=curve))
+        return found if resume is None else extended(resume, at, found)
 
-def switched(
-    problem: Equilibria,
-    special: Special,
-    bounds: tuple[float, float],
-    steps: Steps,
-    watch: Callable[[Point], None] = lambda point: None,
-) -> Curve:
-    """The other branch through a branch point, from where it leaves the range to where it does so
-    again."""
-    assert special.ways is not None
-    unstable = problem.unstable(special.u)
-    ways = [Point(special.u, sign * special.ways[1], None, 0, {}) for sign in (-1.0, 1.0)]
-    back, made = (
-        continued(problem, way._replace(unstable=None), *bounds, steps, watch=watch) for way in ways
-    )
-    curve = _joined(back, made)
-    at = len(back.points) - 1
-    curve.points[at] = curve.points[at]._replace(unstable=unstable)
-    curve.special = sorted(
-        [*curve.special, special._replace(after=max(at - 1, 0))], key=lambda one: one.after
-    )
-    return curve
-
-
-def _joined(back: Curve, on: Curve) -> Curve:
-    """Two curves that begin at one point as one."""
-    back = back.backwards()
-    more = len(back.points) - 1
-    special = [one._replace(after=one.after + more) for one in on.special]
-    ends = f"{back.end}; on the other side {on.end}" if back.end != on.end else on.end
-    return Curve(
-        back.points[:-1] + on.points,
-        back.special + special,
-        ends,
-        back.complete and on.complete,
-        back.notes + on.notes,
-    )
+    return kept(curve, whole)
 
 
 def _prepared(
@@ -165,16 +186,38 @@ def _prepared(
     ends: tuple[float, float],
     begin: float,
     imperfection: float | None,
+    motion: str | None,
+    before: Recorded | None,
     t: float | None,
-) -> tuple[Equilibria, Steady]:
-    """The problem, and the steady state at the value at which it begins."""
+) -> Equilibria:
+    """The problem, about the steady state at the value at which it begins."""
     if key in WHOLE:
         raise SceneError("vary", key, SAME)
     here = with_value(scene, key, begin)
     system = System.of(here, t)
     variable = Key(system, scene, key, ends)
+    if before is not None and before.moving:
+        return Motions(variable, motion_of(system, system.parameters(), before.states[0][0]))
+    if motion is not None:
+        return begun(here, system, variable, motion, begin)
     first = steady(system) if imperfection is None else _bent(system, imperfection)
-    return equilibria(variable, first), first
+    return equilibria(variable, first)
+
+
+def _entered(problem: Equilibria, curve: Curve, special: Special) -> tuple[Equilibria, Special]:
+    """The branch point with both ways out of it, and the problem that has them: where straight
+    flight begins to diverge, that of the steady motions of a bent rod."""
+    if special.ways is not None:
+        return problem, special
+    beside = [curve.points[special.after + k].u for k in (0, 1)]
+    states = [problem.steady(u) for u in beside]
+    motions = Motions(problem.variable, motion_of(states[0].system, states[0].p, states[0].y))
+    row = np.append(np.zeros(len(motions.columns)), 1.0)
+    points = []
+    for u, state in zip(beside, states, strict=True):
+        packed = motions.packed(state, problem.value(u))
+        points.append(point_at(motions, corrected(motions, packed, row), row))
+    return motions, branch_point(motions, *points)._replace(after=special.after)
 
 
 def _bent(system: System, imperfection: float) -> Steady:
@@ -189,36 +232,20 @@ def _bent(system: System, imperfection: float) -> Steady:
 def _taken_up(problem: Equilibria, before: Recorded) -> Point:
     """The point of a file, on its branch, in its direction. Raises AnalysisError where it is no
     solution."""
-    system = problem.variable.system(before.value)
-    states = [
-        Steady(system, Unknowns(*parts), problem.variable.parameters(before.value))
-        for parts in before.states
-    ]
-    here, *others = [
-        problem.packed(state, value)
-        for state, value in zip(states, (before.value, *before.others), strict=True)
-    ]
-    way = (here - others[0]) if others else np.append(np.zeros(len(here) - 1), 1.0)
-    way = way / problem.length(way)
-    row = problem.weights * way
-    try:
-        found = corrected(problem, here, row)
-        astray = problem.length(found.u - here)
-    except AnalysisError:
-        astray = np.inf
-    if astray > ASTRAY:
-        raise AnalysisError(
-            f"point {before.number} of the file is no equilibrium of this scene"
-            f" (Newton's method leads {astray:.1e} away from it)"
-        )
-    return point_at(problem, found, way)
+    system = problem.variable.system(before.values[0])
+    p = problem.variable.parameters(before.values[0])
+    here, *others = (
+        problem.packed(problem.restored(system, p, y, force), value)
+        for (y, force), value in zip(before.states, before.values, strict=True)
+    )
+    return taken_up(problem, here, others[0] if others else None, "equilibrium")
 
 
 def _counted(problem: Equilibria, curve: Curve) -> bool:
     """Whether all modes tell the same numbers of unstable directions as the lowest do, in a few
     points and beside special ones."""
     cells = problem.variable.base.cells
-    if not MODES < cells <= MOST_DENSE:
+    if problem.growing is None or not MODES < cells <= MOST_DENSE:
         return True
     last = len(curve.points) - 1
     looked = {*np.linspace(0, last, CHECKED).astype(int).tolist()}
@@ -231,19 +258,6 @@ def _counted(problem: Equilibria, curve: Curve) -> bool:
         if Growing(state, True).count(state) != point.unstable:
             return False
     return True
-
-
-def _chosen(curve: Curve, switch: int) -> Special:
-    number = plain(switch, "switch")
-    count = len(curve.special)
-    if not isinstance(number, int) or isinstance(number, bool) or not 1 <= number <= count:
-        what = f"the number of a special point of the branch, 1 to {count}"
-        raise SceneError("switch", switch, what if count else "absent: no special point was found")
-    special = curve.special[number - 1]
-    if special.kind != BRANCH or special.ways is None:
-        names = [f"{at}: {one.kind}" for at, one in enumerate(curve.special, 1)]
-        raise SceneError("switch", switch, f"a branch point (there are {', '.join(names)})")
-    return special
 
 
 def _range(key: str, ends: tuple[float, float]) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from types import ModuleType
 
@@ -23,11 +23,14 @@ from rodgen.integrate.stepper import Array, StepError
 from rodgen.integrate.stretches import window
 from rodgen.integrate.variations import METHODS, PARTS, Steps, Variations
 from rodgen.loading import build_fastest
+from rodgen.model.methods import COLLOCATION
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.integration import AUTO
 from rodgen.scene.scene import check_scene
+from rodgen.shown import Shown
 
 PIECES = 2000  # of the time that is averaged over, at whose ends there is a sample
+NAMED = 3  # exponents in a line of text
 BATCHES = 25  # of pieces, whose means the errors are estimated from
 TRANSIENT = 0.1  # share of the span that is left out
 # Between two frames, logarithms of the ratio of what grows most and least in a frame: more are done
@@ -40,8 +43,8 @@ FOLLOWED, MOST_STATES = 1.0, 400
 STABLE = 6.0  # of these radians, about what is stable
 
 
-@dataclass(frozen=True, eq=False)
-class Exponents:
+@dataclass(frozen=True, eq=False, repr=False)
+class Exponents(Shown):
     """Lyapunov exponents of a motion, the largest first.
 
     exponents, errors (k,): [1/s]; t (T,): times [s] at which running (T, k) are the means so far;
@@ -50,7 +53,7 @@ class Exponents:
     chaotic motion, not-a-number where the samples are too few; divergence: mean of the trace of the
     Jacobian [1/s], at which volumes of the state's numbers grow, not-a-number unless all exponents
     were asked for; zeros: how many exponents are zero by what the motion keeps and by where and
-    when it is, by reason; notes: what else is to be said.
+    when it is, by reason; notes: what else is to be said; scene: whose motion it is.
     """
 
     exponents: Array
@@ -63,6 +66,14 @@ class Exponents:
     divergence: float
     zeros: dict[str, int]
     notes: tuple[str, ...]
+    scene: Scene = field(kw_only=True)
+
+    def __repr__(self) -> str:
+        pairs = zip(self.exponents[:NAMED], self.errors, strict=False)
+        said = ", ".join(f"{mean:.4g} ± {error:.2g}" for mean, error in pairs)
+        count = f" (of {len(self.exponents)})" if len(self.exponents) > NAMED else ""
+        words = {True: "chaotic", False: "not chaotic", None: "chaotic or not: cannot be told"}
+        return f"<Exponents of {self.scene.name}: {said} 1/s{count}; {words[self.chaotic]}>"
 
     @property
     def chaotic(self) -> bool | None:
@@ -84,17 +95,48 @@ def lyapunov_exponents(
     model: ModuleType | None = None,
     progress: Callable[[float], None] = lambda t: None,
 ) -> Exponents:
-    """Exponents of the motion of a scene from its initial state on.
+    """Return the Lyapunov exponents of the motion of a scene from its initial state on.
 
-    count: how many, from the largest on, all of the state if not given; span: seconds of motion,
-    those of the scene if not given; transient: seconds at its start that are left out of the means,
-    a tenth if not given, in which tangents find their directions; model: built before; progress:
-    called with the time [s]. Lengths of tangents are those of the state's numbers; where all
-    exponents are asked for, those of the metric of kinetic energy, in which a motion without
-    damping keeps volumes. An error has a standard error by batch means in it, widened where these
-    are correlated, half the difference of both halves of the time, and what an exponent of zero
-    may look like at the end of such a span. Raises
-    SceneError for what is not possible, AnalysisError where the motion cannot go on.
+    Lengths of tangents are those of the state's numbers. Where all exponents are asked for, they
+    are those of the metric of kinetic energy, in which a motion without damping keeps volumes. An
+    error has a standard error by batch means in it, widened where these are correlated, half the
+    difference of both halves of the time, and what an exponent of zero may look like at the end of
+    such a span.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    count
+        How many, from the largest on; all of the state if not given.
+    span
+        Seconds of motion; those of the scene if not given.
+    transient
+        Seconds at its start that are left out of the means, in which tangents find their
+        directions; a tenth if not given.
+    model
+        A module that `build` has made before.
+    progress
+        Called with the time [s].
+
+    Returns
+    -------
+    Exponents
+        Exponents and errors (k,) [1/s], the largest first.
+
+    Raises
+    ------
+    SceneError
+        For what is not possible.
+    AnalysisError
+        Where the motion cannot go on.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> found = rodgen.lyapunov_exponents(rodgen.Scene.example("falling_chain"), count=1, span=20.0)
+    >>> bool(found.exponents[0] > 10)
+    True
     """
     check_scene(scene)
     start = scene.integrate.span[0]
@@ -138,7 +180,9 @@ class _Course:
         self._form: VolumeForm = Kinetic(model, self._p) if self.volumes else Plain()
         frame = np.linalg.qr(np.random.default_rng(0).standard_normal((len(y), count)))[0].T
         start, steps = scene.integrate.span[0], Steps.of(scene)
-        fastest = _fastest(model, start, y, self._p)
+        # Implicit steps need not follow what dies out at once, unless its own rate is asked for.
+        free = steps.method in COLLOCATION and not self.volumes
+        fastest = 0.0 if free else _fastest(model, start, y, self._p)
         if not steps.step:
             _check_budget(scene, fastest, count)
         if count > 1 and fastest:
@@ -225,7 +269,8 @@ def _check_budget(scene: Scene, fastest: float, count: int) -> None:
         raise AnalysisError(
             f"{scene.name}: {steps:.2g} steps, more than integrate.max_steps "
             f"({scene.integrate.budget:.2g}): the fastest motion, {fastest:.2g} 1/s, bounds those "
-            "of dop853, and implicit methods take no tangents along; take a shorter span"
+            "of dop853, and those in which all exponents are found; take a shorter span, or radau "
+            "for fewer exponents"
         )
 
 
@@ -251,6 +296,7 @@ def _found(
         divergence=divergence,
         zeros=zero_exponents(scene, course.model),
         notes=tuple(_limits(scene)),
+        scene=scene,
     )
 
 

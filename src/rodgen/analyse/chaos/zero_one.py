@@ -17,15 +17,41 @@ FREQUENCIES = np.pi / 5, 4 * np.pi / 5  # away from resonances of the sampling
 
 @guarded
 def zero_one_test(series: ArrayLike, *, count: int = 100, seed: int = 0) -> float:
-    """K of a series (samples,), evenly spaced in time: about 0 for regular, about 1 for chaotic
-    motion (G. A. Gottwald, I. Melbourne, SIAM J. Appl. Dyn. Syst. 8 (2009) 129-145).
+    """Return K of a series: about 0 for regular, about 1 for chaotic motion.
 
-    The series drives a walk in a plane that turns by c from sample to sample; its mean square
-    displacement, less the part that oscillates, grows with the lag where the motion is chaotic.
-    K is the median over count frequencies c (seed: of their random numbers) of the correlation of
-    displacement and lag. Samples that follow one another too closely look regular: a few in a
-    period are best. Not-a-number for a series that is not finite, zero for one that does not vary.
-    Raises SceneError for fewer than 100 samples.
+    The series drives a walk in a plane that turns by c from sample to sample. Its mean square
+    displacement, less the part that oscillates, grows with the lag where the motion is chaotic. K
+    is the median over ``count`` frequencies c of the correlation of displacement and lag. Samples
+    that follow one another too closely look regular: a few in a period are best. Source: G. A.
+    Gottwald, I. Melbourne, SIAM J. Appl. Dyn. Syst. 8 (2009) 129-145.
+
+    Parameters
+    ----------
+    series
+        Samples (T,), evenly spaced in time.
+    count
+        How many frequencies.
+    seed
+        Of the random numbers that choose them.
+
+    Returns
+    -------
+    float
+        K; not-a-number for a series that is not finite, zero for one that does not vary.
+
+    Raises
+    ------
+    SceneError
+        For fewer than 100 samples.
+
+    Examples
+    --------
+    >>> import numpy as np, rodgen
+    >>> x = [0.3]
+    >>> while len(x) < 2000:
+    ...     x.append(4 * x[-1] * (1 - x[-1]))  # the logistic map, chaotic
+    >>> rodgen.zero_one_test(x) > 0.9, rodgen.zero_one_test(np.sin(np.arange(2000))) < 0.1
+    (True, True)
     """
     phi = np.asarray(series, dtype=float)
     if phi.ndim != 1 or len(phi) < LEAST:

@@ -31,10 +31,12 @@ from rodgen.scene.plain import is_number, plain
 QUICK = 4  # iterations after which the next step is longer
 STRAIGHT, TURNED = 0.98, 0.9  # cosine between two tangents: for a longer step, at least
 ASTRAY = 0.5  # of a step, by which it may be corrected at most
+BROKEN = (ArithmeticError, np.linalg.LinAlgError)  # AnalysisError, and numbers beyond range
 FEW = 5  # points after which a branch may have closed in itself
 # Of the longest step: over so short a one changes of stability, or of the sign of a determinant,
 # may have no reason that was found.
 RESOLVED, PASSED = 1 / 64, 1e-4
+OFF = 1e-6  # by which the point of a file may be corrected
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,25 @@ def started(problem: Problem, u: Array, way: float = 1.0) -> Point:
     return point
 
 
+def taken_up(problem: Problem, here: Array, other: Array | None, what: str) -> Point:
+    """A point of a file, which is next to the curve, and its direction away from another one; the
+    parameter grows from one that was alone. Raises AnalysisError, which says what it is to be,
+    where it is no solution."""
+    way = np.append(np.zeros(len(here) - 1), 1.0) if other is None else here - other
+    way = way / problem.length(way)
+    try:
+        found = corrected(problem, here, problem.weights * way)
+        astray = problem.length(found.u - here)
+    except AnalysisError:
+        astray = np.inf
+    if astray > OFF:
+        raise AnalysisError(
+            f"the point of the file is no {what} of this scene"
+            f" (Newton's method leads {astray:.1e} away from it)"
+        )
+    return point_at(problem, found, way)
+
+
 def continued(
     problem: Problem,
     start: Point,
@@ -85,7 +106,8 @@ def continued(
     the curve need not be followed beyond a point, or nothing. A step is taken
     where the correction is short, the tangent turns little and the number of unstable directions
     changes as the special points found on the way tell, else it is halved, so that no other branch
-    is jumped to. What was found so far is kept where it ends; why is told by ``end``.
+    is jumped to. What was found so far is kept where it ends, by Ctrl-C too; why is told by
+    ``end``.
     """
     return _Walk(problem, steps or Steps(), low, high, watch, until).from_(start, first)
 
@@ -105,8 +127,20 @@ class _Walk:
         self.curve, self.why, self.before = Curve(), "", 0
 
     def from_(self, start: Point, first: float | None) -> Curve:
-        steps, curve = self.steps, self.curve
+        curve = self.curve
         curve.points.append(start)
+        try:
+            self._walked(start, first)
+        except KeyboardInterrupt:
+            curve.end, curve.interrupted = "it was interrupted", True
+        except (*BROKEN, SceneError) as error:
+            curve.end = str(error)
+        if not curve.complete:
+            curve.end += f" at {self.problem.value(curve.points[-1].u):.9g}"
+        return curve
+
+    def _walked(self, start: Point, first: float | None) -> None:
+        steps, curve = self.steps, self.curve
         self.watch(start)
         h = min(first or steps.first, steps.longest)
         while not curve.end:
@@ -117,10 +151,8 @@ class _Walk:
             if made is None:
                 h /= 2
                 if h < steps.least:
-                    curve.end = (
-                        "the step along the branch shrank to nothing at "
-                        f"{self.problem.value(here.u):.9g} ({self.why or 'no solution'})"
-                    )
+                    why = self.why or "no solution"
+                    curve.end = f"the step along the branch shrank to nothing ({why})"
                 continue
             point, iterations, special = made
             curve.special += special
@@ -132,7 +164,6 @@ class _Walk:
             elif turned < STRAIGHT:
                 h = max(0.7 * h, steps.least)
             self._finish(point, h)
-        return curve
 
     def _leaves(self, here: Point) -> bool:
         """Whether the curve ends at the start, as its tangent leads out of the range."""
@@ -183,7 +214,7 @@ class _Walk:
             if beyond:
                 found.u[-1] = bound
             point = point_at(problem, found, t)
-        except AnalysisError as error:
+        except BROKEN as error:
             self.why = str(error)
             return None
         if self._cosine(t, point.tangent) < TURNED:

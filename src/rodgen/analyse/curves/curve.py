@@ -4,7 +4,7 @@ and Newton's method back to the curve."""
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -88,14 +88,22 @@ class Special(NamedTuple):
 
 @dataclass
 class Curve:
-    """points: in order; special: between them; end: why it stops where it does; notes: where it
-    cannot be trusted."""
+    """points: in order; special: between them; end: why it stops where it does; complete: whether
+    nothing is left to follow; notes: where it cannot be trusted; interrupted: whether Ctrl-C
+    stopped it."""
 
     points: list[Point] = field(default_factory=list)
     special: list[Special] = field(default_factory=list)
     end: str = ""
     complete: bool = False
     notes: list[str] = field(default_factory=list)
+    interrupted: bool = False
+
+    def uninterrupted(self) -> Curve:
+        """The curve itself. Raises KeyboardInterrupt where Ctrl-C stopped it."""
+        if self.interrupted:
+            raise KeyboardInterrupt
+        return self
 
     def backwards(self) -> Curve:
         """With its points from the last to the first."""
@@ -103,6 +111,30 @@ class Curve:
         special = [one._replace(after=last - 1 - one.after) for one in reversed(self.special)]
         points = [p._replace(tangent=-p.tangent) for p in reversed(self.points)]
         return replace(self, points=points, special=special)
+
+
+def both_ways(follow: Callable[[float], Curve]) -> Curve:
+    """A curve to both sides of its start, from the end that is reached the way -1.0 to that of
+    1.0; one that Ctrl-C stops on the first side has no other."""
+    back = follow(-1.0)
+    if back.interrupted:
+        return back.backwards()
+    return joined(back, follow(1.0))
+
+
+def joined(back: Curve, on: Curve) -> Curve:
+    """Two curves that begin at one point as one."""
+    back = back.backwards()
+    more = len(back.points) - 1
+    special = [one._replace(after=one.after + more) for one in on.special]
+    return Curve(
+        back.points[:-1] + on.points,
+        back.special + special,
+        f"{back.end}; on the other side {on.end}" if back.end != on.end else on.end,
+        back.complete and on.complete,
+        back.notes + on.notes,
+        on.interrupted,
+    )
 
 
 class Corrected(NamedTuple):

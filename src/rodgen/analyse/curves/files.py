@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from rodgen.integrate.files import replaced
 from rodgen.scene import SceneError
+from rodgen.shown import show_datasets
 
 if TYPE_CHECKING:
     import xarray
@@ -18,17 +19,19 @@ def save(data: xarray.Dataset, path: Path) -> None:
         data.to_netcdf(part, engine="scipy")
 
 
-def read(path: Path, field: str, kind: str, form: str) -> xarray.Dataset:
-    """The branch in a file. field: what it was given as; kind: of branch, in words; form: the
+def read(path: Path, field: str, kind: str, *forms: str) -> xarray.Dataset:
+    """The branch in a file. field: what it was given as; kind: of branch, in words; forms: the
     attribute `format` of its files. Raises SceneError for what is none."""
     import xarray
 
+    show_datasets()
     try:
         with xarray.open_dataset(path, engine="scipy") as file:
             data = file.load()
     except (OSError, ValueError, TypeError, KeyError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise SceneError(field, str(path), f"a NetCDF file that can be read ({reason})") from None
-    if data.attrs.get("format") != form:
-        raise SceneError(field, str(path), f"{kind} written by rodgen (format {form!r})")
+    if data.attrs.get("format") not in forms:
+        allowed = " or ".join(map(repr, forms))
+        raise SceneError(field, str(path), f"{kind} written by rodgen (format {allowed})")
     return data

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-import json
-from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from rodgen.analyse.curves import files
+from rodgen.analyse.curves.datasets import (
+    attributes,
+    lengths,
+    point_number,
+    scene_of,
+    to_go_on,
+)
 from rodgen.analyse.cycles.cycle import nontrivial
 from rodgen.analyse.cycles.shooting import cut
 from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.keys import key_place, with_value
-from rodgen.scene.plain import entry, plain
+from rodgen.scene.overrides import with_state
+from rodgen.scene.plain import entry
 
 if TYPE_CHECKING:
     import xarray
@@ -47,6 +53,7 @@ def dataset(branch: Branch) -> xarray.Dataset:
         "unstable": ("point", np.array([point.unstable for point in points], dtype=np.int32)),
         "multipliers": (("point", "multiplier", "part"), of("multipliers")),
         "trivial_error": ("point", of("trivial_error")),
+        "length": ("point", lengths(problem, branch.curve)),
         "angle": ("point", of("angle"), {"units": "rad"}),
         "y0": (("point", "state"), of("y0")),
         "work": (
@@ -71,32 +78,24 @@ def dataset(branch: Branch) -> xarray.Dataset:
         "special_frequency": ("special", np.array(frequencies), {"units": "Hz"}),
         "special_after": ("special", np.array(after, dtype=np.int32)),
     }
-    attributes = {
-        "format": FORMAT,
-        "rodgen": version("rodgen"),
-        "scene": json.dumps(branch.scene.model_dump(exclude_none=True)),
-        "key": branch.key,
-        "t": problem.first.t,
-        "end": branch.curve.end,
-        "complete": int(branch.curve.complete),
-        "notes": "\n".join(branch.curve.notes),
-    }
+    # Loads that do not repeat are those of the end of the span, whenever the cycle was met.
+    t = problem.first.t if problem.forced else branch.scene.integrate.span[1]
+    said = attributes(FORMAT, branch.scene, branch.curve, t) | {"key": branch.key}
     if branch.hopf is not None:
         c = branch.hopf.coefficient
-        attributes |= {
+        said |= {
             "lyapunov": branch.hopf.lyapunov,
             "supercritical": int(branch.hopf.supercritical),
             "coefficient": [c.real, c.imag],
         }
-    coordinates = {"part": ["re", "im"], "load": loads}
-    return xarray.Dataset(data, coordinates, attributes)
+    return xarray.Dataset(data, {"part": ["re", "im"], "load": loads}, said)
 
 
 def _row(branch: Branch, u: Array) -> dict[str, Any]:
     """What there is to say of the cycle of u."""
     problem = branch.problem
     orbit, value = problem.orbit(u), problem.value(u)
-    flow, q = problem.shooting(value).flow, problem.quotient
+    flow, q = problem.shooting(u).flow, problem.quotient
     model, p = flow.model, flow.p
     x = cut(flow, orbit.t, orbit.x[0], orbit.period, SAMPLES)
     y = q.lifted(x)
@@ -139,7 +138,7 @@ def nearest(data: xarray.Dataset, scene: Scene) -> int:
     """The number of the cycle whose value is nearest to a scene's own. Raises SceneError for the
     branch of another scene."""
     key = str(data.attrs["key"])
-    other = Scene.from_dict(json.loads(data.attrs["scene"]))
+    other = scene_of(data)
     if other.structure != scene.structure:
         raise SceneError("from", other.name, "a branch of this scene")
     table = scene.model_dump(exclude_none=True)
@@ -147,12 +146,41 @@ def nearest(data: xarray.Dataset, scene: Scene) -> int:
     return int(np.abs(data["value"].values - float(value)).argmin())
 
 
-def on_branch(data: xarray.Dataset, at: int) -> tuple[Scene, float, Array, float]:
-    """The scene, the value, the state and the period [s] of a point of a branch. Raises
-    SceneError for a point that it does not have."""
-    count, number = data.sizes["point"], plain(at, "at")
-    if not (isinstance(number, int) and -count <= number < count):
-        raise SceneError("at", at, f"the number of a point, 0 to {count - 1}")
-    value = float(data["value"][number])
-    scene = with_value(Scene.from_dict(json.loads(data.attrs["scene"])), data.attrs["key"], value)
-    return scene, value, data["y0"].values[number], float(data["period"][number])
+class Recorded(NamedTuple):
+    """A cycle of a file: the value, the time [s] of a state y0 on it, its period [s], and the angle
+    by which the rod has turned after it [rad]."""
+
+    value: float
+    t: float
+    y0: Array
+    period: float
+    angle: float
+
+    @classmethod
+    def of(cls, data: xarray.Dataset, number: int) -> Recorded:
+        """The cycle of this number."""
+        value, period, angle = (float(data[name][number]) for name in ("value", "period", "angle"))
+        return cls(value, float(data.attrs["t"]), data["y0"].values[number], period, angle)
+
+
+def recorded(data: xarray.Dataset, scene: Scene, key: str, at: int) -> list[Recorded]:
+    """A cycle of a branch and the one that it comes after, if any. Raises SceneError for a branch
+    of another scene or key, and for a cycle that it does not have."""
+    rows = to_go_on(data, FORMAT, scene, {"key": key}, at)
+    return [Recorded.of(data, row) for row in rows]
+
+
+def on_branch(data: xarray.Dataset, at: int) -> tuple[Scene, Recorded]:
+    """The scene at the value of a point of a branch, and its cycle. Raises SceneError for a point
+    that it does not have."""
+    found = Recorded.of(data, point_number(data, at))
+    return with_value(scene_of(data), data.attrs["key"], found.value), found
+
+
+def scene_at(data: xarray.Dataset, at: int) -> Scene:
+    """The scene at a point of a branch, which starts in a state of its cycle, at the time whose
+    loads were taken. Raises SceneError for a point that it does not have."""
+    scene, found = on_branch(data, at)
+    start, end = scene.integrate.span
+    scene = scene.with_integrate(span=(found.t, found.t + end - start))
+    return with_state(scene, found.y0)

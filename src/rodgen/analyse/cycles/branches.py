@@ -8,17 +8,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rodgen.analyse.curves.continuation import Steps, continued, started
-from rodgen.analyse.curves.curve import Curve, Point, corrected, point_at
-from rodgen.analyse.cycles.cycle import SEGMENTS, Cycle, Search, segments_of
+from rodgen.analyse.curves.continuation import Steps, continued, started, taken_up
+from rodgen.analyse.curves.curve import Curve, Point, Special, both_ways, corrected, point_at
+from rodgen.analyse.curves.datasets import extended, kept
+from rodgen.analyse.cycles.closing import Orbit
+from rodgen.analyse.cycles.cycle import Cycle
 from rodgen.analyse.cycles.family import Cycles, Variation
 from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.cycles.hopf import Hopf, hopf_point
-from rodgen.analyse.cycles.shooting import Orbit, cut
+from rodgen.analyse.cycles.hopf_start import HOPF, check_smooth, recorded_hopf
+from rodgen.analyse.cycles.search import Search, segments_of
+from rodgen.analyse.cycles.shooting import SEGMENTS, cut
+from rodgen.analyse.cycles.switching import other_branch
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.steady import steady
 from rodgen.analyse.system import System
-from rodgen.model.terms import TERMS
+from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.errors import check_type
 from rodgen.scene.keys import key_place
@@ -28,7 +33,9 @@ from rodgen.scene.scene import check_scene
 if TYPE_CHECKING:
     import xarray
 
-HOPF, RUN = "hopf", "run"
+    from rodgen.analyse.cycles.branch_data import Recorded
+
+RUN = "run"
 SMALL, LARGER = 0.03, 1.25  # rad: the first cycle beside a Hopf point, and one that is larger
 STEP = 0.1  # of the mean square of the states, of the logarithm of the period, and of the range
 LEAST = 1e-6
@@ -52,30 +59,81 @@ def continue_cycles(
     key: str,
     ends: tuple[float, float],
     *,
-    start: str | Cycle = HOPF,
+    start: str | Cycle | xarray.Dataset = HOPF,
+    resume: xarray.Dataset | None = None,
+    at: int = -1,
+    switch: int | None = None,
     segments: int = SEGMENTS,
     step: float = STEP,
     most: int = MOST,
     target: str | None = None,
     watch: Callable[[float], None] = lambda value: None,
 ) -> xarray.Dataset:
-    """The branch of cycles of a scene along one number of it, stable or not.
+    """Follow the branch of cycles of a scene along one number of it, stable or not.
 
-    key: the number, named as in a study, such as loads.follower.force; ends: between which it is
-    varied. start: "hopf", the first Hopf point from the first end on, of the equilibrium of the
-    straight rod; "run", the cycle that the scene settles on at its own value, or a cycle
-    that was found: from these the branch is followed both ways. segments: as `find_cycle` has them;
-    step: the longest along the branch; most: points, each way; watch: called with every value.
+    Parameters
+    ----------
+    scene
+        The scene.
+    key
+        The number, named as in a study, such as loads.follower.force.
+    ends
+        Between which it is varied.
+    start
+        "hopf", the first Hopf point from the first end on, of the equilibrium of the straight rod;
+        "run", the cycle that the scene settles on at its own value; a cycle that was found (from
+        these two the branch is followed both ways); or a branch of equilibria of
+        `continue_equilibria`, from whose Hopf point ``at`` (1 is the first special point) cycles
+        begin.
+    resume, at
+        A branch of the same scene and key that is gone on with from its point ``at``, in its
+        direction.
+    switch
+        Follow, instead of it, the branch that begins in the special point of this number (1 is the
+        first): a branch point, or a period doubling, from which cycles of twice the period go.
+    segments
+        As `find_cycle` has them.
+    step
+        The longest along the branch.
+    most
+        Points, each way.
+    target
+        "c" or "numpy"; if not given, C where it can be built.
+    watch
+        Called with every value.
 
-    The Dataset has one dimension along the branch: value, period [s], amplitude (the largest
-    deviation of an angle [rad]), tip (likewise, of the tail [m]), energy (its mean [J]), unstable,
-    multipliers (in two columns), trivial_error, y0, and work (of every load over a period [J]);
-    and special points, special_kind "hopf", "fold", "branch", "period doubling" or "torus" (a
-    Neimark-Sacker point) with special_value, special_period and special_after. Its attributes say
-    where it ends and why. Raises SceneError for what cannot be varied so, AnalysisError where there
-    is nothing to begin with.
+    Returns
+    -------
+    xarray.Dataset
+        One dimension along the branch: value, period [s], amplitude (the largest deviation of an
+        angle [rad]), tip (likewise, of the tail [m]), energy (its mean [J]), unstable, multipliers
+        (in two columns), trivial_error, y0, and work (of every load over a period [J]); and special
+        points, special_kind "hopf", "fold", "branch", "period doubling" or "torus" (a
+        Neimark-Sacker point) with special_value, special_period and special_after. Its attributes
+        say where it ends and why.
+
+    Raises
+    ------
+    SceneError
+        For what cannot be varied so.
+    AnalysisError
+        Where there is nothing to begin with.
+    BranchInterrupted
+        On Ctrl-C, with what there is.
+
+    Examples
+    --------
+    Beck's column flutters at 10.71 N, and its cycles grow from there:
+
+    >>> import rodgen
+    >>> scene = rodgen.Scene.example("beck_after_flutter")
+    >>> branch = rodgen.continue_cycles(scene, "loads.follower.force", (8, 14))
+    >>> round(float(branch.special_value[0]), 2), branch.attrs["supercritical"]
+    (10.71, 1)
     """
-    from rodgen.analyse.cycles.branch_data import dataset
+    import xarray
+
+    from rodgen.analyse.cycles.branch_data import dataset, recorded
 
     check_scene(scene)
     ends = _ends(key, ends)
@@ -83,17 +141,26 @@ def continue_cycles(
     steps = Steps.of(step, most, 10, LEAST)
     search = Search.of(scene, target)
     variation = Variation(search, scene, key, ends)
-    if isinstance(start, str) and start == HOPF:
-        return dataset(_from_hopf(variation, count, steps, watch))
-    if isinstance(start, str) and start != RUN:
-        raise SceneError("start", start, f"{HOPF!r}, {RUN!r}, or a cycle")
-    if isinstance(start, str):
-        value = _own(scene, key, ends)
-        cycle = search.settled(count)
+    if resume is not None:
+        cycles = recorded(resume, scene, key, at)
+        branch = _gone_on(variation, cycles, count, steps, watch)
+        if switch is None:
+            return kept(branch.curve, lambda: extended(resume, at, dataset(branch)))
+    elif isinstance(start, str) and start == HOPF:
+        branch = _from_hopf(variation, hopf_of(variation), count, steps, watch)
+    elif isinstance(start, xarray.Dataset):
+        branch = _from_hopf(variation, recorded_hopf(variation, start, at), count, steps, watch)
+    elif isinstance(start, str) and start != RUN:
+        raise SceneError("start", start, f"{HOPF!r}, {RUN!r}, a cycle, or a branch")
     else:
-        check_type("start", start, Cycle, see="find_cycle")
-        value, cycle = _own(start.scene, key, ends), start
-    return dataset(_both_ways(variation, cycle, value, steps, watch))
+        if not isinstance(start, str):
+            check_type("start", start, Cycle, see="find_cycle")
+        value = _own(scene if isinstance(start, str) else start.scene, key, ends)
+        cycle = search.settled() if isinstance(start, str) else start
+        branch = _both_ways(variation, cycle, value, count, steps, watch)
+    if switch is not None and not branch.curve.interrupted:
+        branch = _switched(branch, switch, steps, watch)
+    return kept(branch.curve, lambda: dataset(branch))
 
 
 def _ends(key: str, ends: tuple[float, float]) -> tuple[float, float]:
@@ -122,13 +189,7 @@ def hopf_of(variation: Variation) -> tuple[Hopf, Callable[[float], Flow]]:
         )
     low, high = variation.ends
     state = steady(System.of(variation.at(low)))
-    given = state.system.given
-    for term in map(TERMS.__getitem__, state.system.scene.loads.terms):
-        if term.kinked and np.any(given[term.parameters[0].name]):
-            raise AnalysisError(
-                f"no Hopf point: {term.parameters[0].name} is not smooth at rest, and no normal "
-                "form has the cycles that begin there; start from a run"
-            )
+    check_smooth(state.system.scene)
     y = state.system.at_rest(state.at)
     quotient = search.flow(0.0, y).quotient
     quotient = replace(quotient, origin=y)
@@ -140,9 +201,13 @@ def hopf_of(variation: Variation) -> tuple[Hopf, Callable[[float], Flow]]:
 
 
 def _from_hopf(
-    variation: Variation, count: int, steps: Steps, watch: Callable[[float], None]
+    variation: Variation,
+    begin: tuple[Hopf, Callable[[float], Flow]],
+    count: int,
+    steps: Steps,
+    watch: Callable[[float], None],
 ) -> Branch:
-    hopf, flow = hopf_of(variation)
+    hopf, flow = begin
     orbits = []
     for amplitude in (SMALL, LARGER * SMALL):
         x, value, period = hopf.beside(amplitude)
@@ -161,41 +226,77 @@ def _both_ways(
     variation: Variation,
     cycle: Cycle,
     value: float,
+    count: int,
     steps: Steps,
     watch: Callable[[float], None],
 ) -> Branch:
     orbit = cycle.orbit
     if orbit is None:
         raise SceneError("start", cycle, "a cycle of `find_cycle`")
-    quotient = variation.search.flow(cycle.t, cycle.y0).quotient
+    flow = variation.search.flow(cycle.t, cycle.y0)
+    orbit = replace(orbit, x=cut(flow, orbit.t, orbit.x[0], orbit.period, count))
+    problem = _problem(variation, cycle.y0, orbit, value)
+    u = problem.packed(orbit, value)
+
+    def follow(way: float) -> Curve:
+        problem.look_from(orbit, value)
+        return _walk(problem, started(problem, u, way), steps, watch)
+
+    return Branch(variation.scene, variation.key, problem, both_ways(follow))
+
+
+def _gone_on(
+    variation: Variation,
+    cycles: list[Recorded],
+    count: int,
+    steps: Steps,
+    watch: Callable[[float], None],
+) -> Branch:
+    """The branch on from the first of these cycles, away from the second."""
+    here = cycles[0]
+    quotient = variation.search.flow(here.t, here.y0).quotient
+    orbits = []
+    for one in cycles:
+        flow = Flow(variation.search.model, variation.parameters(one.value), quotient)
+        x = cut(flow, one.t, one.y0[quotient.kept], one.period, count)
+        orbits.append(Orbit(x, one.t, one.period, one.angle, float(np.ptp(x, axis=0).max())))
+    problem = _problem(variation, here.y0, orbits[0], here.value)
+    values = [one.value for one in cycles]
+    u, *others = (problem.packed(*one) for one in zip(orbits, values, strict=True))
+    first = taken_up(problem, u, others[0] if others else None, "cycle")
+    return Branch(variation.scene, variation.key, problem, _walk(problem, first, steps, watch))
+
+
+def _problem(variation: Variation, y0: Array, orbit: Orbit, value: float) -> Cycles:
+    """The problem about an orbit through a state, at a value."""
     forced = variation.forced(value)
     turns = round(orbit.period / forced) if forced else 1
-    problem = Cycles(variation, quotient, orbit, value, turns)
-    u = problem.packed(orbit, value)
-    curves = []
-    for way in (-1.0, 1.0):
-        problem.look_from(orbit, value)
-        curves.append(_walk(problem, started(problem, u, way), steps, watch))
-    back, on = curves
-    joined = back.backwards()
-    offset = len(joined.points) - 1
-    special = [one._replace(after=one.after + offset) for one in on.special]
-    curve = Curve(
-        points=joined.points + on.points[1:],
-        special=joined.special + special,
-        end=f"downwards: {back.end}; upwards: {on.end}",
-        complete=back.complete and on.complete,
-        notes=back.notes + on.notes,
-    )
-    return Branch(variation.scene, variation.key, problem, curve)
+    quotient = variation.search.flow(orbit.t, y0).quotient
+    return Cycles(variation, quotient, orbit, value, turns)
+
+
+def _switched(
+    branch: Branch, switch: object, steps: Steps, watch: Callable[[float], None]
+) -> Branch:
+    """The branch that begins in a special point of another one, as its file numbers them."""
+    problem, curve = branch.problem, branch.curve
+    first = [Special(HOPF, curve.points[0].u)] if branch.hopf is not None else []
+    found = [*first, *curve.special]
+    problem, curve = other_branch(problem, found, switch, steps, lambda p: _seen(p, watch))
+    return Branch(branch.scene, branch.key, problem, curve)
 
 
 def _walk(problem: Cycles, first: Point, steps: Steps, watch: Callable[[float], None]) -> Curve:
     low, high = sorted(end / problem.variation.unit for end in problem.variation.ends)
+    return continued(problem, first, low, high, steps, watch=_seen(problem, watch))
+
+
+def _seen(problem: Cycles, watch: Callable[[float], None]) -> Callable[[Point], None]:
+    """What is called with every point of a curve: the next one has its phase."""
 
     def seen(point: Point) -> None:
         value = problem.value(point.u)
         problem.look_from(problem.orbit(point.u), value)
         watch(value)
 
-    return continued(problem, first, low, high, steps, watch=seen)
+    return seen

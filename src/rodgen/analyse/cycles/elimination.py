@@ -23,6 +23,7 @@ from rodgen.integrate.stepper import Array
 
 Complex = NDArray[np.complex128]
 Top = tuple[Array, Array, Array, Array, Array]
+LARGER = 0.3  # of the largest: multipliers whose differences count
 
 
 @dataclass(frozen=True)
@@ -92,3 +93,10 @@ class Condensed:
 def multipliers(G: Sequence[Any]) -> Complex:
     """Floquet multipliers (N,) of segments G (m, N, N) in the order of time, the largest first."""
     return Condensed.of([np.asarray(one) for one in G]).multipliers()
+
+
+def apart(finer: Complex, coarser: Complex) -> float:
+    """By how much the larger multipliers differ, relative to the largest."""
+    largest = float(np.abs(finer[0]))
+    larger = finer[np.abs(finer) >= LARGER * largest]
+    return float(max(np.abs(coarser - one).min() for one in larger)) / max(largest, 1e-300)

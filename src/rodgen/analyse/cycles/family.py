@@ -7,14 +7,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rodgen.analyse.curves.curve import Point, Problem, Special
+from rodgen.analyse.curves.curve import Point, Special
 from rodgen.analyse.curves.special_points import located
-from rodgen.analyse.cycles.cycle import STABLE, Search, nontrivial
+from rodgen.analyse.cycles.closing import Orbit
+from rodgen.analyse.cycles.cycle import STABLE, nontrivial
 from rodgen.analyse.cycles.drive import load_period
-from rodgen.analyse.cycles.elimination import Complex, Condensed
+from rodgen.analyse.cycles.elimination import Complex
 from rodgen.analyse.cycles.flow import Flow
+from rodgen.analyse.cycles.orbits import Orbits
 from rodgen.analyse.cycles.quotient import Quotient
-from rodgen.analyse.cycles.shooting import Linearised, Orbit, Shooting
+from rodgen.analyse.cycles.search import Search
+from rodgen.analyse.cycles.shooting import Shooting
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.system import frozen
 from rodgen.integrate.stepper import Array
@@ -24,7 +27,6 @@ from rodgen.scene.plain import is_number, plain
 
 NUDGE = 1e-5  # of the range, of differences of motions by the number: errors are the square
 REST = 0.05  # of the first cycle: one that is smaller is none
-KEPT = 8  # linearised orbits
 COMPLEX = 1e-6  # of the modulus: an imaginary part below it is rounding
 PERIOD_DOUBLING, TORUS = "period doubling", "torus"
 
@@ -83,10 +85,8 @@ class Variation:
         return load_period(self.at(value), self.search.model, self.parameters(value))
 
 
-class Cycles(Problem):
-    """u: states at the starts of segments, the rates over the first frequency; the logarithm of the
-    period over the first, where the loads do not give it; the angle by which the rod turns [rad],
-    where that is unknown; the number over its range."""
+class Cycles(Orbits):
+    """Cycles along a number of a scene, over its range."""
 
     def __init__(
         self,
@@ -97,80 +97,42 @@ class Cycles(Problem):
         turns: int = 1,
     ):
         """orbit: near the first cycle, at a value; turns: periods of the loads in one of it."""
-        self.variation, self.quotient, self.first, self.turns = variation, quotient, orbit, turns
-        self.count, size = orbit.x.shape
-        rate = 2 * np.pi / orbit.period
-        self.scale = np.where(np.arange(size) < quotient.positions, 1.0, rate)
-        self.forced = bool(variation.search.forced)
-        more = (not self.forced) + quotient.turns
-        share = 1 / (self.count * size)
-        self.weights = np.append(np.full(self.count * size, share), np.ones(more + 1))
+        super().__init__(quotient, orbit, 1, bool(variation.search.forced))
+        self.variation, self.turns = variation, turns
+        flow = Flow(variation.search.model, variation.parameters(value), quotient)
+        self.method = flow.suited(orbit.t, orbit.x[0], orbit.period).method
         self.least = REST * float(np.ptp(orbit.x, axis=0).max())
-        self._known: dict[bytes, tuple[Orbit, Linearised]] = {}
         self.look_from(orbit, value)
 
     def look_from(self, orbit: Orbit, value: float) -> None:
-        """Let the phase be that of an orbit: first states differ from its own across the motion."""
-        ways = self.shooting(value).directions(orbit) / self.scale
-        self._ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
-        self._reference = orbit.x[0] / self.scale
+        """Let the phase be that of an orbit."""
+        self.look_along(self._shooting(value).directions(orbit), orbit)
 
-    def shooting(self, value: float) -> Shooting:
-        """The equations of a value."""
+    def shooting(self, u: Array) -> Shooting:
+        return self._shooting(self.value(u))
+
+    def _shooting(self, value: float) -> Shooting:
         search, p = self.variation.search, self.variation.parameters(value)
-        return Shooting(Flow(search.model, p, self.quotient), self.forced)
+        return Shooting(Flow(search.model, p, self.quotient, self.method), self.forced)
 
     def value(self, u: Array) -> float:
         """The number of the scene."""
         return float(u[-1]) * self.variation.unit
 
+    def given_period(self, u: Array) -> float:
+        return self.turns * self.variation.forced(self.value(u))
+
     def packed(self, orbit: Orbit, value: float) -> Array:
         """u of an orbit."""
-        parts = [(orbit.x / self.scale).ravel()]
-        if not self.forced:
-            parts.append(np.array([np.log(orbit.period / self.first.period)]))
-        if self.quotient.turns:
-            parts.append(np.array([orbit.angle]))
-        return np.concatenate([*parts, [value / self.variation.unit]])
-
-    def orbit(self, u: Array) -> Orbit:
-        """The orbit of u."""
-        states = self.count * len(self.scale)
-        x = u[:states].reshape(self.count, -1) * self.scale
-        more = u[states:-1].tolist()
-        if self.forced:
-            period = self.turns * self.variation.forced(self.value(u))
-        else:
-            period = self.first.period * float(np.exp(np.clip(more.pop(0), -50, 50)))
-        angle = more.pop(0) if self.quotient.turns else self.first.angle
-        return replace(self.first, x=x, period=period, angle=angle)
-
-    def known(self, u: Array) -> tuple[Orbit, Linearised]:
-        """The orbit of u and its segments' derivatives, kept for a while."""
-        key = u.tobytes()
-        if key not in self._known:
-            while len(self._known) >= KEPT:
-                self._known.pop(next(iter(self._known)))
-            orbit = self.orbit(u)
-            self._known[key] = orbit, self.shooting(self.value(u)).linearised(orbit)
-        return self._known[key]
+        return np.concatenate([*self.start_of(orbit), [value / self.variation.unit]])
 
     def at(self, u: Array) -> tuple[Array, Array]:
-        orbit, made = self.known(u)
+        orbit, _ = self.known(u)
         if np.ptp(orbit.x, axis=0).max() < self.least:
             raise AnalysisError("the cycles shrink to an equilibrium, in a Hopf point")
+        F, J, _ = self.closing(u)
         by_value = self._by_value(u, orbit)
-        states = self.count * len(self.scale)
-        J, F = np.zeros((len(u) - 1, len(u))), np.zeros(len(u) - 1)
-        columns = [one.copy() for one in made.B]
-        if not self.forced:
-            columns = [np.column_stack((one[:, 0] * orbit.period, one[:, 1:])) for one in columns]
-        J[:states, :states], F[:states] = closing(made, self.scale)
-        J[:states, states:-1] = np.vstack([one / self.scale[:, None] for one in columns])
-        J[:states, -1] = np.concatenate([one / self.scale for one in by_value])
-        for k, way in enumerate(self._ways):
-            J[states + k, : len(way)] = way
-            F[states + k] = way @ (orbit.x[0] / self.scale - self._reference)
+        J[: self.states, -1] = np.concatenate([one / self.scale for one in by_value])
         return F, J
 
     def _by_value(self, u: Array, orbit: Orbit) -> list[Array]:
@@ -179,7 +141,7 @@ class Cycles(Problem):
         ends = []
         for sign in (1.0, -1.0):
             there = value + sign * step * self.variation.unit
-            shooting = self.shooting(there)
+            shooting = self._shooting(there)
             made = orbit
             if self.forced:
                 made = replace(orbit, period=self.turns * self.variation.forced(there))
@@ -196,11 +158,6 @@ class Cycles(Problem):
     def trivial(self) -> int:
         """How many multipliers are 1 all along."""
         return (not self.forced) + self.quotient.turns
-
-    def multipliers(self, u: Array) -> Complex:
-        """All of them, the largest first."""
-        _, made = self.known(u)
-        return Condensed.of(made.G).multipliers()
 
     def unstable(self, u: Array) -> int:
         found = nontrivial(self.multipliers(u), self.trivial)
@@ -230,19 +187,6 @@ class Cycles(Problem):
             frequency = float(turned.max()) / (2 * np.pi * period)
             made.append(Special(kind, here.u, frequency=frequency))
         return made
-
-
-def closing(made: Linearised, scale: Array) -> tuple[Array, Array]:
-    """Derivatives (m size, m size) by the states of the ends of segments less the states where the
-    next begin, and these differences (m size,), all over a scale (size,)."""
-    m, size = len(made.G), len(scale)
-    J, F = np.zeros((m * size, m * size)), np.zeros(m * size)
-    for i, (G, r) in enumerate(zip(made.G, made.r, strict=True)):
-        rows, after = slice(i * size, (i + 1) * size), (i + 1) % m
-        J[rows, i * size : (i + 1) * size] += G * scale / scale[:, None]
-        J[rows, after * size : (after + 1) * size] -= np.eye(size)
-        F[rows] = -r / scale
-    return J, F
 
 
 def _oscillating(mu: Complex) -> Complex:

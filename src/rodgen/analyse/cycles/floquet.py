@@ -16,10 +16,11 @@ from dataclasses import dataclass, field, replace
 from types import ModuleType
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rodgen.analyse.chaos.zero_exponents import zero_exponents
 from rodgen.analyse.cycles.drive import load_period
+from rodgen.analyse.cycles.elimination import Complex, apart
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.integrate.stepper import Array, StepError
@@ -29,12 +30,9 @@ from rodgen.loading import build_fastest
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.scene import check_scene
 
-Complex = NDArray[np.complex128]
-
 SEGMENTS = 4  # of a period
 FIRST, MOST = 8, 2**16  # steps in a period at least, at first and at most
-# What doubling these may change of the multipliers above so much of the largest, relative to it.
-ENOUGH, LARGER = 1e-8, 0.3
+ENOUGH = 1e-8  # what doubling these may change of the larger multipliers, relative to the largest
 SAME = 1e-11  # of a map, that is found: multipliers that meet are known to the root of its error
 MEETING = 1e-5
 RTOL, ATOL = 1e-11, 1e-13
@@ -91,13 +89,52 @@ def floquet(
     segments: int = SEGMENTS,
     model: ModuleType | None = None,
 ) -> Floquet:
-    """Multipliers of the periodic motion of a scene under its periodic loads, rest included.
+    """Return the multipliers of the periodic motion of a scene under its periodic loads.
 
-    period: seconds, found from the sines in the loads if not given; y: near which state the motion
-    is looked for, that of rest in the shape of the initial state if not given, else in the
-    equilibrium of the start; segments: of the period, between which tangents begin anew; model:
-    built before. The place of a free rod that its motion does not depend on is left out. Raises
-    SceneError for what is not possible, AnalysisError where there is no such motion.
+    Rest is such a motion, too.
+
+    The place of a free rod that its motion does not depend on is left out.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    period
+        Seconds; found from the sines in the loads if not given.
+    y
+        A state near which the motion is looked for; that of rest in the shape of the initial state
+        if not given, else in the equilibrium of the start.
+    segments
+        Of the period, between which tangents begin anew.
+    model
+        A module that `build` has made before.
+
+    Returns
+    -------
+    Floquet
+        Multipliers (k,), the largest first, and their error.
+
+    Raises
+    ------
+    SceneError
+        For what is not possible.
+    AnalysisError
+        Where there is no such motion.
+
+    Examples
+    --------
+    A pendulum whose weight pulsates with twice its frequency: its rest is unstable.
+
+    >>> import rodgen
+    >>> scene = rodgen.Scene.from_dict({
+    ...     "name": "shaken",
+    ...     "rod": {"links": 1, "length": 1.0, "mass": 3.0, "bending_stiffness": 0.0,
+    ...             "boundary": "pinned"},
+    ...     "loads": {"tip": {"y": "-1 - 0.5*cos(2*t)"}},
+    ...     "initial": {"phi": -1.5707963267948966},
+    ... })
+    >>> bool(abs(rodgen.floquet(scene).multipliers[0]) > 1)
+    True
     """
     check_scene(scene)
     if isinstance(segments, bool) or not isinstance(segments, int) or not 1 <= segments <= 1000:
@@ -184,7 +221,7 @@ class _Map:
             before = maps
             _, maps, _ = self.over(y, steps)
             finer = multipliers_of(maps)
-            off = _apart(finer, found)
+            off = apart(finer, found)
             changes = (
                 np.abs(b - a).max() / np.abs(a).max() for a, b in zip(maps, before, strict=True)
             )
@@ -221,13 +258,6 @@ def _places(scene: Scene, model: ModuleType, states: int) -> tuple[int, ...]:
         return tuple(places)
     half = (states - len(scene.states)) // 2
     return tuple(at for at in places if at not in (0, 1, half, half + 1))
-
-
-def _apart(finer: Complex, coarser: Complex) -> float:
-    """By how much the larger multipliers differ, relative to the largest."""
-    largest = float(np.abs(finer[0]))
-    larger = finer[np.abs(finer) >= LARGER * largest]
-    return float(max(np.abs(coarser - one).min() for one in larger)) / max(largest, 1e-300)
 
 
 def multipliers_of(maps: Sequence[Array]) -> Complex:

@@ -33,7 +33,9 @@ STEP = 0.02  # rad: of differences of sixth order, whose error is its sixth powe
 FIRST = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
 SECOND = np.array([2, -27, 270, -490, 270, -27, 2]) / 180
 SMOOTH = 1e-3  # by which coefficients of two steps may differ
+SLOW = 1e-6  # of the middle of all moduli: below it nothing oscillates
 NEUTRAL = 1e-7  # of the frequency: growth or decay below it is none
+BESIDE = 1e-5  # of the range of values, around a Hopf point that is known
 ITERATIONS = 30
 REST = 1e-13  # of the correction of an equilibrium
 
@@ -97,10 +99,10 @@ def hopf_point(at: Callable[[float], Flow], t: float, x: Array, low: float, high
     flow at a value. Raises AnalysisError where there is none."""
     values = np.linspace(low, high, FORCES)
     x = equilibrium(at(values[0]), t, x)
-    before = _pair(jacobian(at(values[0]), t, x))
+    before = fastest_growing(jacobian(at(values[0]), t, x))
     for a, b in pairwise(values.tolist()):
         after_x = equilibrium(at(b), t, x)
-        after = _pair(jacobian(at(b), t, after_x))
+        after = fastest_growing(jacobian(at(b), t, after_x))
         signs = {_growth(before), _growth(after)}
         if signs == {-1, 1} or signs == {0, 1}:
             if 0 in signs:
@@ -108,7 +110,7 @@ def hopf_point(at: Callable[[float], Flow], t: float, x: Array, low: float, high
                     f"no Hopf point: near {b:.9g} oscillations meet and do not cross, as they do "
                     "without damping; give the scene some"
                 )
-            return _located(at, t, x, float(a), float(b))
+            return _located(at, t, x, float(a), float(b), fastest_growing)
         before, x = after, after_x
     raise AnalysisError(
         f"no Hopf point from {low:.9g} to {high:.9g}: no oscillation about the equilibrium begins "
@@ -116,10 +118,11 @@ def hopf_point(at: Callable[[float], Flow], t: float, x: Array, low: float, high
     )
 
 
-def _pair(J: Array) -> complex | None:
-    """The eigenvalue of an oscillation that grows most."""
+def fastest_growing(J: Array) -> complex | None:
+    """The eigenvalue of an oscillation that grows most. What is slow beside the middle of all is
+    none, as rounding turns a rod that may turn; beside the fastest, damping hides slow flutter."""
     s = np.linalg.eigvals(J)
-    s = s[s.imag > 1e-6 * np.abs(s).max()]
+    s = s[s.imag > SLOW * np.median(np.abs(s))]
     return complex(s[s.real.argmax()]) if len(s) else None
 
 
@@ -130,17 +133,42 @@ def _growth(s: complex | None) -> int | None:
     return 0 if abs(s.real) <= NEUTRAL * abs(s) else int(np.sign(s.real))
 
 
-def _located(at: Callable[[float], Flow], t: float, x: Array, low: float, high: float) -> Hopf:
+def hopf_near(
+    at: Callable[[float], Flow], t: float, x: Array, value: float, frequency: float, unit: float
+) -> Hopf:
+    """The Hopf point near a value, on an equilibrium near x, of an oscillation of about a frequency
+    [rad/s]; unit: the range of values. Raises AnalysisError where it is not there."""
+
+    def nearest(J: Array) -> complex:
+        s = np.linalg.eigvals(J)
+        return complex(s[np.abs(s - 1j * frequency).argmin()])
+
+    rest = equilibrium(at(value), t, x)
+    low, high = value - BESIDE * unit, value + BESIDE * unit
+    try:
+        return _located(at, t, rest, low, high, nearest)
+    except ValueError:
+        raise AnalysisError(f"no Hopf point: no oscillation crosses at {value:.9g}") from None
+
+
+def _located(
+    at: Callable[[float], Flow],
+    t: float,
+    x: Array,
+    low: float,
+    high: float,
+    pair: Callable[[Array], complex | None],
+) -> Hopf:
     def found(value: float) -> tuple[Array, complex]:
         rest = equilibrium(at(value), t, x)
-        s = _pair(jacobian(at(value), t, rest))
+        s = pair(jacobian(at(value), t, rest))
         if s is None:
             raise AnalysisError("the oscillation ceases before it begins to grow")
         return rest, s
 
     value = float(brentq(lambda v: found(v)[1].real, low, high, xtol=1e-14, rtol=1e-13))
     rest, s = found(value)
-    step = 1e-4 * abs(high - low)
+    step = 1e-4 * max(abs(value), abs(high - low))
     slope = (found(value + step)[1] - found(value - step)[1]) / (2 * step)
     if not abs(slope.real) > 0:
         raise AnalysisError(f"the oscillation at {value:.9g} does not cross: it only touches")

@@ -15,20 +15,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rodgen.analyse.curves.continuation import Steps, continued
-from rodgen.analyse.curves.curve import Curve, Point, Problem, corrected, point_at
+from rodgen.analyse.curves.curve import Curve, Point, corrected, point_at
+from rodgen.analyse.curves.datasets import attributes, kept
+from rodgen.analyse.cycles.closing import Orbit
 from rodgen.analyse.cycles.conserved import Conserved
-from rodgen.analyse.cycles.cycle import (
-    SEGMENTS,
-    Cycle,
-    Search,
-    nontrivial,
-    segments_of,
-)
-from rodgen.analyse.cycles.elimination import Complex, Condensed
-from rodgen.analyse.cycles.family import closing
+from rodgen.analyse.cycles.cycle import Cycle, nontrivial
+from rodgen.analyse.cycles.elimination import Complex
 from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.cycles.hopf import equilibrium, jacobian
-from rodgen.analyse.cycles.shooting import Linearised, Orbit, Shooting, cut
+from rodgen.analyse.cycles.orbits import Orbits
+from rodgen.analyse.cycles.search import Search, segments_of
+from rodgen.analyse.cycles.shooting import SEGMENTS, Shooting, cut
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.steady import steady
 from rodgen.analyse.system import System
@@ -40,6 +37,7 @@ from rodgen.scene.scene import check_scene
 if TYPE_CHECKING:
     import xarray
 
+FORMAT = "rodgen mode 1"
 SMALL = 1e-4  # root of the share of the energy: the first motion of a family
 STEP = 0.05
 MOST = 400  # points
@@ -49,23 +47,16 @@ SAMPLES = 64  # of a period
 TRIAL = 1e-3  # rad: a motion by whose energy others are sized
 
 
-class Family(Problem):
-    """u: states where segments start, rates over the frequency of the linear mode; the logarithm of
-    the period over the mode's; the angle by which the rod turns, where that is unknown; one more
-    for each conserved quantity, which is zero; the root of the energy over the largest."""
+class Family(Orbits):
+    """The motions of a mode; beside their own unknowns one for each conserved quantity, which is
+    zero, and the root of the energy over the largest."""
 
     def __init__(self, flow: Flow, rest: Array, orbit: Orbit, energy: float):
         """rest: the state (size,) about which it swings; energy: the largest above it [J]."""
-        self.flow, self.first, self.energy = flow, orbit, energy
-        self.conserved = Conserved(flow)
-        q = flow.quotient
-        self.count, size = orbit.x.shape
-        self.scale = np.where(np.arange(size) < q.positions, 1.0, 2 * np.pi / orbit.period)
+        self.flow, self.energy, self.conserved = flow, energy, Conserved(flow)
         self.lowest = self.conserved.values(rest)
         self.kept = len(self.lowest)
-        share = np.full(self.count * size, 1 / (self.count * size))
-        self.weights = np.append(share, np.ones(2 + q.turns + self.kept))
-        self._known: dict[bytes, Linearised] = {}
+        super().__init__(flow.quotient, orbit, self.kept + 1)
         self.look_from(orbit)
 
     @property
@@ -75,64 +66,33 @@ class Family(Problem):
 
     def look_from(self, orbit: Orbit) -> None:
         """Let the phase be that of an orbit."""
-        ways = Shooting(self.flow).directions(orbit) / self.scale
-        self._ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
-        self._reference = orbit.x[0] / self.scale
+        self.look_along(Shooting(self.flow).directions(orbit), orbit)
+
+    def shooting(self, u: Array) -> Shooting:
+        return Shooting(self.flow)
 
     def packed(self, orbit: Orbit) -> Array:
         """u of an orbit."""
-        turn = [orbit.angle] if self.flow.quotient.turns else []
         above = float(self.conserved.values(orbit.x[0])[0] - self.lowest[0])
-        more = [np.log(orbit.period / self.first.period), *turn, *([0.0] * self.kept)]
-        parts = ((orbit.x / self.scale).ravel(), more, [np.sqrt(max(above, 0) / self.energy)])
-        return np.concatenate(parts)
-
-    def orbit(self, u: Array) -> Orbit:
-        """The orbit of u."""
-        states = self.count * len(self.scale)
-        x = u[:states].reshape(self.count, -1) * self.scale
-        period = self.first.period * float(np.exp(np.clip(u[states], -50, 50)))
-        angle = float(u[states + 1]) if self.flow.quotient.turns else 0.0
-        return replace(self.first, x=x, period=period, angle=angle)
-
-    def linearised(self, u: Array) -> Linearised:
-        """The segments' derivatives, kept for a while."""
-        key = u.tobytes()
-        if key not in self._known:
-            if len(self._known) > SAMPLES:
-                self._known.clear()
-            self._known[key] = Shooting(self.flow).linearised(self.orbit(u))
-        return self._known[key]
+        root = np.sqrt(max(above, 0) / self.energy)
+        return np.concatenate([*self.start_of(orbit), np.zeros(self.kept), [root]])
 
     def at(self, u: Array) -> tuple[Array, Array]:
-        orbit, made = self.orbit(u), self.linearised(u)
-        size, states = len(self.scale), self.count * len(self.scale)
-        J, F = np.zeros((len(u) - 1, len(u))), np.zeros(len(u) - 1)
-        J[:states, :states], F[:states] = closing(made, self.scale)
-        columns = [np.column_stack((B[:, 0] * orbit.period, B[:, 1:])) for B in made.B]
-        width = columns[0].shape[1]
-        J[:states, states : states + width] = np.vstack([c / self.scale[:, None] for c in columns])
+        orbit, _ = self.known(u)
+        F, J, first = self.closing(u)
+        size, states = len(self.scale), self.states
         gradients = self.conserved.gradients(orbit.x[0])
-        extra = slice(states + width, states + width + self.kept)
+        extra = slice(first, first + self.kept)
         pushes = gradients / self.scale
         pushes /= np.linalg.norm(pushes, axis=1, keepdims=True)
         J[states - size : states, extra] = pushes.T
         F[states - size : states] += pushes.T @ u[extra]
-        for k, way in enumerate(self._ways):
-            J[states + k, :size] = way
-            F[states + k] = way @ (orbit.x[0] / self.scale - self._reference)
         values = self.conserved.values(orbit.x[0])
-        for k in range(self.kept):
-            row = states + len(self._ways) + k
-            J[row, :size] = gradients[k] * self.scale / self.energy
-            F[row] = (values[k] - self.lowest[k]) / self.energy
-        first = states + len(self._ways)
-        J[first, -1], F[first] = -2 * u[-1], F[first] - u[-1] ** 2
+        rows = slice(len(F) - self.kept, len(F))
+        J[rows, :size] = gradients * self.scale / self.energy
+        F[rows] = (values - self.lowest) / self.energy
+        J[rows.start, -1], F[rows.start] = -2 * u[-1], F[rows.start] - u[-1] ** 2
         return F, J
-
-    def multipliers(self, u: Array) -> Complex:
-        """All of them, the largest first."""
-        return Condensed.of(self.linearised(u).G).multipliers()
 
     def unstable(self, u: Array) -> int:
         left = nontrivial(self.multipliers(u), self.trivial)
@@ -224,21 +184,68 @@ def continue_mode(
     most: int = MOST,
     target: str | None = None,
 ) -> xarray.Dataset:
-    """The family of periodic motions of a scene without dissipation that begins with a linear mode.
+    """Follow the periodic motions that begin with a linear mode of a scene without dissipation.
 
-    mode: its number, 1 is the slowest; energy: above that of rest [J], up to which the family is
-    followed. The Dataset has one dimension along the family: energy [J] above rest, frequency [Hz],
-    period [s], amplitude (the largest deviation of an angle [rad]), unstable, multipliers (in two
-    columns), y0, energy_error (the largest change along the motion, over the energy); special
-    points; as attributes linear_frequency [Hz] and why the family ends. Raises SceneError for a
-    scene with dissipation or changing loads, AnalysisError where there is no family.
+    Parameters
+    ----------
+    scene
+        The scene.
+    mode
+        Number of the mode, 1 is the slowest.
+    energy
+        Above that of rest [J], up to which the family is followed.
+    segments
+        As `find_cycle` has them.
+    step
+        The longest along the family.
+    most
+        Points.
+    target
+        "c" or "numpy"; if not given, C where it can be built.
+
+    Returns
+    -------
+    xarray.Dataset
+        One dimension along the family: energy [J] above rest, frequency [Hz], period [s], amplitude
+        (the largest deviation of an angle [rad]), unstable, multipliers (in two columns), y0,
+        energy_error (the largest change along the motion, over the energy); special points; as
+        attributes linear_frequency [Hz] and why the family ends.
+
+    Raises
+    ------
+    SceneError
+        For a scene with dissipation or changing loads.
+    AnalysisError
+        Where there is no family.
+    BranchInterrupted
+        On Ctrl-C, with what there is.
+
+    Examples
+    --------
+    A pendulum swings the slower the farther it swings:
+
+    >>> import rodgen
+    >>> scene = rodgen.Scene.from_dict({
+    ...     "name": "pendulum",
+    ...     "rod": {"links": 1, "length": 1.0, "mass": 1.0, "bending_stiffness": 0.0,
+    ...             "boundary": "pinned"},
+    ...     "loads": {"gravity": {}},
+    ...     "initial": {"phi": -1.5707963267948966},
+    ... })
+    >>> family = rodgen.continue_mode(scene, 1, 3.0)
+    >>> bool(family.frequency[-1] < family.attrs["linear_frequency"])
+    True
     """
-    import xarray
-
     check_scene(scene)
     rest = _prepared(scene, target)
     family, first = _family(rest, mode, energy, segments_of(segments))
     curve = _followed(family, first, step, most)
+    return kept(curve, lambda: _dataset(rest, family, curve, mode))
+
+
+def _dataset(rest: _Rest, family: Family, curve: Curve, mode: int) -> xarray.Dataset:
+    import xarray
+
     rows = [_row(family, point.u) for point in curve.points]
     units = {"energy": "J", "frequency": "Hz", "period": "s", "amplitude": "rad"}
     data: dict[str, Any] = {
@@ -253,14 +260,11 @@ def continue_mode(
     data["special_kind"] = ("special", np.array([s.kind for s in curve.special], dtype="U16"))
     special = np.array([float(s.u[-1]) ** 2 * family.energy for s in curve.special])
     data["special_energy"] = ("special", special, {"units": "J"})
-    attributes = {
+    said = attributes(FORMAT, rest.search.scene, curve, 0.0) | {
         "mode": mode,
         "linear_frequency": float(rest.frequencies[mode - 1]) / (2 * np.pi),
-        "end": curve.end,
-        "complete": int(curve.complete),
-        "notes": "\n".join(curve.notes),
     }
-    return xarray.Dataset(data, {"part": ["re", "im"]}, attributes)
+    return xarray.Dataset(data, {"part": ["re", "im"]}, said)
 
 
 def _row(family: Family, u: Array) -> dict[str, Any]:
@@ -292,15 +296,54 @@ def nonlinear_mode(
     segments: int = SEGMENTS,
     target: str | None = None,
 ) -> Cycle:
-    """The periodic motion with an energy [J] above rest of the family that begins with a mode of a
-    scene without dissipation. Raises what `continue_mode` does."""
+    """Return the periodic motion with an energy [J] above rest, of the family of a linear mode.
+
+    Parameters
+    ----------
+    scene
+        A scene without dissipation.
+    mode
+        Number of the mode, 1 is the slowest.
+    energy
+        Above that of rest [J].
+    segments
+        As `find_cycle` has them.
+    target
+        "c" or "numpy"; if not given, C where it can be built.
+
+    Returns
+    -------
+    Cycle
+        The motion, its period [s] and multipliers.
+
+    Raises
+    ------
+    SceneError
+        For a scene with dissipation or changing loads.
+    AnalysisError
+        Where there is no such motion.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene = rodgen.Scene.from_dict({
+    ...     "name": "pendulum",
+    ...     "rod": {"links": 1, "length": 1.0, "mass": 1.0, "bending_stiffness": 0.0,
+    ...             "boundary": "pinned"},
+    ...     "loads": {"gravity": {}},
+    ...     "initial": {"phi": -1.5707963267948966},
+    ... })
+    >>> cycle = rodgen.nonlinear_mode(scene, 1, 2.0)
+    >>> bool(1.0 < cycle.period < 3.0)
+    True
+    """
     check_scene(scene)
     return _at_energy(_prepared(scene, target), mode, energy, segments_of(segments))
 
 
 def _at_energy(rest: _Rest, mode: int, energy: float, segments: int) -> Cycle:
     family, first = _family(rest, mode, energy, segments)
-    curve = _followed(family, first, 2 * STEP, MOST)
+    curve = _followed(family, first, 2 * STEP, MOST).uninterrupted()
     if not curve.complete:
         reached = family.energy * curve.points[-1].value ** 2
         raise AnalysisError(
@@ -308,8 +351,8 @@ def _at_energy(rest: _Rest, mode: int, energy: float, segments: int) -> Cycle:
         )
     orbit = family.orbit(curve.points[-1].u)
     scale = float(np.ptp(orbit.x, axis=0).max())
-    orbit = Shooting(family.flow).closed(replace(orbit, scale=scale))
-    return rest.search.cycle(family.flow, orbit, family.trivial)
+    shooting = Shooting(family.flow)
+    return rest.search.cycle(shooting, shooting.closed(replace(orbit, scale=scale)), family.trivial)
 
 
 def of_start(scene: Scene, segments: int, target: str | None) -> Cycle:

@@ -26,14 +26,16 @@ SAME = 1e-9  # of the sizes of what is compared: roundings
 class Quotient:
     """kept: indices of the states that count; turns: whether turning the rod turns its motion;
     angles, velocity: where among those kept the angles and the velocity of joint 0 are (the latter
-    empty where it does not count); positions: how many of them are angles or places; origin: a
-    state (states,) of which the others are taken."""
+    empty where it does not count); positions: how many of them are angles or places; led: where
+    among those kept the rates of these are; origin: a state (states,) of which the others are
+    taken."""
 
     kept: NDArray[np.intp]
     turns: bool
     angles: NDArray[np.intp]
     velocity: NDArray[np.intp]
     positions: int
+    led: NDArray[np.intp]
     origin: Array = field(repr=False)
 
     @classmethod
@@ -55,7 +57,9 @@ class Quotient:
         kept = np.setdiff1d(np.arange(len(y)), out)
         angles = np.flatnonzero((kept >= base) & (kept < half))
         velocity = np.flatnonzero((kept >= half) & (kept < half + base))
-        made = cls(kept, False, angles, velocity, int((kept < half).sum()), y.copy())
+        positions = int((kept < half).sum())
+        led = np.searchsorted(kept, kept[:positions] + half)
+        made = cls(kept, False, angles, velocity, positions, led, y.copy())
         placed = base > 0 and 0 in kept
         turns = not placed and all(
             made._turned_alike(model.rhs(t, one, p), matrix, one)

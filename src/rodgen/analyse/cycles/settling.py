@@ -16,6 +16,7 @@ from rodgen.scene.overrides import with_state
 
 SAMPLES = 20_000  # of a run: tens of every turn of the slowest motions
 PER_PERIOD = 64  # samples of a run under loads that repeat
+LAP = 256  # samples of a period, from which Newton's method begins
 AWAY = 0.3  # of the farthest that a motion goes away, before it can be said to come back
 NEAR = 0.1  # likewise, from where Newton's method is tried
 ALIKE = 1.5, 1e-3  # times the nearest return, and beside it: a return that counts as much

@@ -89,13 +89,45 @@ def save(solution: Solution, path: Path) -> None:
 
 
 def load(path: str | Path, most: int | None = None, *, strict: bool = True) -> Solution:
-    """Read a Solution from a NetCDF file that rodgen wrote; raises SceneError for others, and for
-    one that is not as it was written, with the times of samples that are damaged.
+    """Read a Solution from a NetCDF file that rodgen wrote.
 
-    most: samples to be read, evenly spaced with the first and the last (all, if not given);
-    energy_error is that of all. strict: if not so, all is read that is not damaged, and what is
-    left out is warned of (FileWarning). The run of a file that has not been ended counts as
-    interrupted. Files of rodgen before format "rodgen 3" cannot be checked, and are warned of.
+    The run of a file that has not been ended counts as interrupted. Files of rodgen before format
+    "rodgen 3" cannot be checked, and are warned of.
+
+    Parameters
+    ----------
+    path
+        The file.
+    most
+        Samples to be read, evenly spaced with the first and the last; all, if not given.
+        `energy_error` is that of all.
+    strict
+        If False, all is read that is not damaged, and what is left out is warned of.
+
+    Returns
+    -------
+    Solution
+        The run, whose module is built when it is asked for.
+
+    Raises
+    ------
+    SceneError
+        For other files, and for one that is not as it was written, with the times of samples that
+        are damaged.
+
+    Warns
+    -----
+    FileWarning
+        Of what is left out, and of what cannot be checked.
+
+    Examples
+    --------
+    >>> import rodgen, tempfile, pathlib
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "run.nc"
+    >>> sol = rodgen.simulate(rodgen.Scene.example("missile"), progress=False)
+    >>> sol.save(path)
+    >>> bool((rodgen.load(path).y == sol.y).all())
+    True
     """
     with ResultFile(Path(path), strict) as file:
         records, good = file.samples()

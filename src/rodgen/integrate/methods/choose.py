@@ -32,10 +32,29 @@ class Choice:
 
 
 def choose(scene: Scene, model: ModuleType) -> Choice:
-    """The method of a scene: its own, or what `auto` takes it to need.
+    """Return the method of a scene: its own, or what `auto` takes it to need.
 
-    What counts is the fastest motion at the start, its frequency and damping, against the span
-    and the tolerance; with the number of links, the frequency grows as n^2.
+    What counts is the fastest motion at the start, its frequency and damping, against the span and
+    the tolerance. With the number of links n, that frequency grows as n^2.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    model
+        Its module, from `build`.
+
+    Returns
+    -------
+    Choice
+        `method`, and why.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene = rodgen.Scene.example("missile")
+    >>> rodgen.choose(scene, rodgen.build(scene)).method
+    'dop853'
     """
     settings = scene.integrate
     if settings.method != AUTO:

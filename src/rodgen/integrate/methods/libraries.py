@@ -10,6 +10,7 @@ import numpy as np
 import scipy.integrate
 from scipy.integrate import OdeSolver
 
+from rodgen.extras import how_to_have
 from rodgen.integrate.stepper import Array, Counts, Interpolant, Problem, StepError
 from rodgen.model.methods import METHODS
 from rodgen.scene import SceneError
@@ -105,7 +106,7 @@ class CvodeStep:
         try:
             solver = import_module(PACKAGE).CVODE
         except ImportError as error:
-            allowed = f'another, or pip install "rodgen[cvode]" ({error})'
+            allowed = f"another, or {how_to_have('cvode')} ({error})"
             raise SceneError("integrate.method", "cvode", allowed) from None
 
         self.counts = Counts()

@@ -111,7 +111,7 @@ class PythonSteps:
         self._to, self._last, longest = end, None, self._longest
 
         def least(t: float, y: Array) -> float:
-            return min(longest, largest(settings.method, self._model, t, y, self._p))
+            return min(longest, largest(settings.method, self._model, t, y, self._p) or np.inf)
 
         settings = self._settings
         added = len(added_states(self._model))

@@ -11,7 +11,8 @@ from nicegui import ui
 from nicegui.events import ValueChangeEventArguments
 
 from rodgen.live.page.elements import Keys
-from rodgen.live.page.fields import IconButton
+from rodgen.live.page.fields import IconButton, heading
+from rodgen.live.page.keys import SPACE, tell_keys
 from rodgen.live.page.runs import PageRun
 from rodgen.live.run.live_run import PAUSED, RUNNING, STOPPED, LiveRun
 from rodgen.live.run.scenes import Folder
@@ -32,8 +33,18 @@ SPEEDS = {
 }
 ADVICE = ". Reset it, or change a parameter, the method or its step to go on from there."
 LOST = ". Reset it: from a state this large, no other value leads on."
+AROUND = "in a loop"  # the state of a run that begins again at the end of its span
 OTHER = ""  # in the list of scenes: what is shown is none of the folder's; no file is called so
 AGAIN = "folder_open"
+SKETCH = "/live/sketch/"  # before the name of a scene of the folder: the address of its picture
+# What the list of scenes shows of each; v-if: the scene of the run itself may be no file.
+OPTION = f"""
+    <q-item v-bind="props.itemProps" class="rg-scene">
+        <img v-if="!props.opt.label.endsWith(' (other)')" alt="" loading="lazy"
+            :src="'{SKETCH}' + encodeURIComponent(props.opt.label)">
+        <q-item-label>{{{{ props.opt.label }}}}</q-item-label>
+    </q-item>
+"""
 MOST_COMPARED = 50  # files that the first scene of a page is looked for in
 
 
@@ -45,16 +56,20 @@ class Bar:
         self.page, self._folder = page, folder
         self._now: object = None
         self._keys: dict[str, Callable[[], object]] = {}
+        self._said: dict[str, str] = {}  # of keys: what they do
         if page.run.file is None:
             page.run.file = self._first_file(), page.run.taken
         with ui.element("header").classes("rg-bar"):
-            ui.label("rodgen").classes("rg-name")
+            heading("rodgen", level=1).classes("rg-name")
             self.scenes = ui.select([], on_change=self._chosen, label="Scene")
-            self.scenes.props("dense outlined options-dense").classes("rg-scenes")
+            self.scenes.props("dense outlined popup-content-class=rg-gallery").classes("rg-scenes")
+            self.scenes.add_slot("option", OPTION)
             self.again = IconButton(AGAIN, "Load again", self._again)
-            self.go = self._control("play_arrow", "Run", " ", self._go)
+            self.go = self._control("play_arrow", "Run or pause", " ", self._go)
             self.step = self._control("skip_next", "One step of the method", ".", self._step)
             self._control("replay", "Reset to the initial state", "r", self._reset)
+            self.undo = self._control("undo", "Undo", "Ctrl+z", self._undo)
+            self.redo = self._control("redo", "Redo", "Ctrl+Shift+z", self._redo)
             self.speed = ui.select(
                 {str(v): name for v, name in SPEEDS.items()},
                 value=str(page.run.pace.speed),
@@ -68,18 +83,31 @@ class Bar:
                 _live("ratio", "× real time", "ratio")
             ui.element("span").classes("rg-lost").props('data-text="connection" role="alert"')
             self._control("dark_mode", "Light or dark", "d", turn_shade)
+            self._control("help_outline", "Keys", "?", self._help).classes("rg-help")
         self.failure = ui.label().classes("rg-failure").props('role="alert"')
+        with ui.element("div").classes("rg-rough").props('role="status"') as self.rough:
+            self.looking = ui.label()
+            self.back = ui.button(on_click=self._back).props("flat dense no-caps")
         Keys(self._keys, held=".")
 
     def _control(self, icon: str, label: str, key: str, act: Callable[[], object]) -> IconButton:
         """A button, and the key that does what it does."""
-        self._keys[key] = act
-        return IconButton(icon, f"{label} ({'space' if key == ' ' else key})", act)
+        self._keys[key], self._said[SPACE if key == " " else key] = act, label
+        return IconButton(icon, f"{label} ({SPACE if key == ' ' else key})", act)
+
+    def _help(self) -> None:
+        """Show what keys do."""
+        with self.page.root:
+            tell_keys(self._said)
 
     def refresh(self) -> None:
         """Show the run as it is now."""
         run, scene = self.page.run, self.page.scene
-        now = (run.status, run.message, run.taken, run.file)
+        undone = [run.undo.next(forth) is not None for forth in (False, True)]
+        self.undo.set_enabled(undone[0])
+        self.redo.set_enabled(undone[1])
+        here = (run.status, run.goes_round, run.message, run.taken, run.file)
+        now = (*here, run.live.rough, scene.integrate)
         if now == self._now:
             return
         self._now = now
@@ -87,10 +115,19 @@ class Bar:
         self.go.rename(*(("Pause (space)", "pause") if running else ("Run (space)", "play_arrow")))
         for button in (self.go, self.step):
             button.set_enabled(not stopped)
-        self.state.set_text(run.status)
+        self.state.set_text(AROUND if running and run.goes_round else run.status)
         self.failure.set_text(_told(run) if stopped else "")
         self.failure.set_visibility(stopped)
         self._list(scene.name)
+        own, used = scene.integrate, run.live.settings
+        by = f"step {own.step:g} s" if own.fixed else f"rtol {own.rtol:g}"
+        method = run.live.choice.method
+        self.looking.set_text(
+            f"For looking: {used.method} at rtol {used.rtol:g}, as real time is missed with "
+            f"{method}, {by}."
+        )
+        self.back.set_text(f"Back to {method}, {by}")
+        self.rough.set_visibility(run.live.rough)
 
     # Scenes of the folder ----------------------------------------------------------------------
 
@@ -146,9 +183,18 @@ class Bar:
         run = self.page.run
         self.page.soon(run.pause if run.status == RUNNING else run.go)
 
+    def _undo(self) -> None:
+        self.page.begin(self.page.undo())
+
+    def _redo(self) -> None:
+        self.page.begin(self.page.undo(forth=True))
+
     def _step(self) -> None:
         if self.page.run.status in (RUNNING, PAUSED):
             self.page.soon(self.page.run.one_step)
+
+    def _back(self) -> None:
+        self.page.soon(lambda: self.page.run.roughen(False))
 
     def _reset(self) -> None:
         self.page.soon(self.page.run.restart)

@@ -12,8 +12,8 @@ from nicegui import app, ui
 
 from rodgen.integrate.solution import Solution
 from rodgen.live.page.fields import heading
-from rodgen.live.page.runs import PageRun
-from rodgen.live.run.scenes import pack, to_toml
+from rodgen.live.page.runs import VIEW, PageRun
+from rodgen.live.run.link import link_to
 from rodgen.scene import Scene, SceneError
 
 Progress = Callable[[float], None]  # told the share that is done
@@ -36,7 +36,7 @@ class Downloads:
                 ("Run as NetCDF", "save", self._run),
                 ("Animation as MP4", "movie", lambda: self._animation("mp4")),
                 ("Animation as GIF", "gif_box", lambda: self._animation("gif")),
-                ("Link to this scene", "link", self._link),
+                ("Link to what is shown", "link", self._link),
             ):
                 ui.button(text, icon=icon, on_click=clicked).props("flat no-caps align=left")
         self.progress = ui.linear_progress(0.0, show_value=False).props("instant-feedback")
@@ -56,15 +56,17 @@ class Downloads:
 
     def _scene(self) -> None:
         scene = self.page.scene
-        ui.download.content(to_toml(scene).encode(), f"{scene.name}.toml", "application/toml")
+        ui.download.content(scene.to_toml().encode(), f"{scene.name}.toml", "application/toml")
 
-    def _link(self) -> None:
-        self._linked = self.page.scene
+    async def _link(self) -> None:
+        view = str(self.page.tab.get(VIEW, ""))
+        link = await self.page.do(lambda: link_to(self.page.run, view))
+        self._linked = link.scene
         place = self.page.client.request.base_url
-        self.link.set_value(f"{place}?scene={pack(self._linked)}")
+        self.link.set_value(f"{place}?scene={link.pack()}")
         self.link.set_visibility(True)
         ui.clipboard.write(str(self.link.value))
-        self.said.set_text("The link reproduces the scene with its present parameters.")
+        self.said.set_text("The link holds the scene as it is, plots, view, time and state.")
 
     async def _run(self) -> None:
         await self._made("nc", lambda solution, path, _: solution.save(path))

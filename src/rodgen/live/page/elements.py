@@ -1,7 +1,8 @@
 """The components of the page: keys, connection, picture of the rod, plots (static/).
 
 Which arrays a message carries: message.py. In the page, window.rodgenLive tells what was drawn:
-{fps, frames, t, state, connected, milliseconds (of script a frame), plots: {id: {rows, draws}}}.
+{fps, frames, t, past (the time that is looked back at), state, connected, milliseconds (of script a
+frame), plots: {id: {rows, kept (of the run that is kept), draws, x and y: [low, high]}}}.
 Every element of the page with data-text="key" shows the text of that key; the connection itself
 writes the key "connection", empty while it stands.
 """
@@ -12,14 +13,15 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-import nicegui.elements.echart  # noqa: F401  ECharts into the import map of the page
 from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
+from rodgen.model.palette import DARK, LIGHT, as_css
 from rodgen.model.term import DRAG, FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS
 
 STATIC = Path(__file__).parents[1] / "static"
+SHEETS = "vendor/uPlot.min.css", "page.css"
 View = Literal["fixed", "centre", "axes"]
 
 
@@ -38,12 +40,22 @@ LOADS = {name: term for name, term in TERMS.items() if term.kind in ARROWS}
 LAYERS = {
     "moment": Layer("bending moment, as colour"),
     "joints": Layer("joints"),
+    "ends": Layer("names of the ends"),
     "cg": Layer("centre of gravity"),
     "axes": Layer("principal axes of inertia", shown=False),
     **{name: Layer(term.label, not term.damps, name) for name, term in LOADS.items()},
     "trail": Layer("trail of tail and centre of gravity"),
     "grid": Layer("grid"),
 }
+
+SHOWN = {name: layer.shown for name, layer in LAYERS.items()}  # at first
+
+
+def style() -> str:
+    """The style of a page: colours, that of the plots, and its own."""
+    colours = f"body {{ {as_css(LIGHT)} }}\nbody.body--dark {{ {as_css(DARK)} }}\n"
+    return colours + "\n".join((STATIC / sheet).read_text(encoding="utf-8") for sheet in SHEETS)
+
 
 Handler = Callable[[dict[str, Any]], object]
 
@@ -69,6 +81,10 @@ class Keys(Element, component=STATIC / "keys.js"):
         _listen(self, "key", ["key"], lambda e: does[e["key"]]())
 
 
+class Aria(Element, component=STATIC / "aria.js"):
+    """What the page's controls leave unsaid to screen readers is said to them. One a page."""
+
+
 class Channel(Element, component=STATIC / "channel.js", esm={"rodgen-live": str(STATIC)}):
     """The WebSocket of the page at `address`, relative to the page's own host ("/live?id=..."),
     opened again after 1 s to 5 s where it is lost. It shows nothing. One a page.
@@ -81,7 +97,7 @@ class Channel(Element, component=STATIC / "channel.js", esm={"rodgen-live": str(
         self._props["address"] = address
 
 
-def _arrows(names: Iterable[str]) -> list[dict[str, Any]]:
+def arrows_of(names: Iterable[str]) -> list[dict[str, Any]]:
     """How loads are drawn, as the page has it; layer: by which they are switched on and off."""
     loads = ((name, TERMS[name]) for name in names)
     return [
@@ -100,19 +116,21 @@ def _arrows(names: Iterable[str]) -> list[dict[str, Any]]:
 class RodCanvas(Element, component=STATIC / "rod.js"):
     """The rod as the newest state has it; fills the box that it is given (a height is needed).
 
-    Arrays of a state: "joints", "moment", "forces:<term>" (of a load that acts on joints),
-    and "point": [x, y of the centre of gravity from the origin [m], angle of a principal axis
-    [rad], gravity [m/s^2] (left out, or 0, where there is none)]. What a state does not have is
-    not drawn. "trail" are places of the tail and the centre of gravity since the message before,
-    "trail!" all of them: [x, y of either in the world [m]] of every sample.
+    Arrays of a state: "joints", "omega" of the links, "moment", "forces:<term>" (of a load that
+    acts on joints), and "point": [x, y of the centre of gravity from the origin [m], angle of a
+    principal axis [rad], gravity [m/s^2] (left out, or 0, where there is none)]. What a state does
+    not have is not drawn. "trail" are places of the tail and the centre of gravity since
+    the message before, "trail!" all of them: [x, y of either in the world [m]] of every sample.
 
     Props: show {name: bool} (see LAYERS), loads (those that are drawn, as the vocabulary has them),
     bodies [{name, link, along, across, size}] (see scene.along.Mark), ties [{link, share, x, y}]
     (see scene.anchors.Tie), bed [[x, y], [x, y]] of a foundation, view ("fixed", "centre": the
     centre of gravity stays where it is, "axes": and the principal axes as well), support ("none",
     "wall", "pin"), clampAngle [rad], kick (links can be kicked), perMetre (of a kick, [N s] for a
-    metre dragged), label (for screen readers), rod (any number: another one fits the picture anew
-    and clears the scales; another number of links does so too).
+    metre dragged), times (by which displacements from the straight rod are drawn larger), mode
+    (a mode shape to draw, see page/modes.py), label
+    (for screen readers), rod (any number: another one fits the picture anew and clears the scales;
+    another number of links does so too).
     Events, both while `kick` is on: "link" {link, share}: a link was clicked, at `share` (0 start,
     1 end); "kick" {link, share, dx, dy}: what was dragged from there, in metres.
     Methods in the page: fit(), reset_scale(), png(name).
@@ -120,12 +138,13 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
 
     def __init__(self, view: View = "fixed") -> None:
         super().__init__()
-        shown = {name: layer.shown for name, layer in LAYERS.items()}
-        self._props.update(show=shown, loads=_arrows(LOADS), view=view, kick=False)
-        self._props.update(bodies=[], ties=[], bed=[], clampAngle=0.0, perMetre=0.0)
+        self._props.update(show=dict(SHOWN), loads=arrows_of(LOADS), view=view, kick=False)
+        self._props.update(
+            bodies=[], ties=[], bed=[], clampAngle=0.0, perMetre=0.0, times=1, mode=None
+        )
 
     def set(self, **props: Any) -> None:
-        """Set props by name: bodies, ties, bed, view, kick, perMetre, clampAngle."""
+        """Set props by name: bodies, ties, bed, view, kick, perMetre, times, mode, clampAngle."""
         self._props.update(props)
 
     def show(self, **shown: bool) -> None:
@@ -135,7 +154,7 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
     def rod(self, number: int, support: str, label: str, loads: Iterable[str]) -> None:
         """Show another rod, with loads of these names; `number` is other than that of the one
         before."""
-        self.set(rod=number, support=support, label=label, loads=_arrows(loads))
+        self.set(rod=number, support=support, label=label, loads=arrows_of(loads))
 
     def fit(self) -> None:
         self.run_method("fit")
@@ -166,8 +185,9 @@ class Plots(Element, component=STATIC / "plots.js"):
     arrows; double click or 0 resets. While zoomed or paused, rows are kept and not shown.
 
     Props: specs, a list of plots as JSON, in the order shown: {"id", "kind" ("time", "phase",
-    "profile", "spectrum", "poincare"), "title", "x": {"label", "unit"}, "y": {"label", "unit"},
-    "series": [{"name", "label"}], "window": s}.
+    "profile", "spectrum", "poincare"), "title", "x": {"label", "unit", "log", "period"}, "y":
+    {"label", "unit", "log"}, "series": [{"name", "label", "unit", "period"}], "window": s}; log:
+    whether the axis is logarithmic; period: by what a quantity jumps, 0 if it does not.
     Events: "removed" {id}, "moved" {ids} (all, in the new order). Removing and moving is taken up
     in specs before a handler is called.
     Rows that come before their plot are kept for it.

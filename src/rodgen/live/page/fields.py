@@ -14,9 +14,9 @@ Put = Callable[[str], Awaitable[None]]
 Field = ui.input | ui.select
 
 
-def heading(text: str) -> None:
-    """The title of a part of a panel."""
-    ui.label(text).classes("rg-title").props("role=heading aria-level=2")
+def heading(text: str, level: int = 2) -> ui.label:
+    """The title of the page (level 1), or of a part of a panel."""
+    return ui.label(text).classes("rg-title").props(f"role=heading aria-level={level}")
 
 
 class IconButton(ui.button):
@@ -36,14 +36,18 @@ class IconButton(ui.button):
 
 
 @contextmanager
-def dialog(title: str, verb: str, act: Callable[[], object]) -> Iterator[ui.dialog]:
-    """A dialog that opens with what is built meanwhile, above buttons to act and to cancel."""
-    with ui.dialog() as made, ui.card().classes("rg-dialog"):
+def dialog(
+    title: str, verb: str = "", act: Callable[[], object] | None = None
+) -> Iterator[ui.dialog]:
+    """A dialog that opens with what is built meanwhile, above buttons to act and to cancel, or one
+    to close it."""
+    with ui.dialog().props(f'aria-label="{title}"') as made, ui.card().classes("rg-dialog"):
         heading(title)
         yield made
         with ui.row():
-            ui.button(verb, on_click=act).props("no-caps")
-            ui.button("Cancel", on_click=made.close).props("flat no-caps")
+            if verb:
+                ui.button(verb, on_click=act).props("no-caps")
+            ui.button("Cancel" if verb else "Close", on_click=made.close).props("flat no-caps")
     made.on("hide", made.delete)
     made.open()
 
@@ -98,6 +102,17 @@ class Entry:
     def shows(self, text: str) -> bool:
         """Whether that is the value that was taken last."""
         return text == self._taken
+
+    def compare(self, text: str, filed: str | None) -> None:
+        """Say what the scene's file has, where that is another value; None: it has none."""
+        said = f"in the file: {filed}" if filed is not None and filed != text else None
+        if said == self.field.props.get("hint"):
+            return
+        self.field.props.pop("hint", None)
+        if said:
+            self.field.props["hint"] = said
+        self.field.classes(**{"add" if said else "remove": "rg-differs"})
+        self.field.update()
 
     def show(self, text: str) -> None:
         """Another value, that came from elsewhere; what is being typed is left alone."""

@@ -11,15 +11,17 @@ from nicegui import app, ui
 
 from rodgen.live.page.bar import Bar
 from rodgen.live.page.downloads import Downloads
-from rodgen.live.page.elements import STATIC, Channel
+from rodgen.live.page.elements import Aria, Channel, style
 from rodgen.live.page.module_process import Modules, Progress
 from rodgen.live.page.plots import PlotsPanel
-from rodgen.live.page.rod import VIEW, RodPanel
-from rodgen.live.page.runs import PageRun, Panel, Sessions, notify
+from rodgen.live.page.rod import VIEWS, RodPanel, first_view
+from rodgen.live.page.runs import VIEW, PageRun, Panel, Sessions, notify
 from rodgen.live.page.structure import StructurePanel
+from rodgen.live.page.timeline import TimeLine
 from rodgen.live.page.values import Parameters, Values
+from rodgen.live.run.link import Link, follow
 from rodgen.live.run.live_run import LiveRun
-from rodgen.live.run.scenes import Folder, unpack
+from rodgen.live.run.scenes import Folder
 from rodgen.scene import Scene, SceneError
 
 ADDRESS = "/live/channel/"  # of the WebSocket of a run, before its name
@@ -51,16 +53,19 @@ TABS: dict[str, Callable[[PageRun], Panel]] = {
 class Page:
     """A page that is being built for one of the runs of a server."""
 
-    def __init__(self, sessions: Sessions, modules: Modules, folder: Folder, first: Scene):
+    def __init__(
+        self, sessions: Sessions, modules: Modules, folder: Folder, first: Scene, moves: bool
+    ):
+        """first: shown at first; moves: whether a run begins by itself."""
         self._sessions, self._modules = sessions, modules
-        self._folder, self._first = folder, first
+        self._folder, self._first, self._moves = folder, first, moves
 
     async def show(self, packed: str) -> None:
         """Build the page: of the run that this tab had, of a scene in the address, or of the first
         scene."""
         self._client = client = ui.context.client
         client.on_exception(lambda error: notify(client, f"rodgen has failed: {error!r}"))
-        ui.add_css((STATIC / "page.css").read_text(encoding="utf-8"))
+        ui.add_css(style())
         _set_shade()
         self._root = ui.element("div").classes("rg-page")
         self._progress = Progress(self._modules)
@@ -75,20 +80,24 @@ class Page:
         ui.run_javascript(FORGET_TOKEN)
         name = str(tab.get(RUN))
         if run is None or packed not in ("", tab.get(PACKED)) or not await _is_left(run):
-            name, run = await self._begin(packed)
+            name, run = await self._begin(packed, tab)
             if run is None:
                 return
-            tab.pop(VIEW, None)  # it was for the run before
         tab[RUN], tab[PACKED] = name, packed
-        self._build(name, run, tab)
+        page = self._build(name, run, tab)
+        if self._moves and not run.greeted:
+            page.soon(run.go_round)
+        run.greeted = True
 
-    async def _begin(self, packed: str) -> tuple[str, LiveRun | None]:
+    async def _begin(
+        self, packed: str, tab: MutableMapping[str, Any]
+    ) -> tuple[str, LiveRun | None]:
         """A run of the page's own, and its name; None where there is none, which is said."""
-        scene, name = await self._wanted(packed) if packed else self._first, ""
+        link, name = await self._wanted(packed) if packed else Link(self._first), ""
         try:
             with self._sessions.room():
-                await self._progress.make(scene)
-                name = await asyncio.to_thread(self._sessions.open, scene)
+                await self._progress.make(link.scene)
+                name = await asyncio.to_thread(self._sessions.open, link.scene)
         except SceneError as error:
             if not self._client.is_deleted:
                 with self._root:
@@ -97,28 +106,39 @@ class Page:
         if self._client.is_deleted:  # it has gone meanwhile
             self._sessions.close(name)
             run = None
+        if run is not None:
+            tab[VIEW] = link.view if link.view in VIEWS else first_view(link.scene)
+            await self._follow(run, link)
         return name, run
 
-    async def _wanted(self, packed: str) -> Scene:
-        """The scene in the address, or the first one where that is none."""
+    async def _wanted(self, packed: str) -> Link:
+        """What the address holds, or the first scene where that cannot be used."""
         try:
-            return await asyncio.to_thread(unpack, packed)
+            return await asyncio.to_thread(Link.unpack, packed)
         except SceneError as error:
             notify(self._client, f"The scene in the address cannot be used: {error}")
-            return self._first
+            return Link(self._first)
 
-    def _build(self, name: str, run: LiveRun, tab: MutableMapping[str, Any]) -> None:
+    async def _follow(self, run: LiveRun, link: Link) -> None:
+        """Show a run that has begun as a link says; what it cannot is said."""
+        try:
+            await asyncio.wrap_future(run.do(lambda: follow(run, link)))
+        except SceneError as error:
+            notify(self._client, f"The address cannot be followed in all: {error}")
+
+    def _build(self, name: str, run: LiveRun, tab: MutableMapping[str, Any]) -> PageRun:
         page = PageRun(run, self._progress.make, self._client, self._root, tab)
         with self._root:
             Channel(ADDRESS + name)
+            Aria()
             bar = Bar(page, self._folder, lambda: ui.run_javascript(TURN_SHADE))
             with ui.element("div").classes("rg-columns"):
                 with ui.element("div").classes("rg-left"):
-                    rod, plots = RodPanel(page), PlotsPanel(page)
+                    rod, line, plots = RodPanel(page), TimeLine(page), PlotsPanel(page)
                 with ui.element("aside").classes("rg-right") as aside:
-                    aside.props('aria-label="Values and settings"')
+                    aside.props('aria-label="Values and settings" tabindex=0')
                     tabs = _tabs(page)
-        page.panels = (bar, rod, plots, *tabs)
+        page.panels = (bar, rod, line, plots, *tabs)
         loop = asyncio.get_running_loop()
 
         def told() -> None:
@@ -128,6 +148,7 @@ class Page:
 
         run.told = told
         page.refresh()
+        return page
 
 
 def _tabs(page: PageRun) -> list[Panel]:

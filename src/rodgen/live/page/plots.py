@@ -11,17 +11,21 @@ from nicegui import ui
 from rodgen.live.catalogue import KINDS, Catalogue
 from rodgen.live.page.elements import Plots
 from rodgen.live.page.fields import Field, dialog, number, refuse
+from rodgen.live.page.names import Names
 from rodgen.live.page.runs import PageRun
 from rodgen.live.run.curves import DIRECTIONS
-from rodgen.live.run.plot_spec import PLOT_KINDS
+from rodgen.live.run.plot_spec import AXES, PLOT_KINDS
 from rodgen.scene import SceneError
 
 ENERGIES = ("kinetic_energy", "spring_energy", "gravity_energy", "total_energy")
+OWN = "A quantity may be an expression: type it, such as phi_1 - phi_0 or d/dt(tip_x), and Enter."
 TITLE = {"title": "title (made from what is shown if empty)"}
+WRAPPED = {"wrapped": "angles"}
 # By kind of plot: what is asked, by the key of PlotSpec that it is for.
 FIELDS = {
-    "time": {"y": "quantities", "window": "window", **TITLE},
-    "phase": {"y": "quantity", "x": "over", "window": "window", **TITLE},
+    "time": {"y": "quantities", "window": "window", **WRAPPED, **TITLE},
+    "difference": {"y": "quantities", "window": "window", **TITLE},
+    "phase": {"y": "quantity", "x": "over", "window": "window", **WRAPPED, **TITLE},
     "poincare": {
         "y": "quantity",
         "x": "over",
@@ -29,10 +33,16 @@ FIELDS = {
         "value": "reaches the value",
         "every": "and again after every further (never if empty)",
         "direction": "while it is",
+        **WRAPPED,
         **TITLE,
     },
     "profile": {"y": "kind of quantity", **TITLE},
-    "spectrum": {"y": "quantity", "window": "window", **TITLE},
+    "spectrum": {"y": "quantity", "window": "window", "axes": "axes", **TITLE},
+}
+CHOSEN: dict[str, dict[Any, str]] = {  # and by the key, what can be chosen, in words
+    "direction": dict(zip(DIRECTIONS, DIRECTIONS, strict=True)),
+    "axes": AXES,
+    "wrapped": {False: "as they are", True: "within half a turn of zero"},
 }
 TYPED = {"window": "10", "value": "0", "every": "", "title": ""}  # and what stands there at first
 
@@ -48,8 +58,7 @@ class PlotsPanel:
         self.grid.on_removed(self._removed)
         self.grid.on_moved(self._moved)
         if not page.run.plots and not page.run.greeted:
-            page.run.greeted = True
-            for choice in _first(self.catalogue):
+            for choice in first_plots(self.catalogue):
                 page.soon(partial(page.run.add_plot, choice))
 
     @property
@@ -84,19 +93,22 @@ class PlotDialog:
     def __init__(self, catalogue: Catalogue, add: Callable[[dict[str, Any]], Awaitable[None]]):
         self.catalogue, self._put = catalogue, add
         self.fields: dict[str, Field] = {}
+        self.names: dict[str, Names] = {}
         with dialog("Add a plot", "Add", self._add) as self.dialog:
             self.kind = ui.select(
                 PLOT_KINDS, value="time", label="kind of plot", on_change=self._switch
             )
             self.kind.props("dense outlined").classes("rg-wide")
             self.box = ui.element("div").classes("rg-knobs")
+            ui.label(OWN).classes("rg-hint")
             self.refused = ui.label().classes("rg-failed").props('role="alert"')
         self._switch()
 
     def _switch(self) -> None:
-        """Show the fields of this kind of plot alone: a long rod has many quantities to send."""
+        """Show the fields of this kind of plot alone."""
         before = {field.label: field.value for field in self.fields.values()}
         self.box.clear()
+        self.names = {}
         with self.box:
             fields = FIELDS[self.kind.value]
             self.fields = {name: self._field(name, label) for name, label in fields.items()}
@@ -104,44 +116,27 @@ class PlotDialog:
             field.value = before.get(field.label, field.value)
         if "window" in self.fields:
             self.fields["window"].props('suffix="s"')
-        if "when" in self.fields:
-            self.fields["when"].on_value_change(self._units)
-            self._units()
         self._refuse({})
 
     def _field(self, name: str, label: str) -> Field:
         field: Field
         if name in TYPED:
             field = ui.input(label, value=TYPED[name]).on("keydown.enter", self._add)
-        elif name == "direction":
-            field = ui.select(list(DIRECTIONS), value=DIRECTIONS[0], label=label)
-        else:  # typing narrows the names down
-            many = label == "quantities"
-            field = ui.select(
-                self._options(label), label=label, with_input=True, multiple=many, clearable=True
-            )
-            field.props("input-debounce=0" + " use-chips" * many)
+        elif name in CHOSEN:
+            field = ui.select(CHOSEN[name], value=next(iter(CHOSEN[name])), label=label)
+        elif name == "y" and self.kind.value == "profile":
+            along = {kind: KINDS[kind].title for kind in self.catalogue.along}
+            field = ui.select(along, label=label, with_input=True)
+        else:
+            changed = self._units if name == "when" else None
+            self.names[name] = Names(self.catalogue, label, several=name == "y", changed=changed)
+            return self.names[name].field
         return field.props("dense outlined options-dense hide-bottom-space").classes("rg-wide")
-
-    def _options(self, label: str) -> dict[str, str]:
-        """What can be chosen, by name, in words."""
-        if label == "kind of quantity":
-            return {kind: KINDS[kind].title for kind in self.catalogue.along}
-        single = {
-            name: f"{q.label if q.label != name else KINDS[q.kind].title}  ({name})"
-            for name, q in self.catalogue.quantities.items()
-        }
-        kinds = self.catalogue.kinds.items() if label == "quantities" else ()
-        several = {
-            kind: f"{KINDS[kind].title}, all {len(names)}" for kind, names in kinds if names[1:]
-        }
-        return several | single
 
     def _units(self) -> None:
         """Give the value that is reached the unit of what reaches it."""
-        when = self.catalogue.quantities.get(self.fields["when"].value)
         for name in ("value", "every"):
-            self.fields[name].props["suffix"] = when.unit if when else ""
+            self.fields[name].props["suffix"] = self.names["when"].unit
 
     def _choice(self) -> dict[str, Any]:
         """What was chosen, for PlotSpec. Raises SceneError for what is no number."""
@@ -154,10 +149,14 @@ class PlotDialog:
                     continue
                 value = value if name == "title" else number(value, name)
             choice[name] = value
+        for name, of in self.names.items():
+            chosen = of.names()
+            choice[name] = chosen if name == "y" else chosen[0]
         return choice
 
     async def _add(self) -> None:
-        empty = [name for name, f in self.fields.items() if name not in TYPED and not f.value]
+        asked = [name for name in self.fields if name not in TYPED and name not in CHOSEN]
+        empty = [name for name in asked if not self.fields[name].value]
         self._refuse(dict.fromkeys(empty, "not chosen"))
         if empty:
             return
@@ -165,7 +164,8 @@ class PlotDialog:
             await self._put(self._choice())
         except SceneError as error:
             name = error.field.removeprefix("plot.").partition("[")[0]
-            self._refuse({name: f"must be {error.allowed}"})
+            # Which of a kind: that is said there.
+            self._refuse({} if name == "which" else {name: f"must be {error.allowed}"})
         else:
             self.dialog.close()
 
@@ -174,7 +174,7 @@ class PlotDialog:
         self.refused.set_text(refuse(self.fields, texts))
 
 
-def _first(catalogue: Catalogue) -> Iterator[dict[str, Any]]:
+def first_plots(catalogue: Catalogue) -> Iterator[dict[str, Any]]:
     """Plots that a page shows at first."""
     phi = catalogue.kinds["phi"]
     yield {"kind": "time", "y": list(dict.fromkeys((phi[0], phi[-1]))), "window": 10.0}

@@ -20,11 +20,14 @@ from rodgen.live.page.fields import (
     refuse,
     whole_number,
 )
-from rodgen.live.page.runs import PageRun
+from rodgen.live.page.modes import ModeShapes
+from rodgen.live.page.runs import VIEW, PageRun
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.contents import in_words
 
-VIEW = "view"  # chosen by the tab of a browser, which keeps it over a reload
+SHOWN = "What is shown"
+MENU = f'auto-close=false role=dialog aria-label="{SHOWN}"'
+ENLARGED = {1: "true", 10: "× 10", 100: "× 100", 1000: "× 1000", 10_000: "× 10 000"}
 VIEWS = {"fixed": "fixed", "centre": "follows the centre of gravity", "axes": "turns with the axes"}
 Kick = Callable[[int, float, tuple[float, float]], Awaitable[None]]
 
@@ -34,7 +37,7 @@ class RodPanel:
 
     def __init__(self, page: PageRun):
         self.page = page
-        self._taken, self._angle = 0, 0.0  # of the run's scenes, and how the rod is clamped [rad]
+        self._taken = 0  # of the run's scenes
         self._drawn: dict[str, Any] = {}
         with ui.element("section").classes("rg-rod").props('aria-label="The rod"'):
             with ui.element("div").classes("rg-tools"):
@@ -45,17 +48,21 @@ class RodPanel:
         self.canvas.on_link(lambda event: self._ask(int(event["link"]), float(event["share"])))
 
     def _tools(self) -> None:
-        self._first = _first_view(self.page.scene)
+        self._first = first_view(self.page.scene)
         self.view = ui.select(VIEWS, value=self.page.tab.get(VIEW, self._first), label="View")
         self.view.on_value_change(self._view)
         self.view.props("dense outlined options-dense").classes("rg-view")
-        with IconButton("layers", "What is shown"), ui.menu().props("auto-close=false"):
+        self.times = ui.select(ENLARGED, value=1, label="Displacements")
+        self.times.on_value_change(lambda event: self.canvas.set(times=event.value))
+        self.times.props("dense outlined options-dense").classes("rg-times")
+        with IconButton("layers", SHOWN), ui.menu().props(MENU):
             self.switches = {
                 name: ui.switch(layer.label, value=layer.shown, on_change=self._shows(name))
                 for name, layer in LAYERS.items()
             }
             for switch in self.switches.values():
                 switch.props("dense").classes("rg-switch")
+        self.modes = ModeShapes(self.page, lambda mode: self.canvas.set(mode=mode))
         IconButton("fit_screen", "Fit the rod into the picture", lambda: self.canvas.fit())
         IconButton("palette", "Scale colours anew", lambda: self.canvas.reset_scale())
         IconButton(
@@ -74,16 +81,7 @@ class RodPanel:
     def refresh(self) -> None:
         """Show the scene as it is now."""
         run, scene = self.page.run, self.page.scene
-        angle = scene.rod.clamp_angle or 0.0
-        if angle != self._angle:
-            self._angle = angle
-            self.canvas.set(clampAngle=angle)
-        anchors = scene.anchors
-        drawn = {
-            "bodies": [asdict(mark) for mark in scene.distribution.marks],
-            "ties": [asdict(tie) for tie in anchors.ties],
-            "bed": anchors.bed.tolist(),
-        }
+        drawn = drawn_of(scene)
         if drawn != self._drawn:
             self._drawn = drawn
             self.canvas.set(**drawn)
@@ -93,12 +91,13 @@ class RodPanel:
 
     def _another(self, scene: Scene) -> None:
         """Show another scene."""
-        view = _first_view(scene)
+        self.modes.hide()
+        view = first_view(scene)
         if view != self._first:  # what was chosen for a rod that flies is not for one that is held
             self._first = view
             self.view.set_value(view)
         support, terms = scene.hold.support, scene.loads.terms
-        self.canvas.rod(self._taken, support, _description(scene), terms)
+        self.canvas.rod(self._taken, support, description(scene), terms)
         for name, switch in self.switches.items():
             term = LAYERS[name].term
             switch.set_visibility(term is None or term in scene.loads.terms)
@@ -178,12 +177,22 @@ class KickDialog:
         return str(self.fields[name].value or "")
 
 
-def _first_view(scene: Scene) -> View:
+def drawn_of(scene: Scene) -> dict[str, Any]:
+    """Props of the picture that follow from a scene, and may change with its values."""
+    return {
+        "bodies": [asdict(mark) for mark in scene.distribution.marks],
+        "ties": [asdict(tie) for tie in scene.anchors.ties],
+        "bed": scene.anchors.bed.tolist(),
+        "clampAngle": scene.rod.clamp_angle or 0.0,
+    }
+
+
+def first_view(scene: Scene) -> View:
     """The view in which a rod stays in the picture."""
     return "centre" if scene.hold.translates else "fixed"
 
 
-def _description(scene: Scene) -> str:
+def description(scene: Scene) -> str:
     """The picture in words, for who does not see it."""
     carried = [f"carrying {body.name}" for body in scene.bodies]
     terms = in_words(scene) or ["no loads"]

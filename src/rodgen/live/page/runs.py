@@ -5,7 +5,14 @@ from __future__ import annotations
 import asyncio
 import secrets
 import time
-from collections.abc import Awaitable, Callable, Iterator, MutableMapping, Sequence
+from collections.abc import (
+    Awaitable,
+    Callable,
+    Coroutine,
+    Iterator,
+    MutableMapping,
+    Sequence,
+)
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
@@ -20,6 +27,7 @@ from rodgen.scene import Scene, SceneError, Structure
 GRACE = 7.0  # seconds that a page may take to come back, as it does on a reload
 FIRST = 30.0  # seconds that it may take to come at first
 MOST = 16  # runs at a time
+VIEW = "view"  # chosen by the tab of a browser, which keeps it over a reload
 
 T = TypeVar("T")
 Edit = Callable[[Scene], Scene]
@@ -52,7 +60,9 @@ class Sessions:
         """Keep a place for a run whose module is being made. Raises SceneError where there is
         none."""
         if len(self) + self._coming >= MOST:
-            raise SceneError("runs", len(self) + 1, f"at most {MOST} on one server; close a tab")
+            raise SceneError(
+                "runs", len(self) + self._coming + 1, f"at most {MOST} on one server; close a tab"
+            )
         self._coming += 1
         try:
             yield
@@ -177,48 +187,74 @@ class PageRun:
 
     def soon(self, work: Callable[[], Any]) -> None:
         """Have the run's thread do something and do not wait for it; what is refused is said."""
+        self.begin(self.do(work))
 
-        async def doing() -> None:
+    def begin(self, doing: Coroutine[Any, Any, object]) -> None:
+        """Do something and do not wait for it; what is refused is said."""
+
+        async def told() -> None:
             try:
-                await self.do(work)
+                await doing
             except SceneError as error:
                 self.say(str(error))
 
-        background_tasks.create(doing(), context=self.client)
+        background_tasks.create(told(), context=self.client)
 
     async def change(self, changes: Sequence[tuple[Place, Any]], what: str) -> None:
         """Change values in the scene; what: in words, for the record. Raises SceneError."""
         await self.alter(
-            lambda scene: edit(scene, changes), lambda scene: self.run.change(scene, what)
+            lambda scene: edit(scene, changes),
+            lambda scene: self.run.change(scene, what),
+            lambda before: self.run.undo.note(before, what),
         )
 
     async def take(self, scene: Scene) -> None:
         """Run another scene, from its start. Raises SceneError."""
-        await self.alter(lambda _: scene, self.run.take)
+        await self.alter(
+            lambda _: scene, self.run.take, lambda before: self.run.undo.take(before, scene)
+        )
 
-    async def alter(self, edit: Edit, act: Callable[[Scene], object]) -> None:
+    async def undo(self, forth: bool = False) -> None:
+        """Go back to the scene before the last change, or forth again. Raises SceneError."""
+        undo = self.run.undo
+        if (kept := undo.next(forth)) is None:
+            return
+        said = "redo" if forth else "undo"
+        act = self.run.take if kept.anew else lambda scene: self.run.change(scene, said)
+        await self.alter(lambda _: kept.scene, act, lambda before: undo.go(before, forth))
+
+    async def alter(
+        self, edit: Edit, act: Callable[[Scene], object], note: Callable[[Scene], object]
+    ) -> None:
         """Another scene, made of the one that is there: `act` is given it in the run's thread
         where its module is that of the run; else that is made first, and the scene begins from
-        its start. Raises SceneError."""
-        if await self._acted(edit, act) is None:
+        its start. `note` is given the scene before, once it has gone well. Raises SceneError."""
+        if await self._acted(edit, act, note) is None:
             return
         async with self._making:
             made = None
-            while (wanted := await self._acted(edit, self.run.take, made)) is not None:
+            while (wanted := await self._acted(edit, self.run.take, note, made)) is not None:
                 await self._make(wanted)
                 made = wanted.structure
 
     async def _acted(
-        self, edit: Edit, act: Callable[[Scene], object], made: Structure | None = None
+        self,
+        edit: Edit,
+        act: Callable[[Scene], object],
+        note: Callable[[Scene], object],
+        made: Structure | None = None,
     ) -> Scene | None:
         """Nothing, or the scene whose module is to be made; made: the structure of one that is
         there, beside that of the run."""
 
         def work() -> Scene | None:
-            scene = edit(self.scene)
-            if scene.structure not in (made, self.scene.structure):
+            before = self.scene
+            scene = edit(before)
+            if scene.structure not in (made, before.structure):
                 return scene
             act(scene)
+            note(before)
+            self.run.told()
             return None
 
         return await self.do(work)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import errno
-import json
 import secrets
 import socket
 import webbrowser
@@ -15,13 +14,16 @@ from pathlib import Path
 from types import FrameType
 
 import uvicorn
-from fastapi import FastAPI, WebSocket, WebSocketDisconnect
+from fastapi import FastAPI, Response, WebSocket, WebSocketDisconnect
 from nicegui import app, background_tasks, ui
 
+from rodgen.live.page.answers import take_up
+from rodgen.live.page.bar import SKETCH
 from rodgen.live.page.guard import OWN, TOKEN, Guard
 from rodgen.live.page.module_process import Modules
 from rodgen.live.page.page import ADDRESS, Page
 from rodgen.live.page.runs import Sessions
+from rodgen.live.page.sketch import sketch
 from rodgen.live.run.live_run import LiveRun
 from rodgen.live.run.scenes import Folder
 from rodgen.scene import Scene, SceneError
@@ -34,21 +36,23 @@ SWEEP = 0.5  # seconds
 # fifths of that, which a busy machine needs.
 RECONNECT = 30.0
 PORT_ERRORS = (errno.EADDRINUSE, errno.EACCES)
-LONGEST = 200  # bytes of an acknowledgement
+MOST_WAITING = 1024  # connections that wait to be taken up: more are cut off without a word
 GONE = 4404  # code of a WebSocket: there is no such run
 
 
 @dataclass(frozen=True)
 class Settings:
     """scene: shown first; folder: scenes to choose from; host, port: where the server listens,
-    port 0: at any that is free; opens: whether a browser is started; said: told the address,
-    that for other machines where they are let in."""
+    port 0: at any that is free; opens: whether a browser is started; moves: whether a page begins
+    with a run that moves, over the span of its scene and over again; said: told the address, that
+    for other machines where they are let in."""
 
     scene: Scene
     folder: Path
     host: str = LOOPBACK
     port: int = 0
     opens: bool = True
+    moves: bool = True
     said: Callable[[str], None] = print
 
 
@@ -91,7 +95,14 @@ def _site(settings: Settings, modules: Modules, told: str, opened: str) -> FastA
 
     @ui.page("/", title="rodgen", response_timeout=20)
     async def _(scene: str = "") -> None:
-        await Page(sessions, modules, folder, settings.scene).show(scene)
+        await Page(sessions, modules, folder, settings.scene, settings.moves).show(scene)
+
+    @site.get(SKETCH + "{name}")
+    def _(name: str) -> Response:
+        try:
+            return Response(sketch(folder.scene(name)), media_type="image/svg+xml")
+        except SceneError as error:
+            return Response(str(error), 404, media_type="text/plain")
 
     async def begin() -> None:
         settings.said(told)
@@ -151,7 +162,7 @@ def _listen(host: str, port: int) -> socket.socket:
     found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         found.bind((host, port))
-        found.listen(128)  # so that the address answers as soon as it is told
+        found.listen(MOST_WAITING)  # so that the address answers as soon as it is told
     except OSError as error:
         found.close()
         reason = getattr(error, "strerror", None) or str(error)
@@ -161,7 +172,7 @@ def _listen(host: str, port: int) -> socket.socket:
 
 
 async def channel(socket: WebSocket, name: str, sessions: Sessions) -> None:
-    """Send frames to the page and take its acknowledgements, until it goes away."""
+    """Send frames to the page and take its answers, until it goes away."""
     await socket.accept()
     run = sessions.get(name)
     if run is None:
@@ -193,18 +204,6 @@ async def _take_answers(socket: WebSocket, run: LiveRun) -> None:
     # A RuntimeError: sending has found out first that the page is gone.
     with suppress(WebSocketDisconnect, RuntimeError):
         while True:
-            text = await socket.receive_text()
-            frame = _frame(text)
-            if frame is None:
-                await socket.close(1008, "not an acknowledgement")
+            if not take_up(run, await socket.receive_text()):
+                await socket.close(1008, "not an answer")
                 return
-            run.page.acknowledge(frame)
-
-
-def _frame(text: str) -> int | None:
-    """The number of the frame that is acknowledged."""
-    try:
-        found = json.loads(text)["ack"] if len(text) <= LONGEST else None
-    except (ValueError, TypeError, KeyError, RecursionError):
-        return None
-    return found if isinstance(found, int) else None

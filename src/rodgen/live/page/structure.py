@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
-from nicegui import events, ui
+from nicegui import ui
 
 from rodgen.live.page.fields import Field, heading, number, plain, refuse, whole_number
 from rodgen.live.page.runs import PageRun
+from rodgen.live.page.scene_file import ENDING, SceneFile
 from rodgen.live.run.scenes import (
     LARGEST,
     Form,
@@ -57,11 +58,7 @@ class StructurePanel:
             "Another structure is derived and compiled first; other values need no restart."
         ).classes("rg-hint")
         heading("From a file")
-        self.upload = ui.upload(
-            label="A scene in TOML", on_upload=self._uploaded, on_rejected=self._rejected,
-            max_file_size=LARGEST, max_files=1, auto_upload=True,
-        ).props("accept=.toml flat bordered")  # fmt: skip
-        self.upload.classes("rg-wide")
+        SceneFile(self._uploaded, self._rejected)
 
     def refresh(self) -> None:
         """Show the scene as it is now, where that is another than before."""
@@ -95,7 +92,11 @@ class StructurePanel:
         try:
             form, starts = self._form(), self._given()
             run = self.page.run
-            await self.page.alter(lambda scene: reshape(scene, form, starts), run.restart)
+            await self.page.alter(
+                lambda scene: reshape(scene, form, starts),
+                run.restart,
+                lambda before: run.undo.note(before, "", anew=True),
+            )
         except SceneError as error:
             named = (name for name in self.fields if f"{error.field}.".startswith(f"{name}."))
             refusals = {next(named, error.field): f"must be {error.allowed}"}
@@ -119,16 +120,15 @@ class StructurePanel:
             if not text.startswith(LIST)
         ]
 
-    async def _uploaded(self, event: events.UploadEventArguments) -> None:
-        self.upload.reset()
+    async def _uploaded(self, content: bytes) -> None:
         try:
-            content = await event.file.read()  # the server has refused what is longer than 2 MiB
             await self.page.take(await asyncio.to_thread(from_toml_text, content))
         except SceneError as error:
             self.page.say(str(error))
 
     def _rejected(self) -> None:
-        self.page.say(f"A scene is a file that ends in .toml, of at most {LARGEST >> 20} MiB")
+        most = f"at most {LARGEST >> 20} MiB"
+        self.page.say(f"A scene is a file of UTF-8 text that ends in {ENDING}, of {most}")
 
 
 def _styled(field: Field) -> Field:

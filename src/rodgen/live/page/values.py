@@ -7,12 +7,13 @@ import math
 from nicegui import ui
 from nicegui.events import GenericEventArguments
 
-from rodgen.live.page.fields import Entry, heading, number, plain
+from rodgen.live.page.fields import Entry, IconButton, heading, number, plain
 from rodgen.live.page.runs import PageRun
-from rodgen.live.run.scenes import Field, fields_of, scale_of
+from rodgen.live.page.sweep import Sweep
+from rodgen.live.run.scenes import Field, edit, fields_of, scale_of
 from rodgen.live.texts import Row, groups
 from rodgen.model.methods import FIXED_STEP, METHODS
-from rodgen.scene import SceneError
+from rodgen.scene import Scene, SceneError
 from rodgen.scene.integration import AUTO
 
 THROTTLE = 0.04  # seconds between two values of a slider that is dragged
@@ -59,23 +60,42 @@ def _cells(row: Row) -> None:
         ui.label(row.unit)
 
 
+def shown_of(field: Field) -> str:
+    """A value as its field shows it."""
+    return field.text if field.value is None else plain(field.value)
+
+
 class Knob:
     """A slider with its field."""
 
     def __init__(self, page: PageRun, field: Field):
         self.page, self.field, self._scale = page, field, scale_of(field)
         self._waiting: float | None = None  # where the slider is by now
-        text = field.text if field.value is None else plain(field.value)
-        with ui.element("div").classes("rg-knob"):
-            long = field.value is None
-            self.entry = Entry(field.label, text, self._typed, unit=field.unit, long=long)
+        self.sweep: Sweep | None = None
+        text = shown_of(field)
+        with ui.element("div").classes("rg-knob") as self._box:
+            long, slides = field.value is None, field.value is not None and not field.of.fixed
+            with ui.element("div").classes("rg-head"):
+                self.entry = Entry(field.label, text, self._typed, unit=field.unit, long=long)
+                if slides and not field.whole:
+                    IconButton("show_chart", f"Sweep of {field.label}", self._turn_sweep)
             self.slider: ui.slider | None = None
-            if field.value is not None and not field.of.fixed:
+            if field.value is not None and slides:
                 self.slider = ui.slider(min=0, max=STEPS, step=1, value=self._place(field.value))
                 self.slider.props(f'dense aria-label="{field.label}"')
                 self._spoken(field.value)
                 self.slider.on("update:model-value", self._slid, throttle=THROTTLE)
                 self.slider.on("change", self._released)
+
+    def _turn_sweep(self) -> None:
+        """Have a range swept below the slider, or no longer."""
+        if self.sweep is not None:
+            self.sweep.close()
+            self.sweep = None
+            return
+        with self._box:
+            low, high = self.field.reach(self._scale)
+            self.sweep = Sweep(self.page, self.field, (low, high))
 
     def _place(self, value: float) -> float:
         """Where on the slider a value is."""
@@ -141,9 +161,12 @@ class Knob:
         if self.slider is not None:
             self.slider.props(f'aria-valuetext="{plain(value)} {self.field.unit}"')
 
-    def refresh(self, field: Field) -> None:
-        """Show the value that the scene has now."""
+    def refresh(self, field: Field, filed: Field | None) -> None:
+        """Show the value that the scene has now; filed: that of its file, which may have none."""
         before, self.field = self.field, field
+        if self.sweep is not None:
+            self.sweep.refresh(field)
+        self.entry.compare(shown_of(field), shown_of(filed) if filed else None)
         if field.value is None:
             self.entry.show(field.text)
             return
@@ -178,6 +201,7 @@ class Parameters:
             self.method.props("dense outlined options-dense")
             for name, unit in SETTINGS.items():
                 self._setting(name, unit)
+        self.looking = ui.switch("method and tolerance for looking", on_change=self._looking)
         self.warned = ui.label().classes("rg-warned")
 
     def _setting(self, name: str, unit: str) -> None:
@@ -191,14 +215,28 @@ class Parameters:
         scene, method = self.page.scene, self.method.value
         if method == scene.integrate.method:
             return
-        changes: list[tuple[tuple[str, ...], object]] = [(("integrate", "method"), method)]
-        if method in FIXED_STEP and scene.integrate.step is None:
-            changes.append((("integrate", "step"), 1e-3))
+        run = self.page.run
+
+        def by_method(scene: Scene) -> Scene:
+            """Of equal steps, with one that is stable here; of others, as the tolerances say."""
+            step = run.live.step_for(method) if method in FIXED_STEP else None
+            changes = [(("integrate", "method"), method), (("integrate", "step"), step)]
+            return edit(scene, changes)
+
         try:
-            await self.page.change(changes, f"method {method}")
+            await self.page.alter(
+                by_method,
+                lambda scene: run.change(scene, f"method {method}"),
+                lambda before: run.undo.note(before, "method"),
+            )
         except SceneError as error:
             self.page.say(str(error))
             self.refresh()
+
+    def _looking(self) -> None:
+        run, on = self.page.run, bool(self.looking.value)
+        if on != run.live.rough:
+            self.page.soon(lambda: run.roughen(on))
 
     def refresh(self) -> None:
         """Show the values that the scene has now."""
@@ -210,14 +248,19 @@ class Parameters:
             self._box.clear()
             with self._box:
                 self._knobs = {key: Knob(self.page, field) for key, field in fields.items()}
+        filed = {field.key: field for field in fields_of(self.page.run.undo.file)}
         for key, field in fields.items():
-            self._knobs[key].refresh(field)
+            self._knobs[key].refresh(field, filed.get(key))
         settings = scene.integrate
         if self.method.value != settings.method:
             self.method.set_value(settings.method)
         for name, entry in self._settings.items():
-            entry.show(plain(getattr(settings, name)))
+            shown = plain(getattr(settings, name))
+            entry.show(shown)
+            entry.compare(shown, plain(getattr(self.page.run.undo.file.integrate, name)))
         self._settings["step"].field.set_visibility(settings.fixed)
         for name in ("rtol", "atol"):
             self._settings[name].field.set_visibility(not settings.fixed)
+        if self.looking.value != self.page.run.live.rough:
+            self.looking.set_value(self.page.run.live.rough)
         self.warned.set_text("; ".join(self.page.run.warnings))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -13,26 +14,34 @@ from rodgen.integrate.endings import FAILED, FINISHED
 from rodgen.integrate.live import Live, LiveError, Samples
 from rodgen.integrate.solution import Stats
 from rodgen.live.catalogue import Catalogue
+from rodgen.live.run.comparing import Comparing
+from rodgen.live.run.critical import Critical
+from rodgen.live.run.marks import Marks
 from rodgen.live.run.page_state import PageState
 from rodgen.live.run.plot import Plot
 from rodgen.live.run.plot_spec import PlotSpec, transfer
-from rodgen.live.run.worker import FRAME, Critical, Pace, Worker
+from rodgen.live.run.undo import Undo
+from rodgen.live.run.worker import FRAME, Pace, Worker
 from rodgen.live.samples import Chunk, Recorded, Store
 from rodgen.live.texts import Present
 from rodgen.loading import build_fastest
+from rodgen.loading.module import asked
 from rodgen.scene import Scene, SceneError
 
 RUNNING, PAUSED, STOPPED = "running", "paused", "stopped"
 SLICE = 0.012  # seconds of a frame, for steps
 BEYOND = 1e6  # times the initial state, or 1
-MOST_PLOTS, MOST_NOTES = 24, 200
+MADE = 0.1  # of all energies, from which on what a balance lacks was made by the method
+MOST_PLOTS = 24
 
 
-class LiveRun(Worker):
-    """A run, its samples, its plots, and the page that looks at it.
+class LiveRun(Worker, Comparing):
+    """A run, its samples, its marks, its plots, and the page that looks at it.
 
     Everything but `do`, `page` and `close` is for the run's own thread: others hand it work by
-    `do`. taken: how many scenes it has taken up so far; file: the file that one of them came from,
+    `do`. shown: the present; past: the sample that the page looks back at, if it does. strict:
+    whether tolerances are kept to where real time is missed. begun: how often it has begun at a
+    start; taken: how many scenes it has taken up so far; file: the file that one of them came from,
     and its number, which a page notes. told: called in that thread when the status, the scene or
     the plots have changed.
     """
@@ -43,10 +52,14 @@ class LiveRun(Worker):
         self.told, self.page = told, PageState()
         self.status, self.message = PAUSED, ""
         self.plots: dict[str, Plot] = {}
-        self._numbers, self.greeted = itertools.count(1), False  # whether it got its first plots
-        self.pace, self.taken = Pace(), 0
+        self._numbers, self.greeted = itertools.count(1), False  # whether a page has shown it
+        self.pace, self.taken, self.begun = Pace(), 0, 0
         self.file: tuple[str, int] | None = None
-        self.critical = Critical(lambda: self.do(self.page.touched))
+        self.goes_round = False
+        self.past: Chunk | None = None
+        self.undo = Undo(scene)
+        self.strict = False
+        self.critical = Critical(self.do, self.page.touched)
         self.take(scene)
         self.start()
 
@@ -63,10 +76,20 @@ class LiveRun(Worker):
         return self.status == RUNNING or self.page.waits
 
     @property
+    def _ended(self) -> bool:
+        """Whether the span of the scene is over."""
+        return bool(self.shown.t[-1] >= self.live.scene.integrate.span[1])
+
+    @property
     def lost(self) -> bool:
-        """Whether the state has grown so far that no other value leads on from it."""
-        start = np.abs(self.live.scene.initial_state()).max(initial=1.0)
-        return not np.abs(self.shown.y[-1]).max(initial=0.0) <= BEYOND * start
+        """Whether no other value leads on from the state: it has grown too far, or its energy has
+        come from nowhere."""
+        start, here = np.abs(self.live.scene.initial_state()).max(initial=1.0), self.shown
+        with np.errstate(all="ignore"):
+            energies = asked(self.model, "energy", here.t[-1], here.y[-1], here.p)
+            parts = np.concatenate((energies, -here.work[-1], [-here.given, -here.start]))
+            kept = abs(parts.sum()) <= MADE * np.abs(parts).sum()
+        return not (kept and np.abs(here.y[-1]).max(initial=0.0) <= BEYOND * start)
 
     def show(self) -> None:
         """Send the page what there is to see of the run."""
@@ -78,15 +101,18 @@ class LiveRun(Worker):
 
     def slice(self) -> None:
         """Take as many steps as are due and fit into a frame."""
+        self.critical.tick()
         if self.status != RUNNING:
             return
         due = self.pace.due()
         most = self.live.t + 1000 * self.live.every  # samples, where it goes as fast as it can
         failure = ""
+        before = time.thread_time()
         try:
             samples = self.live.advance(min(due, most), SLICE)
         except LiveError as error:
             samples, failure = error.samples, str(error)
+        self.pace.spend(time.thread_time() - before)
         self._took(samples)
         if not len(samples.t):  # steps are slow: the picture moves on between samples
             self._look()
@@ -94,6 +120,10 @@ class LiveRun(Worker):
         self.pace.reached(self.shown.t[-1])
         if failure:
             self._stop(failure)
+        elif self.goes_round and self.past is None and self._ended:
+            self.restart()
+        elif self.pace.missed and not (self.live.rough or self.strict):
+            self._roughen()
 
     def _took(self, samples: Samples) -> None:
         if not len(samples.t):
@@ -116,25 +146,39 @@ class LiveRun(Worker):
     def take(self, scene: Scene) -> None:
         """Run another scene, from its start; plots go on as far as it has their quantities."""
         model = build_fastest(scene)
+        if self.taken:
+            self._keep()
         live, catalogue = Live(scene, model, self._every(scene)), Catalogue(scene, model)
         plots = self.plots.values()
         specs = [transfer(p.spec, self.new_name(), p.catalogue, catalogue) for p in plots]
         self.plots = {spec.id: Plot(spec, catalogue) for spec in specs if spec}
+        for plot in self.plots.values():
+            plot.beside = self.ghost
         self.model, self.live, self.catalogue = model, live, catalogue
         self.taken += 1
+        self.strict = False
         self.page.structure_changed()
         self._begin()
 
     def restart(self, scene: Scene | None = None) -> None:
         """Go back to the initial state."""
+        self._keep()
         self.live.restart(scene)
+        self._begin()
+
+    def begin_at(self, sample: Samples, given: float, start: float) -> None:
+        """Begin with one sample of another run, at which so much energy [J] was given, and which
+        had so much at its start."""
+        self.live.go_back(sample, self.live.p, given)
+        self.live.energy_start, self.greeted = start, True
         self._begin()
 
     def _begin(self) -> None:
         live = self.live
+        self.begun += 1
         self.store = Store(live.states, live.works, live.energy_start)
-        self.store.change(live.p, 0.0)
-        self.history: list[str] = []
+        self.store.change(live.p, live.given)
+        self.marks, self.past = Marks(), None
         if self.status != RUNNING:
             self.status = PAUSED
         self.message = ""
@@ -153,6 +197,8 @@ class LiveRun(Worker):
         except LiveError as error:
             self._took(error.samples)
             self.status, self.message = STOPPED, str(error)
+        if not self.store.count:  # it begins amid another
+            self._took(self.live.here())
 
     def _look(self) -> None:
         """Show the state as it is now, after something has changed it."""
@@ -167,20 +213,29 @@ class LiveRun(Worker):
         self.warnings = self.live.warnings()
 
     def go(self) -> None:
-        """Let a run that is paused go on."""
+        """Let a run that is paused go on, in the present."""
+        self.past = None
         if self.status == PAUSED:
             self.status = RUNNING
             self._resume()
             self._changed()
 
+    def go_round(self) -> None:
+        """Let a run go over the span of its scene, and over again, until somebody pauses or changes
+        it."""
+        self.goes_round = True
+        self.go()
+
     def pause(self) -> None:
         """Pause the run."""
+        self.goes_round = False
         if self.status == RUNNING:
             self.status = PAUSED
             self._changed()
 
     def one_step(self) -> None:
-        """Pause the run and take a single step of the method."""
+        """Pause the run and take a single step of the method, in the present."""
+        self.past = None
         self.pause()
         if self.status == STOPPED:
             return
@@ -199,35 +254,50 @@ class LiveRun(Worker):
             self.live.sample_every(self._every(scene))
         if scene.integrate != then:
             self._warned()
+            self.strict = False
         if p is not self.live.p:
             self._changed_motion(what)
             self.critical.look(scene)
-        if self.status == STOPPED:
-            self.status, self.message = PAUSED, ""
+        self._mended()
+
+    def roughen(self, on: bool) -> None:
+        """Go on by a method and tolerances for looking, or by those of the scene, whatever time
+        that takes. Raises SceneError."""
+        self.live.roughen(on)
+        self.strict = not on
+        used = self.live.settings
+        self._warned()
+        self._changed_motion(f"{used.method} at rtol {used.rtol:g}{' for looking' * on}")
+        self._resume()
         self._changed()
+
+    def _roughen(self) -> None:
+        """Take a tolerance for looking, where that can be had."""
+        try:
+            self.roughen(True)
+        except SceneError:
+            self.strict = True
 
     def kick(self, link: int, share: float, impulse: tuple[float, float]) -> None:
         """Kick a link by an impulse [N s]."""
         self.live.kick(link, share, impulse)
         self._changed_motion(f"kick ({impulse[0]:.4g}, {impulse[1]:.4g}) N s upon link {link}")
-        if self.status == STOPPED:
+        self._mended()
+
+    def _mended(self) -> None:
+        """After a change, let a run that was stopped go on, if its state is of use."""
+        if self.status == STOPPED and not self.lost:
             self.status, self.message = PAUSED, ""
         self._changed()
 
     def _changed_motion(self, what: str) -> None:
         """Keep apart the samples from here on: the rod moves otherwise."""
-        self._note(what)
+        self.goes_round = False
+        self.past = None
+        if what:
+            self.marks.note(self.live.t, what)
         self.store.change(self.live.p, self.live.given)
         self._look()
-
-    def _note(self, what: str) -> None:
-        """Note a change for the record; of a slider that is dragged, the last value."""
-        key = what.partition(" = ")[0]
-        if self.history and " = " in what and self.history[-1].startswith(f"{key} = "):
-            self.history.pop()
-        if what:
-            self.history.append(f"{what} at t = {self.live.t:.6g} s")
-            del self.history[MOST_NOTES:-1]  # the first ones, and the last
 
     def set_speed(self, speed: float) -> None:
         """Set the simulated seconds per second; infinite: as fast as it goes."""
@@ -243,6 +313,32 @@ class LiveRun(Worker):
         wanted = scene.integrate.output_every
         return min(wanted, self.pace.speed * FRAME) if math.isfinite(self.pace.speed) else wanted
 
+    # Looking back ------------------------------------------------------------------------------
+
+    @property
+    def seen(self) -> Chunk:
+        """What the page looks at: the present, or a sample of the past."""
+        return self.past or self.shown
+
+    def look_at(self, t: float) -> None:
+        """Show the page the sample nearest to a time [s]; the run itself goes on."""
+        if self.store.count:
+            self.past = self.store.near(t)
+            self.page.touched()
+
+    def look_on(self, by: int) -> None:
+        """Show the page the sample so many after the one that it looks at; the last one of all is
+        the present."""
+        if self.store.count:
+            found = self.store.near(float(self.seen.t[-1]), by)
+            self.past = found if found.t[-1] < self.store.span[1] else None
+            self.page.touched()
+
+    def look_up(self) -> None:
+        """Show the page the present again."""
+        self.past = None
+        self.page.touched()
+
     # Plots -------------------------------------------------------------------------------------
 
     def new_name(self) -> str:
@@ -255,6 +351,7 @@ class LiveRun(Worker):
             raise SceneError("plots", len(self.plots) + 1, f"at most {MOST_PLOTS} on a page")
         spec = PlotSpec.from_dict({**choice, "id": self.new_name()}, self.catalogue)
         self.plots[spec.id] = plot = Plot(spec, self.catalogue)
+        plot.beside = self.ghost
         self.page.added(plot, self.store.chunks())
         self._changed()
 
@@ -276,15 +373,14 @@ class LiveRun(Worker):
         """All samples that are kept, each with the parameters that it was made with."""
         pieces = tuple(self.store.chunks()) or (self.shown,)
         work = np.concatenate([piece.work for piece in pieces])
-        settings = self.live.scene.integrate.model_copy(update={"method": self.live.method})
         return Recorded(
-            scene=self.live.scene.model_copy(update={"integrate": settings}),
+            scene=self.live.scene.model_copy(update={"integrate": self.live.settings}),
             t=np.concatenate([piece.t for piece in pieces]),
             y=np.concatenate([piece.y for piece in pieces]),
             work={term: work[:, at] for at, term in enumerate(self.live.works)},
             stats=Stats.of(self.live.counts, self.live.seconds),
             status=FAILED if self.status == STOPPED else FINISHED,
-            message="; ".join(filter(None, (self.message, *self.history))),
+            message="; ".join(filter(None, (self.message, *map(str, self.marks.every)))),
             model=self.model,
             pieces=pieces,
         )
@@ -292,13 +388,13 @@ class LiveRun(Worker):
     # For the page ------------------------------------------------------------------------------
 
     def present(self) -> Present:
-        """The present of the run, for the panel of values."""
+        """What the page looks at, for the panel of values."""
         live = self.live
         return Present(
-            chunk=self.shown,
+            chunk=self.seen,
             counts=live.counts,
             seconds=live.seconds,
             ratio=self.pace.ratio if self.status == RUNNING else None,
-            method=live.method,
+            settings=live.settings,
             critical=self.critical.value,
         )

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.catalogue import principal_axes
+from rodgen.integrate.catalogue import Piece, principal_axes
 from rodgen.integrate.stepper import Array
 from rodgen.live.samples import Chunk, Store
 from rodgen.loading.module import asked
@@ -47,7 +47,8 @@ LARGEST = 1e30  # of what is drawn: beyond, single precision ends
 
 def rod_arrays(model: ModuleType, chunk: Chunk) -> tuple[list[float], list[Named]]:
     """The origin [m], and arrays for the message, of the last sample: joints and centre of gravity
-    from there on, angle of the principal axis, gravity, moments, forces on the joints by load."""
+    from there on, rates, angle of the principal axis, gravity, moments, forces on the joints by
+    load."""
     t, y, p = chunk.t[-1], chunk.y[-1], chunk.p
     gravity = _gravity(model, p)
     with np.errstate(all="ignore"):  # a state may have stopped being finite
@@ -56,12 +57,18 @@ def rod_arrays(model: ModuleType, chunk: Chunk) -> tuple[list[float], list[Named
         angle = float(principal_axes(*asked(model, "inertia", t, y, p)).angle)
         arrays: list[Named] = [
             ("joints", _single(joints - origin)),
+            ("omega", _single(Piece(model, p, y).values("omega"))),
             ("moment", _single(model.bending_moments(y, p))),
             ("point", _single(np.concatenate((centre - origin, [angle, gravity])))),
         ]
         forces = model.forces(t, y, p)
         arrays += [(f"forces:{term}", _single(force)) for term, force in forces.items()]
     return origin.tolist(), arrays
+
+
+def ghost_array(joints: Array, origin: Sequence[float]) -> Named:
+    """Joints of a ghost (joints, 2) [m], for the message, from the origin of the run's own."""
+    return "ghost", _single(joints - np.array(origin))
 
 
 def _gravity(model: ModuleType, p: Array) -> float:

@@ -10,7 +10,8 @@ import numpy as np
 
 from rodgen.integrate.stepper import Array
 from rodgen.live.run.curves import thin
-from rodgen.live.run.message import Named, Trail, encode, rod_arrays
+from rodgen.live.run.marks import Mark
+from rodgen.live.run.message import Named, Trail, encode, ghost_array, rod_arrays
 from rodgen.live.run.plot import Plot
 from rodgen.live.samples import Chunk
 from rodgen.live.texts import texts
@@ -47,7 +48,9 @@ class PageState:
         self._trail = Trail()
         self._rows: dict[str, list[Array]] = {}
         self._replaced: set[str] = set()
+        self._compared: set[str] = set()  # plots whose ghosts the page has not got
         self._texts: dict[str, str] = {}
+        self._marks: tuple[Mark, ...] | None = None  # that the page has
         self._texts_at = -np.inf
         self._dirty = True
 
@@ -112,9 +115,15 @@ class PageState:
         name = plot.spec.id
         self._rows[name], self._dirty = [plot.backlog(before)], True
         self._replaced.add(name)
+        self._compared.add(name)
+
+    def compared(self, plots: Iterable[str]) -> None:
+        """Take up another ghost, or that there is none."""
+        self._compared, self._dirty = set(plots), True
 
     def removed(self, name: str) -> None:
         self._rows.pop(name, None)
+        self._compared.discard(name)
         self._replaced.discard(name)
 
     def restarted(self, plots: Mapping[str, Plot]) -> None:
@@ -150,7 +159,7 @@ class PageState:
 
     def _begin(self, run: LiveRun) -> None:
         """Begin with another page, which has nothing yet."""
-        self._since, self._texts = self._frame, {}
+        self._since, self._texts, self._marks = self._frame, {}, None
         self._replaced.clear()
         self._trail.restart()
         for plot in run.plots.values():
@@ -158,19 +167,39 @@ class PageState:
         self.touched()
 
     def _message(self, run: LiveRun, frame: int) -> bytes:
-        header: dict[str, Any] = {"frame": frame, "state": run.status}
+        header: dict[str, Any] = {"frame": frame, "state": run.status, "begun": run.begun}
         arrays: list[Named] = []
-        if np.isfinite(run.shown.y[-1]).all():
-            header["t"] = float(run.shown.t[-1])
-            header["origin"], arrays = rod_arrays(run.model, run.shown)
+        if np.isfinite(run.seen.y[-1]).all():
+            header["t"] = float(run.seen.t[-1])
+            header["origin"], arrays = rod_arrays(run.model, run.seen)
+            if run.ghost:
+                arrays.append(ghost_array(run.ghost.joints(header["t"]), header["origin"]))
             name = "trail!" if self._trail.anew else "trail"
             arrays.append((name, self._trail.take(run.model, run.store).ravel()))
+        header["line"] = self._line(run)
         now = time.perf_counter()
         if now - self._texts_at > TEXTS:
             self._texts_at = now
             header["texts"] = self._new_texts(run)
         arrays += self._plotted(run)
         return encode(header, arrays)
+
+    def _line(self, run: LiveRun) -> dict[str, Any]:
+        """The time line: its ends [s], how many samples it has, which the page looks back at [s],
+        if it does; whether runs are kept; and all marks, where they are other than before."""
+        first, last = run.store.span if run.store.count else (run.seen.t[-1],) * 2
+        past = None if run.past is None else float(run.past.t[-1])
+        line: dict[str, Any] = {
+            "from": float(first),
+            "to": float(last),
+            "count": run.store.count,
+            "past": past,
+            "keeps": run.keeps,
+        }
+        if run.marks.every != self._marks:
+            self._marks = run.marks.every
+            line["marks"] = self._marks
+        return line
 
     def _new_texts(self, run: LiveRun) -> dict[str, str]:
         """Texts that are other than before."""
@@ -182,9 +211,13 @@ class PageState:
     def _plotted(self, run: LiveRun) -> list[Named]:
         """Rows of plots to send; what a page was not there for is kept until it is."""
         found: list[Named] = []
+        for name in self._compared & run.plots.keys():
+            rows = run.ghost.rows(run.plots[name]) if run.ghost else np.zeros(0)
+            found.append((f"ghost:{name}", rows.ravel()))
+        self._compared.clear()
         for name, plot in run.plots.items():
             waiting = self._rows.pop(name, [])
-            present = plot.present(run.shown) if plot.replaces else None
+            present = plot.present(run.seen) if plot.replaces else None
             if present is not None:
                 found.append((f"plot!{name}", present.ravel()))
             elif name in self._replaced:

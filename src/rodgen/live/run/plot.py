@@ -4,23 +4,32 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from rodgen.integrate.stepper import Array
-from rodgen.live.catalogue import KINDS, PERIODS, Catalogue
+from rodgen.live.catalogue import KINDS, PERIODS, Catalogue, Shown
 from rodgen.live.run.curves import MOST_ROWS, Condition, Section, Window, spectrum, thin
 from rodgen.live.run.plot_spec import PlotSpec, title_of
 from rodgen.live.samples import Chunk
 
+TURN = 2 * np.pi
+FROM_START = "gravity_energy", "total_energy"  # over time: else a height far from zero swamps all
 MOST_SERIES = 200  # of one plot; of more, every k-th is shown
 SPECTRA = 0.25  # seconds of wall time between two
 PIECE = 1024  # samples that are taken at once
 
 
+class Beside(Protocol):
+    """A run to compare with."""
+
+    def values(self, names: tuple[str, ...], times: Array) -> Array:
+        """Quantities at times, (N, names); not-a-number where it has none."""
+
+
 class Plot:
-    """A plot and what it keeps of the run.
+    """A plot and what it keeps of the run; beside: another run, which differences are from.
 
     `feed` with every chunk, in order; what it gives is appended. `present` when a picture is
     drawn; what it gives replaces what is there. `backlog` first, for a plot that is added to a run
@@ -30,6 +39,7 @@ class Plot:
     def __init__(
         self, spec: PlotSpec, catalogue: Catalogue, clock: Callable[[], float] = time.monotonic
     ):
+        self.beside: Beside | None = None
         self.spec, self.catalogue, self._clock = spec, catalogue, clock
         every = tuple(dict.fromkeys(name for one in spec.y for name in catalogue.expand(one)))
         # Of too many, one in so many is shown.
@@ -48,6 +58,7 @@ class Plot:
         self._section.reset()
         self._before: Chunk | None = None
         self._due = -np.inf
+        self._start: float | None = None  # energy in gravity at the start [J]
 
     def feed(self, chunk: Chunk) -> Array | None:
         """Rows to append: t and what is shown at that time; or None where there are none (always
@@ -55,12 +66,16 @@ class Plot:
         if not len(chunk):
             return None
         rows = self._fed(chunk)
-        return rows if rows is not None and len(rows) else None
+        return self._wrapped(rows) if rows is not None and len(rows) else None
 
     def _fed(self, chunk: Chunk) -> Array | None:
         match self.spec.kind:
-            case "time" | "phase":
+            case "time":
+                return self.catalogue.columns(self._row, chunk) - self._offsets(chunk)
+            case "phase":
                 return self.catalogue.columns(self._row, chunk)
+            case "difference":
+                return self._less(self.catalogue.columns(self._row, chunk))
             case "poincare":
                 joined = self._before is None or _smooth(self._before, chunk)
                 self._before = chunk.last()
@@ -68,6 +83,41 @@ class Plot:
             case "spectrum":
                 self._window.feed(chunk.t, self.catalogue.columns(self.names, chunk)[:, 0])
         return None
+
+    def _offsets(self, chunk: Chunk) -> Array:
+        """What the columns of a row over time are counted from, of the first sample of the run."""
+        raised = np.isin(self._row, self._raised)
+        if self._start is None and raised.any():
+            first = chunk.some(slice(1))
+            self._start = float(self.catalogue.columns(("gravity_energy",), first)[0, 0])
+        return np.where(raised, self._start or 0.0, 0.0)
+
+    @property
+    def _raised(self) -> tuple[str, ...]:
+        """Quantities that are counted from the start."""
+        heavy = self.spec.kind == "time" and "gravity_energy" in self.catalogue.quantities
+        return FROM_START if heavy else ()
+
+    def _wrapped(self, rows: Array) -> Array:
+        """Rows with angles within half a turn of zero, where that was chosen."""
+        if not self.spec.wrapped:
+            return rows
+        turns = [self._period(name) for name in self._row[: rows.shape[1]]]
+        period = np.array([turn or np.inf for turn in turns])
+        with np.errstate(invalid="ignore"):  # of what is not finite
+            times = np.where(np.isfinite(period), np.round(rows / period), 0.0)
+        found: Array = rows - times * np.where(np.isfinite(period), period, 0.0)
+        return found
+
+    def _period(self, name: str) -> float:
+        """By what a quantity jumps in this plot; 0: it does not."""
+        turns = self.spec.wrapped and self.catalogue.quantities[name].unit == "rad"
+        return PERIODS.get(name, TURN if turns else 0.0)
+
+    def _less(self, rows: Array) -> Array:
+        """The rows, less those of the run beside this one; not-a-number where there is none."""
+        rows[:, 1:] -= self.beside.values(self.names, rows[:, 0]) if self.beside else np.nan
+        return rows
 
     def present(self, chunk: Chunk) -> Array | None:
         """Rows that replace those there, of the last sample: a profile, or a spectrum at most four
@@ -90,6 +140,8 @@ class Plot:
         present of the others. Chunks that are fed later follow these."""
         self.reset()
         chunks = [chunk for chunk in before if len(chunk)]
+        if chunks and self.spec.kind == "time":
+            self._offsets(chunks[0])
         if self.spec.kind != "poincare":
             chunks = _since(chunks, self.spec.window)
         rows = [found for chunk in _pieces(chunks) if (found := self.feed(chunk)) is not None]
@@ -119,17 +171,30 @@ class Plot:
 
     def to_json(self) -> dict[str, Any]:
         """What the page needs to draw it."""
-        quantities = [self.catalogue.quantities[name] for name in self.names]
         x, y = self._axes()
+        plane = self.spec.kind in ("phase", "poincare")
         return {
             "id": self.spec.id,
-            "kind": self.spec.kind,
+            "kind": "time" if self.spec.kind == "difference" else self.spec.kind,
             "title": title_of(self.spec, self.catalogue) + _thinned_out(self.stride),
-            "x": {"label": x[0], "unit": x[1]},
-            "y": {"label": y[0], "unit": y[1]},
-            "series": [{"name": q.name, "label": q.label, "unit": q.unit} for q in quantities],
+            "x": {
+                "label": x[0],
+                "unit": x[1],
+                "log": self.spec.axes == "log",
+                "period": self._period(self.spec.x) if plane else 0.0,
+            },
+            "y": {"label": y[0], "unit": y[1], "log": self.spec.axes != "linear"},
+            "series": [self._series(self.catalogue.quantities[name]) for name in self.names],
             "window": self.spec.window,
         }
+
+    def _series(self, one: Shown) -> dict[str, Any]:
+        """Name, label, unit of a curve, and by what it jumps."""
+        found = {**one._asdict(), "period": self._period(one.name)}
+        if one.name in self._raised:
+            found["name"] += "_from_start"
+            found["label"] += " from the start"
+        return {key: found[key] for key in ("name", "label", "unit", "period")}
 
     def _axes(self) -> tuple[tuple[str, str], tuple[str, str]]:
         """Label and unit of x and y."""
@@ -148,6 +213,8 @@ class Plot:
                 return ("position along the rod, 0 at joint 0, 1 at the tail", ""), y
             case "spectrum":
                 return ("frequency", "Hz"), (f"amplitude of {y[0]}", y[1])
+            case "difference":
+                y = (f"difference of {y[0]}" if y[0] else "", y[1])
         return ("t", "s"), y
 
 

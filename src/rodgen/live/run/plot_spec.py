@@ -9,17 +9,20 @@ from typing import Any
 
 from rodgen.live.catalogue import KINDS, Catalogue
 from rodgen.live.run.curves import DIRECTIONS
+from rodgen.model.quantities import OWN
 from rodgen.scene import SceneError
 from rodgen.scene.structure import choose
 from rodgen.scene.tables import LARGEST
 
 PLOT_KINDS = {
     "time": "over time",
+    "difference": "over time, less the run that is kept",
     "phase": "one over another (phase plot)",
     "poincare": "Poincaré section",
     "profile": "all of a kind along the rod",
     "spectrum": "spectrum",
 }
+AXES = {"linear": "linear", "log y": "amplitudes logarithmic", "log": "both logarithmic"}
 SHORTEST, LONGEST = 1e-6, 1e6  # seconds of a window
 MOST_NAMES = 200
 
@@ -27,10 +30,11 @@ MOST_NAMES = 200
 @dataclass(frozen=True)
 class PlotSpec:
     """A plot: kind; y: names of quantities or of kinds, which stand for all of their quantities
-    (profile: one kind that goes along the rod; the others but time: one quantity); x: of phase and
-    poincare; window: seconds that are shown, or that a spectrum is of; poincare: points where
-    ``when`` reaches ``value`` (plus whole numbers of ``every``, if not 0), ``direction`` rising,
-    falling or either. title: made where it is empty."""
+    (profile: one kind that goes along the rod; phase, poincare and spectrum: one quantity); x: of
+    phase and poincare; window: seconds that are shown, or that a spectrum is of; poincare: points
+    where ``when`` reaches ``value`` (plus whole numbers of ``every``, if not 0), ``direction``
+    rising, falling or either; wrapped: angles of time, phase and poincare within half a turn of
+    zero; axes: of a spectrum (AXES). title: made where it is empty."""
 
     id: str
     kind: str
@@ -42,6 +46,8 @@ class PlotSpec:
     value: float = 0.0
     direction: str = "rising"
     every: float = 0.0
+    wrapped: bool = False
+    axes: str = "linear"
 
     @classmethod
     def from_dict(cls, choice: Mapping[str, Any], catalogue: Catalogue) -> PlotSpec:
@@ -76,6 +82,9 @@ def _checked(choice: dict[str, Any], catalogue: Catalogue) -> PlotSpec:
         if name in choice:
             choice[name] = _number(f"plot.{name}", choice[name], low, high)
     choose("plot.direction", choice.get("direction", "rising"), DIRECTIONS)
+    choose("plot.axes", choice.get("axes", "linear"), AXES)
+    if not isinstance(choice.get("wrapped", False), bool):
+        raise SceneError("plot.wrapped", choice["wrapped"], "true or false")
     y = choice["y"]
     y = (y,) if isinstance(y, str) else y
     if not (isinstance(y, list | tuple) and 0 < len(y) <= MOST_NAMES):
@@ -87,7 +96,7 @@ def _checked(choice: dict[str, Any], catalogue: Catalogue) -> PlotSpec:
 
 def _check_names(spec: PlotSpec, catalogue: Catalogue) -> None:
     match spec.kind:
-        case "time":
+        case "time" | "difference":
             for at, name in enumerate(spec.y):
                 catalogue.expand(name, f"plot.y[{at}]")
             return
@@ -128,6 +137,8 @@ def title_of(spec: PlotSpec, catalogue: Catalogue) -> str:
             return f"{shown} along the rod"
         case "spectrum":
             return f"spectrum of {shown}"
+        case "difference":
+            return f"{shown}, less the run that is kept"
     return shown
 
 
@@ -137,6 +148,14 @@ def _label(name: str, catalogue: Catalogue) -> str:
     return KINDS[name].title
 
 
+def _own(text: str, after: Catalogue) -> str | None:
+    """An expression, if it can be had of another rod."""
+    try:
+        return after.quantity(text).name
+    except SceneError:
+        return None
+
+
 def transfer(spec: PlotSpec, name: str, before: Catalogue, after: Catalogue) -> PlotSpec | None:
     """A plot of one rod as a plot of another, under another name, or None where nothing of it is
     left. What was the last of its kind (the tail's) is so again."""
@@ -144,9 +163,11 @@ def transfer(spec: PlotSpec, name: str, before: Catalogue, after: Catalogue) -> 
     def same(quantity: str) -> str | None:
         if quantity in before.quantities:
             kind = before.quantities[quantity].kind
-            last, now = before.kinds[kind][-1], after.kinds.get(kind, [])
-            if quantity == last and len(before.kinds[kind]) > 1 and now:
+            known, now = before.kinds.get(kind, []), after.kinds.get(kind, [])
+            if len(known) > 1 and quantity == known[-1] and now:
                 return now[-1]
+            if kind == OWN:
+                return _own(quantity, after)
         return quantity if quantity in after.quantities or quantity in after.kinds else None
 
     y = tuple(dict.fromkeys(new for old in spec.y if (new := same(old)) is not None))

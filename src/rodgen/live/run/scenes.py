@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import base64
-import binascii
-import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-import tomli_w
+import numpy as np
 
 from rodgen.model.fixtures import (
     AT_IN_MODULE,
@@ -20,11 +17,12 @@ from rodgen.model.fixtures import (
     STATE_AT_START,
     TANK,
 )
-from rodgen.model.parameter import JOINTS, LINKS, Parameter
+from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, Parameter
 from rodgen.model.rod import BOUNDARIES, CLAMP_ANGLE, MASS_PER_LENGTH, ROD, SPRING
 from rodgen.model.term import Term
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.literals import literals, with_literal
 from rodgen.scene.numbers import row_of
 from rodgen.scene.plain import entry, read_text
 from rodgen.scene.tables import FinFactor
@@ -33,7 +31,7 @@ Place = tuple[str, ...]  # keys of tables, from the outermost in
 
 LARGEST = 2**20  # bytes of a scene, unpacked
 MOST_SCENES = 500  # of a folder
-MOST_LISTED = 12  # of the numbers of a list that can be moved one by one
+MOST_LISTED = 12  # of the numbers of a list or a text that can be moved one by one
 PI = 3.141592653589793
 SHAPES = ("phi", "omega")  # initial values of which each link may have its own
 
@@ -42,7 +40,7 @@ SHAPES = ("phi", "omega")  # initial values of which each link may have its own
 class Field:
     """A value that can be moved: of which parameter, where it stands, what it is in words; value:
     None where it is an expression of time or place, given as text; whole: all numbers of its key,
-    where the scene leaves that out."""
+    where the scene leaves that out. A number in an expression stands at its place in the text."""
 
     of: Parameter
     path: Place
@@ -126,10 +124,10 @@ def fields_of(scene: Scene) -> Iterator[Field]:
     first and the last."""
     for group in groups_of(scene):
         for one in group.rows:
-            yield from _fields(group, one, scene.rod.links)
+            yield from _fields(group, one, scene)
 
 
-def _fields(group: Group, one: Parameter, links: int) -> Iterator[Field]:
+def _fields(group: Group, one: Parameter, scene: Scene) -> Iterator[Field]:
     path, label = (*group.path, *one.keys), f"{one.label} {one.symbol}".strip() + group.suffix
     value, whole = entry(group.table, one.key), ()
     if value is None:
@@ -138,17 +136,33 @@ def _fields(group: Group, one: Parameter, links: int) -> Iterator[Field]:
     if one.part is not None:
         value = value[one.part]
     if isinstance(value, str):
-        yield Field(one, path, label, None, value)
+        yield from _fields_of_text(Field(one, path, label, None, value), scene)
     elif isinstance(value, FinFactor):
         for part in FinFactor.model_fields:
             yield Field(one, (*path, part), f"{label}, {part}", float(getattr(value, part)))
     elif isinstance(value, list):
-        last, each = len(value) - 1, LINKS if len(value) == links else JOINTS
+        last, each = len(value) - 1, LINKS if len(value) == scene.rod.links else JOINTS
         for number in range(len(value)) if last < MOST_LISTED else (0, last):  # the ends count most
             at = (*path, str(number))
             yield Field(one, at, f"{label}, {each} {number}", float(value[number]))
     elif value is not None:
         yield Field(one, path, label, float(value), whole=whole)
+
+
+def _fields_of_text(whole: Field, scene: Scene) -> Iterator[Field]:
+    """An expression after its amplitude, if it has one, and before the other numbers in it."""
+    found = list(enumerate(literals(whole.text, scene.numbers)))[:MOST_LISTED]
+    places = {at: (*whole.path, str(at)) for at, _ in found}
+    leading = [at for at, one in found if one.leads]
+    for at in leading:
+        # Its sign is that of the text, another one another expression.
+        size = replace(whole.of, rule=NOT_NEGATIVE)
+        yield Field(size, places[at], whole.label, found[at][1].value)
+    yield replace(whole, label=f"{whole.label}, expression") if leading else whole
+    for at, one in found:
+        if at not in leading:
+            row = row_of(str(at), ANY if one.signed else NOT_NEGATIVE)
+            yield Field(row, places[at], f"{whole.label}: {one.around}", one.value)
 
 
 def scale_of(field: Field) -> float:
@@ -167,8 +181,13 @@ def edit(scene: Scene, changes: Sequence[tuple[Place, Any]]) -> Scene:
 
 def _put(table: Any, path: Place, value: Any) -> None:
     *outer, last = path
-    for key in outer:
-        table = table[int(key)] if isinstance(table, list) else table.setdefault(key, {})
+    for depth, key in enumerate(outer):
+        inner = table[int(key)] if isinstance(table, list) else table.setdefault(key, {})
+        if isinstance(inner, str):  # the last is a number in it
+            value = with_literal(inner, int(last), value, ".".join(path[: depth + 1]))
+            _put(table, (key,), value)
+            return
+        table = inner
     if isinstance(table, list):
         table[int(last)] = value
     elif value is None:
@@ -218,10 +237,14 @@ def reshape(scene: Scene, form: Form, starts: Sequence[tuple[Place, Any]]) -> Sc
     SceneError.
 
     Left out are values that the form has no place for: the clamp's angle, the position of a rod
-    that is held, lists of as many values as the links were.
+    that is held, lists of as many values as the links were. Stiffness and mass of every joint or
+    link are read off between those of the former ones.
     """
     table = scene.model_dump(exclude_none=True)
     rod = table["rod"]
+    for key, count in (("bending_stiffness", form.links + 1), ("mass_per_length", form.links)):
+        if isinstance(rod.get(key), list) and form.links > 0:
+            rod[key] = _resampled(rod[key], count)
     rod |= {"links": form.links, "boundary": form.boundary, "inertia": form.inertia}
     other = (form.links, form.boundary) != (scene.rod.links, scene.rod.boundary)
     hold = BOUNDARIES.get(form.boundary)
@@ -242,6 +265,12 @@ def reshape(scene: Scene, form: Form, starts: Sequence[tuple[Place, Any]]) -> Sc
     return Scene.from_dict(table)
 
 
+def _resampled(values: list[float], count: int) -> list[float]:
+    """So many values, evenly spread from the first to the last of these, linear between them."""
+    wanted, known = (np.linspace(0.0, 1.0, size) for size in (count, len(values)))
+    return [float(one) for one in np.interp(wanted, known, values)]
+
+
 def _switch(tables: dict[str, Any], term: Term, on: bool, other: bool) -> None:
     """Have a term, or not; other: without lists of its numbers, as the joints are others."""
     if not on:
@@ -255,32 +284,11 @@ def _switch(tables: dict[str, Any], term: Term, on: bool, other: bool) -> None:
             given.pop(one.key)
 
 
-def to_toml(scene: Scene) -> str:
-    """The text of a file from which `Scene.from_toml` makes the same scene."""
-    return tomli_w.dumps(scene.model_dump(exclude_none=True))
-
-
 def from_toml_text(text: bytes) -> Scene:
     """A scene from the bytes of a file, checked as files are. Raises SceneError."""
     if len(text) > LARGEST:
         raise SceneError("scene", f"{len(text)} bytes", f"at most {LARGEST} bytes")
     return Scene.from_dict(read_text(text, "this file"))
-
-
-def pack(scene: Scene) -> str:
-    """A scene in letters, digits, - and _, for an address."""
-    return base64.urlsafe_b64encode(zlib.compress(to_toml(scene).encode(), 9)).decode().rstrip("=")
-
-
-def unpack(text: str) -> Scene:
-    """A scene from `pack`. Raises SceneError for anything else."""
-    try:
-        data = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
-        inflate = zlib.decompressobj()
-        content = inflate.decompress(data, LARGEST + 1)
-    except (binascii.Error, zlib.error, ValueError):
-        raise SceneError("scene", text[:40], "a scene as the link button gives it") from None
-    return from_toml_text(content)
 
 
 class Folder:

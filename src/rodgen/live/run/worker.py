@@ -1,4 +1,4 @@
-"""The threads of a run: its own, how fast that goes by the clock, and one for critical forces."""
+"""The thread of a run, and how fast that goes by the clock."""
 
 from __future__ import annotations
 
@@ -10,9 +10,6 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, TypeVar
-
-from rodgen.model.terms import TERMS
-from rodgen.scene import Scene
 
 FRAME = 1 / 60  # seconds
 IDLE = 0.25  # seconds after which a thread that has nothing to do looks up
@@ -108,6 +105,8 @@ class Worker:
 
 LAG = 0.1  # seconds behind the clock from which a run that cannot keep up is let off
 OVER = 1.0  # seconds over which the ratio to real time is measured
+SHORT = 0.9  # of the speed that is asked for, below which it is missed
+HEAVY = 0.1  # of a processor, from which on steps are what keeps a run from its speed
 
 
 class Pace:
@@ -119,25 +118,31 @@ class Pace:
     def __init__(self, speed: float = 1.0, clock: Callable[[], float] = time.perf_counter):
         self._clock = clock
         self.speed = speed
-        self._anchor = 0.0, clock()
-        self._passed: deque[tuple[float, float]] = deque()
+        self._anchor, self._since = (0.0, clock()), clock()
+        self._passed: deque[tuple[float, float, float]] = deque()  # by the clock, t, spent
+        self._spent = 0.0
 
     def start(self, t: float) -> None:
         """Count from now on, from t [s] of the run."""
         self._anchor = t, self._clock()
         self._passed.clear()
+        self._since = self._clock()
 
     def due(self) -> float:
         """Where the run should be by now [s]."""
         t, since = self._anchor
         return t + self.speed * (self._clock() - since) if math.isfinite(self.speed) else math.inf
 
+    def spend(self, seconds: float) -> None:
+        """Take note of the processor time that steps have taken."""
+        self._spent += seconds
+
     def reached(self, t: float) -> None:
         """Take note that the run has come to t [s]."""
         now = self._clock()
         if math.isfinite(self.speed) and self.due() - t > LAG * self.speed:
             self._anchor = t, now
-        self._passed.append((now, t))
+        self._passed.append((now, t, self._spent))
         while now - self._passed[0][0] > OVER and len(self._passed) > 2:
             self._passed.popleft()
 
@@ -146,54 +151,15 @@ class Pace:
         """Simulated seconds per second of late; None where it is not known yet."""
         if len(self._passed) < 2:
             return None
-        (before, first), (now, last) = self._passed[0], self._passed[-1]
+        (before, first, _), (now, last, _) = self._passed[0], self._passed[-1]
         return (last - first) / (now - before) if now > before else None
 
-
-MOST_LINKS = 200  # beyond, it takes seconds
-PATIENCE = 0.4  # seconds without another change, before it is computed
-COMPUTING = "computing"
-
-
-class Critical:
-    """value: critical force [N] of the scene looked at last, or in words why there is none, or
-    None where no force follows the rod. done: called when it is there, from another thread."""
-
-    def __init__(self, done: Callable[[], object]):
-        self._done = done
-        self._timer: threading.Timer | None = None
-        self.value: float | str | None = None
-
-    def look(self, scene: Scene) -> None:
-        """Compute for another scene, where it has a critical force."""
-        self.cancel()
-        if not any(TERMS[name].has_size for name in scene.loads.following[:1]):
-            self.value = None
-        elif scene.rod.links > MOST_LINKS:
-            self.value = f"not computed: more than {MOST_LINKS} links"
-        else:
-            self.value = COMPUTING
-            self._timer = threading.Timer(PATIENCE, self._compute, (scene,))
-            self._timer.daemon = True
-            self._timer.start()
-
-    def cancel(self) -> None:
-        """Do not begin what is not begun, and forget the result of what is."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
-
-    def _compute(self, scene: Scene) -> None:
-        from rodgen.analyse.critical import critical_force
-        from rodgen.analyse.errors import AnalysisError
-        from rodgen.scene import SceneError
-
-        mine = threading.current_thread()
-        found: float | str
-        try:
-            found = critical_force(scene, t=scene.integrate.span[0]).force
-        except (AnalysisError, SceneError) as error:
-            found = str(error)
-        if mine is self._timer:  # else another scene is looked at meanwhile
-            self.value = found
-            self._done()
+    @property
+    def missed(self) -> bool:
+        """Whether steps keep the run from its speed: it has fallen short for a while, and to keep
+        up they would need a good part of a processor. On a busy machine they may be cheap."""
+        ratio, late = self.ratio, self._clock() - self._since > 2 * OVER
+        if ratio is None or not late or not ratio < SHORT * self.speed < math.inf:
+            return False
+        (_, first, before), (_, last, spent) = self._passed[0], self._passed[-1]
+        return (spent - before) * self.speed > HEAVY * (last - first)

@@ -1,6 +1,7 @@
 // A plot in its frame: title, buttons, key of its curves, picture; and its files.
 
 import { Chart, colours, entry, MANY } from "./chart.js";
+import { Marks } from "./chart_marks.js";
 import { Gestures } from "./chart_pointer.js";
 import { Curves, PLANE } from "./curves.js";
 import { button, make, named, relabel, save } from "./dom.js";
@@ -13,7 +14,7 @@ export class Card {
   draws = 0;
   cost = 0; // of a drawing, in milliseconds
 
-  // `on`: remove(), move(by), changed().
+  // `on`: remove(), move(by), changed(), looked(time or null).
   constructor(spec, on) {
     Object.assign(this, { spec, on });
     this.curves = new Curves(spec);
@@ -49,10 +50,14 @@ export class Card {
     );
   }
 
-  // Once it stands in the page: ECharts wants to know its size.
+  // Once it stands in the page, where it has a size.
   open() {
-    this.chart = new Chart(this.box, this.spec);
+    this.chart = new Chart(this.box, this.spec, {
+      zoom: (view) => this.zoom(view),
+      looked: (t) => this.looked(t),
+    });
     this.gestures = new Gestures(this);
+    this.marks = new Marks(this.chart);
     this.sizes = new ResizeObserver(() => {
       this.chart.resize();
       this.changed();
@@ -80,20 +85,47 @@ export class Card {
 
   take(values, replace) {
     this.curves.take(values, replace);
-    if (!this.curves.still || replace) this.dirty = true;
+    if (!this.curves.still) this.dirty = true;
+  }
+
+  restart() {
+    this.curves.restart();
+    this.dirty = true;
+  }
+
+  // The pointer is at another place of the picture: all others show what was then.
+  looked(t) {
+    this.gestures.tell();
+    this.on.looked(t);
+  }
+
+  look(t) {
+    this.chart.look(t);
+    this.gestures.tell();
+  }
+
+  // Has a time [s] of the past in its window; null: the present.
+  turn(t) {
+    if (this.curves.turn(t)) this.dirty = true;
+    this.marks.show();
+  }
+
+  compare(rows) {
+    this.curves.compare(rows);
+    this.dirty = true;
   }
 
   draw(now) {
     const begin = performance.now();
-    this.chart.draw(this.curves.now(...this.chart.size, now));
-    this.gestures.drawn();
+    this.chart.draw(this.curves.now(now));
+    this.gestures.tell();
+    this.marks.show();
     Object.assign(this, { dirty: false, drawn: now });
     this.draws += 1;
     this.cost += 0.3 * (performance.now() - begin - this.cost);
   }
 
   restyle() {
-    this.chart.style();
     this.#legend();
     this.dirty = true;
   }
@@ -141,15 +173,15 @@ export class Card {
     this.changed();
   }
 
-  png() {
+  async png() {
     if (this.dirty) this.draw(performance.now());
-    picture(this.spec, this.chart.picture()).toBlob((blob) =>
+    picture(this.spec, await this.chart.picture()).toBlob((blob) =>
       save(blob, named(this.spec.title, "png")),
     );
   }
 
   csv() {
-    const text = csv(this.spec, this.curves.rows, this.curves.end);
+    const text = csv(this.spec, this.curves.shown, this.curves.end);
     save(new Blob([text], { type: "text/csv" }), named(this.spec.title, "csv"));
   }
 }

@@ -1,12 +1,20 @@
-// One picture by ECharts: axes whose ends and steps are given, and curves.
+// One picture by uPlot: curves between given ends, and the place that is looked at.
 
-import { echarts } from "nicegui-echart";
-import { above, base, multiples, short, written } from "./scales.js";
+import { PLANE } from "./curves.js";
+import { make } from "./dom.js";
+import { dots, trace } from "./paths.js";
+import { lowest } from "./rows.js";
+import { alike, base, decades, short, written } from "./scales.js";
 import { classes, theme } from "./theme.js";
+import { uPlot } from "./uplot.js";
 
 export const MANY = 8; // series from which on they are coloured along a colour map
-const EDGES = { left: 84, right: 28, top: 20, bottom: 38 };
-const APART = [52, 26]; // pixels between numbers at the axes, at least
+const FONT = "px Roboto, system-ui, sans-serif";
+const NEAR = 30; // pixels from a curve in the plane that still tell its value
+const LEAST = 8; // pixels that a drag must span
+const [LINEAR, LOGARITHMIC] = [1, 3]; // as uPlot counts them
+const [DOT, PRESENT] = [3, 8]; // pixels across
+const [DASH, PALE] = [[5, 4], 0.75]; // of the run that is kept
 
 export function colours(spec) {
   const { series, along } = theme();
@@ -21,151 +29,242 @@ export const entry = ({ y }, { name, label, unit }) =>
   named({ label: label ?? name, unit: y.unit ? "" : unit });
 
 export class Chart {
-  #axes = [
-    { step: 1, from: 0 },
-    { step: 1, from: 0 },
-  ];
+  // What Curves.now gives.
+  shown = { x: [0, 1], y: [0, 1], times: null, across: [], up: [], ghost: { across: [], up: [] } };
+  found = null; // the row that is looked at, counted among those shown
+  #from = [0, 0]; // what the numbers at the axes are counted from
+  #time = null; // that is looked at elsewhere
+  #led = false; // whether the pointer is over the picture
+  #dense; // pixels of the picture for one of the page
 
-  constructor(box, spec) {
-    this.box = box;
-    this.spec = spec;
-    this.chart = echarts.init(box, null, { renderer: "canvas" });
-    this.style();
+  // `on`: zoom(view) when a part was chosen, looked(time or null) when the pointer is at another.
+  constructor(box, spec, on = {}, size = [box.clientWidth, box.clientHeight], dense = 1) {
+    Object.assign(this, { box, spec, on, size });
+    this.#dense = dense;
+    this.plane = PLANE.includes(spec.kind);
+    const options = this.#options();
+    this.plot = new uPlot(options, options.series.map(() => [[], []]), box);
   }
 
-  // All that does not change from drawing to drawing.
-  style() {
-    this.chart.setOption(
-      {
-        animation: false,
-        // Where the axes stand is known, whatever their numbers: pointers reckon with it.
-        grid: { ...EDGES, outerBoundsMode: "none" },
-        xAxis: this.#axis(0, this.spec.x, 24),
-        yAxis: this.#axis(1, this.spec.y, 66),
-        title: this.#bases(),
-        series: this.#series(),
-      },
-      { notMerge: true },
-    );
-  }
-
-  #axis(k, quantity, gap) {
-    const { ink, faint, grid, axis } = theme();
+  #options() {
+    const [width, height] = this.size.map((pixels) => Math.max(pixels, 100) * this.#dense);
+    const drag = { x: true, y: this.plane, setScale: false, dist: LEAST };
     return {
-      type: "value",
-      name: named(quantity),
-      nameLocation: "middle",
-      nameGap: gap,
-      nameTextStyle: { color: ink, fontSize: 11 },
-      axisLine: { show: true, onZero: false, lineStyle: { color: axis } },
-      axisTick: { show: false },
-      axisLabel: {
-        color: faint,
-        fontSize: 11,
-        hideOverlap: true,
-        formatter: (value) => written(value - this.#axes[k].from, this.#axes[k].step),
+      mode: 2, // each curve has its own x
+      width,
+      height,
+      padding: [10 * this.#dense, 14 * this.#dense, 0, 0],
+      legend: { show: false },
+      scales: { x: this.#scale("x"), y: this.#scale("y") },
+      axes: [this.#axis(0, this.spec.x, 52, 18), this.#axis(1, this.spec.y, 26, 58)],
+      series: [null, ...this.#series()],
+      cursor: {
+        y: this.plane,
+        drag,
+        dataIdx: (_, k) => this.#index(k),
+        points: { size: 8, width: 2, fill: "transparent", stroke: (_, k) => this.#shade(k - 1) },
+        bind: {
+          dblclick: () => () => this.on.zoom(null),
+          mousemove: (_, on, move) => (event) => event.target === on && this.#over(move, event),
+          mouseleave: (_, on, leave) => (event) => this.#gone(leave, event),
+        },
       },
-      splitLine: { lineStyle: { color: grid } },
+      hooks: { setCursor: [() => this.#pointed()], setSelect: [() => this.#selected()] },
     };
   }
 
-  // What the numbers at the axes are counted from: at the end of x, above y.
-  #bases() {
-    const [x, y] = this.#axes.map(({ from }) => (from ? `from ${short(from, 15)}` : ""));
-    const textStyle = { color: theme().ink, fontSize: 11, lineHeight: 12, fontWeight: "normal" };
-    return [
-      { text: x, right: 4, bottom: 3, padding: 0, textStyle },
-      { text: y, left: 4, top: 2, padding: 0, textStyle },
-    ];
+  #scale(k) {
+    const distr = this.spec[k].log ? LOGARITHMIC : LINEAR;
+    return { time: false, distr, range: () => this.shown[k] };
+  }
+
+  #axis(k, quantity, space, size) {
+    const dense = this.#dense;
+    const line = (colour) => ({ stroke: () => theme()[colour], width: dense });
+    return {
+      stroke: () => theme().ink,
+      font: 11 * dense + FONT,
+      labelFont: 11 * dense + FONT,
+      space: space * dense,
+      size: size * dense,
+      gap: 4 * dense,
+      labelSize: 18 * dense,
+      ticks: { show: false },
+      grid: line("grid"),
+      border: { ...line("axis"), show: true },
+      label: named(quantity),
+      ...(quantity.log ? this.#powers(space) : this.#numbers(k, quantity)),
+    };
+  }
+
+  // Numbers at an axis, counted from what they all begin with, which its name says.
+  #numbers(k, quantity) {
+    const label = () => {
+      const from = this.#from[k] ? ` from ${short(this.#from[k], 15)}` : "";
+      return named({ ...quantity, label: quantity.label + from }) + (k ? "" : this.#enlarged());
+    };
+    const values = (_, splits, axis, found, step) => {
+      this.#from[k] = base(...this.shown[k ? "y" : "x"], step);
+      return splits.map((value) => written(value - this.#from[k], step));
+    };
+    return { label, values };
+  }
+
+  #powers(space) {
+    return {
+      splits: (u, k, low, high) => {
+        const pixels = k ? u.over.clientHeight : u.over.clientWidth;
+        return decades(low, high, Math.max(pixels / space, 2));
+      },
+      filter: (_, splits) => splits,
+      values: (_, splits) => splits.map((value) => short(value, 6)),
+    };
+  }
+
+  // Says by how much x is drawn larger than y where both have one unit, and so one scale by right.
+  #enlarged() {
+    const { spec, plot } = this;
+    if (!this.plane || !spec.x.unit || spec.x.unit !== spec.y.unit) return "";
+    const size = ([low, high], pixels) => (high - low) / pixels;
+    const { width, height } = plot.bbox;
+    const times = size(this.shown.y, height) / size(this.shown.x, width);
+    return Math.abs(times - 1) < 0.02 ? "" : `, ${short(times, 2)} \u00d7 as large as y`;
+  }
+
+  #shade(k) {
+    const { kind } = this.spec;
+    return kind === "phase" && k === 1 ? theme().present : colours(this.spec)[k];
   }
 
   #series() {
-    const { spec } = this;
-    const dots = spec.kind === "poincare";
-    const shades = colours(spec);
-    const plain = { animation: false, silent: true, emphasis: { disabled: true } };
-    const count = spec.kind === "time" ? spec.series.length : 1;
-    const curves = Array.from({ length: count }, (_, k) => ({
-      ...plain,
-      type: dots ? "scatter" : "line",
-      symbol: dots ? "circle" : "none",
-      symbolSize: 3,
-      large: dots,
-      itemStyle: { color: shades[k] },
-      lineStyle: { color: shades[k], width: count > MANY ? 1 : 1.6 },
-      data: [],
-    }));
+    const { kind, series } = this.spec;
+    const dense = this.#dense;
+    const width = (series.length > MANY ? 1 : 1.6) * dense;
+    const curve = { auto: false, width, stroke: (_, k) => this.#shade(k - 1) };
+    const points = (size) => ({
+      ...curve,
+      stroke: null,
+      fill: curve.stroke,
+      paths: dots(size * dense * devicePixelRatio),
+    });
+    if (kind === "poincare") return [points(DOT)];
     // Where the curve of a phase plot is now.
-    if (spec.kind === "phase") {
-      curves.push({
-        ...plain,
-        type: "scatter",
-        symbolSize: 8,
-        itemStyle: { color: theme().present },
-        data: [],
-      });
+    const { period } = this.spec.x;
+    if (kind === "phase") {
+      return [{ ...curve, paths: trace(period, series[0].period) }, points(PRESENT)];
     }
-    return curves;
+    if (kind !== "time") return [curve];
+    const dash = DASH.map((pixels) => pixels * dense);
+    const pale = { dash, alpha: PALE, stroke: (_, k) => this.#shade(k - 1 - series.length) };
+    const leaping = (of) => (of.period ? { paths: trace(0, of.period) } : {});
+    return [{}, pale].flatMap((look) => series.map((of) => ({ ...curve, ...look, ...leaping(of) })));
   }
 
-  get size() {
-    const wide = this.chart.getWidth() - EDGES.left - EDGES.right;
-    return [Math.max(wide, 10), Math.max(this.chart.getHeight() - EDGES.top - EDGES.bottom, 10)];
+  draw(shown) {
+    this.shown = this.#alike(shown);
+    const { across, up, ghost } = shown;
+    const data = [null, ...up.map((values) => [across, values])];
+    if (this.spec.kind === "time") data.push(...ghost.up.map((values) => [ghost.across, values]));
+    if (this.spec.kind === "phase") data.push([across.slice(-1), up[0].slice(-1)]);
+    this.plot.batch(() => this.plot.setData(data));
+    if (this.#time !== null) this.look(this.#time);
   }
 
-  // {x: [low, high], y: [low, high], curves}
-  draw({ x, y, curves }) {
-    const series = curves.map((data) => ({ data }));
-    if (this.spec.kind === "phase") series.push({ data: curves[0].slice(-2) });
-    this.shown = { x, y, curves };
-    const axes = { xAxis: this.#ends(0, x), yAxis: this.#ends(1, y) };
-    this.chart.setOption(
-      { ...axes, title: this.#bases(), series },
-      { silent: true },
-    );
-    this.chart.getZr().flush();
+  #alike(shown) {
+    const { spec, plot } = this;
+    if (!this.plane || spec.x.unit !== spec.y.unit) return shown;
+    return { ...shown, ...alike(shown, plot.bbox) };
   }
 
-  #ends(k, [low, high]) {
-    const axis = this.#axes[k];
-    axis.step = above((high - low) / Math.max(this.size[k] / APART[k], 2));
-    const customValues = multiples(low, high, axis.step).map((count) => count * axis.step);
-    axis.from = base(low, high, axis.step);
-    return { min: low, max: high, axisTick: { customValues }, axisLabel: { customValues } };
+  // While the pointer is over this picture, no other place is looked at in it.
+  #over(move, event) {
+    this.#led = true;
+    this.#time = null;
+    return move(event);
   }
 
-  // Pixels in the box to coordinates, and back.
-  value(px, py) {
-    const { x, y } = this.shown;
-    const [wide, high] = this.size;
-    return [
-      x[0] + ((px - EDGES.left) / wide) * (x[1] - x[0]),
-      y[1] - ((py - EDGES.top) / high) * (y[1] - y[0]),
-    ];
+  #gone(leave, event) {
+    this.#led = false;
+    return leave(event);
   }
 
-  place(vx, vy) {
-    const { x, y } = this.shown;
-    const [wide, high] = this.size;
-    return [
-      EDGES.left + ((vx - x[0]) / (x[1] - x[0])) * wide,
-      EDGES.top + ((y[1] - vy) / (y[1] - y[0])) * high,
-    ];
+  // The time `t` is looked at elsewhere; null: nowhere.
+  look(t) {
+    if (this.#led) return;
+    this.#time = t;
+    const { times, across, up, x } = this.shown;
+    if (!times) return;
+    this.found = t === null || !times.length ? null : nearest(times, t);
+    const { found, plot } = this;
+    const seen = found !== null && x[0] <= across[found] && across[found] <= x[1];
+    const left = seen ? plot.valToPos(across[found], "x") : -10;
+    plot.setCursor({ left, top: seen ? plot.valToPos(up[0][found], "y") : -10 }, false);
+    if (!seen) this.found = null;
   }
 
-  get edges() {
-    return EDGES;
+  // uPlot asks for the row under the cursor, curve by curve.
+  #index(k) {
+    if (k === 1 && this.#time === null) this.found = this.#under(this.plot.cursor);
+    return k > this.shown.up.length ? null : this.found;
   }
 
-  picture() {
-    return this.chart.renderToCanvas({ pixelRatio: 2, backgroundColor: theme().background });
+  #under({ left, top }) {
+    const { across, up } = this.shown;
+    if (!across.length) return null;
+    if (!this.plane) return nearest(across, this.plot.posToVal(left, "x"));
+    let [best, least] = [null, NEAR];
+    for (let row = 0; row < across.length; row++) {
+      const [x, y] = this.place(across[row], up[0][row]);
+      const distance = Math.hypot(x - left, y - top);
+      if (distance < least) [best, least] = [row, distance];
+    }
+    return best;
+  }
+
+  #pointed() {
+    if (this.#time !== null) return;
+    if (this.plot.cursor.left < 0) this.found = null;
+    this.on.looked?.(this.found === null ? null : (this.shown.times?.[this.found] ?? null));
+  }
+
+  #selected() {
+    const { left, top, width, height } = this.plot.select;
+    if (!(width >= LEAST)) return;
+    const [x0, y1] = this.value(left, top);
+    const [x1, y0] = this.value(left + width, top + height);
+    this.plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+    this.on.zoom({ x: [x0, x1], y: this.plane ? [y0, y1] : null });
+  }
+
+  // Pixels within the axes to coordinates, and back.
+  value(left, top) {
+    return [this.plot.posToVal(left, "x"), this.plot.posToVal(top, "y")];
+  }
+
+  place(x, y) {
+    return [this.plot.valToPos(x, "x"), this.plot.valToPos(y, "y")];
+  }
+
+  // The picture at twice its size: a canvas.
+  async picture() {
+    const twice = new Chart(make("div"), this.spec, {}, this.size, 2);
+    await null; // uPlot draws after the script that has made it
+    twice.draw(this.shown);
+    return twice.plot.ctx.canvas;
   }
 
   resize() {
-    this.chart.resize();
+    const [width, height] = (this.size = [this.box.clientWidth, this.box.clientHeight]);
+    this.plot.setSize({ width, height });
   }
 
   dispose() {
-    this.chart.dispose();
+    this.plot.destroy();
   }
+}
+
+// The place of the value in ascending ones that is nearest to one.
+function nearest(values, value) {
+  const at = Math.min(lowest(values, value), values.length - 1);
+  return at && value - values[at - 1] < values[at] - value ? at - 1 : at;
 }

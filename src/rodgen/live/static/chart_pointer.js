@@ -1,23 +1,17 @@
-// Zoom by dragging, wheel and keys; the value nearest to the pointer.
+// Zoom by wheel, keys and touch; the values that are looked at, in words.
 
 import { act, listen, make, placeOf, turned } from "./dom.js";
+import { MANY } from "./chart.js";
 import { short } from "./scales.js";
 
-const NEAR = 30; // pixels from a curve that still tell its value
-const LEAST = 8; // pixels that a drag must span
+const MOUSE = { pointerdown: "mousedown", pointermove: "mousemove", pointerup: "mouseup" };
 
 export class Gestures {
-  #from = null; // where a drag began, in pixels of the box
-  #over = null;
-
   constructor(card) {
     Object.assign(this, { card, chart: card.chart, box: card.box });
-    const kind = card.spec.kind;
-    this.plane = kind === "phase" || kind === "poincare";
-    this.frame = make("div", { class: "rodgen-select", hidden: true });
-    this.dot = make("div", { class: "rodgen-dot", hidden: true });
+    this.over = this.chart.plot.over;
     this.hint = make("div", { class: "rodgen-hint", hidden: true });
-    this.box.append(this.frame, this.dot, this.hint);
+    this.over.append(this.hint);
     this.box.tabIndex = 0;
     this.box.setAttribute("role", "img");
     this.box.setAttribute(
@@ -25,93 +19,47 @@ export class Gestures {
       `${card.spec.title}: drag, or plus, minus and arrows, to zoom; 0 resets`,
     );
     listen(this.box, {
-      pointerdown: (event) => this.#press(event),
-      pointermove: (event) => this.#move(event),
-      pointerup: () => this.#release(),
-      pointercancel: () => this.#leave(),
-      pointerleave: () => this.#leave(),
       wheel: (event) => this.#wheel(event),
       keydown: (event) => this.#key(event),
-      dblclick: () => card.zoom(null),
     });
+    for (const [name, mouse] of Object.entries(MOUSE))
+      this.over.addEventListener(name, (event) => this.#touch(event, mouse));
   }
 
-  #press(event) {
-    if (event.button !== 0) return;
-    this.#from = placeOf(event, this.box);
-    this.box.setPointerCapture(event.pointerId);
-  }
-
-  #move(event) {
-    this.#over = placeOf(event, this.box);
-    if (this.#from) this.#select();
-    else this.#tell();
-  }
-
-  // The part that is chosen, [left, top, right, bottom] in pixels; of a curve over x, all heights.
-  #chosen() {
-    const [a, b] = [this.#from, this.#over ?? this.#from];
-    const { left, right, top, bottom } = this.chart.edges;
-    const inside = (v, low, high) => Math.min(Math.max(v, low), high);
-    const xs = [a[0], b[0]]
-      .map((v) => inside(v, left, this.box.clientWidth - right))
-      .sort((p, q) => p - q);
-    const ends = [top, this.box.clientHeight - bottom];
-    const ys = this.plane
-      ? [a[1], b[1]].map((v) => inside(v, ...ends)).sort((p, q) => p - q)
-      : ends;
-    return [xs[0], ys[0], xs[1], ys[1]];
-  }
-
-  #select() {
-    const [left, top, right, bottom] = this.#chosen();
-    this.frame.hidden = right - left < LEAST;
-    this.#untell();
-    const size = { left, top, width: right - left, height: bottom - top };
-    for (const [name, value] of Object.entries(size)) this.frame.style[name] = `${value}px`;
-  }
-
-  #release() {
-    if (!this.#from || !this.chart.shown) return;
-    const [left, top, right, bottom] = this.#chosen();
-    this.#from = null;
-    this.frame.hidden = true;
-    if (right - left < LEAST || bottom - top < LEAST) return;
-    const [x0, y1] = this.chart.value(left, top);
-    const [x1, y0] = this.chart.value(right, bottom);
-    this.card.zoom({ x: [x0, x1], y: this.plane ? [y0, y1] : null });
-  }
-
-  #leave() {
-    this.#from = this.#over = null;
-    this.frame.hidden = true;
-    this.#untell();
+  // uPlot knows the mouse alone; a finger drags like it.
+  #touch(event, name) {
+    if (event.pointerType !== "touch") return;
+    const { clientX, clientY, movementX } = event;
+    const like = { clientX, clientY, movementX: movementX || 1, bubbles: true };
+    this.over.dispatchEvent(new MouseEvent(name, like));
   }
 
   // The wheel scrolls the page unless the plot was chosen (clicked) or Ctrl is held.
   #wheel(event) {
     if (!event.ctrlKey && document.activeElement !== this.box) return;
     event.preventDefault();
-    this.#scale(Math.exp(0.0015 * turned(event)), placeOf(event, this.box));
+    this.#scale(Math.exp(0.0015 * turned(event)), placeOf(event, this.over));
+  }
+
+  // Shows what lies in a part of the picture, in pixels, which may reach beyond it.
+  #show([left, right], [top, bottom]) {
+    const [x0, y1] = this.chart.value(left, top);
+    const [x1, y0] = this.chart.value(right, bottom);
+    this.card.zoom({ x: [x0, x1], y: this.chart.plane ? [y0, y1] : null });
   }
 
   // Spans times `factor` about a place in pixels.
-  #scale(factor, place = [this.box.clientWidth / 2, this.box.clientHeight / 2]) {
-    if (!this.chart.shown) return;
-    const about = this.chart.value(...place);
-    const { x, y } = this.chart.shown;
-    const spread = (ends, k) => ends.map((end) => about[k] + factor * (end - about[k]));
-    this.card.zoom({ x: spread(x, 0), y: this.plane ? spread(y, 1) : null });
+  #scale(factor, place = [this.over.clientWidth / 2, this.over.clientHeight / 2]) {
+    const sizes = [this.over.clientWidth, this.over.clientHeight];
+    this.#show(...sizes.map((size, k) => [0, size].map((end) => place[k] + factor * (end - place[k]))));
   }
 
   #shift(share) {
-    const { x, y } = this.chart.shown;
-    const by = share * (x[1] - x[0]);
-    this.card.zoom({ x: [x[0] + by, x[1] + by], y: this.plane ? y : null });
+    const { clientWidth, clientHeight } = this.over;
+    this.#show([share * clientWidth, (1 + share) * clientWidth], [0, clientHeight]);
   }
 
   #key(event) {
-    if (!this.chart.shown) return;
     act(event, {
       "+": () => this.#scale(0.8),
       "=": () => this.#scale(0.8),
@@ -122,42 +70,35 @@ export class Gestures {
     });
   }
 
-  // After a drawing: what is under the pointer may be another value.
-  drawn() {
-    if (this.#over && !this.#from) this.#tell();
+  // Says the values at what is looked at, beside it.
+  tell() {
+    const { found, shown } = this.chart;
+    this.hint.hidden = found === null;
+    if (found === null) return;
+    this.hint.textContent = this.#lines(found, shown).join("\n");
+    const left = this.chart.place(shown.across[found], 0)[0];
+    const [size, room] = [this.hint.offsetWidth, this.over.clientWidth];
+    const beside = left > room / 2 ? left - 10 - size : left + 10;
+    this.hint.style.transform = `translate(${Math.max(Math.min(beside, room - size), 0)}px, 2px)`;
   }
 
-  #tell() {
-    const found = this.#nearest(this.#over);
-    this.dot.hidden = this.hint.hidden = !found;
-    if (!found) return;
+  #lines(row, { times, across, up }) {
     const { spec } = this.card;
-    const { px, py, x, y, k } = found;
-    const one = spec.kind === "time" ? { unit: spec.y.unit, ...spec.series[k] } : spec.y;
-    const told = (label, value, unit) => `${label} = ${short(value, 5)} ${unit ?? ""}`.trim();
-    const lines = [told(one.label ?? one.name, y, one.unit), told(spec.x.label, x, spec.x.unit)];
-    this.hint.textContent = lines.join("\n");
-    this.dot.style.transform = `translate(${px}px, ${py}px)`;
-    const right = px > this.box.clientWidth / 2;
-    const shift = right ? " translateX(-100%)" : "";
-    const beside = px + (right ? -10 : 10);
-    this.hint.style.transform = `translate(${beside}px, ${Math.max(py - 40, 2)}px)${shift}`;
-  }
-
-  #untell() {
-    this.dot.hidden = this.hint.hidden = true;
-  }
-
-  #nearest([ox, oy]) {
-    let best = { distance: NEAR };
-    (this.chart.shown?.curves ?? []).forEach((points, k) => {
-      for (let at = 0; at < points.length; at += 2) {
-        const [px, py] = this.chart.place(points[at], points[at + 1]);
-        const distance = Math.hypot(px - ox, py - oy);
-        if (distance < best.distance)
-          best = { px, py, x: points[at], y: points[at + 1], k, distance };
-      }
+    const said = ({ label, unit }, value) => `${label} = ${short(value, 5)} ${unit ?? ""}`.trim();
+    const curves = spec.kind === "time" ? spec.series : [spec.y];
+    const some = curves.length > MANY ? [this.#nearest(row, up)] : curves.keys();
+    const values = [...some].map((k) => {
+      const { name, label = name, unit } = curves[k];
+      return said({ label, unit: unit ?? spec.y.unit }, up[k][row]);
     });
-    return best.px === undefined ? null : best;
+    const time = times && this.chart.plane ? [said({ label: "t", unit: "s" }, times[row])] : [];
+    return [said(spec.x, across[row]), ...values, ...time];
+  }
+
+  // Of many curves, the one at the cursor.
+  #nearest(row, up) {
+    const { top } = this.chart.plot.cursor;
+    const away = up.map((values) => Math.abs(this.chart.place(0, values[row])[1] - top));
+    return away.indexOf(Math.min(...away));
   }
 }

@@ -1,11 +1,11 @@
-// What a plot shows: which of its rows, from where to where, as curves.
+// What a plot shows: which of its rows, from where to where.
 
-import { bounds, extremes, Rows, spaced, whole } from "./rows.js";
+import { bounds, Rows } from "./rows.js";
 import { above, Range } from "./scales.js";
 
-const POINTS = 9000; // of all curves of a plot together
 const ORBIT = 5000; // rows of a phase plot
 
+const DEEPEST = 1e-9; // of the largest amplitude, below which a logarithmic axis shows none
 const REPLACED = ["profile", "spectrum"];
 export const PLANE = ["phase", "poincare"];
 
@@ -14,8 +14,8 @@ export class Curves {
   paused = false;
   #x = new Range();
   #y = new Range();
-  #held = null; // rows that came while the picture stood still
-  #end = null; // of appended rows, the number of the last shown then
+  #until = null; // the end of the window in which a time of the past is to be seen
+  #end = null; // of rows that are appended, the number of the last shown while the picture stands
 
   constructor(spec) {
     this.spec = spec;
@@ -23,7 +23,8 @@ export class Curves {
     this.replaced = REPLACED.includes(spec.kind);
     this.x = this.plane ? 1 : 0; // the column of x; in the plane, time stands before it
     this.columns = this.x + 1 + (spec.kind === "time" ? spec.series.length : 1);
-    this.rows = new Rows(this.columns);
+    this.rows = this.shown = new Rows(this.columns); // not the same while the picture stands
+    this.ghost = new Rows(this.columns);
   }
 
   get still() {
@@ -32,26 +33,19 @@ export class Curves {
 
   // The number of the first row that is not shown any more.
   get end() {
-    return Math.min(this.#end ?? this.rows.total, this.rows.total);
+    return Math.min(this.#end ?? this.shown.total, this.shown.total);
   }
 
   take(values, replace) {
-    if (this.replaced && this.still) this.#held = values;
-    else if (replace) this.#replace(values);
-    else this.rows.append(values);
-  }
-
-  #replace(values) {
-    this.rows.clear();
-    if (!this.replaced && values.length === 0) this.#forget();
+    if (replace) this.rows = new Rows(this.columns);
     this.rows.append(values);
+    if (!this.still) this.shown = this.rows;
   }
 
-  // A run that begins anew is shown anew.
-  #forget() {
-    this.#end = this.still ? 0 : null;
-    this.#x.reset();
-    this.#y.reset();
+  // The run has begun anew, and is shown so; a picture that stands keeps the run before.
+  restart() {
+    this.rows = new Rows(this.columns);
+    if (!this.still) this.#follow();
   }
 
   pause(paused) {
@@ -66,76 +60,102 @@ export class Curves {
 
   // Stands still from here on, or shows again what has come.
   #settle() {
-    if (this.still) {
-      this.#end ??= this.rows.total;
-      return;
-    }
+    if (this.still) this.#end ??= this.shown.total;
+    else this.#follow();
+  }
+
+  #follow() {
     this.#end = null;
-    if (this.#held) this.#replace(this.#held);
-    this.#held = null;
+    if (this.shown === this.rows) return;
+    this.shown = this.rows;
+    this.#x.reset();
+    this.#y.reset();
+  }
+
+  // Rows of the run that is kept, as those of the plot; none: no such run.
+  compare(values) {
+    this.ghost = new Rows(this.columns);
+    this.ghost.append(values);
+  }
+
+  // Has a time of the past in the picture; null: the present. True where that is another picture.
+  turn(t) {
+    const before = this.#until;
+    if (this.spec.kind !== "time" || t === null || this.rows.length === 0) this.#until = null;
+    else this.#until = this.#turned(t, this.rows.at(this.rows.total - 1, 0));
+    return this.#until !== before;
+  }
+
+  // The end of a window with t in it: that which is there, as long as it has it.
+  #turned(t, last) {
+    const { window } = this.spec;
+    const until = Math.min(this.#until ?? last, last);
+    return t <= until && t >= until - window ? until : Math.min(t + window / 2, last);
   }
 
   // Rows from..to (exclusive) that may be seen.
   #seen() {
-    const { rows, spec, end: to } = this;
+    const { shown: rows, spec } = this;
+    let to = this.end;
+    if (this.#until !== null && !this.view) {
+      to = Math.min(rows.search(this.#until, rows.first, to) + 1, to);
+    }
     let from = Math.min(rows.first, to);
-    if (spec.kind === "phase") {
-      from = Math.max(from, to - ORBIT);
-      if (to > from) from = rows.search(rows.at(to - 1, 0) - spec.window, from, to);
-    } else if (spec.kind === "time" && !this.view && to > from) {
-      from = rows.search(rows.at(to - 1, 0) - spec.window, from, to);
-    } else if (!this.plane && this.view) {
-      // One row more on either side: the curves go on to the edges.
-      const first = rows.search(this.view.x[0], from, to) - 1;
-      return [Math.max(first, from), Math.min(rows.search(this.view.x[1], from, to) + 1, to)];
-    }
-    return [from, to];
+    const lasts = spec.kind === "phase" || (spec.kind === "time" && !this.view);
+    if (spec.kind === "phase") from = Math.max(from, to - ORBIT);
+    if (lasts && to > from) from = rows.search(rows.at(to - 1, 0) - spec.window, from, to);
+    if (this.plane || !this.view) return [from, to];
+    // One row more on either side: the curves go on to the edges.
+    const first = rows.search(this.view.x[0], from, to) - 1;
+    return [Math.max(first, from), Math.min(rows.search(this.view.x[1], from, to) + 1, to)];
   }
 
-  // {x: [low, high], y: [low, high], steps, curves: [Float64Array of x, y, ...]} for a picture of
-  // `width` times `height` pixels.
-  now(width, height, clock) {
+  // {x: [low, high], y: [low, high], times, across, up: [values, ...]}, the latter views of the
+  // rows; times: of each row, null where rows are not of different times.
+  now(clock) {
     const [from, to] = this.#seen();
-    const x = this.view?.x ?? this.#across(from, to, clock);
-    const y = this.view?.y ?? this.#up(from, to, clock);
-    const count = this.columns - 1 - this.x;
-    const columns = Math.max(Math.min(width, POINTS / count / 2), 40);
-    const curves = Array.from({ length: count }, (_, k) =>
-      this.#curve(this.x + 1 + k, from, to, x, y, columns, width, height),
-    );
-    return { x, y, curves };
+    const column = (k) => this.shown.column(k, from, to);
+    const across = column(this.x);
+    const up = Array.from({ length: this.columns - 1 - this.x }, (_, k) => column(this.x + 1 + k));
+    const x = this.view?.x ?? this.#across(across, clock);
+    const ghost = this.#beside(x);
+    const y = this.view?.y ?? this.#up([...up, ...ghost.up], clock);
+    return { x, y, times: this.replaced ? null : column(0), across, up, ghost };
   }
 
-  #curve(column, from, to, x, y, columns, width, height) {
-    if (this.spec.kind === "poincare") return whole(this.rows, this.x, column, from, to);
-    if (this.plane) {
-      const pixel = [(x[1] - x[0]) / width, (y[1] - y[0]) / height];
-      return spaced(this.rows, this.x, column, from, to, ...pixel);
-    }
-    if (to - from <= 2 * columns) return whole(this.rows, this.x, column, from, to);
-    return extremes(this.rows, column, from, to, (x[1] - x[0]) / columns);
+  // {across, up} of the run that is kept, between two times.
+  #beside([begin, end]) {
+    const { ghost } = this;
+    const last = ghost.total;
+    const from = Math.max(ghost.search(begin, ghost.first, last) - 1, ghost.first);
+    const to = Math.min(ghost.search(end, ghost.first, last) + 1, last);
+    const [across, ...up] = ghost.data.map((_, k) => ghost.column(k, from, to));
+    return { across, up };
   }
 
-  #across(from, to, clock) {
-    const { rows, spec } = this;
-    if (to <= from) return [0, spec.window || 1];
+  #across(values, clock) {
+    const { spec } = this;
+    if (!values.length) return [spec.x.log ? 0.1 : 0, spec.window || 1];
     if (spec.kind === "time") {
-      const last = rows.at(to - 1, 0);
-      const begin = Math.max(rows.at(from, 0), last - spec.window);
+      const last = values.at(-1);
+      const begin = Math.max(values[0], last - spec.window);
       // At first a short span that grows in round steps: there is something to see at once.
-      return [
-        begin,
-        begin + Math.min(above(Math.max(last - begin, 0.05 * spec.window)), spec.window),
-      ];
+      const span = above(Math.max(last - begin, 0.05 * spec.window));
+      return [begin, begin + Math.min(span, spec.window)];
     }
-    const [low, high] = bounds(rows, this.x, this.x + 1, from, to);
+    // On a logarithmic axis there is no place for a frequency of zero.
+    const [low, high] = bounds([spec.x.log ? values.subarray(1) : values]);
     if (this.replaced) return low < high ? [low, high] : [low - 0.5, low + 0.5];
     this.#x.follow(low, high, clock);
     return this.#x.ends;
   }
 
-  #up(from, to, clock) {
-    const [low, high] = bounds(this.rows, this.x + 1, this.columns, from, to);
+  #up(columns, clock) {
+    const [low, high] = bounds(columns);
+    if (this.spec.y.log) {
+      this.#y.follow(...[Math.max(low, DEEPEST * high), high].map(Math.log10), clock);
+      return this.#y.ends.map((end) => 10 ** end);
+    }
     const amplitudes = this.spec.kind === "spectrum";
     this.#y.follow(amplitudes ? 0 : low, high, clock);
     return amplitudes ? [0, this.#y.ends[1]] : this.#y.ends;

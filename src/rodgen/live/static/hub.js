@@ -1,5 +1,6 @@
 // What the channel brings, and when it is drawn: a page has one of it, shared by all components.
 
+import { Past } from "./past.js";
 import { length, Trail } from "./rod_links.js";
 
 const TEXT = new TextDecoder();
@@ -48,25 +49,36 @@ function put(element, text) {
   else element.textContent = text;
 }
 
+// What a state may have beside its joints; ghost: joints of the run that is kept.
+const NOTHING = { omega: null, moment: null, point: null, ghost: null };
+
 class Hub {
   rod = {
     t: null,
+    begun: null, // how many runs have begun
+    back: false, // whether this is of the past
     origin: [0, 0],
     joints: null,
-    moment: null,
-    point: null,
+    ...NOTHING,
     forces: {},
     trail: new Trail(),
     frame: 0,
   };
   texts = new Texts();
+  past = new Past((what) => this.send(JSON.stringify(what)));
   // Objects with paint(now, fresh, fully): fresh with a new state, fully where anything else may
   // have changed. They say by true that they want another frame.
   painters = new Set();
   // Called with (id, rows, replace, t) for rows of plots.
   rows = () => {};
+  // Called with (id, rows) for rows of the run that is kept.
+  ghosts = () => {};
+  // Called when the run has begun anew, before what comes of it.
+  restarts = new Set();
+  // Called with (t, by) for the time that is looked at, null for none, and who has told of it.
+  cursors = new Set();
   send = () => {};
-  shown = { fps: 0, frames: 0, t: null, state: null, connected: false, milliseconds: 0 };
+  shown = { fps: 0, frames: 0, t: null, past: null, state: null, connected: false, milliseconds: 0 };
   #unanswered = [];
   #drawn = [];
   #fresh = false;
@@ -83,7 +95,10 @@ class Hub {
 
   receive(buffer) {
     const { header, arrays } = decode(buffer);
+    if (header.begun !== this.rod.begun) for (const restart of this.restarts) restart();
+    this.rod.begun = header.begun;
     if (header.t !== undefined) this.rod.t = this.shown.t = header.t;
+    if (header.line) this.#look(header.line);
     if (header.state !== undefined) this.shown.state = header.state;
     if (header.origin !== undefined) this.rod.origin = header.origin;
     this.#keep(arrays);
@@ -92,12 +107,22 @@ class Hub {
     this.#wake();
   }
 
+  #look(line) {
+    const moved = line.past !== this.shown.past;
+    this.past.take(line);
+    this.shown.past = line.past;
+    this.rod.back = line.past !== null;
+    if (moved) this.cursor(null);
+  }
+
   #keep(arrays) {
     const joints = arrays.find(([name]) => name === "joints")?.[1];
     // A state is whole: a load that it does not have, the rod has no longer.
-    if (joints) Object.assign(this.rod, { moment: null, point: null, forces: {} });
+    if (joints) Object.assign(this.rod, { ...NOTHING, forces: {} });
     for (const [name, array] of arrays) {
-      if (name.startsWith("plot:") || name.startsWith("plot!")) {
+      if (name.startsWith("ghost:")) {
+        this.ghosts(name.slice(6), array);
+      } else if (name.startsWith("plot:") || name.startsWith("plot!")) {
         this.rows(name.slice(5), array, name[4] === "!", this.rod.t);
       } else if (name.startsWith("forces:")) {
         this.rod.forces[name.slice(7)] = array;
@@ -113,9 +138,19 @@ class Hub {
     }
   }
 
+  // The time `t` is looked at, by one who shows it already; null: none any more, but that of the past.
+  cursor(t, by = null) {
+    for (const look of this.cursors) look(t ?? this.shown.past, t === null ? null : by);
+  }
+
   // Colours, sizes or options have changed.
   repaint() {
     this.#fully = true;
+    this.#wake();
+  }
+
+  // Another frame is wanted by a painter, which knows itself what has changed.
+  stir() {
     this.#wake();
   }
 
@@ -156,6 +191,7 @@ class Hub {
   connected(send) {
     this.send = send ?? (() => {});
     this.#unanswered = [];
+    this.past.reconnected();
     this.shown.connected = Boolean(send);
     this.texts.set({ connection: send ? "" : "connection lost: trying again" });
     this.repaint();

@@ -9,6 +9,12 @@ const PRESSED = "button,a[href],[role=button],[role=tab],[role=switch],[role=che
 const taken = (key, target) =>
   target.closest?.(TYPED) || (key === " " && target.matches?.(PRESSED));
 
+// A key by its name, with the modifiers of a shortcut before it: "Ctrl+Shift+z".
+function named({ key, ctrlKey, metaKey, shiftKey }) {
+  if (!ctrlKey && !metaKey) return key;
+  return `Ctrl+${shiftKey ? "Shift+" : ""}${key.toLowerCase()}`;
+}
+
 export default {
   template: "<div hidden></div>",
   props: { keys: Array, held: Array },
@@ -20,8 +26,9 @@ export default {
   },
   methods: {
     press(event) {
-      const { key, target } = event;
-      if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
+      const { target } = event;
+      const key = named(event);
+      if (event.altKey || event.defaultPrevented) return;
       if (!this.keys.includes(key) || taken(key, target)) return;
       event.preventDefault(); // the space bar would scroll
       if (!event.repeat || this.held.includes(key)) this.$emit("key", { key });

@@ -2,18 +2,23 @@
 
 import { around, Camera, fitted } from "./camera.js";
 import { anchors, support } from "./rod_anchors.js";
+import { enlarged } from "./rod_enlarged.js";
 import { grid } from "./rod_grid.js";
-import { joints, Links } from "./rod_links.js";
+import { hint, met, said } from "./rod_hint.js";
+import { ghost } from "./rod_ghost.js";
+import { joints, length, Links } from "./rod_links.js";
 import { Loads, most } from "./rod_loads.js";
 import {
   arrows,
   axes,
   bodies,
   centre,
+  ends,
   frame,
   legend,
   outlined,
 } from "./rod_marks.js";
+import { swing } from "./rod_modes.js";
 import { Scale, short, Written } from "./scales.js";
 import { theme } from "./theme.js";
 
@@ -43,6 +48,7 @@ class Layer {
 
 const FONT = "12px Roboto, system-ui, sans-serif";
 const DENSEST = 2; // device pixels per pixel that are drawn at most
+const SAME = 1e-3; // of its length, by which a rod may differ that is fitted
 
 export class Picture {
   camera = new Camera();
@@ -58,7 +64,10 @@ export class Picture {
     support: "none",
     clampAngle: 0,
     perMetre: 0,
+    times: 1,
+    mode: null,
   };
+  #pointed = null; // [x, y] of a pointer that rests, in pixels
   #grid = new Layer();
   #key = new Layer();
   #links = new Links();
@@ -68,6 +77,7 @@ export class Picture {
   settled = false; // what is shown was fitted to this rod, or chosen since
   chosen = false; // by who looks: another size of the picture leaves it alone
   #restless = false;
+  #fitted = { begun: 0, length: 0 }; // what was fitted last
 
   constructor(canvas, state) {
     this.canvas = canvas;
@@ -75,12 +85,18 @@ export class Picture {
     this.context = canvas.getContext("2d", { alpha: false });
   }
 
+  // A pointer rests at a place [x, y], or null: nowhere.
+  point(place) {
+    this.#pointed = place;
+    this.#restless = true;
+  }
+
   resize() {
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     this.dense = Math.min(window.devicePixelRatio || 1, DENSEST);
     Object.assign(this.canvas, { width: width * this.dense, height: height * this.dense });
     Object.assign(this.camera, { width, height });
-    if (!this.chosen) this.fit();
+    this.refit();
   }
 
   // True while it wants to be drawn again.
@@ -97,13 +113,40 @@ export class Picture {
       this.forget();
       this.points = new Float64Array(places.length);
     }
-    if (!this.settled) this.fit();
+    if (this.state.begun !== this.#fitted.begun) this.resetScale();
+    const far = length(places);
+    const same = Math.abs(far - this.#fitted.length) <= SAME * far;
+    if (!same || this.state.begun !== this.#fitted.begun || this.#gone) this.refit();
+    else if (!this.settled) this.fit();
+    Object.assign(this.#fitted, { begun: this.state.begun, length: far });
+  }
+
+  // Whether nothing of the rod was seen in the picture that was drawn last.
+  get #gone() {
+    const { camera, points } = this;
+    const outside = (at) =>
+      !(points[at] >= 0 && points[at] <= camera.width) ||
+      !(points[at + 1] >= 0 && points[at + 1] <= camera.height);
+    for (let at = 0; at < points.length; at += 2) if (!outside(at)) return false;
+    return points.length > 0;
+  }
+
+  // The joints as they are drawn, in metres from the origin of the state.
+  get #joints() {
+    const { times, support, clampAngle } = this.options;
+    return enlarged(this.state.joints, times, support, clampAngle);
   }
 
   view(mode) {
     this.options.view = mode;
     if (this.state.joints) this.camera.change(mode, this.state.origin, this.state.point);
     else this.camera.mode = mode;
+    this.refit();
+  }
+
+  // What is to be seen is other than before: it is fitted again, unless a part of it was chosen.
+  refit() {
+    if (!this.chosen) this.fit();
   }
 
   // Shows the whole rod, with room to swing.
@@ -114,7 +157,7 @@ export class Picture {
     this.context.font = FONT; // a canvas that was resized has forgotten it
     const { arrow, names } = most(loads, state, show);
     const fixed = ties.map(({ x, y }) => [x - state.origin[0], y - state.origin[1]]);
-    const parts = around(state.joints, state.point, camera.mode, support, arrow, fixed);
+    const parts = around(this.#joints, state.point, camera.mode, support, arrow, fixed);
     const [left, top, , high] = frame(this.context, camera.width, show.moment, names);
     const view = fitted(parts, [camera.width, camera.height], [left, top + high]);
     camera.fit(view, state.origin, state.point);
@@ -150,15 +193,31 @@ export class Picture {
     camera.follow(state.origin, state.point);
     this.#ground(colours);
     if (!this.points.length) return false;
-    camera.project(state.joints, this.points);
-    if (show.trail) state.trail.draw(context, camera, state, colours);
+    const joints = this.#joints;
+    camera.project(joints, this.points);
+    const real = this.options.times === 1;
+    if (show.trail && real) state.trail.draw(context, camera, state, colours);
+    if (real) ghost(context, camera, state.ghost, colours);
     const limit = this.#rod(now, colours);
-    this.#centre(colours);
+    if (real) this.#centre(colours);
     const rows = this.#loads.draw(context, camera, loads, state, this.points, show, now);
+    const { mode } = this.options;
+    const swings = swing(context, camera, joints, mode, this.#fitted.length, now, colours);
     if (this.kick) this.#aim(colours);
     this.#legend(limit, rows, colours);
     this.#time(colours);
-    return this.#moments.moving || this.#loads.moving;
+    this.#hint(colours);
+    return swings || this.#moments.moving || this.#loads.moving;
+  }
+
+  // The ends of the rod and their names.
+  get #ends() {
+    const at = (k) => [this.points.at(2 * k), this.points.at(2 * k + 1)];
+    const first = this.options.support === "none" ? "nose" : "root";
+    return [
+      [at(0), at(1), first],
+      [at(-1), at(-2), "tail"],
+    ];
   }
 
   #ground(colours) {
@@ -199,10 +258,11 @@ export class Picture {
     const [x0, y0] = state.origin;
     const screen = (x, y) => this.camera.screen(x - x0, y - y0);
     anchors(context, points, options, screen, colours);
-    this.#links.draw(context, points, moments, limit, colours);
     if (options.show.joints)
       joints(context, points, this.#links.width(points), Boolean(moments), colours);
+    this.#links.draw(context, points, moments, limit, colours);
     bodies(context, points, options.bodies, colours);
+    if (options.show.ends) ends(context, this.#ends, colours);
     return limit;
   }
 
@@ -242,5 +302,20 @@ export class Picture {
     this.context.textAlign = "left";
     this.context.textBaseline = "top";
     this.context.fillText(`t = ${this.#clock.of(this.state.t)} s`, 8, 10);
+    const { times, mode } = this.options;
+    const notes = [mode?.text, times === 1 ? null : `displacements \u00d7 ${times}`];
+    this.context.fillStyle = colours.present;
+    notes
+      .filter((note) => note)
+      .forEach((note, k) => this.context.fillText(note, 8, 28 + 18 * k));
+  }
+
+  // Of the link that is pointed at.
+  #hint(colours) {
+    const { context, camera, state, points, options } = this;
+    const pointed = this.#pointed;
+    const hit = pointed && met(points, ...pointed);
+    if (!hit) return;
+    hint(context, camera, points, pointed, hit, said(state, options.loads, hit.link), colours);
   }
 }

@@ -1,6 +1,7 @@
 // Plots in a grid, as many as wanted; drawn one a frame, so that the rod keeps moving.
 
 import { Card } from "rodgen-live/card.js";
+import { Glance } from "rodgen-live/glance.js";
 import { hub } from "rodgen-live/hub.js";
 import { dark } from "rodgen-live/theme.js";
 
@@ -51,22 +52,32 @@ export default {
   mounted() {
     this.cards = new Map();
     this.early = new Map();
+    this.kept = new Map(); // rows of the run that is kept, by plot
     this.queue = new Queue();
+    this.glance = new Glance(hub.past);
     this.shade = dark();
-    this.painter = { paint: (now, fresh, fully) => this.paint(now, fully) };
+    this.painter = { paint: (...frame) => this.paint(...frame) };
     hub.painters.add(this.painter);
     hub.rows = (...rows) => this.take(...rows);
+    hub.ghosts = (id, rows) => this.compare(id, rows);
+    hub.restarts.add((this.restart = () => this.each((card) => card.restart())));
+    hub.cursors.add((this.look = (t, by) => this.each((card) => card !== by && card.look(t))));
     hub.shown.plots = {};
     this.sort();
     this.fill();
   },
   beforeUnmount() {
     hub.painters.delete(this.painter);
-    hub.rows = () => {};
-    for (const card of this.cards.values()) card.close();
+    hub.rows = hub.ghosts = () => {};
+    hub.restarts.delete(this.restart);
+    hub.cursors.delete(this.look);
+    this.each((card) => card.close());
   },
   watch: { specs: { handler: "fill", deep: true } },
   methods: {
+    each(does) {
+      for (const card of this.cards.values()) does(card);
+    },
     // The cards become those of `specs`, in their order.
     fill() {
       const wanted = new Set(this.specs.map((spec) => spec.id));
@@ -85,6 +96,10 @@ export default {
         remove: () => this.removed(id),
         move: (by) => this.move(id, by),
         changed: () => hub.repaint(),
+        looked: (t) => {
+          this.glance.at(t);
+          hub.cursor(t, card);
+        },
       });
       card.text = text;
       this.cards.set(id, card);
@@ -92,8 +107,14 @@ export default {
       card.open();
       for (const rows of this.early.get(id) ?? []) card.take(...rows);
       this.early.delete(id);
+      if (this.kept.has(id)) card.compare(this.kept.get(id));
+    },
+    compare(id, rows) {
+      this.kept.set(id, rows);
+      this.cards.get(id)?.compare(rows);
     },
     drop(id) {
+      this.kept.delete(id);
       this.cards.get(id).close();
       this.cards.delete(id);
       delete hub.shown.plots[id];
@@ -152,14 +173,18 @@ export default {
       });
       listen("dragend", () => (dragged = null));
     },
-    paint(now, fully) {
+    paint(now, fresh, fully) {
       if (fully && this.shade !== dark()) {
         this.shade = dark();
-        for (const card of this.cards.values()) card.restyle();
+        this.each((card) => card.restyle());
       }
+      if (fresh || fully) for (const card of this.cards.values()) card.turn(hub.shown.past);
       const more = this.queue.paint([...this.cards.values()], now);
       for (const [id, card] of this.cards) {
-        hub.shown.plots[id] = { rows: card.curves.rows.total, draws: card.draws };
+        const { curves, draws } = card;
+        const { x, y } = card.chart.shown;
+        const [rows, kept] = [curves.rows.total, curves.ghost.total];
+        hub.shown.plots[id] = { rows, kept, draws, x, y };
       }
       return more;
     },

@@ -4,26 +4,9 @@
 import { act, listen, placeOf, save, turned } from "rodgen-live/dom.js";
 import { hub } from "rodgen-live/hub.js";
 import { Picture } from "rodgen-live/picture.js";
+import { met } from "rodgen-live/rod_hint.js";
 
-const NEAR = 12; // pixels from a link that still meet it
 const STILL = 4; // pixels that a click may move
-
-// The link nearest to (px, py): {link, share, distance}, in pixels; points as x0, y0, ...
-function nearest(points, px, py) {
-  let best = { distance: Infinity };
-  for (let at = 0; at + 3 < points.length; at += 2) {
-    const [x, y] = [points[at], points[at + 1]];
-    const [dx, dy] = [points[at + 2] - x, points[at + 3] - y];
-    const square = dx * dx + dy * dy;
-    const along = square > 0 ? ((px - x) * dx + (py - y) * dy) / square : 0;
-    const share = Math.min(Math.max(along, 0), 1);
-    const distance = Math.hypot(x + share * dx - px, y + share * dy - py);
-    if (distance < best.distance) {
-      best = { link: at / 2, share, distance };
-    }
-  }
-  return best;
-}
 
 // `changed` asks for a drawing; `emit` sends "link" and "kick".
 class Pointer {
@@ -39,6 +22,7 @@ class Pointer {
       pointermove: (event) => this.#move(event),
       pointerup: (event) => this.#release(event),
       pointercancel: (event) => this.#cancel(event),
+      pointerleave: () => this.#hover(null),
       wheel: (event) => this.#wheel(event),
       keydown: (event) => this.#key(event),
       dblclick: () => this.#do(() => picture.fit()),
@@ -64,6 +48,7 @@ class Pointer {
   #press(event) {
     if (event.button !== 0) return;
     const [x, y] = this.#place(event);
+    this.picture.point(null);
     this.picture.canvas.setPointerCapture(event.pointerId);
     this.#down.set(event.pointerId, [x, y]);
     if (this.#down.size > 1) {
@@ -92,14 +77,18 @@ class Pointer {
     else this.#look(() => this.picture.camera.pan(now[0] - before[0], now[1] - before[1]));
   }
 
-  #hover([x, y]) {
+  // `place`: of the pointer, or null where it has gone.
+  #hover(place) {
+    this.picture.point(place);
+    hub.stir();
+    if (!place) return;
+    const [x, y] = place;
     this.picture.canvas.style.cursor = this.#hit(x, y) ? "crosshair" : "grab";
   }
 
   // The link that a kick from there is for.
   #hit(x, y) {
-    const hit = this.kicks ? nearest(this.picture.points, x, y) : null;
-    return hit?.distance <= NEAR ? hit : null;
+    return this.kicks ? met(this.picture.points, x, y) : null;
   }
 
   #pinch(id, before, now) {
@@ -174,6 +163,8 @@ export default {
     clampAngle: Number,
     kick: Boolean,
     perMetre: Number,
+    times: Number,
+    mode: Object,
     label: String,
     rod: Number,
   },
@@ -203,12 +194,14 @@ export default {
   watch: {
     show: "set",
     bodies: "set",
-    ties: "set",
-    bed: "set",
+    ties: "held",
+    bed: "held",
     support: "set",
     clampAngle: "set",
     kick: "set",
     perMetre: "set",
+    times: "held",
+    mode: "set",
     view(mode) {
       this.picture.view(mode);
       hub.repaint();
@@ -220,12 +213,17 @@ export default {
   },
   methods: {
     set() {
-      const { show, loads, bodies, ties, bed, view, support, clampAngle, perMetre } = this;
-      const marks = { bodies, ties, bed };
-      const options = { show: { ...show }, loads, ...marks, view, support, clampAngle, perMetre };
+      const { show, loads, bodies, ties, bed, view, support, clampAngle, perMetre, times, mode } = this;
+      const marks = { bodies, ties, bed, support, clampAngle };
+      const options = { show: { ...show }, loads, ...marks, view, perMetre, times, mode };
       Object.assign(this.picture.options, options);
       this.pointer.kicks = this.kick;
       hub.repaint();
+    },
+    // What is around the rod, or how it is drawn, is other than before.
+    held() {
+      this.set();
+      this.picture.refit();
     },
     fit() {
       this.picture.fit();

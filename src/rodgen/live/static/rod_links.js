@@ -7,11 +7,13 @@ const CLASSES = 64; // of colours
 const MOST = 6000; // places of a trail
 const PIECES = 4; // of a trail, one fainter than the next
 const NEAR = 3; // pixels between the places that are drawn
+const BESIDE = 2.2; // pixels that a joint stands out beside its links
 const CLOSE = 1e-3; // of the rod's length: a place nearer to the last one is not kept
 
-// 0 to CLASSES - 1 of a moment, on a scale that ends at `limit`.
+// 0 to CLASSES - 1 of a moment, by its root, on a scale that ends at `limit`: a moment of a hundredth
+// of that is still seen beside it.
 function classed(moment, limit) {
-  const share = 0.5 + (0.5 * moment) / limit;
+  const share = 0.5 + 0.5 * Math.sign(moment) * Math.sqrt(Math.abs(moment) / limit);
   return Math.min(Math.max(Math.floor(share * CLASSES), 0), CLASSES - 1);
 }
 
@@ -92,16 +94,15 @@ function path(context, points) {
   for (let at = 2; at < points.length; at += 2) context.lineTo(points[at], points[at + 1]);
 }
 
-// Dots at the joints, unless they would touch; rotary springs where there is room.
+// Discs at the joints, for the links to be drawn over, unless they would touch; rotary springs where
+// there is room.
 export function joints(context, points, width, springs, colours) {
   const count = points.length / 2;
   const link = length(points) / (count - 1);
-  const radius = Math.min(Math.max(width * 0.42, 1.6), 4);
+  const radius = width / 2 + BESIDE;
   if (!(link > 2 * radius + 1)) return;
   if (springs && link > 34) spirals(context, points, Math.min(link / 4, 14), colours);
   context.fillStyle = colours.joint;
-  context.strokeStyle = colours.edge;
-  context.lineWidth = 1;
   context.beginPath();
   for (let i = 0; i < count; i += 1) {
     const [x, y] = [points[2 * i], points[2 * i + 1]];
@@ -109,7 +110,6 @@ export function joints(context, points, width, springs, colours) {
     context.arc(x, y, radius, 0, 2 * Math.PI);
   }
   context.fill();
-  context.stroke();
 }
 
 // The usual sign of a rotary spring, about every inner joint.
@@ -151,8 +151,8 @@ export class Trail {
     for (let k = 0; k < 4; k++) this.#places[next + k] = rows[at + k];
   }
 
-  // Up to the present places of `state`.
-  draw(context, camera, { origin, joints, point }, colours) {
+  // Up to the places of `state`, unless they are of the past.
+  draw(context, camera, { origin, joints, point, back }, colours) {
     if (!this.#count) return;
     context.lineWidth = 1.2;
     context.lineJoin = "bevel";
@@ -168,7 +168,7 @@ export class Trail {
         context.beginPath();
         const ends = [piece, piece + 1].map((k) => first + Math.floor(k * span));
         this.#piece(context, camera, origin, column, ...ends);
-        if (piece === PIECES - 1) context.lineTo(...camera.screen(end[0], end[1]));
+        if (piece === PIECES - 1 && !back) context.lineTo(...camera.screen(end[0], end[1]));
         context.stroke();
       }
     }

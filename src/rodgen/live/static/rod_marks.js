@@ -7,6 +7,7 @@ import { classes } from "./theme.js";
 const TURN = 2 * Math.PI;
 const [ROW, EDGE, NAME, LEAST_WIDE] = [18, 8, 60, 204]; // pixels of the legend; NAME: before names
 const VALUE = " 0.00 m/s\u00b2"; // as wide as most
+const BESIDE = 14; // pixels from an end to its name
 const STEPS = 48; // of the colours of the bending moment
 const LARGEST_BODY = 18; // pixels, the radius of a body that is the whole mass
 const MOST_NAMES = 8; // of bodies
@@ -122,6 +123,20 @@ export function bodies(context, points, list, colours) {
   }
 }
 
+// What the ends are called, beside them: [[x, y], of the link's other end [x, y], name].
+export function ends(context, list, colours) {
+  context.fillStyle = colours.faint;
+  context.textBaseline = "middle";
+  for (const [[x, y], [bx, by], name] of list) {
+    const size = Math.hypot(x - bx, y - by) || 1;
+    // Across the rod: along it, arrows of forces may stand.
+    const [dx, dy] = [(y - by) / size, (bx - x) / size];
+    const side = dx < 0 || (dx === 0 && dy > 0) ? -1 : 1;
+    context.textAlign = Math.abs(dx) < 0.4 ? "center" : "left";
+    outlined(context, name, x + side * dx * BESIDE, y + side * dy * BESIDE, colours);
+  }
+}
+
 // Where the legend stands, [x, y, width, height], in a picture of `width` pixels: with rows of such
 // names, with or without colours.
 export function frame(context, width, coloured, names) {
@@ -153,7 +168,7 @@ function colourBar(context, left, wide, limit, colours) {
   context.fillStyle = colours.ink;
   context.textAlign = "left";
   context.textBaseline = "top";
-  context.fillText("bending moment [N m]", left, 6);
+  context.fillText("bending moment [N m], \u221a scale", left, 6);
   const table = classes(colours.moments, STEPS);
   const cell = wide / STEPS;
   table.forEach((colour, k) => {

@@ -3,6 +3,7 @@
 
 const STEPS = [1, 2, 5, 10];
 const ENDS = [1, 1.5, 2, 3, 4, 5, 6, 8, 10];
+const UNLIKE = 6; // times as large a scale, from which on x and y keep their own
 const NONE = 1e-6; // of a step: smaller values are zero but for rounding
 const PATIENCE = 3000; // milliseconds until a scale that is too large becomes smaller
 const ROUNDING = 1e-12; // of its size, by which a constant may seem to move
@@ -26,6 +27,34 @@ export function multiples(low, high, step) {
   const first = Math.ceil(low / step - 1e-9);
   const last = Math.floor(high / step + 1e-9);
   return Array.from({ length: Math.max(0, Math.min(last - first + 1, 200)) }, (_, k) => first + k);
+}
+
+// Numbers at a logarithmic axis, `most` of them at about the most: powers of ten, and 2 and 5 times
+// those where there is room; of less than a decade, the multiples of a round step.
+export function decades(low, high, most) {
+  const count = Math.log10(high / low);
+  if (!(count > 1)) {
+    const step = above((high - low) / most);
+    return multiples(low, high, step).map((times) => times * step);
+  }
+  const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
+  const skip = Math.max(1, Math.ceil(count / most));
+  const factors = 3 * count <= most ? [1, 2, 5] : [1];
+  const powers = Array.from({ length: Math.floor((last - first) / skip) + 1 }, (_, k) => {
+    return Math.ceil(first / skip) * skip + k * skip;
+  });
+  const ticks = powers.flatMap((power) => factors.map((factor) => factor * 10 ** power));
+  return ticks.filter((tick) => low <= tick * (1 + 1e-9) && tick <= high * (1 + 1e-9));
+}
+
+// Ends [low, high] of x and y such that both have one scale in a picture of so many pixels, wider
+// than they were; as they were where that would make a line of what is shown.
+export function alike({ x, y }, { width, height }) {
+  const [across, up] = [(x[1] - x[0]) / width, (y[1] - y[0]) / height];
+  const most = Math.max(across, up);
+  if (!(most < UNLIKE * Math.min(across, up))) return { x, y };
+  const about = ([low, high], half) => [(low + high) / 2 - half, (low + high) / 2 + half];
+  return { x: about(x, (most * width) / 2), y: about(y, (most * height) / 2) };
 }
 
 const power = (size) => Math.floor(Math.log10(size) + 1e-9);

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from PIL import GifImagePlugin, Image
 from scipy.spatial import KDTree
 
+from rodgen.extras import how_to_have
 from rodgen.scene import SceneError
 from rodgen.show.animation.times import Settings
 
@@ -41,7 +42,7 @@ def check_file(path: Path, settings: Settings) -> None:
     if ending == ".gif" and settings.fps > FASTEST:
         raise SceneError("fps", settings.fps, f"at most {FASTEST:g} in a GIF")
     if ending == ".mp4" and ffmpeg() is None:
-        allowed = 'a .gif, or ffmpeg installed (pip install "rodgen[view]" brings it)'
+        allowed = f"a .gif, or ffmpeg installed ({how_to_have('view')} brings it)"
         raise SceneError("--out", str(path), allowed)
 
 

@@ -11,9 +11,9 @@ import pytest
 from rodgen.analyse.precision.rows import fine
 from rodgen_evidence.pages.report_guide import (
     guide_renewed,
-    readme_renewed,
     save_guide_figures,
     speed,
+    speed_renewed,
 )
 from rodgen_evidence.pages.report_page import read_report
 from rodgen_evidence.report.contents import of
@@ -22,30 +22,30 @@ ROOT = Path(__file__).parents[2]
 REPORT = ROOT / "docs" / "report" / "report.json"
 
 
-def test_speeds_of_readme_are_those_of_the_report() -> None:
+def test_speeds_are_those_of_the_report() -> None:
     contents, _ = read_report(REPORT)
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert readme_renewed(readme, contents) == readme
+    page = (ROOT / "docs" / "speed.md").read_text(encoding="utf-8")
+    assert speed_renewed(page, contents) == page
     duels = [row for row in of(contents, "equal_error", asked=1e-6) if fine(row)]
     assert duels
     runs = of(contents, "precision", method="dop853", target="c", setting=1e-5)
     counts = {run["scene"]: run["rhs"] for run in runs}
     for row in duels:  # by another route than the table's own
-        assert re.search(rf"`{row['scene']}` .*\| {row['ratio']:.2g} \|", readme)
+        assert re.search(rf"`{row['scene']}` .*\| {row['ratio']:.2g} \|", page)
         if row["ours"] == "dop853 (c), rtol 1e-05":
-            assert f"rtol 1e-05 | {counts[row['scene']]} |" in readme
+            assert f"rtol 1e-05 | {counts[row['scene']]} |" in page
 
 
 def test_speeds_are_taken_between_the_marks_alone() -> None:
     contents, _ = read_report(REPORT)
-    text = "before\n<!-- speed: from docs/report/report.json -->\nold\n<!-- /speed -->\nafter\n"
-    made = readme_renewed(text, contents)
+    text = "before\n<!-- speed: from report/report.json -->\nold\n<!-- /speed -->\nafter\n"
+    made = speed_renewed(text, contents)
     assert made.startswith("before\n")
     assert made.endswith("\nafter\n")
     assert "\n".join(speed(contents)) in made
     assert "old" not in made
     with pytest.raises(ValueError, match="unpack"):
-        readme_renewed("no marks", contents)
+        speed_renewed("no marks", contents)
 
 
 def test_tables_of_the_guide_are_those_of_the_report() -> None:

@@ -1,0 +1,48 @@
+"""The page of the command line, from rodgen's commands themselves."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterator
+from typing import Any
+
+import typer
+from sphinx.application import Sphinx
+
+from rodgen.cli.app import app
+
+PAGE, MARK = "reference/command-line", "<!-- commands -->"
+
+
+def _escaped(text: str) -> str:
+    return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")
+
+
+def _row(parameter: Any, context: Any) -> str:
+    """The row of an argument or an option, in a table."""
+    name, text = parameter.get_help_record(context) or (parameter.make_metavar(context), "")
+    return f"| `{_escaped(name).replace('&lt;', '<')}` | {_escaped(text)} |"
+
+
+def _page(command: Any, name: str) -> Iterator[str]:
+    context = command.make_context(name, [], resilient_parsing=True)
+    yield f"## {name}\n"
+    yield f"    {command.get_usage(context).removeprefix('Usage: ')}\n"
+    yield f"{inspect.cleandoc(command.help or '')}\n"
+    yield from ("| | |", "|---|---|")
+    yield from (_row(one, context) for one in command.get_params(context))
+    yield ""
+
+
+def _fill(_: Sphinx, page: str, source: list[str]) -> None:
+    """Write all commands where the page has its mark."""
+    if page == PAGE:
+        group = typer.main.get_command(app)
+        commands = vars(group)["commands"]
+        lines = (line for one in commands for line in _page(commands[one], f"rodgen {one}"))
+        source[0] = source[0].replace(MARK, "\n".join(lines))
+
+
+def setup(site: Sphinx) -> dict[str, bool]:
+    site.connect("source-read", _fill)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

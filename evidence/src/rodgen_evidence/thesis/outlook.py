@@ -1,0 +1,168 @@
+"""What section 5.1 of the thesis leaves to do, answered with the rod of its section 3.3."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from pandas import DataFrame
+
+from rodgen.analyse.chaos.exponents import lyapunov_exponents
+from rodgen.analyse.critical import critical_force
+from rodgen.analyse.cycles.branches import hopf_of
+from rodgen.analyse.cycles.cycle import Cycle
+from rodgen.analyse.cycles.family import Variation
+from rodgen.analyse.cycles.search import Search, find_cycle
+from rodgen.analyse.modes import natural_modes
+from rodgen.analyse.references import continuum
+from rodgen.scene import Scene
+from rodgen_evidence.thesis import scenes
+from rodgen_evidence.thesis.table import Note, Table, column, percent
+
+COLUMNS = (
+    column("question", "asked in 5.1"),
+    column("rod", "rod"),
+    column("quantity", "quantity"),
+    column("value", "value", "", ".6g"),
+)
+LINKS, FINE = 10, 40
+INTERNAL = 0.3  # m^2/s
+EXTERNAL = (0.0, 0.02, 0.2, 1.0)  # 1/s
+FORCE, FAR, CHAOTIC = 100.0, 140.0, 200.0  # N
+SPAN = 800.0  # s, a hundred swings or more
+FREQUENCIES, SHAPES, AFTER, MEDIUM = (
+    "natural frequencies of the free rod",
+    "mode shapes",
+    "behaviour beyond the critical load",
+    "influence of external damping on it",
+)
+BEGIN, ONSET = "cycles begin at [N]", "flutter begins at [N]"
+SWING = "amplitude of the angles"
+KEY, ENDS = "loads.follower.force", (20.0, 100.0)
+
+
+class Row(NamedTuple):
+    """A row of the table; value: of the quantity, in the unit that it names."""
+
+    question: str
+    rod: str
+    quantity: str
+    value: float
+
+
+def pushed(force: float, external: float = 0.0) -> Scene:
+    """The cantilever under so much thrust [N], with both dampings of the thesis."""
+    loads: dict[str, Any] = {
+        "follower": {"force": force},
+        "internal_damping": {"coefficient": INTERNAL},
+    }
+    if external:
+        loads["external_damping"] = {"coefficient": external}
+    return scenes.long_rod(
+        LINKS,
+        "cantilever",
+        loads=loads,
+        initial={"phi": "0.1*s"},
+        span=[0.0, SPAN],
+        rtol=1e-8,
+        atol=1e-10,
+        output_every=0.2,
+    )
+
+
+def shape(boundary: str, k: int, s: np.ndarray) -> np.ndarray:
+    """The k-th mode of the continuum, free or clamped at s = 0, at places s of [0, 1]."""
+    b = float(continuum.wave_number(boundary, k))
+    sign = 1.0 if boundary == "free" else -1.0
+    # As exp(b) is large, its part is taken apart: cosh - sinh loses what is left.
+    ratio = (np.cosh(b) - sign * np.cos(b)) / (np.sinh(b) - sign * np.sin(b))
+    w = np.cosh(b * s) + sign * np.cos(b * s) - ratio * (np.sinh(b * s) + sign * np.sin(b * s))
+    return np.asarray(w / np.abs(w).max())
+
+
+def bending() -> Iterator[Row]:
+    """Frequencies and shapes of the first three modes beside the continuum."""
+    places = np.linspace(0, 1, FINE + 1)
+    for boundary in ("free", "clamped"):
+        modes = natural_modes(scenes.long_rod(FINE, boundary), 3)
+        rod = f"{boundary}, {FINE} links"
+        for k in (1, 2, 3):
+            if boundary == "free":
+                exact = float(continuum.natural_frequency(boundary, k, **scenes.LONG))
+                off = float(percent(modes.frequencies[k - 1], exact))
+                yield Row(FREQUENCIES, rod, f"f{k}, off the continuum [%]", off)
+            across = np.real(modes.displacements[k - 1][:, 1])
+            w = shape(boundary, k, places)
+            across = across * np.sign(across @ w) / np.abs(across).max()
+            far = float(np.abs(across - w).max())
+            yield Row(SHAPES, rod, f"mode {k}: farthest off the continuum, of its largest", far)
+
+
+def beyond() -> Iterator[Row]:
+    """Where and how cycles begin, how far they swing, and where they are lost."""
+    scene, rod = pushed(FORCE), f"cantilever, {LINKS} links, c_int = {INTERNAL:g}"
+    hopf, _ = hopf_of(Variation(Search.of(scene, None), scene, KEY, ENDS))
+    yield Row(AFTER, rod, BEGIN, hopf.value)
+    kind = "first Lyapunov coefficient (below 0: supercritical)"
+    yield Row(AFTER, rod, kind, hopf.lyapunov)
+    for force in (FORCE, FAR):
+        yield from _cycle(AFTER, rod, force, find_cycle(pushed(force)))
+    for force in (FAR, CHAOTIC):
+        found = lyapunov_exponents(pushed(force), count=1)
+        yield Row(AFTER, rod, f"first exponent at {force:g} N [1/s]", float(found.exponents[0]))
+        yield Row(AFTER, rod, f"its error at {force:g} N [1/s]", float(found.errors[0]))
+
+
+def damped() -> Iterator[Row]:
+    """How far the cycles swing with more and more external damping."""
+    for external in EXTERNAL:
+        rod = f"cantilever, {LINKS} links, c_int = {INTERNAL:g}, c_ext = {external:g}"
+        scene = pushed(FORCE, external)
+        yield Row(MEDIUM, rod, ONSET, critical_force(scene).force)
+        yield from _cycle(MEDIUM, rod, FORCE, find_cycle(scene))
+
+
+def _cycle(question: str, rod: str, force: float, cycle: Cycle) -> Iterator[Row]:
+    yield Row(question, rod, f"{SWING} at {force:g} N [rad]", cycle.amplitude)
+    yield Row(question, rod, f"period at {force:g} N [s]", cycle.period)
+
+
+def table_outlook() -> Table:
+    """The questions and what was found."""
+    rows = DataFrame([*bending(), *beyond(), *damped()])
+    table = Table("outlook", "What section 5.1 leaves to do", COLUMNS, rows)
+    table.conditions = ["L = 5 m, EI = 100 N m^2"]
+    table.assumed = [
+        f"m = {scenes.MASS:g} kg; c_int in m^2/s, c_ext in 1/s. Motions begin at phi = 0.1 s.",
+        "Cycles by Newton's method from a run, exponents over "
+        f"{SPAN:g} s. Verifying by principal axes is not needed: frequencies are eigenvalues.",
+    ]
+    value = dict(zip(rows["quantity"], rows["value"], strict=True))
+    medium = rows[rows["question"] == MEDIUM]
+    onsets, swings = (
+        [float(x) for x in medium["value"][medium["quantity"].str.startswith(words)]]
+        for words in (ONSET, SWING)
+    )
+    table.notes = [
+        Note(
+            "shown",
+            f"Beyond {value[BEGIN]:.2f} N the cantilever swings in a limit cycle that begins "
+            f"softly. At {CHAOTIC:g} N it never comes back to itself: small errors grow, the "
+            "motion is chaotic.",
+        ),
+        Note(
+            "shown",
+            f"External damping from none to {EXTERNAL[-1]:g} 1/s moves the onset of flutter from "
+            f"{onsets[0]:.2f} to {onsets[-1]:.2f} N, and shrinks the swing at {FORCE:g} N from "
+            f"{swings[0]:.2f} to {swings[-1]:.2f} rad. The least of it moves the onset most: with "
+            f"{EXTERNAL[1]:g} 1/s it is {onsets[1]:.2f} N.",
+        ),
+        Note(
+            "found",
+            "Branches of cycles, their bifurcations and the free rod's choice between swinging "
+            "and tumbling stand in docs/limit-cycles.md, chaos in docs/chaos.md, runs in parallel "
+            "in docs/studies.md.",
+        ),
+    ]
+    return table

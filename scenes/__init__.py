@@ -1,0 +1,1 @@
+"""Scenes and studies in TOML, to start from; `rodgen.scene.examples` reads them."""

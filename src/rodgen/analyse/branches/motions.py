@@ -1,0 +1,284 @@
+"""Steady motions of rods that nothing holds in place: accelerated, turning, dragged, bent or not.
+
+In a frame that moves and turns with the rod such a motion is an equilibrium: no angle changes but
+that all turn at one rate, and the velocity of joint 0 turns with them, or, where no load follows
+it, is whatever its steady acceleration makes of it. Unknown are the angles, the velocity where a
+load follows it, and the rate of turning where all directions are alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import null_space
+from scipy.optimize import root
+
+from rodgen.analyse.branches.equilibria import Equilibria
+from rodgen.analyse.branches.small_motions import HOPF, Growing
+from rodgen.analyse.branches.variable import Variable
+from rodgen.analyse.curves.curve import Point, Special
+from rodgen.analyse.curves.special_points import located
+from rodgen.analyse.eigen import Complex
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.steady import Steady, has_drag, is_kinked
+from rodgen.analyse.system import System
+from rodgen.integrate.simulate import simulate
+from rodgen.integrate.stepper import Array
+from rodgen.scene import Scene, SceneError
+
+AHEAD = np.array([[0.0, -1.0], [1.0, 0.0]])  # turns a vector by a right angle
+TRIED = 0.7  # rad by which the whole rod is turned, to see whether directions are alike
+ALIKE = 1e-9  # of the accelerations: a difference that is rounding
+GROWS, ROUNDED = 1e-6, 1e-9  # of the modulus, and of the largest: less growth may be rounding
+FOUND = 1e-3  # of what acts: what remains where a steady motion may be near
+INITIAL, RUN = "initial", "run"
+
+
+@dataclass(frozen=True)
+class SteadyMotion(Steady):
+    """velocity: of joint 0 (2,) [m/s], none of a rod that is held; spin: rate at which
+    all links turn [rad/s]."""
+
+    velocity: Array
+    spin: float
+
+    @property
+    def y(self) -> Array:
+        """The state (states,)."""
+        y = self.system.at_rest(self.at)
+        base, half = self.system.base, self.system.base + self.system.cells
+        y[half : half + base] = self.velocity
+        y[half + base : 2 * half] = self.spin
+        return y
+
+
+class _Balance(NamedTuple):
+    """Accelerations in the moving frame, of joint 0 and of the angles, and their derivatives by the
+    angles, by the velocity of joint 0, by the rates of the angles, and by the common one."""
+
+    rates: Array
+    by_angle: Array
+    by_velocity: Array
+    by_rate: Array
+    by_turning: Array
+
+    @classmethod
+    def of(cls, state: SteadyMotion) -> _Balance:
+        system, y, p = state.system, state.y, state.p
+        base, half = system.base, system.base + system.cells
+        rates = system.rates(y, p)
+        J = system.model.jac(system.t, y, p)[half : 2 * half]
+        if not (np.isfinite(rates).all() and np.isfinite(J).all()):
+            raise AnalysisError("the equations of steady motion are not finite")
+        by_velocity, by_rate = J[:, half : half + base].copy(), J[:, half + base : 2 * half]
+        by_turning = by_rate.sum(axis=1)
+        if base:  # the velocity turns with the frame
+            rates = rates.copy()
+            rates[:base] -= state.spin * AHEAD @ state.velocity
+            by_velocity[:base] -= state.spin * AHEAD
+            by_turning[:base] -= AHEAD @ state.velocity
+        return cls(rates, J[:, base:half], by_velocity, by_rate, by_turning)
+
+    def of_angles(self, base: int) -> _Balance:
+        """Of the angles alone: joint 0 accelerates as it may."""
+        return _Balance(*(part[base:] for part in self))
+
+
+class Motions(Equilibria):
+    """u: angles [rad], the velocity of joint 0 where loads follow it and the rate of turning where
+    directions are alike, over what is usual, and the varied number over its range."""
+
+    def __init__(self, variable: Variable, start: SteadyMotion):
+        super().__init__(variable, start)
+        system = start.system
+        if system.anchored or system.steered:
+            what = "absent: springs hold the rod, or its loads follow its motion"
+            raise SceneError("motion", system.scene.name, what)
+        self.base, self.cells = system.base, system.cells
+        self.moves = bool(self.base) and has_drag(system)
+        self.turns = _alike(start)
+        usual = system.scene.distribution.usual_stiffness / system.scene.rod.length**3
+        rate = np.sqrt(usual / system.scene.mass)
+        speed = float(np.linalg.norm(start.velocity)) or system.scene.rod.length * rate
+        self.columns = np.concatenate(
+            (
+                np.ones(self.cells),
+                np.full(self.base * self.moves, speed),
+                np.full(int(self.turns), abs(start.spin) or rate),
+            )
+        )
+        angles = np.arange(len(self.columns)) < self.cells
+        self.weights = np.append(np.where(angles, 1.0 / self.cells, 0.0), 1.0)
+        self.mean = float(start.phi.mean())
+        slope = np.abs(self._slope(self._balance(start))) @ self.columns
+        self.rows = 1 / np.where(slope > 0, slope, 1.0)
+
+    def _growing(self, start: Steady, all_modes: bool) -> Growing | None:
+        return None
+
+    # A point -------------------------------------------------------------------------------------
+
+    def packed(self, state: Steady, value: float) -> Array:
+        parts = [state.phi]
+        if isinstance(state, SteadyMotion):
+            parts += [state.velocity] * self.moves + [np.array([state.spin])] * self.turns
+        z = np.concatenate(parts)
+        z = np.append(z, np.zeros(len(self.columns) - len(z)))
+        return np.append(z / self.columns, self.scaled(value))
+
+    def restored(self, system: System, p: Array, y: Array, force: Array) -> SteadyMotion:
+        return motion_of(system, p, y)
+
+    def _state(self, system: System, p: Array, u: Array) -> SteadyMotion:
+        z = u[:-1] * self.columns
+        phi, velocity, turning = np.split(z, [self.cells, self.cells + self.base * self.moves])
+        if not self.moves:
+            velocity = np.zeros(self.base)
+        rate = float(turning[0]) if self.turns else 0.0
+        return SteadyMotion(system, system.unsettled(phi), p, velocity, rate)
+
+    def _balance(self, state: Steady) -> _Balance:
+        assert isinstance(state, SteadyMotion)
+        made = _Balance.of(state)
+        return made if self.moves else made.of_angles(self.base)
+
+    def _slope(self, made: _Balance) -> Array:
+        """Derivatives of the accelerations, and of the mean angle, by what is unknown."""
+        parts = [made.by_angle]
+        parts += [made.by_velocity] * self.moves + [made.by_turning[:, None]] * self.turns
+        slope = np.column_stack(parts)
+        if self.turns:
+            slope = np.vstack((slope, np.arange(slope.shape[1]) < self.cells))
+        return np.asarray(slope)
+
+    def at(self, u: Array) -> tuple[Array, Array]:
+        here = self.steady(u)
+        assert isinstance(here, SteadyMotion)
+        made = self._balance(here)
+        F = made.rates
+        by_value = np.zeros(len(F))
+        for p, share in self.variable.near(self.value(u)):
+            beside = self._balance(SteadyMotion(here.system, here.at, p, here.velocity, here.spin))
+            by_value += share * beside.rates
+        if self.turns:  # of all that are turned against each other, one
+            F = np.append(F, (here.phi - self.mean).sum())
+            by_value = np.append(by_value, 0.0)
+        J = self.rows[:, None] * np.column_stack((self._slope(made) * self.columns, by_value))
+        return self.rows * F, J
+
+    def near(self, guess: SteadyMotion, value: float) -> Array:
+        """u of a steady motion near a guess at a value, by MINPACK's least squares. Raises
+        AnalysisError."""
+        u = self.packed(guess, value)
+
+        def both(z: Array) -> tuple[Array, Array]:
+            F, J = self.at(np.append(z, u[-1]))
+            return F, J[:, :-1]
+
+        found = root(both, u[:-1], jac=True, method="lm", options={"xtol": 1e-14, "ftol": 1e-14})
+        left = float(np.abs(found.fun).max())
+        if not left < FOUND:
+            raise AnalysisError(f"no steady motion is near: {left:.1e} of what acts remains")
+        return np.append(found.x, u[-1])
+
+    # Stability -----------------------------------------------------------------------------------
+
+    def rates(self, u: Array) -> Complex:
+        """Eigenvalues of small motions in the moving frame [1/s], without that zero which turning
+        the whole rod has where directions are alike."""
+        state = self.steady(u)
+        assert isinstance(state, SteadyMotion)
+        if is_kinked(state.system) and state.straight:
+            raise AnalysisError("external damping has no linear part along the straight rod")
+        made, size = self._balance(state), self.cells
+        moves = self.base * self.moves
+        joint, links = slice(size, size + moves), slice(size + moves, 2 * size + moves)
+        A = np.zeros((2 * size + moves, 2 * size + moves))
+        A[:size, links] = np.eye(size)
+        parts = (made.by_angle, made.by_velocity[:, :moves], made.by_rate)
+        for columns, part in zip((slice(size), joint, links), parts, strict=True):
+            A[size:, columns] = part
+        if self.turns:
+            carried = AHEAD @ state.velocity if moves else np.zeros(0)
+            turned = np.concatenate((np.ones(size), carried, np.zeros(size)))
+            keep = null_space(turned[None])
+            A = keep.T @ A @ keep
+        return np.asarray(np.linalg.eigvals(A), dtype=complex)
+
+    def unstable(self, u: Array) -> int | None:
+        try:
+            s = self.rates(u)
+        except AnalysisError as error:
+            self.why_unknown = self.why_unknown or str(error)
+            return None
+        return int((s.real > GROWS * np.abs(s) + ROUNDED * np.abs(s).max()).sum())
+
+    def crossings(self, before: Point, after: Point) -> list[Special]:
+        """Where a motion begins or ceases to oscillate more and more between two points."""
+        assert before.unstable is not None
+        assert after.unstable is not None
+        order = min(before.unstable, after.unstable)
+
+        def next_one(point: Point) -> complex:
+            s = self.rates(point.u)
+            return complex(s[np.argsort(-s.real)[order]])
+
+        try:
+            here = located(self, before, after, lambda point: next_one(point).real)
+        except AnalysisError:
+            return []
+        s = next_one(here)
+        if abs(s.imag) <= GROWS * np.abs(self.rates(here.u)).max():
+            return []  # a fold or a branch point, which has its own equations
+        return [Special(HOPF, here.u, frequency=abs(s.imag) / (2 * np.pi))]
+
+
+def motion_of(system: System, p: Array, y: Array) -> SteadyMotion:
+    """The steady motion next to a state (states,)."""
+    base, half = system.base, system.base + system.cells
+    rates = y[half + base : 2 * half]
+    at = system.unsettled(y[base:half])
+    return SteadyMotion(system, at, p, y[half : half + base], float(rates.mean()))
+
+
+def _alike(state: SteadyMotion) -> bool:
+    """Whether all directions are alike: the rod moves as it did when it is turned as a whole."""
+    system, c, s = state.system, np.cos(TRIED), np.sin(TRIED)
+    if system.clamped:
+        return False
+    turned = SteadyMotion(
+        system,
+        state.at._replace(phi=state.phi + TRIED),
+        state.p,
+        np.array([[c, -s], [s, c]]) @ state.velocity if system.base else state.velocity,
+        state.spin,
+    )
+    made = [_Balance.of(one) for one in (state, turned)]
+    angles = [one.of_angles(system.base).rates for one in made]
+    here = made[0]
+    sizes = np.abs(here.by_angle).max() + np.abs(here.by_turning * state.spin).max()
+    least = ALIKE * sizes
+    same = bool(np.abs(angles[1] - angles[0]).max() <= least)
+    if not (same and system.base and has_drag(system)):
+        return same
+    before, after = (one.rates[:2] for one in made)
+    return bool(np.abs(after - np.array([[c, -s], [s, c]]) @ before).max() <= least)
+
+
+def begun(scene: Scene, system: System, variable: Variable, where: str, value: float) -> Motions:
+    """The problem of a scene about the steady motion that is near its initial state ("initial"), or
+    to which a run of it over its span leads ("run"). Raises SceneError, AnalysisError."""
+    ways: dict[str, Callable[[], Array]] = {
+        INITIAL: scene.initial_state,
+        RUN: lambda: simulate(scene, progress=False).y[-1],
+    }
+    if where not in ways:
+        raise SceneError("motion", where, " or ".join(map(repr, ways)))
+    guess = motion_of(system, system.parameters(), ways[where]())
+    problem = Motions(variable, guess)
+    found = problem.steady(problem.near(guess, value))
+    assert isinstance(found, SteadyMotion)
+    return Motions(variable, found)

@@ -1,0 +1,268 @@
+"""The outline of what is stable in a plane: the boundary of one motion after the other, from corner
+to corner."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from rodgen.analyse.branches.boundary_equations import Boundary, Plane
+from rodgen.analyse.curves.continuation import Steps, continued, taken_up
+from rodgen.analyse.curves.curve import Curve, Point, Special, both_ways, corrected, point_at
+from rodgen.analyse.curves.special_points import located
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.pencil import first_order
+from rodgen.integrate.stepper import Array
+
+Ends = tuple[float, float]
+Watch = Callable[[tuple[float, float, float]], None]
+SLOW = -14.0  # logarithm of a frequency over that of the start, which is none
+LIMIT = 1e-10  # of the units, a step: nothing changes any more
+GROWS, ROUNDED = 1e-6, 1e-9  # of the modulus, and of the largest: less growth may be rounding
+STILL = 1e-4  # of the largest, below which an eigenvalue beside a corner does not oscillate
+EVERY = 10  # points of which all other motions are looked at
+CORNERS = 20  # at most, on either side
+ASIDE = 1e-3  # along a boundary, to see where it leads
+# Of a unit tangent: what a cusp may leave of its part in the plane, and what stands still.
+POINTED, STANDING = 1e-6, 1e-3
+UNSTABLE = "another motion is unstable already"
+TO_DIVERGENCE = "flutter becomes divergence, as its frequency goes to zero"
+CORNER, SLOWEST, CUSP = "corner", "zero frequency", "cusp"
+
+
+@dataclass(frozen=True)
+class Outline:
+    """How a boundary is followed. limits: of both coordinates; watch: called with every point."""
+
+    limits: list[Ends]
+    steps: Steps
+    watch: Watch
+
+    def around(self, boundary: Boundary, omega: float, a: float, b: float) -> Curve:
+        """The outline to both sides of a point."""
+        u = boundary.packed(omega or 1.0, a, b)
+        boundary.bordered(u)
+        row = np.append(np.zeros(len(u) - 1), 1.0)
+        found = corrected(boundary, u, row)
+
+        def follow(way: float) -> Curve:
+            boundary.bordered(found.u)
+            return self._on(boundary, point_at(boundary, found, way * row))
+
+        return both_ways(follow)
+
+    def gone_on(self, boundary: Boundary, points: list[Array]) -> Curve:
+        """The outline on from the first of these points, away from the second."""
+        here, *others = points
+        boundary.bordered(here)
+        other = others[0] if others else None
+        return self._on(boundary, taken_up(boundary, here, other, "point of the boundary"))
+
+    def _on(self, boundary: Boundary, first: Point) -> Curve:
+        """The outline from a point on, in the direction of its tangent, through corners. Points
+        are both values, the frequency [Hz], and the length up to there."""
+        whole = Curve()
+        for _ in range(CORNERS):
+            side = self._side(boundary, first)
+            corner, kind, omega = self._corner(boundary, side)
+            if corner is not None:
+                side.points.append(corner)
+            begin = float(whole.points[-1].u[3]) if whole.points else 0.0
+            told = _told(boundary, side, begin)
+            count = max(len(whole.points) - 1, 0)
+            whole.points[-1:] = told.points
+            whole.special += [one._replace(after=one.after + count) for one in told.special]
+            whole.notes += told.notes
+            whole.end, whole.complete = told.end, told.complete
+            whole.interrupted = told.interrupted
+            if corner is None or side.interrupted:
+                break
+            last = whole.points[-1].u
+            whole.special.append(Special(kind, last, len(whole.points) - 2, float(last[2])))
+            try:
+                boundary, first = self._beyond(boundary, corner, omega)
+            except AnalysisError as error:
+                whole.end = f"{kind}: {error}"
+                break
+        return whole
+
+    def _side(self, boundary: Boundary, first: Point) -> Curve:
+        """The boundary of one motion from a point on, up to where it is none of what is stable."""
+        (low, high), (least, largest) = self.limits
+        before, count = first.u, 0
+
+        def seen(point: Point) -> None:
+            boundary.bordered(point.u)
+            self.watch(boundary.values(point.u))
+
+        def until(point: Point) -> str:
+            nonlocal before, count
+            count += 1
+            change = np.abs(point.u - before)
+            before = point.u
+            if not low <= point.u[-2] <= high:
+                return f"{boundary.plane.keys[0]} leaves its range"
+            if change[-2] < LIMIT and boundary.scales[1].damping and point.u[-1] > 1:
+                return "the limit of much damping was reached"
+            if len(point.u) > 2 and point.u[0] < SLOW and not boundary.scales[1].damping:
+                return TO_DIVERGENCE
+            if count % EVERY == 0 and others_grow(boundary, point.u):
+                return UNSTABLE
+            return ""
+
+        side = continued(boundary, first, least, largest, self.steps, watch=seen, until=until)
+        if not side.interrupted and others_grow(boundary, side.points[-1].u):
+            side.end = UNSTABLE  # since they were looked at
+        while len(side.points) > 1 and not low <= side.points[-1].u[-2] <= high:
+            side.points.pop()
+        if side.complete and side.points[-1].u[-1] == 0.0 and boundary.scales[1].damping:
+            side.end = "the limit of vanishing damping was reached"
+        return side
+
+    def _corner(self, boundary: Boundary, side: Curve) -> tuple[Point | None, str, float]:
+        """The corner at the end of a side, which has lost what lies beyond it; its kind, and how
+        fast the motion oscillates that begins there [rad/s]."""
+        if side.end == TO_DIVERGENCE:
+            return side.points.pop(), SLOWEST, 0.0
+        if side.end != UNSTABLE:
+            return None, "", 0.0
+        beyond = side.points[-1]
+        while len(side.points) > 1 and others_grow(boundary, side.points[-1].u):
+            beyond = side.points.pop()
+        here = side.points[-1]
+        boundary.bordered(here.u)
+        try:
+            corner = located(boundary, here, beyond, lambda point: _margin(boundary, point.u))
+        except AnalysisError:
+            return None, "", 0.0
+        s = _others(boundary, corner.u)
+        next_one = s[_first_to_grow(boundary, s)]
+        slow = abs(next_one.imag) < STILL * np.abs(s).max()
+        kind = SLOWEST if slow and not boundary.omega else CORNER
+        return corner, kind, 0.0 if slow else abs(next_one.imag)
+
+    def _beyond(self, boundary: Boundary, corner: Point, omega: float) -> tuple[Boundary, Point]:
+        """The boundary of the other motion of a corner, in the direction in which the first no
+        longer grows. Raises AnalysisError."""
+        a, b, frequency = boundary.values(corner.u)
+        plane, damped = boundary.plane, boundary.damped
+        slow = not (omega or frequency)  # flutter begins with no frequency on divergence
+        usual = float(np.abs(rates(plane, a, b)).max())
+        other = Boundary(plane, boundary.scales, omega or usual * slow, damped)
+        u = other.packed((omega or 1.0) * (np.exp(SLOW + 1) if slow else 1.0), a, b)
+        if slow:
+            u[0] = SLOW + 1
+        other.bordered(u)
+        last = _only(len(u), 0 if slow else -1)
+        try:
+            found = corrected(other, u, last)
+        except AnalysisError:
+            last = _only(len(u), -2)
+            found = corrected(other, u, last)
+        first = point_at(other, found, last)
+        ways = [first.tangent, -first.tangent]
+        if slow:
+            free = [way for way in ways if way[0] > 0]
+        else:
+            free = [way for way in ways if not others_grow(other, found.u + ASIDE * way)]
+        if len(free) != 1:
+            raise AnalysisError("which way the boundary goes on cannot be told")
+        other.bordered(found.u)
+        return other, point_at(other, found, other.weights * free[0])
+
+
+def _only(size: int, at: int) -> Array:
+    row = np.zeros(size)
+    row[at] = 1.0
+    return row
+
+
+def rates(plane: Plane, a: float, b: float) -> Any:
+    """All eigenvalues [1/s] at a point of the plane."""
+    return np.linalg.eigvals(first_order(*plane.at(a, b), plane.added)).astype(complex)
+
+
+def _others(boundary: Boundary, u: Array) -> Any:
+    """The eigenvalues at a point of a boundary but those of the motion that is about to grow."""
+    a, b, frequency = boundary.values(u)
+    s = rates(boundary.plane, a, b)
+    omega = 2 * np.pi * frequency
+    apart = np.minimum(np.abs(s - 1j * omega), np.abs(s + 1j * omega))
+    # One that diverges; one that oscillates, and its conjugate; without damping two that meet.
+    own = (2 if omega else 1) * (1 if boundary.damped else 2)
+    return s[np.argsort(apart)[own:]]
+
+
+def others_grow(boundary: Boundary, u: Array) -> bool:
+    """Whether a motion grows at a point of a boundary other than the one that is about to."""
+    s = _others(boundary, u)
+    return bool((s.real > GROWS * np.abs(s) + ROUNDED * np.abs(s).max(initial=0.0)).any())
+
+
+def _squares(s: Any) -> Any:
+    """Squares of undamped eigenvalues, each once, in order."""
+    squares = s**2
+    return squares[np.argsort(squares.real)][::2]
+
+
+def _margin(boundary: Boundary, u: Array) -> float:
+    """How far all other motions are from growing: negative where one does."""
+    s = _others(boundary, u)
+    if boundary.damped:
+        return -float(s.real.max(initial=-np.inf))
+    squares = _squares(s) / np.abs(s).max() ** 2
+    meeting = [float(((p - q) ** 2).real) for p, q in pairwise(squares)]
+    return min([*meeting, -float(squares.real.max())])
+
+
+def _first_to_grow(boundary: Boundary, s: Any) -> int:
+    """Which of the other motions is the next to grow."""
+    if boundary.damped:
+        return int(np.argmax(s.real))
+    order = np.argsort((s**2).real)
+    squares = (s[order] ** 2)[::2]
+    apart = np.abs(np.diff(squares))
+    if not len(apart) or np.abs(squares[-1]) < apart.min():
+        return int(order[-1])
+    return int(order[2 * int(np.argmin(apart))])
+
+
+def _told(boundary: Boundary, side: Curve, begin: float) -> Curve:
+    """A side as both values, the frequency and the length up to its points, with its cusps."""
+    steps = [boundary.length(b.u - a.u) for a, b in pairwise(side.points)]
+    lengths = begin + np.cumsum([0.0, *steps])
+
+    def values(u: Array, length: float) -> Array:
+        return np.array([*boundary.values(u), length])
+
+    points = [
+        point._replace(u=values(point.u, length), tangent=np.zeros(4))
+        for point, length in zip(side.points, lengths.tolist(), strict=True)
+    ]
+    special = []
+    for after, (a, b) in enumerate(pairwise(side.points)):
+        cusp = _cusp(boundary, a, b)
+        if cusp is not None:
+            u = values(cusp, float(lengths[after]))
+            special.append(Special(CUSP, u, after, float(u[2])))
+    return replace(side, points=points, special=special)
+
+
+def _cusp(boundary: Boundary, a: Point, b: Point) -> Array | None:
+    """Where a boundary comes to a point in the plane and goes back, as its frequency goes on."""
+    before, after = a.tangent[-2:], b.tangent[-2:]
+    # Next to zero frequency both numbers hardly change, whatever the frequency does.
+    moved = min(np.linalg.norm(before), np.linalg.norm(after)) > STANDING
+    if not (boundary.omega and before @ after < 0 and moved):
+        return None
+    way = (after - before) / np.linalg.norm(after - before)
+    boundary.bordered(a.u)
+    try:
+        here = located(boundary, a, b, lambda point: float(point.tangent[-2:] @ way))
+    except AnalysisError:
+        return None
+    return here.u if np.linalg.norm(here.tangent[-2:]) < POINTED else None

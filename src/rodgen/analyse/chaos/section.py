@@ -1,0 +1,120 @@
+"""Poincaré sections: where a motion crosses a surface, again and again."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rodgen.integrate.catalogue import Piece
+from rodgen.integrate.simulate import simulate
+from rodgen.integrate.solution import Solution
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.plain import is_number, plain
+
+if TYPE_CHECKING:
+    import xarray
+
+CROSSING = "the section"  # name of the event
+WAYS = ("rising", "falling", "either")
+
+
+def poincare_section(
+    motion: Scene | Solution,
+    where: str,
+    *,
+    rising: float | None = None,
+    falling: float | None = None,
+    either: float | None = None,
+    transient: float = 0.0,
+) -> xarray.Dataset:
+    """Return the states of a motion where a quantity crosses a level.
+
+    Crossings are found as events of the run are, on its dense output, and not between samples.
+
+    Parameters
+    ----------
+    motion
+        A scene, which is run over its span, or a run, which is made again from its start.
+    where
+        The quantity, a state or a derived one as events name it, such as phi_0, omega_3 or tip_y.
+    rising, falling, either
+        One of them: the level in its unit, and in which direction it is crossed.
+    transient
+        Seconds at the start whose crossings are left out.
+
+    Returns
+    -------
+    xarray.Dataset
+        One dimension of crossings: t [s], phi [rad], omega [rad/s], tip [m] and the whole state y.
+
+    Raises
+    ------
+    SceneError
+        For what cannot be crossed so.
+    RunError
+        Where the run fails.
+
+    Examples
+    --------
+    A pendulum passes its lowest point once a period:
+
+    >>> import numpy as np, rodgen
+    >>> scene = rodgen.Scene.from_dict({
+    ...     "name": "pendulum",
+    ...     "rod": {"links": 1, "length": 1.0, "mass": 1.0, "bending_stiffness": 0.0,
+    ...             "boundary": "pinned"},
+    ...     "loads": {"gravity": {}},
+    ...     "initial": {"phi": -1.5},
+    ... })
+    >>> found = rodgen.poincare_section(scene, "phi_0", rising=-np.pi / 2)
+    >>> np.diff(found.t)[:3].round(3)
+    array([1.638, 1.638, 1.638])
+    """
+    import xarray
+
+    direction, level = _level(rising, falling, either)
+    scene = motion.scene if isinstance(motion, Solution) else motion
+    table = scene.model_dump(exclude_none=True)
+    event = {"quantity": where, "value": level, "direction": direction, "name": CROSSING}
+    watching = Scene.from_dict(table | {"events": [*table.get("events", []), event]})
+    if isinstance(motion, Solution):
+        span = [float(motion.t[0]), float(motion.t[-1])]
+        run = simulate(watching, model=motion.model, y0=motion.y[0], span=span, progress=False)
+    else:
+        run = simulate(watching, progress=False)
+    start = float(run.t[0]) + _seconds(transient)
+    met = [one for one in run.events if one.name == CROSSING and one.t >= start]
+    t = np.array([one.t for one in met])
+    y = np.array([one.y for one in met]).reshape(len(met), run.y.shape[1])
+    p = run.model.parameters(**run.scene.parameters)
+    piece = Piece(run.model, p, y, t, timed=run.scene.timed)
+    data = {
+        "t": ("crossing", t, {"units": "s"}),
+        "phi": (("crossing", "link"), piece.values("phi"), {"units": "rad"}),
+        "omega": (("crossing", "link"), piece.values("omega"), {"units": "rad/s"}),
+        "tip": (("crossing", "axis"), piece.values("tip"), {"units": "m"}),
+        "y": (("crossing", "state"), y),
+    }
+    said = {"where": where, "level": level, "direction": direction}
+    return xarray.Dataset(data, {"axis": ["x", "y"]}, said)
+
+
+def _level(*given: float | None) -> tuple[str, float]:
+    """The direction and the level of which one is given."""
+    levels = {way: plain(one, way) for way, one in zip(WAYS, given, strict=True) if one is not None}
+    if len(levels) != 1:
+        raise SceneError(
+            "section", list(levels) or None, f"one of {', '.join(WAYS)}, and its level"
+        )
+    ((direction, level),) = levels.items()
+    if not (is_number(level) and np.isfinite(level)):
+        raise SceneError(direction, level, "a finite number, the level")
+    return direction, float(level)
+
+
+def _seconds(transient: float) -> float:
+    made = plain(transient, "transient")
+    if not (is_number(made) and 0 <= made < np.inf):
+        raise SceneError("transient", transient, "a time of at least 0 s")
+    return float(made)

@@ -1,0 +1,111 @@
+"""Periodic motions of many states: Newton's method for the few multipliers of size and Picard's
+iteration for the rest, which damping makes small (K. Lust, D. Roose, A. Spence, A. R. Champneys,
+SIAM J. Sci. Comput. 19 (1998) 1188).
+
+A basis of the changes of the state that decay least is carried along the motion as tangents, side
+by side; what a period makes of it is the next basis: subspace iteration.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rodgen.analyse.cycles.closing import DONE, LONGEST, Closing, Lap, Orbit
+from rodgen.analyse.cycles.elimination import Complex
+from rodgen.analyse.cycles.flow import Flow
+from rodgen.analyse.cycles.shooting import cut
+from rodgen.analyse.errors import AnalysisError
+from rodgen.integrate.stepper import Array
+
+LEADING = 10  # multipliers, unless others are asked for
+GUARD = 4  # directions beside those that are asked for
+SMALL = 0.3  # a multiplier below it is left to Picard's iteration
+ITERATIONS = 60
+SETTLED, ROUNDED = 1e-9, 1e-8  # of the multipliers; a correction that no longer shrinks
+
+
+@dataclass(frozen=True)
+class Picard(Closing[Orbit]):
+    """Newton's method and Picard's iteration; leading: how many multipliers are asked for."""
+
+    leading: int = LEADING
+
+    def found(self, lap: Lap) -> Orbit:
+        orbit = lap.orbit(1)
+        flow = self.flow.suited(orbit.t, orbit.x[0], orbit.period)
+        return replace(self, flow=flow)._solved(orbit)
+
+    def path(self, orbit: Orbit, count: int) -> Array:
+        flow = self.flow.suited(orbit.t, orbit.x[0], orbit.period)
+        return cut(flow, orbit.t, orbit.x[0], orbit.period, count)
+
+    def _solved(self, orbit: Orbit) -> Orbit:
+        size, q = orbit.x.shape[1], self.flow.quotient
+        unit = np.where(np.arange(size) < q.positions, 1.0, 2 * np.pi / orbit.period)
+        count = min(size, self.leading + GUARD)
+        V = np.linalg.qr(np.random.default_rng(1).standard_normal((size, count)))[0]
+        before: Complex | None = None
+        for _ in range(ITERATIONS):
+            last = orbit.change
+            moved, V, mu = self._corrected(orbit, unit, V)
+            off = np.inf
+            if before is not None and len(before) == len(mu):
+                off = max(float(np.abs(before - one).min()) for one in mu[: self.leading])
+            still = moved.change <= DONE or (moved.change <= ROUNDED and moved.change >= last / 2)
+            if still and off <= SETTLED:
+                return replace(orbit, leading=mu[: self.leading])
+            orbit, before = moved, mu
+            if abs(mu[-1]) > SMALL and V.shape[1] < size:  # Picard's iteration would crawl
+                more = np.random.default_rng(V.shape[1]).standard_normal((size, GUARD))
+                V = np.linalg.qr(np.hstack((V, more)))[0][:, :size]
+        raise AnalysisError(
+            f"Newton's method and Picard's iteration found no periodic motion near a period of "
+            f"{orbit.period:.6g} s (the last correction {orbit.change:.1e} of its size)"
+        )
+
+    def _corrected(self, orbit: Orbit, unit: Array, V: Array) -> tuple[Orbit, Array, Complex]:
+        """After one correction; the next basis, and the multipliers of the last one."""
+        flow, q, x = self.flow, self.flow.quotient, orbit.x[0]
+        end, W = flow.with_tangents(orbit.t, x, orbit.period, unit[:, None] * V)
+        W = q.turned_columns(W, -orbit.angle) / unit[:, None]
+        here = q.turned(end, -orbit.angle)
+        r = (here - x) / unit
+        ways = self._columns(flow, orbit, end, here) / unit[:, None]
+        rows = self.directions(orbit) * unit
+        rows = rows / np.linalg.norm(rows, axis=1, keepdims=True)
+        # Newton's equations in the basis; the rest is what a period makes of all that is known.
+        k, H = V.shape[1], V.T @ W
+        off_W, off_ways, off_r = (one - V @ (V.T @ one) for one in (W, ways, r))
+        matrix = np.block([[H - np.eye(k), V.T @ ways], [rows @ (V + off_W), rows @ off_ways]])
+        found = np.linalg.solve(matrix, -np.concatenate((V.T @ r, rows @ off_r)))
+        p, more = found[:k], found[k:]
+        d = unit * (V @ p + off_r + off_W @ p + off_ways @ more)
+        longer = 0.0 if self.forced else float(more[0])
+        turn = float(more[-1]) if self.turns else 0.0
+        most = max(float(np.abs(d).max()) / orbit.scale, abs(longer) / orbit.period)
+        if not np.isfinite(most):
+            raise AnalysisError("Newton's method leaves the range of numbers")
+        share = min(1.0, LONGEST / most) if most else 1.0
+        moved = replace(
+            orbit,
+            x=orbit.x + share * d,
+            period=orbit.period + share * longer,
+            angle=orbit.angle + share * turn,
+            change=most,
+            residual=float(np.abs(here - x).max()) / orbit.scale,
+            iterations=orbit.iterations + 1,
+        )
+        mu = np.linalg.eigvals(H).astype(complex)
+        return moved, np.linalg.qr(W)[0], mu[np.argsort(-np.abs(mu), kind="stable")]
+
+    def _columns(self, flow: Flow, orbit: Orbit, end: Array, here: Array) -> Array:
+        """How the end of the period follows its length and the angle (size, k)."""
+        q, ways = flow.quotient, list[Array]()
+        if not self.forced:
+            rates = flow.rates(orbit.t + orbit.period, end)
+            ways.append(q.turned_columns(rates[:, None], -orbit.angle)[:, 0])
+        if self.turns:
+            ways.append(-q.turning(here))
+        return np.array(ways).reshape(-1, len(end)).T

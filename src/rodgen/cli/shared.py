@@ -1,0 +1,95 @@
+"""Options that commands share, added where they are made known, so that each has them in one way.
+
+All take --quiet; those that ask for a Scene take SCENE, a file, and --set; those with an OutFolder
+take --no-pictures.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import tomllib
+from collections.abc import Callable, Sequence
+from functools import wraps
+from inspect import Parameter
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from rodgen.cli.console import printing
+from rodgen.cli.options import OutFolder
+from rodgen.scene import Scene, SceneError
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene, in TOML.")]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Another value of a key of SCENE, such as loads.follower.force=300; KEY= leaves the "
+        "key out. Can be given several times.",
+    ),
+]
+Quiet = Annotated[
+    bool, typer.Option("--quiet", help="Print nothing but errors, warnings and what --json gives.")
+]
+NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw no pictures.")]
+SCENE, SET, QUIET, NO_PICTURES = "scene", "changes", "quiet", "no_pictures"
+
+
+def with_shared(command: Callable[..., object]) -> Callable[..., object]:
+    """A command with the options that it shares with others."""
+    signature = inspect.signature(command, eval_str=True)
+    asked = signature.parameters
+    takes_scene = SCENE in asked and asked[SCENE].annotation is Scene
+    draws = any(one.annotation == OutFolder for one in asked.values())
+    added: dict[str, Any] = {QUIET: Quiet}
+    added |= {SET: Changes} if takes_scene else {}
+    added |= {NO_PICTURES: NoPictures} if draws else {}
+
+    @wraps(command)
+    def run(*args: Any, **given: Any) -> object:
+        shared = {name: given.pop(name) for name in added}
+        if takes_scene:
+            given[SCENE] = read_scene(given[SCENE], shared[SET])
+        with printing(quiet=shared[QUIET], pictures=not shared.get(NO_PICTURES)):
+            return command(*args, **given)
+
+    parameters = [
+        one.replace(annotation=SceneFile) if takes_scene and name == SCENE else one
+        for name, one in asked.items()
+    ]
+    parameters += [
+        Parameter(
+            name, Parameter.KEYWORD_ONLY, default=False if name != SET else None, annotation=kind
+        )
+        for name, kind in added.items()
+    ]
+    vars(run)["__signature__"] = signature.replace(parameters=parameters)
+    run.__annotations__ = {one.name: one.annotation for one in parameters}
+    return run
+
+
+def read_scene(path: Path, changes: Sequence[str] | None) -> Scene:
+    """The scene of a file with other values of some keys, each as KEY=VALUE. Raises SceneError."""
+    scene = Scene.from_toml(path)
+    return scene.replace(dict(map(_change, changes))) if changes else scene
+
+
+def _change(text: str) -> tuple[str, Any]:
+    key, equals, value = text.partition("=")
+    if not (equals and re.fullmatch(r"[\w-]+(\.[\w-]+)*", key)):
+        raise SceneError("--set", text, "KEY=VALUE, such as loads.follower.force=300")
+    return key, _value(value)
+
+
+def _value(text: str) -> Any:
+    """A value as TOML has it, or else as text, which needs no quotes; None of none."""
+    if not text:
+        return None
+    try:
+        table = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return table["value"] if len(table) == 1 else text

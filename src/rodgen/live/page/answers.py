@@ -1,0 +1,77 @@
+"""What a page says on its channel: what it has drawn, where it looks, which run it keeps."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from typing import Any
+
+from rodgen.live.run.live_run import LiveRun
+from rodgen.scene.plain import is_number
+
+LONGEST = 200  # letters; what is longer is cut, and so is no JSON
+
+
+def _acknowledge(run: LiveRun, frame: int) -> None:
+    run.page.acknowledge(frame)
+
+
+def _look(run: LiveRun, t: float | None) -> None:
+    if t is None:
+        run.do(run.look_up)
+    else:
+        run.do(lambda: run.look_at(t))
+
+
+def _step(run: LiveRun, by: int) -> None:
+    run.do(lambda: run.look_on(by))
+
+
+def _keep(run: LiveRun, keeps: bool) -> None:
+    run.do(lambda: run.keep_runs(keeps))
+
+
+def _branch(run: LiveRun, _: None) -> None:
+    run.do(run.branch)
+
+
+def _flag(value: object) -> bool:
+    return isinstance(value, bool)
+
+
+def _nothing(value: object) -> bool:
+    return value is None
+
+
+def _time(value: object) -> bool:
+    return value is None or (is_number(value) and math.isfinite(value))
+
+
+def _count(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+# By key of the answer: whether its value is one, and what comes of it.
+ANSWERS: dict[str, tuple[Callable[[object], bool], Callable[[LiveRun, Any], None]]] = {
+    "ack": (_count, _acknowledge),
+    "look": (_time, _look),
+    "step": (_count, _step),
+    "keep": (_flag, _keep),
+    "branch": (_nothing, _branch),
+}
+
+
+def take_up(run: LiveRun, text: str) -> bool:
+    """Do what a page says: {"ack": number of a message} that it has drawn, {"look": t [s]} or null
+    for the present, {"step": samples}, {"keep": whether runs are kept as ghosts}, {"branch": null}
+    for another run from here; False where it is nothing of these."""
+    try:
+        ((key, value),) = json.loads(text[:LONGEST]).items()
+        fits, act = ANSWERS[key]
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return False
+    if fits(value):
+        act(run, value)
+        return True
+    return False

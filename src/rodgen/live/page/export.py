@@ -1,0 +1,134 @@
+"""A recorded run as a page without a server: a folder, by the JavaScript of the live view."""
+
+from __future__ import annotations
+
+import base64
+import itertools
+import json
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import nicegui
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from rodgen.integrate.solution import Solution
+from rodgen.live.catalogue import Catalogue
+from rodgen.live.page.elements import SHOWN, STATIC, arrows_of, style
+from rodgen.live.page.plots import first_plots
+from rodgen.live.page.rod import description, drawn_of, first_view
+from rodgen.live.replay import Replay, replay
+from rodgen.scene import Scene, SceneError
+
+GENERATOR = "rodgen view --export"
+PAGE, RUN, ICONS, PLOTTER = "index.html", "run.js", "icons.woff2", "uPlot.iife.min.js"
+FILES = {PAGE, RUN, ICONS, PLOTTER}
+LIBRARY = Path(nicegui.__file__).parent / "static"
+VUE = "vue.esm-browser.prod.js"
+ICON_FONT = re.compile(r'"Material Icons";[^}]*url\(([^)]*)\)')
+ICON = (
+    "@font-face { font-family: 'Material Icons'; src: url(%s); }\n"
+    ".material-icons { font: normal 20px 'Material Icons'; display: inline-block; }\n"
+    ".rodgen-buttons .material-icons { line-height: 1; vertical-align: middle; }"
+)
+BESIDE = re.compile(r'from "\./')  # another of our modules
+MOMENTS = "bending_moment"
+
+
+def export(solution: Solution, folder: Path) -> None:
+    """Write a run as a page, with rod, time line and plots: index.html opens from the file system.
+    Raises SceneError for a folder that holds anything else than such a page, and for a run that
+    cannot be shown."""
+    check_own(folder)
+    catalogue = Catalogue(solution.scene, solution.model)
+    profiles = [{"kind": "profile", "y": [MOMENTS]}] if MOMENTS in catalogue.along else []
+    recorded = replay(solution, [*first_plots(catalogue), *profiles])
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as made:
+            _write(Path(made), solution.scene, recorded)
+            folder.mkdir(exist_ok=True)
+            for name in FILES:
+                shutil.move(Path(made, name), folder / name)
+    except OSError as error:
+        raise _refused(folder, f"a folder to write into ({error.strerror or error})") from None
+
+
+def check_own(folder: Path) -> None:
+    """Refuse a folder that is somebody else's. Raises SceneError."""
+    if not folder.exists():
+        return
+    if not folder.is_dir():
+        raise _refused(folder, "a folder")
+    found = {path.name for path in folder.iterdir()}
+    own = PAGE in found and GENERATOR in (folder / PAGE).read_text("utf-8", errors="replace")
+    if found and not (own and found <= FILES):
+        raise _refused(folder, "a new folder, an empty one, or one that --export has written")
+
+
+def _refused(folder: Path, allowed: str) -> SceneError:
+    return SceneError("--export", str(folder), allowed)
+
+
+def _write(folder: Path, scene: Scene, recorded: Replay) -> None:
+    icons = ICON_FONT.search((LIBRARY / "fonts.css").read_text("utf-8"))
+    assert icons is not None
+    shutil.copyfile(LIBRARY / icons[1].strip("'\""), folder / ICONS)
+    shutil.copyfile(STATIC / "vendor" / PLOTTER, folder / PLOTTER)
+    (folder / RUN).write_text(f"window.rodgenRun = {_run(scene, recorded)};\n", "utf-8")
+    template = Environment(
+        loader=FileSystemLoader(STATIC), autoescape=True, undefined=StrictUndefined
+    ).get_template("replay.html")
+    styles = [style(), ICON % ICONS]
+    modules = json.dumps({"imports": dict(_modules())})
+    text = template.render(title=scene.name, generator=GENERATOR, styles=styles, modules=modules)
+    (folder / PAGE).write_text(text, "utf-8")
+
+
+def _run(scene: Scene, recorded: Replay) -> str:
+    """The run as JavaScript has it; nothing in it ends the script that it is in."""
+    messages = [recorded.first, *recorded.frames]
+    ends = list(itertools.accumulate(map(len, messages), initial=0))
+    data = base64.b64encode(b"".join(messages)).decode()
+    run: dict[str, Any] = {
+        "title": scene.name,
+        "rod": _rod(scene),
+        "plots": recorded.plots,
+        "times": recorded.times,
+        "ends": ends,
+        "data": data,
+    }
+    return json.dumps(run, allow_nan=False)
+
+
+def _rod(scene: Scene) -> dict[str, Any]:
+    """Props of the picture (see RodCanvas)."""
+    return {
+        **drawn_of(scene),
+        "show": dict(SHOWN),
+        "loads": arrows_of(scene.loads.terms),
+        "view": first_view(scene),
+        "support": scene.hold.support,
+        "label": description(scene),
+        "rod": 1,
+        "kick": False,
+        "perMetre": 0.0,
+        "times": 1,
+        "mode": None,
+    }
+
+
+def _modules() -> Iterator[tuple[str, str]]:
+    """Modules by the names that they are imported by, each as an address that has it all: a page
+    from the file system cannot load modules from files."""
+    yield "vue", _address((LIBRARY / VUE).read_text("utf-8"))
+    for path in sorted(STATIC.glob("*.js")):
+        text = BESIDE.sub('from "rodgen-live/', path.read_text("utf-8"))
+        yield f"rodgen-live/{path.name}", _address(text)
+
+
+def _address(text: str) -> str:
+    return "data:text/javascript;base64," + base64.b64encode(text.encode()).decode()

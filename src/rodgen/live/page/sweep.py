@@ -1,0 +1,194 @@
+"""A range of a number beside its slider: how stable the rod is over it, and its equilibria."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import suppress
+from typing import Any
+
+from nicegui import ui
+from nicegui.events import GenericEventArguments
+
+from rodgen.live.page.fields import Entry, number, plain
+from rodgen.live.page.runs import PageRun
+from rodgen.live.page.sweep_picture import HEIGHT, WIDTH, Diagram, Point, picture
+from rodgen.live.run.aside import ASIDE, Answer, Errand
+from rodgen.live.run.scenes import Field, edit
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.overrides import with_state
+
+STEPS = 200  # of the slider for the range
+CLICKED = """(event) => {
+    const box = event.currentTarget.querySelector("svg")?.getBoundingClientRect();
+    if (box) emit((event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height);
+}"""
+
+
+class Sweep:
+    """The range, which is swept as soon as it is chosen, and the diagrams; a click on a point of
+    the stability map takes its value, on one of the equilibria its state as well."""
+
+    def __init__(self, page: PageRun, field: Field, reach: tuple[float, float]):
+        self.page, self.field, self._reach = page, field, reach
+        self._errand: Errand | None = None
+        self._loop = asyncio.get_running_loop()
+        self.low, self.high = reach
+        self._box = ui.element("div").classes("rg-swept")
+        with self._box.props(f'role="group" aria-label="{self.name}"'):
+            self._range = ui.range(
+                min=0, max=STEPS, value={"min": 0, "max": STEPS}, on_change=self._dragged
+            ).props(f'dense throttle=200 aria-label="range of the {self.name}"')
+            with ui.element("div").classes("rg-ends"):
+                self._ends = [
+                    Entry(end, plain(value), self._typed(at), unit=field.unit)
+                    for at, (end, value) in enumerate(zip(("from", "to"), reach, strict=True))
+                ]
+            self._note = ui.label().classes("rg-hint").props('role="status"')
+            self._picture = ui.html("", sanitize=False)
+            self._picture.on("click", self._clicked, js_handler=CLICKED)
+        page.client.on_delete(self._drop)
+        self._clear()
+        self._start()
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return f"sweep of {self.field.label}"
+
+    def close(self) -> None:
+        """Take it from the page."""
+        self._drop()
+        self._box.delete()
+
+    def _drop(self) -> None:
+        """Compute no further."""
+        if self._errand is not None:
+            self._errand.drop()
+            self._errand = None
+
+    def refresh(self, field: Field) -> None:
+        """Show the value that the scene has now."""
+        if field.value != self.field.value:
+            self.field = field
+            self._draw()
+
+    # The range ---------------------------------------------------------------------------------
+
+    def _dragged(self) -> None:
+        low, high = self._reach
+        places = self._range.value["min"], self._range.value["max"]
+        ends = [float(f"{low + place / STEPS * (high - low):.4g}") for place in places]
+        if ends != [self.low, self.high] and ends[0] < ends[1]:
+            self.low, self.high = ends
+            for entry, value in zip(self._ends, ends, strict=True):
+                entry.show(plain(value))
+            self._start()
+
+    def _typed(self, at: int) -> Any:
+        async def put(text: str) -> None:
+            ends = [self.low, self.high]
+            ends[at] = number(text, self.field.key)
+            if not ends[0] < ends[1]:
+                raise SceneError(
+                    self.field.key, text, "ends of a range, the first below the second"
+                )
+            self.low, self.high = ends
+            self._start()
+
+        return put
+
+    # What is computed --------------------------------------------------------------------------
+
+    def _clear(self) -> None:
+        label = f"{self.field.label} [{self.field.unit}]" if self.field.unit else self.field.label
+        over = f"over {label}"
+        self._map = Diagram(f"largest growth rate [1/s] {over}", self.low, self.high)
+        self._equilibria = Diagram(f"deflection of the tip [m] {over}", self.low, self.high)
+        self._critical: float | None = None
+        self._special: list[Any] = []
+        self._said = ""
+
+    def _start(self) -> None:
+        self._drop()
+        self._clear()
+        self._note.set_text("computing")
+
+        def told(answer: Answer) -> None:
+            with suppress(RuntimeError):  # the server is ending
+                self._loop.call_soon_threadsafe(self._take, answer, errand)
+
+        errand = [*self.field.path]
+        self._waits = errand
+        scene, now = self.page.scene, self.page.run.live.t
+        start, end = scene.integrate.span
+        self._t = now if now > start else end  # loads may begin with nothing
+        self._errand = ASIDE.ask(
+            "sweep", scene, told, path=errand, low=self.low, high=self.high, t=self._t
+        )
+
+    def _take(self, answer: Answer, errand: list[str]) -> None:
+        """Take up a part of what was asked for last."""
+        if errand is not self._waits or self._picture.is_deleted:
+            return
+        part: dict[str, Any] = answer.value or {}
+        for value, growth, _, stable in part.get("rows", ()):
+            if growth is not None:
+                self._map.points.append(Point(value, growth, stable))
+        self._critical = part.get("critical", self._critical)
+        self._special = part.get("special", self._special)
+        if branch := part.get("branch"):
+            columns = (branch[key] for key in ("value", "away", "unstable", "state"))
+            self._equilibria.points = [
+                Point(value, away, unstable == 0 if unstable >= 0 else None, state)
+                for value, away, unstable, state in zip(*columns, strict=True)
+                if away is not None
+            ]
+        self._said = answer.refused or part.get("note", self._said)
+        self._note.set_text(self._told() if answer.last else "computing")
+        self._draw()
+
+    def _told(self) -> str:
+        """What came out, in words."""
+        if not self._map.points:
+            return self._said or "nothing could be computed"
+        first = self._map.points[0].stable
+        words = "stable" if first else "unstable"
+        change = "all over the range"
+        if self._critical is not None:
+            change = f"up to {self._critical:.4g} {self.field.unit}".rstrip()
+        when = f", loads as at t = {self._t:.3g} s" if self.page.scene.timed else ""
+        return "; ".join(filter(None, (f"straight{when}: {words} {change}", self._said)))
+
+    def _draw(self) -> None:
+        shown = [one for one in (self._map, self._equilibria) if one.points]
+        at = self.field.value, self._critical, self._special
+        self._picture.set_content(picture(shown, self.name, *at) if shown else "")
+
+    # What is clicked ---------------------------------------------------------------------------
+
+    async def _clicked(self, event: GenericEventArguments) -> None:
+        shown = [one for one in (self._map, self._equilibria) if one.points]
+        x, y = (float(share) for share in event.args)
+        number, down = divmod(y * len(shown) * HEIGHT, HEIGHT)
+        if not shown or not 0 <= number < len(shown):
+            return
+        point = shown[int(number)].nearest(x * WIDTH, down)
+        if point is not None:
+            await self._load(point)
+
+    async def _load(self, point: Point) -> None:
+        changes = self.field.changes(point.value)
+        run = self.page.run
+
+        def there(scene: Scene) -> Scene:
+            return with_state(edit(scene, changes), list(point.state))
+
+        try:
+            if point.state:
+                await self.page.alter(
+                    there, run.restart, lambda before: run.undo.note(before, "", anew=True)
+                )
+            else:
+                await self.page.change(changes, f"{self.field.key} = {plain(point.value)}")
+        except SceneError as error:
+            self.page.say(str(error))

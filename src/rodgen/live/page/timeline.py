@@ -1,0 +1,30 @@
+"""The time line under the rod: where on it the page looks is between the page and the run."""
+
+from __future__ import annotations
+
+import math
+
+from nicegui.element import Element
+
+from rodgen.live.page.elements import STATIC
+from rodgen.live.page.runs import PageRun
+
+
+class TimeLine(Element, component=STATIC / "timeline.js"):
+    """A slider over the samples of the run with the changes and kicks marked on it, steps of a
+    sample to either side, and a loop from A to B.
+
+    Props: speed [simulated seconds per second] at which it plays.
+    Keys, on the slider: see page/keys.py.
+    """
+
+    def __init__(self, page: PageRun):
+        super().__init__()
+        self._page, self._speed = page, math.nan
+
+    def refresh(self) -> None:
+        """Play at the speed that is chosen for the run; at that of the clock, if that has none."""
+        speed = self._page.run.pace.speed
+        speed = speed if math.isfinite(speed) else 1.0
+        if speed != self._speed:
+            self._speed = self._props["speed"] = speed

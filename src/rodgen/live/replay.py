@@ -1,0 +1,113 @@
+"""A recorded run as messages to a page: what the live view would send, sample by sample."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rodgen.integrate.samples import Samples
+from rodgen.integrate.solution import Solution
+from rodgen.live.catalogue import Catalogue
+from rodgen.live.run.marks import Mark
+from rodgen.live.run.message import Named, Trail, encode, rod_arrays
+from rodgen.live.run.plot import Plot
+from rodgen.live.run.plot_spec import PlotSpec
+from rodgen.live.samples import Chunk, Store
+from rodgen.loading.module import asked
+from rodgen.scene import SceneError
+
+MOST, ROOM = 1500, 12_000_000  # samples that are shown, bytes of all of them
+LEAST = 2  # samples, for a time line
+BEGUN = 1  # of one run
+
+
+@dataclass(frozen=True)
+class Replay:
+    """plots: as the page has them; first: the message with all that stands; frames: those of the
+    samples that are shown; times: of each [s]."""
+
+    plots: list[dict[str, Any]]
+    first: bytes
+    frames: list[bytes]
+    times: list[float]
+
+
+def replay(solution: Solution, choices: Iterable[dict[str, Any]]) -> Replay:
+    """The messages of a run; choices: its plots (see PlotSpec.from_dict). Raises SceneError for a
+    run of a single sample, or with states that are not finite."""
+    store, catalogue = _store(solution), Catalogue(solution.scene, solution.model)
+    samples = [sample for chunk in store.chunks() for sample in _single(chunk)]
+    if len(samples) < LEAST or not all(np.isfinite(sample.y).all() for sample in samples):
+        raise SceneError("run", solution.status, "one of two samples or more, all of them finite")
+    span = float(samples[-1].t[0] - samples[0].t[0])
+    plots = [_plot({**choice, "window": span}, k, catalogue) for k, choice in enumerate(choices)]
+    shown = _some(samples, solution)
+    times = [float(sample.t[0]) for sample in shown]
+    line = {"from": times[0], "to": times[-1], "count": len(times), "keeps": False}
+
+    def message(sample: Chunk, arrays: Sequence[Named], **more: Any) -> bytes:
+        t = float(sample.t[0])
+        origin, places = rod_arrays(solution.model, sample)
+        header = {"t": t, "origin": origin, "begun": BEGUN, "line": {**line, "past": t, **more}}
+        return encode(header, [*places, *arrays])
+
+    standing = [(f"plot!{plot.spec.id}", plot.backlog(store.chunks()).ravel()) for plot in plots]
+    trail = ("trail!", Trail().take(solution.model, store).ravel())
+    first = message(shown[0], [trail, *standing], marks=_marks(solution, store))
+    frames = [message(sample, list(_present(plots, sample))) for sample in shown]
+    return Replay([plot.to_json() for plot in plots], first, frames, times)
+
+
+def _store(solution: Solution) -> Store:
+    """The samples of a run as the live view keeps them."""
+    model, work = solution.model, tuple(solution.work)
+    p = model.parameters(**solution.scene.parameters)
+    changes = solution.changes
+    every = changes.p if changes is not None else np.broadcast_to(p, (len(solution.t), len(p)))
+    given = np.broadcast_to(solution.given, solution.t.shape)
+    with np.errstate(all="ignore"):
+        start = float(sum(asked(model, "energy", solution.t[0], solution.y[0], every[0])))
+    store = Store(solution.y.shape[1], work, start)
+    works = np.zeros((len(solution.t), len(work)))
+    for k, term in enumerate(work):
+        works[:, k] = solution.work[term]
+    changed = np.any(every[1:] != every[:-1], axis=1) | (given[1:] != given[:-1])
+    edges = [0, *(np.flatnonzero(changed) + 1).tolist(), len(solution.t)]
+    for a, b in itertools.pairwise(edges):
+        store.change(every[a], float(given[a]))
+        store.add(Samples(solution.t[a:b], solution.y[a:b], works[a:b]))
+    return store
+
+
+def _single(chunk: Chunk) -> Iterator[Chunk]:
+    return (chunk.some(slice(k, k + 1)) for k in range(len(chunk)))
+
+
+def _some(samples: Sequence[Chunk], solution: Solution) -> list[Chunk]:
+    """As many of the samples, evenly, as there is room for."""
+    size = len(encode({}, rod_arrays(solution.model, samples[0])[1]))
+    most = min(len(samples), MOST, max(LEAST, ROOM // size))
+    return [samples[k] for k in np.linspace(0, len(samples) - 1, most).round().astype(int)]
+
+
+def _plot(choice: dict[str, Any], number: int, catalogue: Catalogue) -> Plot:
+    spec = PlotSpec.from_dict({**choice, "id": f"p{number}"}, catalogue)
+    return Plot(spec, catalogue)
+
+
+def _present(plots: Iterable[Plot], sample: Chunk) -> Iterator[Named]:
+    """What of the plots is of one sample: the profiles."""
+    for plot in plots:
+        if plot.spec.kind == "profile" and (rows := plot.present(sample)) is not None:
+            yield f"plot!{plot.spec.id}", rows.ravel()
+
+
+def _marks(solution: Solution, store: Store) -> list[Mark]:
+    """Events, and where values were changed or the rod was kicked."""
+    events = [Mark(event.t, event.name) for event in solution.events]
+    changes = [Mark(float(chunk.t[0]), "a change or a kick") for chunk in [*store.chunks()][1:]]
+    return sorted(events + changes)

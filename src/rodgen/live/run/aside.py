@@ -1,0 +1,136 @@
+"""A process beside the server's, in which what takes long is computed: runs keep their frames.
+
+    python -m rodgen.live.run.aside_process
+
+It reads requests, a line of JSON each, and writes answers likewise.
+"""
+
+from __future__ import annotations
+
+import atexit
+import itertools
+import json
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from rodgen.scene import Scene
+
+ENDING = 2.0  # seconds that it is given to end
+# One thread a computation: others would take the processors of runs and browsers.
+ALONE = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
+
+
+class Answer(NamedTuple):
+    """One of those to a request: what came out, or why there is nothing; last: whether no other
+    follows."""
+
+    value: Any = None
+    refused: str = ""
+    last: bool = False
+
+
+Told = Callable[[Answer], object]
+
+
+@dataclass(frozen=True)
+class Errand:
+    """Something that is being computed aside."""
+
+    aside: Aside
+    number: int
+
+    def drop(self) -> None:
+        """Compute it no further: nothing more is told of it."""
+        self.aside.drop(self.number)
+
+
+class Aside:
+    """The process, started with the first request, and again where it has died.
+
+    Requests may come from any thread; answers are told in one of its own.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._numbers = itertools.count(1)
+        self._told: dict[int, Told] = {}
+        self._process: subprocess.Popen[bytes] | None = None
+
+    def ask(self, what: str, scene: Scene, told: Told, **more: Any) -> Errand:
+        """Have something computed of a scene, by its name in `aside_process.WORKS`."""
+        table = scene.model_dump(exclude_none=True)
+        with self._lock:
+            number = next(self._numbers)
+            self._told[number] = told
+            self._send({"number": number, "what": what, "scene": table, "more": more})
+        return Errand(self, number)
+
+    def drop(self, number: int) -> None:
+        """Forget a request."""
+        with self._lock:
+            if self._told.pop(number, None) is not None:
+                self._send({"number": number})
+
+    def close(self) -> None:
+        """End the process."""
+        with self._lock:
+            process, self._process = self._process, None
+            self._told.clear()
+        if process is not None:
+            process.terminate()
+            try:
+                process.wait(ENDING)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+    def _send(self, request: Mapping[str, Any]) -> None:
+        if self._process is None:
+            self._process = self._started()
+        assert self._process.stdin is not None
+        with suppress(OSError):  # it has died, which its listener will see
+            self._process.stdin.write(json.dumps(request).encode() + b"\n")
+            self._process.stdin.flush()
+
+    def _started(self) -> subprocess.Popen[bytes]:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "rodgen.live.run.aside_process"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env={**os.environ, **ALONE},
+            start_new_session=True,  # Ctrl-C is for the server, which ends it
+        )
+        threading.Thread(
+            target=self._listen, args=(process,), name="rodgen-aside", daemon=True
+        ).start()
+        return process
+
+    def _listen(self, process: subprocess.Popen[bytes]) -> None:
+        """Tell the answers of a process, until it has ended."""
+        with process:
+            assert process.stdout is not None
+            for line in process.stdout:
+                found = json.loads(line)
+                self._tell(found.pop("number"), Answer(**found))
+        with self._lock:
+            if self._process is not process:
+                return
+            self._process, lost = None, list(self._told)
+        for number in lost:
+            self._tell(number, Answer(refused="the process that computes it has ended", last=True))
+
+    def _tell(self, number: int, answer: Answer) -> None:
+        with self._lock:
+            told = self._told.pop(number, None) if answer.last else self._told.get(number)
+        if told is not None:
+            told(answer)
+
+
+ASIDE = Aside()  # of this process
+atexit.register(ASIDE.close)

@@ -1,0 +1,133 @@
+"""What the process beside the server computes, see aside.py: a little of each request in turn."""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from typing import Any, TextIO
+
+import numpy as np
+
+from rodgen.analyse.critical import critical_force
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.modes_about import modes_about
+from rodgen.live.run.sweep import sweep
+from rodgen.loading import build_fastest
+from rodgen.scene import Scene, SceneError
+
+MOST_MODES, MOST_LINKS = 12, 250  # shown; beyond so many links they take seconds
+GROWS = 1e-6  # 1/s over Hz: below, growth is rounding
+POLITE = 10  # how far it stands back behind the run and the browser
+
+Work = Iterator[Any]
+Requests = queue.SimpleQueue[dict[str, Any] | None]
+
+
+def critical(scene: Scene) -> Work:
+    """The critical follower force [N] at the start."""
+    yield critical_force(scene, t=scene.integrate.span[0]).force
+
+
+def modes(scene: Scene, t: float, y: list[float]) -> Work:
+    """Modes about the positions of a state at time t [s], for the page: names, displacements of the
+    joints x0, y0, ..., real and imaginary, and what is said of them."""
+    if scene.rod.links > MOST_LINKS:
+        links = scene.rod.links
+        raise SceneError("rod.links", links, f"at most {MOST_LINKS} for modes on the page")
+    model = build_fastest(scene)
+    p = model.parameters(**scene.parameters)
+    found = modes_about(model, t, np.array(y), p, MOST_MODES)
+    named = [
+        f"{k}: {hertz:.4g} Hz" + (", grows" if rate > GROWS * hertz else "")
+        for k, (hertz, rate) in enumerate(zip(found.frequencies, found.growth, strict=True), 1)
+    ]
+    yield [
+        {
+            "name": name,
+            "text": f"mode {name}, about the rod as at t = {t:.4g} s",
+            "re": shape.real.ravel().round(6).tolist(),
+            "im": shape.imag.ravel().round(6).tolist(),
+        }
+        for name, shape in zip(named, found.displacements, strict=True)
+    ]
+
+
+WORKS: dict[str, Callable[..., Work]] = {"critical": critical, "modes": modes, "sweep": sweep}
+
+
+class Works:
+    """Requests that are being answered, by their numbers."""
+
+    def __init__(self, answer: Callable[..., object]):
+        self._answer = answer
+        self._works: dict[int, Work] = {}
+
+    def __len__(self) -> int:
+        return len(self._works)
+
+    def take(self, request: dict[str, Any]) -> None:
+        """Begin with a request, or drop the one of that number."""
+        number = request["number"]
+        self._works.pop(number, None)
+        if "what" in request:
+            self._works[number] = _begun(**request)
+
+    def go_on(self) -> None:
+        """A part of the request that waits longest."""
+        number, work = next(iter(self._works.items()))
+        del self._works[number]
+        try:
+            value = next(work, None)
+        except (AnalysisError, SceneError) as error:
+            self._answer(number, refused=str(error), last=True)
+        except Exception as error:  # a defect: whoever waits is told
+            traceback.print_exc()
+            self._answer(number, refused=f"rodgen has failed: {error!r}", last=True)
+        else:
+            self._answer(number, value=value, last=value is None)
+            if value is not None:
+                self._works[number] = work
+
+
+def _begun(number: int, what: str, scene: dict[str, Any], more: dict[str, Any]) -> Work:
+    yield from WORKS[what](Scene.from_dict(scene), **more)
+
+
+def _read(lines: TextIO, requests: Requests) -> None:
+    for line in lines:
+        requests.put(json.loads(line))
+    requests.put(None)
+
+
+def main() -> None:
+    """Answer requests until there are no more."""
+    if hasattr(os, "nice"):
+        os.nice(POLITE)
+    # What analyses print is no answer; and where they fork, the child would wait for who reads.
+    answers, sys.stdout = sys.stdout, sys.stderr
+    lines, sys.stdin = sys.stdin, None
+
+    def write(number: int, **answer: Any) -> None:
+        print(json.dumps({"number": number, **answer}), file=answers, flush=True)
+
+    requests: Requests = queue.SimpleQueue()
+    threading.Thread(target=_read, args=(lines, requests), daemon=True).start()
+    works = Works(write)
+    while True:
+        while not (len(works) and requests.empty()):
+            request = requests.get()
+            if request is None:
+                return
+            works.take(request)
+        works.go_on()
+
+
+if __name__ == "__main__":
+    with suppress(BrokenPipeError):  # the server has ended: nobody waits for an answer
+        main()

@@ -1,0 +1,64 @@
+"""The critical force of the scene that a run has at present."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from rodgen.live.run.aside import ASIDE, Answer, Errand
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene
+
+MOST_LINKS = 200  # beyond, it takes seconds
+PATIENCE = 0.4  # seconds without another change, before it is computed
+COMPUTING = "computing"
+
+
+class Critical:
+    """value: critical force [N] of the scene looked at last, or in words why there is none, or
+    None where no force follows the rod. do: has work done in the thread that all else is called
+    in; done: called there when the value has come."""
+
+    def __init__(
+        self,
+        do: Callable[[Callable[[], None]], object],
+        done: Callable[[], object],
+        clock: Callable[[], float] = time.perf_counter,
+    ):
+        self._do, self._done, self._clock = do, done, clock
+        self._scene: Scene | None = None  # whose force is to be computed, or is
+        self._errand: Errand | None = None
+        self._since = 0.0
+        self.value: float | str | None = None
+
+    def look(self, scene: Scene) -> None:
+        """Have it computed for another scene, where that has a critical force."""
+        self.cancel()
+        if not any(TERMS[name].has_size for name in scene.loads.following[:1]):
+            self.value = None
+        elif scene.rod.links > MOST_LINKS:
+            self.value = f"not computed: more than {MOST_LINKS} links"
+        else:
+            self.value, self._scene, self._since = COMPUTING, scene, self._clock()
+
+    def tick(self) -> None:
+        """Ask for it once the scene has stayed what it is for a while."""
+        scene = self._scene
+        if scene is None or self._errand is not None:
+            return
+        if self._clock() - self._since >= PATIENCE:
+            self._errand = ASIDE.ask(
+                "critical", scene, lambda answer: self._do(lambda: self._take(scene, answer))
+            )
+
+    def cancel(self) -> None:
+        """Do not ask for it, or no longer."""
+        self._scene = None
+        if self._errand is not None:
+            self._errand.drop()
+            self._errand = None
+
+    def _take(self, scene: Scene, answer: Answer) -> None:
+        if scene is self._scene and (answer.refused or answer.value is not None):
+            self.value = answer.refused or answer.value
+            self._done()

@@ -1,0 +1,133 @@
+"""What an address holds: a scene, and how and in which state it is looked at."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import math
+import zlib
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import tomli_w
+
+from rodgen.integrate.samples import Samples
+from rodgen.live.run.scenes import LARGEST
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.plain import is_number, read_text
+
+if TYPE_CHECKING:
+    from rodgen.live.run.live_run import LiveRun
+
+PAGE = "page"  # the table beside those of the scene
+MOST_STATES = 2000  # an address of more would be refused on its way
+
+
+@dataclass(frozen=True)
+class State:
+    """A sample of a run: t [s], y, work of each load without potential since the start [J], given
+    and start: energy that changes have put in, and total energy at the start [J]."""
+
+    t: float
+    y: tuple[float, ...]
+    work: tuple[float, ...]
+    given: float
+    start: float
+
+    @classmethod
+    def from_dict(cls, table: Any) -> State:
+        """Check what an address has. Raises SceneError."""
+        try:
+            single = [table[name] for name in ("t", "given", "start")]
+            several = [tuple(table[name]) for name in ("y", "work")]
+        except (TypeError, KeyError):
+            raise _refused("page.state", table) from None
+        for value in (*single, *several[0], *several[1]):
+            if not (is_number(value) and math.isfinite(value)):
+                raise _refused("page.state", value)
+        t, given, start = map(float, single)
+        return cls(t, several[0], several[1], given, start)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The state again, for `from_dict`."""
+        y, work = list(self.y), list(self.work)
+        return {"t": self.t, "y": y, "work": work, "given": self.given, "start": self.start}
+
+
+@dataclass(frozen=True)
+class Link:
+    """A scene; plots, as PlotSpec.from_dict takes them; view of the rod; the state to begin in, or
+    None for its own."""
+
+    scene: Scene
+    plots: tuple[dict[str, Any], ...] = ()
+    view: str = ""
+    state: State | None = None
+
+    def pack(self) -> str:
+        """The link in letters, digits, - and _, for an address."""
+        page: dict[str, Any] = {"plots": list(self.plots), "view": self.view}
+        if self.state is not None and len(self.state.y) <= MOST_STATES:
+            page["state"] = self.state.to_dict()
+        text = self.scene.to_toml() + "\n" + tomli_w.dumps({PAGE: page})
+        return base64.urlsafe_b64encode(zlib.compress(text.encode(), 9)).decode().rstrip("=")
+
+    @classmethod
+    def unpack(cls, text: str) -> Link:
+        """A link from `pack`. Raises SceneError for anything else."""
+        try:
+            data = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
+            content = zlib.decompressobj().decompress(data, LARGEST + 1)
+        except (binascii.Error, zlib.error, ValueError):
+            raise _refused("scene", text[:40]) from None
+        if len(content) > LARGEST:
+            raise SceneError("scene", f"{len(content)} bytes", f"at most {LARGEST} bytes")
+        table = read_text(content, "this address")
+        page = table.pop(PAGE, {})
+        scene = Scene.from_dict(table)
+        if not isinstance(page, dict):
+            raise _refused(PAGE, page)
+        plots, view, state = page.get("plots", []), page.get("view", ""), page.get("state")
+        if not (isinstance(plots, list) and all(isinstance(one, dict) for one in plots)):
+            raise _refused("page.plots", plots)
+        if not isinstance(view, str):
+            raise _refused("page.view", view)
+        return cls(scene, tuple(plots), view, None if state is None else State.from_dict(state))
+
+
+def _refused(field: str, value: Any) -> SceneError:
+    return SceneError(field, value, "as the link button gives it")
+
+
+def link_to(run: LiveRun, view: str) -> Link:
+    """The scene of a run, its plots, a view, and the state that its page looks at. In the thread of
+    the run."""
+    sample = run.seen
+    now = replace(sample, p=run.live.p)
+    before, after = (
+        float(run.catalogue.columns(["total_energy"], chunk)[-1, 0]) for chunk in (sample, now)
+    )
+    plots = [plot.spec.to_dict() for plot in run.plots.values()]
+    state = State(
+        t=float(sample.t[-1]),
+        y=tuple(sample.y[-1].tolist()),
+        work=tuple(sample.work[-1].tolist()),
+        given=sample.given + after - before,
+        start=sample.start,
+    )
+    choices = ({key: plot[key] for key in plot if key != "id"} for plot in plots)
+    return Link(run.live.scene, tuple(choices), view, state)
+
+
+def follow(run: LiveRun, link: Link) -> None:
+    """Have a run of the scene of a link begin as that says. In the thread of the run. Raises
+    SceneError for what cannot be had."""
+    if link.state is not None:
+        state, live = link.state, run.live
+        if (len(state.y), len(state.work)) != (live.states, len(live.works)):
+            raise SceneError("page.state", len(state.y), f"{live.states} numbers")
+        sample = Samples(*map(np.array, ([state.t], [state.y], [state.work])))
+        run.begin_at(sample, state.given, state.start)
+    for choice in link.plots:
+        run.add_plot(choice)

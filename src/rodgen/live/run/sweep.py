@@ -1,0 +1,114 @@
+"""A number of a scene over a range: how stable the straight rod is, and its equilibria.
+
+Computed in the process beside the server, a part at a time; a part is a dictionary that JSON has.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+import rodgen
+from rodgen.analyse.errors import AnalysisError
+from rodgen.live.run.scenes import Place, edit
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.plain import entry
+
+COUNT = 41  # values
+TOGETHER = 7  # of them between two looks at what else is asked for
+HALVINGS = 10  # of the step between two values, for where it becomes unstable
+ROUNDING = 1e-9  # of the length, below which a deflection is none
+MOST_LINKS = 200  # beyond, a value takes seconds
+
+Part = dict[str, Any]
+Row = list[Any]  # value, growth [1/s], frequency [Hz], whether stable; None where it failed
+
+
+def sweep(scene: Scene, path: Sequence[str], low: float, high: float, t: float) -> Iterator[Part]:
+    """Parts: "rows" of the stability map; "critical", the value at which the stability changes
+    first, or None; "branch" and "special" of the bifurcation diagram, or "note", why there is
+    none. t: the time whose loads are taken [s]. Raises SceneError."""
+    if scene.rod.links > MOST_LINKS:
+        raise SceneError("rod.links", scene.rod.links, f"at most {MOST_LINKS} for a sweep")
+    key = tuple(path)
+    values = np.linspace(low, high, COUNT).tolist()
+    rows: list[Row] = []
+    for at in range(0, COUNT, TOGETHER):
+        found = stability(scene, key, values[at : at + TOGETHER], t)
+        rows += found
+        yield {"rows": found}
+    yield {"critical": _critical(scene, key, rows, t)}
+    yield _branch(scene, key, (low, high), t)
+
+
+def stability(scene: Scene, path: Place, values: Sequence[float], t: float) -> list[Row]:
+    """Of each value: the value, the largest growth rate [1/s], the frequency of that mode [Hz], and
+    whether the straight rod is stable, None where that failed."""
+    whole = _text(scene, path)
+    given: Sequence[Any] = values
+    if whole:  # a number in an expression: the expressions that have it
+        given = [entry(edit(scene, [(path, value)]), *whole) for value in values]
+    vary = {".".join(whole or path): {"values": list(given)}}
+    data = rodgen.study(scene, vary=vary, what="modes", options={"t": t}, workers=1)
+    growth, frequency = data["growth"].values, data["frequency"].values
+    failed = data["status"].values != "finished"
+    rows: list[Row] = []
+    for at, value in enumerate(values):
+        if failed[at] or np.isnan(growth[at]).all():
+            rows.append([value, None, None, None])
+            continue
+        fastest = int(np.nanargmax(growth[at]))
+        numbers = float(growth[at, fastest]), float(frequency[at, fastest])
+        rows.append([value, *numbers, bool(data["stable"].values[at])])
+    return rows
+
+
+def _text(scene: Scene, path: Place) -> Place:
+    """Where the expression stands that a number is in; nothing where it is none of those."""
+    return path[:-1] if isinstance(entry(scene, *path[:-1]), str) else ()
+
+
+def _critical(scene: Scene, path: Place, rows: list[Row], t: float) -> float | None:
+    """The first value at which the straight rod becomes unstable, or stable."""
+    known = [(value, stable) for value, _, _, stable in rows if stable is not None]
+    for (low, before), (high, after) in pairwise(known):
+        if before == after:
+            continue
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            ((_, _, _, stable),) = stability(scene, path, [middle], t)
+            low, high = (middle, high) if stable == before else (low, middle)
+        return float(f"{(low + high) / 2:.4g}")
+    return None
+
+
+def _branch(scene: Scene, path: Place, ends: tuple[float, float], t: float) -> Part:
+    """The branch of equilibria on which the scene is: values, the deflection of the tip from the
+    first one [m], how many directions are unstable, states; and the special points on it."""
+    if _text(scene, path):
+        return {"note": "no equilibria: the number is part of an expression"}
+    try:
+        data = rodgen.continue_equilibria(scene, ".".join(path), ends, t=t)
+    except (AnalysisError, SceneError) as error:
+        return {"note": f"no equilibria: {error}"}
+    tip = data["tip"].values
+    away = np.hypot(*(tip - tip[0]).T)
+    away[away < ROUNDING * scene.rod.length] = 0.0
+    return {
+        "branch": {
+            "value": data["value"].values.tolist(),
+            "away": [one if math.isfinite(one) else None for one in away.tolist()],
+            "unstable": data["unstable"].values.tolist(),
+            "state": data["y"].values.tolist(),
+        },
+        "special": [
+            [float(value), str(kind)]
+            for value, kind in zip(
+                data["special_value"].values, data["special_kind"].values, strict=True
+            )
+        ],
+    }

@@ -1,0 +1,77 @@
+// What a link is doing, told beside the pointer that is upon it.
+
+import { short } from "./scales.js";
+
+const NEAR = 12; // pixels from a link that still meet it
+const [ROW, EDGE, APART] = [17, 7, 16]; // pixels of the panel, and from the pointer to it
+
+// The link nearest to (px, py): {link, share, distance}, in pixels; points as x0, y0, ...
+function nearest(points, px, py) {
+  let best = { distance: Infinity };
+  for (let at = 0; at + 3 < points.length; at += 2) {
+    const [x, y] = [points[at], points[at + 1]];
+    const [dx, dy] = [points[at + 2] - x, points[at + 3] - y];
+    const square = dx * dx + dy * dy;
+    const along = square > 0 ? ((px - x) * dx + (py - y) * dy) / square : 0;
+    const share = Math.min(Math.max(along, 0), 1);
+    const distance = Math.hypot(x + share * dx - px, y + share * dy - py);
+    if (distance < best.distance) {
+      best = { link: at / 2, share, distance };
+    }
+  }
+  return best;
+}
+
+// The link that a pointer is upon, or null.
+export function met(points, px, py) {
+  const hit = nearest(points, px, py);
+  return hit.distance <= NEAR ? hit : null;
+}
+
+// What there is to say of a link: its number, angle and rate, moments at its joints, forces there.
+export function said({ joints, omega, moment, forces }, loads, link) {
+  const at = 2 * link;
+  const phi = Math.atan2(joints[at + 3] - joints[at + 1], joints[at + 2] - joints[at]);
+  const rows = [
+    `link ${link}`,
+    `\u03c6 = ${short(phi)} rad (${short((180 / Math.PI) * phi, 3)}\u00b0)`,
+  ];
+  if (omega) rows.push(`\u03c9 = ${short(omega[link])} rad/s`);
+  if (moment) {
+    const [first, last] = [moment[link], moment[link + 1]].map((m) => short(m, 3));
+    rows.push(`M = ${first} and ${last} N m at its joints`);
+  }
+  for (const { term, label } of loads) {
+    const part = forces[term]?.subarray(at, at + 4);
+    if (!part) continue;
+    const size = Math.hypot(part[0] + part[2], part[1] + part[3]);
+    if (size > 0) rows.push(`${label} ${short(size, 3)} N at its joints`);
+  }
+  return rows;
+}
+
+// Draws the link that (px, py) is upon, and what is said of it, inside of the picture.
+export function hint(context, camera, points, [px, py], hit, rows, colours) {
+  const at = 2 * hit.link;
+  context.strokeStyle = colours.present;
+  context.lineWidth = 2;
+  context.beginPath();
+  context.moveTo(points[at], points[at + 1]);
+  context.lineTo(points[at + 2], points[at + 3]);
+  context.stroke();
+  const wide = Math.max(...rows.map((row) => context.measureText(row).width)) + 2 * EDGE;
+  const high = ROW * rows.length + 2 * EDGE;
+  const x = px + APART + wide < camera.width ? px + APART : px - APART - wide;
+  const y = Math.min(Math.max(py - high / 2, 0), camera.height - high);
+  context.fillStyle = colours.background;
+  context.strokeStyle = colours.axis;
+  context.lineWidth = 1;
+  context.beginPath();
+  context.roundRect(x, y, wide, high, 5);
+  context.fill();
+  context.stroke();
+  context.fillStyle = colours.ink;
+  context.textAlign = "left";
+  context.textBaseline = "middle";
+  rows.forEach((row, k) => context.fillText(row, x + EDGE, y + EDGE + (k + 0.5) * ROW));
+}

@@ -1,0 +1,233 @@
+// The time line: a slider over the samples that are kept, steps to either side, and a loop.
+
+import { act, button, listen, make, placeOf, relabel } from "rodgen-live/dom.js";
+import { hub } from "rodgen-live/hub.js";
+import { short } from "rodgen-live/scales.js";
+import { theme } from "rodgen-live/theme.js";
+
+const EDGE = 9; // pixels beside the line, for the ends of the handle
+const RADIUS = 7; // of the handle
+const NEAR = 5; // pixels from a mark that tell it
+const PAGE = 0.1; // of the line, by the keys for a page
+
+// From one end to the other and again, by the clock. Ends that are not chosen are those of the line.
+class Loop {
+  a = null;
+  b = null;
+  playing = false;
+  speed = 1;
+  #before = null;
+  #t = 0;
+
+  get from() {
+    return this.a ?? hub.past.from;
+  }
+
+  get to() {
+    return this.b ?? hub.past.to;
+  }
+
+  // An end that is beyond the other moves that out of its way; at its own place again: not chosen.
+  choose(end, other, t) {
+    this[end] = this[end] === t ? null : t;
+    if (this.a !== null && this.b !== null && this.a >= this.b) this[other] = null;
+  }
+
+  play(playing) {
+    this.playing = playing;
+    this.#before = null;
+    this.#t = hub.past.place;
+  }
+
+  // The time to show by now.
+  next(now) {
+    const passed = this.#before === null ? 0 : (now - this.#before) / 1000;
+    this.#before = now;
+    this.#t += this.speed * passed;
+    if (!(this.#t >= this.from && this.#t <= this.to)) this.#t = this.from;
+    return this.#t;
+  }
+}
+
+export default {
+  template: `<div class="rodgen-line" role="group" aria-label="Time line"></div>`,
+  props: { speed: Number, recorded: Boolean }, // recorded: no other run can begin
+  mounted() {
+    this.loop = new Loop();
+    this.loop.speed = this.speed;
+    this.build();
+    this.painter = { paint: (now, fresh, fully) => this.paint(now, fresh, fully) };
+    hub.painters.add(this.painter);
+    this.sizes = new ResizeObserver(() => this.draw());
+    this.sizes.observe(this.track);
+  },
+  beforeUnmount() {
+    this.sizes.disconnect();
+    hub.painters.delete(this.painter);
+  },
+  watch: {
+    speed(speed) {
+      this.loop.speed = speed;
+    },
+  },
+  methods: {
+    build() {
+      this.track = make("canvas", {
+        role: "slider",
+        tabindex: "0",
+        "aria-label": "Time that is shown",
+        "aria-valuemin": "0",
+        "aria-valuemax": "0",
+        "aria-valuenow": "0",
+      });
+      listen(this.track, {
+        pointerdown: (event) => this.press(event),
+        pointermove: (event) => this.move(event),
+        keydown: (event) => this.key(event),
+      });
+      this.go = button("repeat", "", () => this.play(!this.loop.playing));
+      this.now = button("last_page", "To the present (End)", () => this.look(null));
+      this.ends = { a: this.letter("a", "from"), b: this.letter("b", "up to") };
+      const beside = (...buttons) => make("div", { class: "rodgen-buttons" }, ...buttons);
+      const back = button("chevron_left", "A sample back (left arrow)", () => this.step(-1));
+      const on = button("chevron_right", "A sample on (right arrow)", () => this.step(1));
+      this.kept = button("filter_none", "Keep each run, to compare with the next", () =>
+        hub.past.keep(!hub.past.keeps),
+      );
+      const branch = button("call_split", "Another run from here; this one is kept", () =>
+        this.branch(),
+      );
+      const begins = this.recorded ? [] : [this.kept, branch];
+      const right = beside(this.ends.a, this.ends.b, this.now, ...begins);
+      this.$el.append(beside(back, this.go, on), this.track, right);
+      this.play(false);
+    },
+    letter(end, words) {
+      const label = `Loop ${words} here (${end})`;
+      const onclick = () => this.choose(end);
+      const of = { type: "button", "aria-label": label, title: label, onclick };
+      return make("button", of, end.toUpperCase());
+    },
+    play(playing) {
+      this.loop.play(playing);
+      const label = playing ? "Stop playing" : "Play again what was";
+      relabel(this.go, playing ? "stop" : "repeat", label);
+      if (playing && !hub.past.back) hub.past.look(this.loop.from);
+      hub.repaint();
+    },
+    look(t) {
+      if (this.loop.playing) this.play(false);
+      hub.past.look(t);
+      hub.repaint();
+    },
+    step(by) {
+      if (this.loop.playing) this.play(false);
+      hub.past.step(by);
+    },
+    branch() {
+      if (this.loop.playing) this.play(false);
+      hub.past.branch();
+    },
+    choose(end) {
+      this.loop.choose(end, end === "a" ? "b" : "a", hub.past.place);
+      hub.repaint();
+    },
+    // Seconds at a place in the track.
+    time(px) {
+      const { from, to } = hub.past;
+      const share = (px - EDGE) / Math.max(this.track.clientWidth - 2 * EDGE, 1);
+      return from + Math.min(Math.max(share, 0), 1) * (to - from);
+    },
+    place(t) {
+      return EDGE + hub.past.share(t) * (this.track.clientWidth - 2 * EDGE);
+    },
+    press(event) {
+      if (event.button !== 0) return;
+      this.track.setPointerCapture(event.pointerId);
+      this.drag(event);
+    },
+    move(event) {
+      if (this.track.hasPointerCapture(event.pointerId)) this.drag(event);
+      else this.tell(placeOf(event, this.track)[0]);
+    },
+    drag(event) {
+      const t = this.time(placeOf(event, this.track)[0]);
+      this.look(t < hub.past.to ? t : null);
+    },
+    tell(px) {
+      const near = hub.past.marks.filter(([t]) => Math.abs(this.place(t) - px) < NEAR);
+      this.track.title = near.map(([t, what]) => `${what}, t = ${short(t, 6)} s`).join("\n");
+    },
+    key(event) {
+      const { from, to, place } = hub.past;
+      const page = PAGE * (to - from);
+      const moves = {
+        ArrowLeft: () => this.step(-1),
+        ArrowDown: () => this.step(-1),
+        ArrowRight: () => this.step(1),
+        ArrowUp: () => this.step(1),
+        PageDown: () => this.look(Math.max(place - page, from)),
+        PageUp: () => this.look(place + page < to ? place + page : null),
+        Home: () => this.look(from),
+        End: () => this.look(null),
+        a: () => this.choose("a"),
+        b: () => this.choose("b"),
+      };
+      act(event, moves);
+    },
+    // True while it plays.
+    paint(now, fresh, fully) {
+      if (this.loop.playing) {
+        if (hub.past.back) hub.past.look(this.loop.next(now));
+        else this.play(false);
+      }
+      if (fresh || fully || this.loop.playing) this.draw();
+      return this.loop.playing;
+    },
+    draw() {
+      const [wide, high] = [this.track.clientWidth, this.track.clientHeight];
+      if (!(wide > 0)) return;
+      const dense = window.devicePixelRatio || 1;
+      if (this.track.width !== Math.round(wide * dense)) {
+        Object.assign(this.track, { width: Math.round(wide * dense), height: high * dense });
+      }
+      const context = this.track.getContext("2d");
+      context.setTransform(dense, 0, 0, dense, 0, 0);
+      context.clearRect(0, 0, wide, high);
+      this.line(context, high / 2, theme());
+      this.say();
+    },
+    line(context, y, colours) {
+      const { past } = hub;
+      const bar = (from, to, height, colour) => {
+        const [left, right] = [this.place(from), this.place(to)];
+        context.fillStyle = colour;
+        context.fillRect(left, y - height / 2, right - left, height);
+      };
+      bar(past.from, past.to, 4, colours.axis);
+      const chosen = this.loop.a !== null || this.loop.b !== null;
+      if (chosen) bar(this.loop.from, this.loop.to, 10, colours.axis);
+      bar(past.from, past.place, 4, colours.faint);
+      context.fillStyle = colours.kick;
+      for (const [t] of past.marks) context.fillRect(this.place(t) - 1, y - 8, 2, 16);
+      context.beginPath();
+      context.arc(this.place(past.place), y, RADIUS, 0, 2 * Math.PI);
+      context.fillStyle = past.back ? colours.present : colours.ink;
+      context.fill();
+    },
+    say() {
+      const { past } = hub;
+      const set = (element, name, value) => {
+        if (element.getAttribute(name) !== String(value)) element.setAttribute(name, value);
+      };
+      const where = past.back ? "looking back" : "the present";
+      set(this.track, "aria-valuemin", past.from);
+      set(this.track, "aria-valuemax", past.to);
+      set(this.track, "aria-valuenow", past.place);
+      set(this.track, "aria-valuetext", `${short(past.place, 6)} s, ${where}`);
+      for (const end of ["a", "b"]) set(this.ends[end], "aria-pressed", this.loop[end] !== null);
+      set(this.kept, "aria-pressed", past.keeps);
+      this.now.disabled = !past.back;
+    },
+  },
+};

@@ -1,0 +1,79 @@
+"""Colours of what is drawn, on light and on dark ground: in the page, its plots, and pictures.
+
+moments and along: stops of colour maps; series: of curves that are to be told apart, also by those
+who see fewer colours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+Colours = Mapping[str, str | tuple[str, ...]]
+
+LIGHT: Colours = {
+    "background": "#ffffff",
+    "ink": "#20242b",
+    "faint": "#5b6470",
+    "grid": "#e7eaee",
+    "axis": "#b4bcc6",
+    "link": "#52657d",
+    "edge": "#20242b",
+    "joint": "#7a8696",
+    "panel": "rgba(255,255,255,0.82)",
+    "tail": "#64748b",
+    "centre": "#0f766e",
+    "principal": "#0f766e",
+    "kick": "#dc2626",
+    "present": "#c2410c",
+    "moments": ("#08519c", "#4a90c9", "#eef0f2", "#e0705a", "#a50f15"),
+    "along": ("#440154", "#3b528b", "#21918c", "#3fa34d", "#b59d00"),
+    "series": (
+        "#032ca5",
+        "#8b0400",
+        "#197647",
+        "#a2238b",
+        "#9a913d",
+        "#0393f8",
+        "#8108ff",
+        "#3f2f35",
+    ),
+}
+DARK: Colours = {
+    "background": "#16191d",
+    "ink": "#e8eaed",
+    "faint": "#a2abb6",
+    "grid": "#262b31",
+    "axis": "#4a525c",
+    "link": "#9fb3c8",
+    "edge": "#0b0d0f",
+    "joint": "#aab4c0",
+    "panel": "rgba(22,25,29,0.82)",
+    "tail": "#94a3b8",
+    "centre": "#5eead4",
+    "principal": "#5eead4",
+    "kick": "#f87171",
+    "present": "#fb923c",
+    "moments": ("#3b9cff", "#7cb8ee", "#f1f3f5", "#f0907a", "#ff4d4d"),
+    "along": ("#8f7bff", "#5aa0ff", "#35c9c0", "#8ddf5f", "#fde725"),
+    "series": (
+        "#2ab4ff",
+        "#e97123",
+        "#7fa669",
+        "#b67796",
+        "#ffea40",
+        "#6bfaea",
+        "#da4dc5",
+        "#dbfec4",
+    ),
+}
+
+
+def shades(name: str, palette: Colours = LIGHT) -> tuple[str, ...]:
+    """The colours of a name: one, or all of a row."""
+    found = palette[name]
+    return (found,) if isinstance(found, str) else found
+
+
+def as_css(palette: Colours) -> str:
+    """Declarations of custom properties, --rg-NAME: colours with commas between."""
+    return " ".join(f"--rg-{name}: {', '.join(shades(name, palette))};" for name in palette)

@@ -1,0 +1,81 @@
+"""How scenes come in and go out: files, tables, examples, and scenes made of scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import tomli_w
+
+from rodgen.scene.errors import SceneError
+from rodgen.scene.examples import example, examples
+from rodgen.scene.files import with_tables
+from rodgen.scene.keys import put_values
+from rodgen.scene.plain import plain, read_table
+from rodgen.scene.tables import Table
+
+LINKS = "rod.links"
+
+
+class Exchange(Table):
+    """What makes scenes, and what is made of them; its one subclass is Scene."""
+
+    if TYPE_CHECKING:  # which has the rod
+
+        def with_links(self, links: int) -> Self: ...
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Self:
+        """Read a scene from a TOML file, of at most 10 MB, 1e5 values, and 50 levels; tables of
+        numbers that an expression takes from a file are read from the folder of the scene."""
+        path = Path(path)
+        if path.stem in examples() and not path.exists():
+            copied = f"a file that is there; `rodgen new {path.stem} --from {path.stem}` writes it"
+            raise SceneError("scene", str(path), copied)
+        return cls.from_dict(with_tables(read_table(path), path.parent))
+
+    @classmethod
+    def from_dict(cls, table: dict[str, Any]) -> Self:
+        """Check a scene that is already a dictionary of tables."""
+        if not isinstance(table, dict):
+            raise SceneError("scene", table, "a table")
+        if "numbers" in table:
+            raise SceneError(
+                "numbers", table["numbers"], "absent: [parameters] has numbers by name"
+            )
+        return cls(**{str(key): value for key, value in table.items()})
+
+    @classmethod
+    def example(cls, name: str) -> Self:
+        """One of the scenes that come with rodgen, by its name, such as "missile"; `rodgen scenes`
+        lists them. Raises SceneError, which names them all."""
+        return cls.from_toml(example(name))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The tables of the scene, without what it leaves out; `from_dict` makes it of them."""
+        return self.model_dump(exclude_none=True)
+
+    def to_toml(self) -> str:
+        """The text of a TOML file from which `from_toml` makes a scene equal to this one; numbers
+        of tables that were read from files stand in it."""
+        return tomli_w.dumps(self.to_dict())
+
+    def replace(self, changes: Mapping[str, Any]) -> Self:
+        """A scene with other values of keys, by their dotted names, checked as in a file.
+
+        Names are those of the tables, such as "loads.follower.force"; bodies go by their names
+        ("bodies.payload.mass"), other tables of an array by their numbers ("supports.0.at"). A
+        value may be a whole table, and None leaves the key out. Another number of links
+        ("rod.links") converts damping as `with_links` does. Raises SceneError.
+
+            weaker = scene.replace({"loads.follower.force": 300, "initial.phi": "0.1*s"})
+        """
+        if not isinstance(changes, Mapping):
+            raise SceneError("changes", changes, "a dictionary of values by dotted names")
+        given = {str(name): plain(value, str(name)) for name, value in changes.items()}
+        table = self.to_dict()
+        if given.get(LINKS, table["rod"]["links"]) != table["rod"]["links"]:
+            table = self.with_links(given.pop(LINKS)).to_dict()
+        put_values(table, given)
+        return self.from_dict(table)

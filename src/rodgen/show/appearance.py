@@ -1,0 +1,165 @@
+"""How results and scenes look: the pictures and the table of each kind, by `rodgen.shown`."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from html import escape
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+
+from rodgen.analyse.branches import boundary
+from rodgen.analyse.branches import branch_data as branches
+from rodgen.analyse.chaos.exponents import Exponents
+from rodgen.analyse.critical import Critical, family_of
+from rodgen.analyse.curves.datasets import scene_of
+from rodgen.analyse.cycles import branch_data as cycle_branches
+from rodgen.analyse.cycles import nonlinear_modes
+from rodgen.analyse.cycles.cycle import Cycle
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.modes import Modes
+from rodgen.analyse.statics import Equilibrium
+from rodgen.analyse.system import System
+from rodgen.integrate import Solution
+from rodgen.scene import Scene, SceneError
+from rodgen.show import result_tables as tables
+from rodgen.show.analysis_pictures import equilibrium_shape, mode_shapes, stability_curves
+from rodgen.show.animation.times import Settings
+from rodgen.show.animation.video import Video, make_video
+from rodgen.show.branch_pictures import bifurcation_diagram, boundary_curve
+from rodgen.show.canvas import drawing
+from rodgen.show.cycle_pictures import amplitudes, family, film_strip, unit_circle
+from rodgen.show.exponent_pictures import convergence
+from rodgen.show.pictures import PICTURES, drawable
+from rodgen.show.result_tables import ResultTable
+from rodgen.show.scene_picture import at_start
+from rodgen.show.study_pictures import pictures_of
+from rodgen.shown import Shown
+
+if TYPE_CHECKING:
+    import xarray
+
+DOTS_PER_INCH = 80  # of pictures in notebooks
+
+
+@dataclass(frozen=True)
+class Look:
+    """table: its numbers in words; pictures: by name, the first of which is shown by default."""
+
+    table: Callable[[Any], Mapping[str, str] | ResultTable]
+    pictures: Mapping[str, Callable[[Any], Figure]]
+
+
+def _of_run(draw: Callable[[Solution], Figure]) -> Callable[[Solution], Figure]:
+    """A picture of as much of a run as can be drawn. Raises SceneError where that is nothing."""
+
+    def drawn(solution: Solution) -> Figure:
+        shown = drawable(solution)
+        if not len(shown.t):
+            raise SceneError("solution", solution, "a run with samples that can be drawn")
+        return draw(shown)
+
+    return drawn
+
+
+def _equilibrium(rest: Equilibrium) -> Figure:
+    return equilibrium_shape(rest, System.of(rest.scene, rest.t))
+
+
+def _critical(found: Critical) -> Figure:
+    scene = found.scene
+    speed = found.speed if scene.hold.translates else None
+    return stability_curves(found, family_of(scene, found.t, speed, load=found.load))
+
+
+LOOKS: dict[type[Shown], Look] = {
+    Scene: Look(tables.of_scene, {"start": at_start}),
+    Solution: Look(tables.of_solution, {name: _of_run(draw) for name, draw in PICTURES.items()}),
+    Modes: Look(tables.of_modes, {"shapes": lambda found: mode_shapes(found, found.scene)}),
+    Equilibrium: Look(tables.of_equilibrium, {"shape": _equilibrium}),
+    Critical: Look(tables.of_critical, {"curves": _critical}),
+    Cycle: Look(tables.of_cycle, {"film": film_strip, "multipliers": unit_circle}),
+    Exponents: Look(
+        tables.of_exponents, {"means": lambda found: convergence(found, found.scene.name)}
+    ),
+}
+
+
+# Of Datasets, by the attribute `format` that they have.
+CURVES: dict[str, tuple[str, Callable[[Any, Scene], Figure]]] = {
+    branches.FORMAT: ("branch", lambda data, scene: bifurcation_diagram([data], scene)),
+    boundary.FORMAT: ("boundary", boundary_curve),
+    cycle_branches.FORMAT: ("cycles", amplitudes),
+    nonlinear_modes.FORMAT: ("mode", family),
+}
+
+
+def plot(shown: Shown, picture: str | None, figure: Figure | SubFigure | None) -> Axes:
+    """Draw one of its pictures; returns the first axes. Raises SceneError for one it has not."""
+    pictures = LOOKS[type(shown)].pictures
+    return _drawn({k: partial(draw, shown) for k, draw in pictures.items()}, picture, figure)
+
+
+def plot_dataset(
+    data: xarray.Dataset, picture: str | None, figure: Figure | SubFigure | None
+) -> Axes:
+    """Draw a branch, a boundary or a study as `plot` does. Raises SceneError for another one."""
+    if "status" in data and "digest" in data.attrs:
+        return _drawn(pictures_of(data), picture, figure)
+    form = data.attrs.get("format")
+    if form not in CURVES:
+        raise SceneError("data", form, f"a Dataset of one of the formats {', '.join(CURVES)}")
+    name, draw = CURVES[form]
+    return _drawn({name: partial(draw, data, scene_of(data))}, picture, figure)
+
+
+def _drawn(
+    pictures: Mapping[str, Callable[[], Figure]],
+    picture: str | None,
+    figure: Figure | SubFigure | None,
+) -> Axes:
+    """The first axes of a picture, by default the first. Raises SceneError for none of these."""
+    name = next(iter(pictures), "") if picture is None else picture
+    if name not in pictures:
+        raise SceneError("picture", picture, f"one of {', '.join(pictures) or 'none'}")
+    from matplotlib import pyplot
+
+    with drawing(figure or pyplot.figure):
+        return pictures[name]().axes[0]
+
+
+def video(solution: Solution, **settings: Any) -> Video:
+    """A film of a run, as `Solution.animate` asks for it."""
+    return make_video(solution, Settings(**settings))
+
+
+def html(shown: Shown) -> str:
+    """Its first picture, where it can be drawn, and its table."""
+    look = LOOKS[type(shown)]
+    parts = []
+    with suppress(AnalysisError, SceneError):  # the table says what there is
+        draw = next(iter(look.pictures.values()))
+        parts.append(_image(draw(shown), repr(shown)))
+    parts.append(_table(look.table(shown)))
+    return f"<div><p>{escape(repr(shown))}</p>{''.join(parts)}</div>"
+
+
+def _image(figure: Figure, words: str) -> str:
+    file = BytesIO()
+    figure.savefig(file, format="png", dpi=DOTS_PER_INCH)
+    data = base64.b64encode(file.getvalue()).decode()
+    return f'<img alt="{escape(words)}" src="data:image/png;base64,{data}">'
+
+
+def _table(given: Mapping[str, str] | ResultTable) -> str:
+    table = given if isinstance(given, ResultTable) else ResultTable.of_values(given)
+    head = "".join(f"<th>{escape(name)}</th>" for name in table.columns)
+    rows = [f"<tr>{head}</tr>"] if any(table.columns) else []
+    rows += [f"<tr>{''.join(f'<td>{escape(one)}</td>' for one in row)}</tr>" for row in table.rows]
+    return f"<table>{''.join(rows)}</table>"

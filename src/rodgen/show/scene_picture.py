@@ -1,0 +1,33 @@
+"""The picture of a scene: the rod as it starts, what holds it, and the loads on it."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rodgen.analyse.system import System
+from rodgen.scene import Scene
+from rodgen.show.analysis_pictures import draw_loads, load_keys
+from rodgen.show.canvas import LINE, canvas
+from rodgen.show.pictures import draw_anchors, draw_bodies, frame
+
+
+def at_start(scene: Scene) -> Figure:
+    """The rod in its initial state with its bodies, supports and loads at the start of the span;
+    its module is built where it has not been."""
+    system, y = System.of(scene, scene.integrate.span[0]), scene.initial_state()
+    joints = system.model.joints(y, system.parameters())
+    figure = canvas(6.0, 5.0)
+    axes = figure.add_subplot()
+    axes.grid(alpha=0.3)
+    axes.plot(*joints.T, "-", color="tab:blue", linewidth=LINE)
+    axes.plot(*joints[0], "ks" if scene.hold.clamped else "ko", markersize=5)
+    draw_bodies(axes, scene, joints, "tab:blue")
+    draw_anchors(axes, scene, joints, "tab:blue")
+    drawn = draw_loads(axes, system, joints, y, 1.0)
+    fixed = [(tie.x, tie.y) for tie in scene.anchors.ties]
+    axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{scene.name} at the start (dot: joint 0)")
+    frame(axes, np.concatenate((joints, *drawn, np.reshape(fixed, (-1, 2)))))
+    if keys := load_keys(system, y):
+        figure.legend(handles=keys, loc="outside lower center", ncols=2, fontsize="small")
+    return figure

@@ -1,0 +1,144 @@
+"""Curves that Ctrl-C stops: what was found is kept, and gone on with it is the whole curve."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.analyse.curves import files
+from rodgen.scene import Scene
+from tests.analyse.test_boundary import INTERNAL, ONES
+from tests.analyse.test_cycle_branches import COLUMN
+
+Rod = Callable[..., Scene]
+FORCE, AXIAL = "loads.follower.force", "loads.tip.x"
+Follow = Callable[..., Any]
+
+
+def _equilibria(rod: Rod) -> tuple[Follow, str, str]:
+    scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
+
+    def follow(**given: Any) -> Any:
+        return rodgen.continue_equilibria(scene, AXIAL, (0.0, -20.0), step=0.1, **given)
+
+    return follow, "value", "phi"
+
+
+def _boundary(rod: Rod) -> tuple[Follow, str, str]:
+    loads = {"follower": {"force": 2.0}, "internal_damping": {"coefficient": 0.18}}
+    scene = rod(3, "cantilever", loads, inertia="lumped", **ONES)
+
+    def follow(**given: Any) -> Any:
+        ends = ((0.0, 60.0), (0.0, 3.0))
+        return rodgen.stability_boundary(scene, (FORCE, INTERNAL), ranges=ends, **given)
+
+    return follow, "b", "a"
+
+
+def _cycles(rod: Rod) -> tuple[Follow, str, str]:
+    scene = Scene.from_dict(COLUMN)
+
+    def follow(**given: Any) -> Any:
+        return rodgen.continue_cycles(scene, FORCE, (18.0, 21.0), **{"start": "run"} | given)
+
+    return follow, "value", "period"
+
+
+def _stopped(follow: Follow, after: int, **given: Any) -> Any:
+    """What there is when Ctrl-C comes with a point."""
+    seen = 0
+
+    def watch(value: Any) -> None:
+        nonlocal seen
+        seen += 1
+        if seen == after:
+            raise KeyboardInterrupt
+
+    with pytest.raises(rodgen.BranchInterrupted, match="interrupted after") as caught:
+        follow(watch=watch, **given)
+    return caught.value.found
+
+
+@pytest.mark.parametrize("kind", [_equilibria, _boundary, _cycles])
+def test_what_was_found_is_kept_and_gone_on_with(kind: Any, rod: Rod, tmp_path: Path) -> None:
+    follow, along, with_it = kind(rod)
+    whole = follow()
+    part = _stopped(follow, 4)
+    assert not part.attrs["complete"]
+    assert part.attrs["end"].startswith("it was interrupted at")
+    assert part.sizes["point"] == 4
+    files.save(part, tmp_path / "part.nc")
+    read = files.read(tmp_path / "part.nc", "resume", "a curve", part.attrs["format"])
+    # Where it was followed both ways, the end that was reached is its first point.
+    back = 0 if kind is not _equilibria else -1
+    on = follow(resume=read, at=back)
+    if back == 0:
+        on = follow(resume=on, at=-1)
+    assert on.attrs["complete"]
+    assert (np.diff(on["length"].values) > 0).all()
+    for name in (along, with_it):
+        np.testing.assert_allclose(on[name].values[[0, -1]], whole[name].values[[0, -1]], rtol=1e-8)
+    assert set(part[along].values.tolist()) <= set(on[along].values.tolist())
+
+
+def test_ctrl_c_before_the_other_branch_leaves_the_first(rod: Rod) -> None:
+    scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": 0.0}})
+
+    def follow(**given: Any) -> Any:
+        return rodgen.continue_equilibria(scene, AXIAL, (0.0, -20.0), step=0.1, **given)
+
+    straight = _stopped(follow, 3, switch=1)
+    assert straight.attrs["switch"] == 0
+    assert np.abs(straight["phi"].values).max() == 0.0
+    bent = _stopped(follow, 22, switch=1)
+    assert bent.attrs["switch"] == 1
+    assert np.abs(bent["phi"].values).max() > 0.1
+
+
+def test_numbers_beyond_range_end_a_branch(rod: Rod) -> None:
+    """Whatever breaks in the middle, what was found before is there."""
+    scene = rod(4, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
+    seen = []
+
+    def watch(value: float) -> None:
+        seen.append(value)
+        if len(seen) == 5:
+            raise OverflowError("math range error")
+
+    found = rodgen.continue_equilibria(scene, AXIAL, (0.0, -20.0), step=0.1, watch=watch)
+    assert found["value"].values.tolist() == pytest.approx(seen, rel=1e-12)
+    assert found.attrs["end"].startswith("math range error at")
+    assert not found.attrs["complete"]
+
+
+def test_a_boundary_is_gone_on_with_through_a_corner(rod: Rod) -> None:
+    """From a point where it diverges, back to where it flutters, and from the limit of no damping
+    nowhere."""
+    loads = {"follower": {"force": 2.0}, "tip": {"x": 0.0, "y": 0.0}}
+    scene = rod(3, "cantilever", loads, inertia="lumped", **ONES)
+    keys, ends = (FORCE, AXIAL), ((-30.0, 30.0), (-30.0, 10.0))
+    whole = rodgen.stability_boundary(scene, keys, ranges=ends)
+    still = np.flatnonzero(whole["frequency"].values == 0.0)
+    part = whole.isel(point=slice(int(still[-1]) - 8, int(still[-1]) - 3), special=slice(0))
+    part = part.assign(length=part["length"] - part["length"][0])
+    if float(part["a"][0]) > float(part["a"][-1]):
+        part = part.isel(point=slice(None, None, -1))
+    on = rodgen.stability_boundary(scene, keys, ranges=ends, resume=part)
+    assert on["special_kind"].values.tolist() == ["zero frequency"]
+    corner = [float(on[f"special_{name}"][0]) for name in ("a", "b")]
+    exact = [float(whole[f"special_{name}"][0]) for name in ("a", "b")]
+    assert corner == pytest.approx(exact, rel=1e-6)
+    assert float(on["frequency"][-1]) > 0
+
+
+def test_the_limit_of_no_damping_is_an_end(rod: Rod) -> None:
+    follow, *_ = _boundary(rod)
+    whole = follow()
+    assert float(whole["b"][0]) == 0.0
+    again = follow(resume=whole, at=0)
+    assert again.sizes["point"] == whole.sizes["point"]

@@ -1,0 +1,37 @@
+"""rodgen scenes and rodgen new: what comes with the package, copied to be changed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from subprocess import CompletedProcess
+
+from rodgen.scene import Scene
+
+Run = Callable[..., CompletedProcess[str]]
+
+
+def test_scenes_are_listed(works: Run) -> None:
+    shown = works("scenes").stdout
+    told = json.loads(works("scenes", "--json").stdout)
+    assert len(told["scenes"]) > 10
+    for name, one in told["scenes"].items():
+        assert name in shown
+        assert Scene.from_toml(one["file"]) == Scene.example(name)
+    assert "flutter_map" in told["studies"]
+    assert Path(told["studies"]["flutter_map"]["file"]).is_file()
+
+
+def test_a_copy_is_written_once(works: Run, refused: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "new"
+    works("new", "mine", "--from", "ziegler", "--out", folder)
+    file = folder / "mine.toml"
+    assert Scene.from_toml(file) == Scene.example("ziegler").replace({"name": "mine"})
+    assert file.read_text(encoding="utf-8").startswith("# Ziegler's double pendulum")
+    kept = file.read_bytes()
+    refused("new", "mine", "--out", folder, says="is there already")
+    refused("new", "other", "--from", "rocket", "--out", folder, says="one of beck_after_flutter")
+    refused("new", "../other", "--out", folder, says="a plain identifier")
+    assert file.read_bytes() == kept
+    assert [path.name for path in folder.iterdir()] == ["mine.toml"]

@@ -1,0 +1,89 @@
+"""C functions of a module for what calls them without Python: addresses, ctypes, SciPy, Numba."""
+
+from __future__ import annotations
+
+import ctypes
+import gc
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.scene import Structure
+
+STRUCTURE = Structure(2, "pinned", terms=("gravity",))
+Y = np.array([0.1, 0.2, 0.3, 0.4])
+
+
+@pytest.fixture(scope="module")
+def rod() -> Any:
+    return rodgen.build(STRUCTURE, "c")
+
+
+@pytest.fixture(scope="module")
+def p(rod: Any) -> Any:
+    return rod.parameters(mass=1.0, length=2.0, bending_stiffness=3.0)
+
+
+def test_a_pointer_of_ctypes_calls_the_function(rod: Any, p: Any) -> None:
+    pointer, out = rod.rhs.compiled.pointer(), np.empty(4)
+    array = ctypes.POINTER(ctypes.c_double)
+    pointer(0.0, *(one.ctypes.data_as(array) for one in (Y, p, out)))
+    assert np.array_equal(out, rod.rhs(0.0, Y, p))
+    out = np.empty((3, 4))
+    many = np.stack([Y, 2 * Y, 3 * Y])
+    pointer = rod.rhs_batch.compiled.pointer()
+    pointer(
+        3, 0.0, many.ctypes.data_as(array), p.ctypes.data_as(array), 0, out.ctypes.data_as(array)
+    )
+    assert np.array_equal(out, rod.rhs_batch(0.0, many, p))
+
+
+def test_a_callable_of_scipy(rod: Any) -> None:
+    made = rod.jac.compiled.low_level()
+    assert made.signature == "void (double, double *, double *, double *)"
+    address = ctypes.cast(made.function, ctypes.c_void_p).value
+    assert address == rod.jac.compiled.address
+
+
+def test_functions_say_what_they_are(rod: Any) -> None:
+    for name in ("rhs", "rhs_batch", "jac", "tangents"):
+        function = getattr(rod, name).compiled
+        assert f"rod_pinned_n2_gravity_c_{name})(" in repr(function)
+        assert hex(function.address) in repr(function)
+    assert not hasattr(rodgen.build(STRUCTURE).rhs, "compiled")
+    assert pickle.loads(pickle.dumps(rod)) is rod
+
+
+def test_a_pointer_keeps_its_library(p: Any) -> None:
+    from rodgen.loading import sources
+    from rodgen.loading.module import load_files
+
+    made = load_files(sources(STRUCTURE, "c", parts=("rhs",)), whole=False)
+    due, pointer = made.rhs(0.0, Y, p), made.rhs.compiled.pointer()
+    del made
+    gc.collect()
+    out, array = np.empty(4), ctypes.POINTER(ctypes.c_double)
+    pointer(0.0, *(one.ctypes.data_as(array) for one in (Y, p, out)))
+    assert np.array_equal(out, due)
+
+
+@pytest.mark.long  # Numba compiles
+def test_a_loop_compiled_by_numba_calls_it(rod: Any, p: Any) -> None:
+    numba = pytest.importorskip("numba", reason="Numba is not installed")
+    rhs = rod.rhs.compiled.pointer()
+
+    @numba.njit
+    def euler(y: Any, p: Any, h: float, steps: int) -> Any:
+        y, dy = y.copy(), np.empty_like(y)
+        for k in range(steps):
+            rhs(k * h, y.ctypes, p.ctypes, dy.ctypes)
+            y += h * dy
+        return y
+
+    due = Y.copy()
+    for k in range(10):
+        due = due + 0.01 * rod.rhs(k * 0.01, due, p)
+    assert np.allclose(euler(Y, p, 0.01, 10), due, rtol=1e-14, atol=0)  # products may be fused

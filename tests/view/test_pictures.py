@@ -1,0 +1,78 @@
+"""Pictures of a run: what their curves are, and what they say beside them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen.integrate import Solution
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene
+from rodgen.show.pictures import energies, phase_plot, trajectories
+from rodgen.show.time_pictures import across, acting, moments, tail
+from tests.live.conftest import ROD
+
+
+def run(
+    force: float | str = 0.0, g: float = 0.0, events: object = (), **integrate: object
+) -> Solution:
+    table = {
+        **ROD,
+        "loads": {**ROD["loads"], "follower": {"force": force}, "gravity": {"g": g}},
+        "integrate": {**ROD["integrate"], **integrate},
+        "events": list(events),  # type: ignore[call-overload]
+    }
+    return rodgen.simulate(Scene.from_dict(table), target="numpy")
+
+
+@pytest.fixture(scope="module")
+def swinging() -> Solution:
+    """A rod that is bent at first and floats, for 20 s: lines of its spectrum are 0.05 Hz apart."""
+    return run(span=[0.0, 20.0], output_every=0.02)
+
+
+def test_tail_swings_with_the_first_natural_frequency(swinging: Solution) -> None:
+    above, below = tail(swinging).axes
+    (curve,), (spectrum,) = above.lines, below.lines
+    assert np.array_equal(curve.get_ydata(), across(swinging))
+    frequencies, sizes = spectrum.get_data()
+    first = rodgen.natural_modes(swinging.scene, count=1).frequencies[0]
+    assert frequencies[np.argmax(sizes)] == pytest.approx(first, abs=0.05)
+
+
+def test_tail_of_a_clamped_rod_is_across_its_clamp() -> None:
+    """Of a rod that turns with its first link nothing is left; of one that is clamped all of it."""
+    solution = run(span=[0.0, 0.1])
+    angle = solution.phi[:, 0]
+    ends = solution.joints[:, -1] - solution.joints[:, 0]
+    away = np.linalg.norm(ends, axis=1) * np.sin(np.arctan2(*ends.T[::-1]) - angle)
+    assert across(solution) == pytest.approx(away, abs=1e-12)  # rounding of a rod of 2 m
+
+
+def test_moments_are_those_of_the_joints(swinging: Solution) -> None:
+    mesh = moments(swinging).axes[0].collections[0]
+    shown = np.reshape(mesh.get_array(), (6, -1))
+    assert np.array_equal(shown, swinging.bending_moments.T)
+    low, high = mesh.get_clim()
+    assert -low == high == np.abs(shown).max()
+
+
+def test_pictures_say_when_a_force_acts_and_what_happened() -> None:
+    apex = {"name": "apex", "quantity": "tip_y", "value": -0.05}
+    solution = run("3 if t < 0.25 else 0", 9.81, [apex], span=[0.0, 0.5])
+    ((term, start, end),) = acting(solution)
+    assert term is TERMS["follower"]
+    assert (start, end) == pytest.approx((0.0, 0.25), abs=0.01)  # between samples
+    assert [event.name for event in solution.events] == ["apex"]
+    for draw in (energies, moments, tail, trajectories):
+        said = " ".join(text.get_text() for text in draw(solution).axes[0].texts)
+        assert "follower force" in said
+        assert "apex" in said
+
+
+@pytest.mark.parametrize(("every", "style"), [(0.02, "-"), (0.9, "None")])
+def test_phase_plot_joins_what_follows_the_motion(every: float, style: str) -> None:
+    """Samples less than a period apart by far, and more than one."""
+    curve = phase_plot(run(span=[0.0, 40.0], output_every=every)).axes[0].lines[0]
+    assert curve.get_linestyle() == style
