@@ -8,7 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rodgen.model.palette import DARK, LIGHT, as_css, shades
+from rodgen.model.palette import DARK, LIGHT, as_css, pair, shades
+from rodgen.model.term import DAMPER
+from rodgen.model.terms import ROWS
+from rodgen.show.precision_pictures import OURS, own
 
 # What is left of linear red, green and blue without one kind of cones: G. M. Machado, M. M.
 # Oliveira, L. A. F. Fernandes, A physiologically-based model for simulation of color vision
@@ -58,19 +61,36 @@ def lab(rgb: Any) -> Any:
 
 @pytest.mark.parametrize("eyes", EYES)
 @pytest.mark.parametrize("palette", [LIGHT, DARK], ids=["light", "dark"])
-def test_curves_can_be_told_apart(palette: Any, eyes: str) -> None:
-    seen = [lab(EYES[eyes] @ linear(colour)) for colour in shades("series", palette)]
+@pytest.mark.parametrize("names", [("series",), ("tail", "centre")], ids=["curves", "trails"])
+def test_colours_can_be_told_apart(names: Any, palette: Any, eyes: str) -> None:
+    colours = [colour for name in names for colour in shades(name, palette)]
+    seen = [lab(EYES[eyes] @ linear(colour)) for colour in colours]
     least = min(
         (float(np.linalg.norm(a - b)), first + 1, second + 1)
         for (first, a), (second, b) in combinations(enumerate(seen), 2)
     )
-    assert least[0] > APART, f"curves {least[1]} and {least[2]} look alike"
+    assert least[0] > APART, f"colours {least[1]} and {least[2]} look alike"
+
+
+def test_no_two_loads_have_one_colour() -> None:
+    """Arrows are of the series, so what holds of that holds of them; dampings have none."""
+    drawn = [term.colours for term in ROWS if term.kind != DAMPER]
+    assert len(set(drawn)) == len(drawn)
+    assert set(drawn) <= {pair(number) for number in range(1, 9)}
+
+
+def test_methods_differ_in_colour_or_mark() -> None:
+    assert len({own(method) for method in OURS}) == len(OURS)
 
 
 @pytest.mark.parametrize("palette", [LIGHT, DARK], ids=["light", "dark"])
 def test_curves_can_be_seen(palette: Any) -> None:
     ground = XYZ[1] @ linear(shades("background", palette)[0])
-    for colour in shades("series", palette):
+    for colour in [
+        *shades("series", palette),
+        *shades("tail", palette),
+        *shades("centre", palette),
+    ]:
         less, more = sorted((ground, XYZ[1] @ linear(colour)))
         assert (more + 0.05) / (less + 0.05) > CONTRAST, colour
 

@@ -16,6 +16,7 @@ from PIL import Image
 
 from rodgen.integrate import Solution
 from rodgen.integrate.files.checksums import NO_STATS
+from rodgen.model.palette import LIGHT, shades
 from rodgen.scene import Scene, SceneError
 from rodgen.show.animation.files import ffmpeg
 from rodgen.show.animation.film import Picture, animate
@@ -27,7 +28,7 @@ Pixels = np.ndarray
 SMALL: dict[str, Any] = {"width": 640, "height": 480, "fps": 10, "speed": 1}
 AXES = np.s_[40:430, 60:500]  # pixels of such a film that are inside the axes, without the clock
 LARGE = np.s_[90:650, 90:1070]  # the same of 1280 x 720
-TAIL, BODY = (217, 131, 15), (154, 163, 178)  # red, green, blue of their marks
+TAIL, BODY = (tuple(bytes.fromhex(str(LIGHT[of])[1:])) for of in ("tail", "body"))  # of their marks
 needs_ffmpeg = pytest.mark.skipif(
     ffmpeg() is None, reason="no ffmpeg is installed, which MP4 needs"
 )
@@ -174,10 +175,10 @@ def test_colour_tells_the_sign_of_the_bending(
     sol = moved([0.0], [[0, 0, 0, angle, 0, 0, 0, 0]], links=2)
     path = tmp_path / "film.gif"
     animate(sol, path, **SMALL)
-    red, _, blue = np.moveaxis(next(frames(path))[AXES].astype(int), -1, 0)
-    reds, blues = np.count_nonzero(red - blue > 205), np.count_nonzero(blue - red > 205)
-    # 205: the mark of the tail has 202, that of the centre of gravity less. 50: some of the rod.
-    assert (reds > 50, blues > 50) == (warm, not warm)
+    shown = next(frames(path))[AXES].astype(int)
+    blue, *_, red = (list(bytes.fromhex(end[1:])) for end in shades("moments"))
+    blues, reds = (np.count_nonzero(np.abs(shown - end).max(axis=-1) < 12) for end in (blue, red))
+    assert (reds > 50, blues > 50) == (warm, not warm)  # 50 pixels: some of the rod
 
 
 def test_run_that_blew_up_is_drawn_up_to_there(pendulum: Solution, tmp_path: Path) -> None:

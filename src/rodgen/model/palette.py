@@ -1,7 +1,7 @@
-"""Colours of what is drawn, on light and on dark ground: in the page, its plots, and pictures.
+"""Colours of all that is drawn, on light and on dark ground: pages, plots, pictures and films.
 
-moments and along: stops of colour maps; series: of curves that are to be told apart, also by those
-who see fewer colours.
+moments and along: stops of colour maps; series: of curves and loads that are to be told apart, also
+by those who see fewer colours.
 """
 
 from __future__ import annotations
@@ -15,14 +15,17 @@ LIGHT: Colours = {
     "ink": "#20242b",
     "faint": "#5b6470",
     "grid": "#e7eaee",
+    "line": "#d5d9de",
+    "behind": "#f4f6f8",
+    "warn": "#a32020",
     "axis": "#b4bcc6",
     "link": "#52657d",
     "edge": "#20242b",
     "joint": "#7a8696",
+    "body": "#64748b",
     "panel": "rgba(255,255,255,0.82)",
-    "tail": "#64748b",
+    "tail": "#c77f00",
     "centre": "#0f766e",
-    "principal": "#0f766e",
     "kick": "#dc2626",
     "present": "#c2410c",
     "moments": ("#08519c", "#4a90c9", "#eef0f2", "#e0705a", "#a50f15"),
@@ -43,14 +46,17 @@ DARK: Colours = {
     "ink": "#e8eaed",
     "faint": "#a2abb6",
     "grid": "#262b31",
+    "line": "#38414d",
+    "behind": "#0f1317",
+    "warn": "#ff8a80",
     "axis": "#4a525c",
     "link": "#9fb3c8",
     "edge": "#0b0d0f",
     "joint": "#aab4c0",
+    "body": "#94a3b8",
     "panel": "rgba(22,25,29,0.82)",
-    "tail": "#94a3b8",
+    "tail": "#f5b041",
     "centre": "#5eead4",
-    "principal": "#5eead4",
     "kick": "#f87171",
     "present": "#fb923c",
     "moments": ("#3b9cff", "#7cb8ee", "#f1f3f5", "#f0907a", "#ff4d4d"),
@@ -72,6 +78,12 @@ def shades(name: str, palette: Colours = LIGHT) -> tuple[str, ...]:
     """The colours of a name: one, or all of a row."""
     found = palette[name]
     return (found,) if isinstance(found, str) else found
+
+
+def pair(number: int) -> tuple[str, str]:
+    """A colour of the series, from 1 on, on light and on dark ground."""
+    light, dark = (shades("series", palette)[number - 1] for palette in (LIGHT, DARK))
+    return light, dark
 
 
 def as_css(palette: Colours) -> str:

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Iterable
 
 from rodgen.model.fixtures import FOUNDATION, SHARE, SUPPORT
+from rodgen.model.palette import pair
 from rodgen.model.parameter import JOINTS, LINKS, NOT_NEGATIVE, Parameter
 from rodgen.model.rod import CLAMP_ANGLE, ROD, STEADY, UNEVEN
 from rodgen.model.term import ANCHOR, DAMPER, DRAG, FORCE, SPREAD, WEIGHT, Rows, Term
@@ -23,7 +24,7 @@ ROWS = (
         label="follower force",
         symbol="P",
         description="thrust along a link, at the tail the last",
-        colours=("#c2410c", "#fb923c"),
+        colours=pair(2),
         follows=True,
         thesis=True,
         placed=True,
@@ -58,7 +59,7 @@ ROWS = (
         label="gravity",
         symbol="M g",
         description="weight of every mass",
-        colours=("#6d28d9", "#c4b5fd"),
+        colours=pair(7),
         thesis=True,
         parameters=(
             Parameter(
@@ -101,7 +102,7 @@ ROWS = (
         kind=DRAG,
         label="external damping",
         description="force at the joints, across the rod",
-        colours=("#15803d", "#86efac"),
+        colours=pair(3),
         thesis=True,
         kinked=True,
         parameters=(
@@ -136,7 +137,7 @@ ROWS = (
         label="tip load",
         symbol="F",
         description="dead force at the tail: it keeps its direction",
-        colours=("#be185d", "#f9a8d4"),
+        colours=pair(4),
         parameters=(
             Parameter(
                 name="tip_force_x",
@@ -188,7 +189,7 @@ ROWS = (
         label="distributed follower force",
         symbol="Q",
         description="thrust along every link, in its middle",
-        colours=("#b45309", "#fcd34d"),
+        colours=pair(5),
         follows=True,
         parameters=(
             Parameter(
@@ -211,7 +212,7 @@ ROWS = (
         kind=ANCHOR,
         label="foundation",
         description="springs and dampers all along the rod, across the straight rod",
-        colours=("#0f766e", "#5eead4"),
+        colours=pair(8),
         given=FOUNDATION,
         parameters=(
             Parameter(
@@ -250,7 +251,7 @@ ROWS = (
         kind=ANCHOR,
         label="supports",
         description="springs and dampers from points of the rod to fixed points",
-        colours=("#0369a1", "#7dd3fc"),
+        colours=pair(1),
         given=SUPPORT,
         array=True,
         parameters=(
@@ -283,7 +284,7 @@ ROWS = (
         kind=DRAG,
         label="drag",
         description="force at the joints against a medium with a wind, by the square of the speed",
-        colours=("#0e7490", "#67e8f9"),
+        colours=pair(6),
         parameters=(
             Parameter(
                 name="drag_normal",

@@ -20,7 +20,7 @@ from rodgen.model.parameter import typeset
 from rodgen.model.term import FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
-from rodgen.show.canvas import LINE, canvas, fit
+from rodgen.show.canvas import CURVE, FAINT, INK, LINE, ROD, SPECIAL, canvas, fit
 from rodgen.show.pictures import draw_anchors, draw_bodies
 
 PANELS = 6  # modes drawn
@@ -51,8 +51,8 @@ def mode_shapes(modes: Modes, scene: Scene) -> Figure:
     for at, axes in enumerate(panels.flat):
         if at < count:
             _mode(axes, modes.joints, moved[at])
-            draw_bodies(axes, scene, modes.joints + moved[at].real, "tab:blue")
-            draw_anchors(axes, scene, modes.joints + moved[at].real, "tab:blue")
+            draw_bodies(axes, scene, modes.joints + moved[at].real, ROD)
+            draw_anchors(axes, scene, modes.joints + moved[at].real, ROD)
             axes.set_title(_label(modes, at), fontsize="small")
             axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
             axes.tick_params(labelsize="x-small")
@@ -67,13 +67,13 @@ def mode_shapes(modes: Modes, scene: Scene) -> Figure:
 def _mode(axes: Axes, joints: Array, moved: Complex | Array) -> None:
     """One mode: the first phase in full colour, the others behind it."""
     phases = 2 if np.isrealobj(moved) else PHASES
-    axes.plot(*joints.T, "--", color="grey", linewidth=0.8)
+    axes.plot(*joints.T, "--", color=FAINT, linewidth=0.8)
     for at in range(1, phases):
         shape = joints + (moved * np.exp(2j * np.pi * at / phases)).real
-        axes.plot(*shape.T, "-", color="tab:blue", alpha=0.3, linewidth=0.8)
+        axes.plot(*shape.T, "-", color=ROD, alpha=0.3, linewidth=0.8)
     shape = joints + moved.real
-    axes.plot(*shape.T, "-", color="tab:blue", linewidth=LINE)
-    axes.plot(*shape[0], "o", color="tab:blue", markersize=3)
+    axes.plot(*shape.T, "-", color=ROD, linewidth=LINE)
+    axes.plot(*shape[0], "o", color=ROD, markersize=3)
     axes.grid(alpha=0.3)
 
 
@@ -100,13 +100,13 @@ def equilibrium_shape(rest: Equilibrium, system: System) -> Figure:
     axes = figure.add_subplot()
     axes.grid(alpha=0.3)
     straight_as = "straight" if system.clamped else "straight, as at the start"
-    axes.plot(*straight.T, "--", color="grey", label=straight_as, linewidth=LINE)
+    axes.plot(*straight.T, "--", color=FAINT, label=straight_as, linewidth=LINE)
     dots = "o-" if len(joints) <= 60 else "-"
     scale = f" (displacements x {times:g})" if times > 1 else ""
-    axes.plot(*joints.T, dots, color="tab:blue", markersize=2.5, label=f"equilibrium{scale}")
-    draw_bodies(axes, system.scene, joints, "tab:blue")
-    draw_anchors(axes, system.scene, joints, "tab:blue")
-    axes.plot(*joints[0], "ks" if system.clamped else "ko", markersize=6)
+    axes.plot(*joints.T, dots, color=ROD, markersize=2.5, label=f"equilibrium{scale}")
+    draw_bodies(axes, system.scene, joints, ROD)
+    draw_anchors(axes, system.scene, joints, ROD)
+    axes.plot(*joints[0], "s" if system.clamped else "o", color=INK, markersize=6)
     side = -1.0 if straight[-1, 0] > joints[-1, 0] else 1.0  # where the straight rod is not
     drawn = draw_loads(axes, system, joints, rest.y, side)
     points = np.concatenate((straight, joints, *drawn))
@@ -202,14 +202,14 @@ def stability_curves(found: Critical, family: Family) -> Figure:
     last = min(first + max(*found.modes, 2), frequency.shape[1] - 1)
     figure = canvas(6.4, 5.6)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-    upper.plot(forces, frequency[:, : last + 1], ".", markersize=1.5, color="tab:blue")
+    upper.plot(forces, frequency[:, : last + 1], ".", markersize=1.5, color=CURVE)
     upper.set_ylim(0, 1.08 * max(float(np.nanmax(frequency[:, : last + 1])), 1e-300))
-    upper.plot(found.force, found.frequency, "o", color="tab:red", clip_on=False, markersize=5)
-    lower.plot(forces, growth, ".", markersize=1.5, color="tab:blue")
+    upper.plot(found.force, found.frequency, "o", color=SPECIAL, clip_on=False, markersize=5)
+    lower.plot(forces, growth, ".", markersize=1.5, color=CURVE)
     lower.set_ylim(_limits(forces, growth, found.force, family))
-    lower.plot(found.force, 0.0, "o", color="tab:red", markersize=5)
+    lower.plot(found.force, 0.0, "o", color=SPECIAL, markersize=5)
     for axes in (upper, lower):
-        axes.axvline(found.force, color="tab:red", linestyle="--", linewidth=0.8)
+        axes.axvline(found.force, color=SPECIAL, linestyle="--", linewidth=0.8)
         axes.grid(alpha=0.3)
     at = f" at {found.frequency:.5g} Hz" if found.frequency else ""
     name = family.system.scene.name

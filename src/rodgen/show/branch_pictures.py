@@ -17,7 +17,7 @@ from rodgen.analyse.system import without
 from rodgen.integrate.stepper import Array
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
-from rodgen.show.canvas import LINE, canvas
+from rodgen.show.canvas import CURVE, INK, LINE, SERIES, SPECIAL, canvas
 
 if TYPE_CHECKING:
     import xarray
@@ -40,13 +40,15 @@ def bifurcation_diagram(branches: list[xarray.Dataset], scene: Scene) -> Figure:
         across = _across(data, "", scene)
         values = data["value"].values
         for where, rows in _runs(data["unstable"].values):
-            line = Line2D(values[rows], across[rows], linestyle=STYLES[where], linewidth=LINE)
+            line = Line2D(
+                values[rows], across[rows], linestyle=STYLES[where], color=CURVE, linewidth=LINE
+            )
             axes.add_line(line)
         if data.sizes["special"]:
             kind_of, value_of = data["special_kind"].values, data["special_value"].values
             points = zip(kind_of, value_of, _across(data, "special_", scene), strict=True)
             for kind, value, y in points:
-                axes.plot(value, y, MARKS.get(kind, "x"), color="tab:red", markersize=5)
+                axes.plot(value, y, MARKS.get(kind, "x"), color=SPECIAL, markersize=5)
                 kinds[str(kind)] = None
     axes.autoscale_view()
     _named(axes, branches, scene)
@@ -62,14 +64,12 @@ def bifurcation_diagram(branches: list[xarray.Dataset], scene: Scene) -> Figure:
     known = {int(number) for data in branches for number in np.sign(data["unstable"].values)}
     words = {0: "stable", 1: "unstable", -1: "stability not known"}
     handles = [
-        Line2D([], [], linestyle=STYLES[at], color="tab:blue", label=words[at])
+        Line2D([], [], linestyle=STYLES[at], color=CURVE, label=words[at])
         for at in (0, 1, -1)
         if at in known
     ]
     handles += [
-        Line2D(
-            [], [], linestyle="", marker=MARKS.get(k, "x"), color="tab:red", label=NAMES.get(k, k)
-        )
+        Line2D([], [], linestyle="", marker=MARKS.get(k, "x"), color=SPECIAL, label=NAMES.get(k, k))
         for k in kinds
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=5, fontsize="small")
@@ -117,13 +117,15 @@ def equilibrium_shapes(found: list[Equilibrium], scene: Scene) -> Figure:
     axes.grid(alpha=0.3)
     for number, one in enumerate(found):
         style = STYLES[-1 if one.stable is None else int(not one.stable)]
-        axes.plot(*one.joints.T, color=f"C{number % 10}", linestyle=style, linewidth=LINE)
-    axes.plot(*found[0].joints[0], "ks" if scene.hold.clamped else "ko", markersize=6)
+        axes.plot(
+            *one.joints.T, color=SERIES[number % len(SERIES)], linestyle=style, linewidth=LINE
+        )
+    axes.plot(*found[0].joints[0], "s" if scene.hold.clamped else "o", color=INK, markersize=6)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{scene.name}: {len(found)} equilibria")
     words = {0: "stable", 1: "unstable", -1: "stability not known"}
     kinds = {-1 if one.stable is None else int(not one.stable) for one in found}
-    handles = [Line2D([], [], color="k", linestyle=STYLES[at], label=words[at]) for at in kinds]
+    handles = [Line2D([], [], color=INK, linestyle=STYLES[at], label=words[at]) for at in kinds]
     figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize="small")
     return figure
 
@@ -137,13 +139,13 @@ def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
     y, x, frequency = values[up], values[1 - up], data["frequency"].values
     figure = canvas(6.4, 5.2)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    upper.plot(x, y, color="tab:blue", linewidth=LINE)
+    upper.plot(x, y, color=CURVE, linewidth=LINE)
     places = [data[f"special_{name}"].values for name in ("a", "b")]
     for kind, *place in zip(data["special_kind"].values, *places, strict=True):
-        upper.plot(place[1 - up], place[up], "s", color="tab:red", markersize=5)
+        upper.plot(place[1 - up], place[up], "s", color=SPECIAL, markersize=5)
         beside = {"textcoords": "offset points", "fontsize": "small"}
         upper.annotate(kind, (place[1 - up], place[up]), (6, -12), **beside)
-    lower.plot(x, frequency, color="tab:blue", linewidth=LINE)
+    lower.plot(x, frequency, color=CURVE, linewidth=LINE)
     positive = x[x > 0]
     if _damps(names[1 - up]) and len(positive) and positive.max() > WIDE * positive.min():
         least = max(float(positive.min()), float(positive.max()) / WIDEST)
@@ -153,11 +155,11 @@ def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
     if (x == 0).any() and _damps(names[1 - up]):
         at = int(np.argmax(x == 0))
         label = f"limit of no damping: {y[at]:.6g}"
-        upper.plot(0.0, y[at], "o", markerfacecolor="white", color="tab:red", label=label)
+        upper.plot(0.0, y[at], "o", markerfacecolor="white", color=SPECIAL, label=label)
         without = _undamped(scene, names[up])
         if without is not None:
             label = f"without damping: {without:.6g}"
-            upper.plot(0.0, without, "o", color="tab:red", label=label)
+            upper.plot(0.0, without, "o", color=SPECIAL, label=label)
             upper.set_ylim(0.0, max(upper.get_ylim()[1], 1.1 * without))
         upper.legend(fontsize="small")
     for axes in (upper, lower):

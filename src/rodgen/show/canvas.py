@@ -8,13 +8,27 @@ from contextvars import ContextVar
 from typing import Any, cast
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure, SubFigure
 
-from rodgen.model.palette import shades
+from rodgen.model.palette import LIGHT, shades
 
 LINE = 1.2  # points
 SERIES = shades("series")
-(FAINT,) = shades("faint")
+CURVE, *_ = SERIES  # of a curve that is alone
+# Text and axes; notes; what other things are seen beside; the rod, its bodies, its fixed points and
+# its bed; its tail and its centre of gravity; what is special: points, failures.
+INK, FAINT, GUIDE, ROD, BODY, FIXED, BED, TAIL, CENTRE, SPECIAL = (
+    str(LIGHT[name])
+    for name in ["ink", "faint", "axis", "link", "body", "joint", "line", "tail", "centre", "kick"]
+)
+EDGE, PAPER = str(LIGHT["edge"]), str(LIGHT["background"])
+STEPS = 65  # of the colours below: few enough for a GIF, and one of them is the middle
+# Blue below zero, red above, as the live view has it; and one that says which comes before which.
+MOMENTS, ALONG = (
+    LinearSegmentedColormap.from_list(name, shades(name), N=STEPS) for name in ("moments", "along")
+)
+VALUES = "viridis"  # of maps, which are filled
 
 
 def canvas(width: float, height: float) -> Figure:

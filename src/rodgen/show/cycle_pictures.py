@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rodgen.analyse.cycles.cycle import Cycle
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene
-from rodgen.show.canvas import LINE, canvas
+from rodgen.show.canvas import CURVE, FAINT, INK, LINE, ROD, SPECIAL, canvas
 from rodgen.show.pictures import draw_anchors, draw_bodies
 
 if TYPE_CHECKING:
@@ -45,13 +45,11 @@ def film_strip(cycle: Cycle) -> Figure:
         at = frame * step
         for back in range(TRAIL, 0, -1):
             before = (at - back * step // TRAIL) % (len(joints) - 1)
-            axes.plot(
-                *joints[before].T, "-", color="tab:blue", alpha=0.45 - 0.09 * back, linewidth=0.8
-            )
-        axes.plot(*joints[at].T, "-", color="tab:blue", linewidth=LINE)
-        axes.plot(*joints[at, 0], "ko", markersize=3)
-        draw_bodies(axes, cycle.scene, joints[at], "tab:blue")
-        draw_anchors(axes, cycle.scene, joints[at], "tab:blue")
+            axes.plot(*joints[before].T, "-", color=ROD, alpha=0.45 - 0.09 * back, linewidth=0.8)
+        axes.plot(*joints[at].T, "-", color=ROD, linewidth=LINE)
+        axes.plot(*joints[at, 0], "o", color=INK, markersize=3)
+        draw_bodies(axes, cycle.scene, joints[at], ROD)
+        draw_anchors(axes, cycle.scene, joints[at], ROD)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axes.set_title(f"{frame}/{FRAMES} T", fontsize="small")
         axes.tick_params(labelsize="x-small")
@@ -84,13 +82,13 @@ def unit_circle(cycle: Cycle) -> Figure:
     figure = canvas(4.6, 4.6)
     axes = figure.add_subplot()
     turn = np.linspace(0, 2 * np.pi, 361)
-    axes.plot(np.cos(turn), np.sin(turn), "-", color="grey", linewidth=LINE)
+    axes.plot(np.cos(turn), np.sin(turn), "-", color=FAINT, linewidth=LINE)
     mu = cycle.nontrivial[np.isfinite(cycle.nontrivial)]
     grows = np.abs(mu) > 1 + 1e-7
-    axes.plot(mu[~grows].real, mu[~grows].imag, "o", color="tab:blue", markersize=4)
-    axes.plot(mu[grows].real, mu[grows].imag, "X", color="tab:red", markersize=7)
+    axes.plot(mu[~grows].real, mu[~grows].imag, "o", color=CURVE, markersize=4)
+    axes.plot(mu[grows].real, mu[grows].imag, "X", color=SPECIAL, markersize=7)
     if cycle.trivial:
-        axes.plot([1.0], [0.0], "o", markersize=9, fillstyle="none", color="black")
+        axes.plot([1.0], [0.0], "o", markersize=9, fillstyle="none", color=INK)
     side = max(INSIDE, 1.1 * float(np.abs(mu).max(initial=0.0)))
     axes.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
     axes.set(xlabel="real part", ylabel="imaginary part")
@@ -118,7 +116,7 @@ def amplitudes(data: xarray.Dataset, scene: Scene) -> Figure:
             here = np.flatnonzero(data["special_kind"].values == kind)
             x = data["special_value"].values[here]
             y = [_height(data, name, int(one)) for one in here]
-            axes.plot(x, y, MARKS.get(kind, "x"), color="black", markersize=5, label=kind)
+            axes.plot(x, y, MARKS.get(kind, "x"), color=INK, markersize=5, label=kind)
         axes.set_ylabel(words)
         axes.grid(alpha=0.3)
     if data.sizes["special"]:
@@ -134,7 +132,7 @@ def _draw(axes: Axes, x: Array, y: Array, stable: NDArray[np.bool_]) -> None:
     changes = (np.flatnonzero(np.diff(solid)) + 1).tolist()
     for first, last in pairwise([0, *changes, len(solid)]):
         part = slice(first, last + 1)
-        axes.plot(x[part], y[part], "-" if solid[first] else "--", color="tab:blue", linewidth=LINE)
+        axes.plot(x[part], y[part], "-" if solid[first] else "--", color=CURVE, linewidth=LINE)
 
 
 def _height(data: xarray.Dataset, name: str, special: int) -> float:
@@ -159,7 +157,9 @@ def family(data: xarray.Dataset, scene: Scene) -> Figure:
     stable = data["unstable"].values == 0
     energy, frequency = data["energy"].values, data["frequency"].values
     _draw(axes, energy, frequency, stable)
-    axes.plot([0.0], [data.attrs["linear_frequency"]], "ko", markersize=4, label="linear mode")
+    axes.plot(
+        [0.0], [data.attrs["linear_frequency"]], "o", color=INK, markersize=4, label="linear mode"
+    )
     axes.set(xlabel="energy above rest [J]", ylabel="frequency [Hz]")
     axes.set_title(f"{scene.name}: nonlinear mode {data.attrs['mode']}", fontsize="medium")
     axes.legend(fontsize="small")

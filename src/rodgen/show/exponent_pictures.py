@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rodgen.analyse.chaos.exponents import Exponents
-from rodgen.show.canvas import LINE, canvas
+from rodgen.show.canvas import ALONG, CURVE, FAINT, LINE, canvas
 
 CURVES = 12  # of means that settle
 NAMED = 6  # of these, with a name each
@@ -34,14 +33,14 @@ def _means(axes: Axes, found: Exponents) -> None:
     shown: Sequence[int] = range(count)
     if count > CURVES:  # the largest, and the smallest that answer them
         shown = [*range(CURVES // 2), *range(count - CURVES // 2, count)]
-    colours = colormaps["viridis"](np.linspace(0.0, 0.85, len(shown)))
+    colours = ALONG(np.linspace(0.0, 1.0, len(shown)))
     few = found.t - (found.t[0] - (found.t[1] - found.t[0])) if len(found.t) > 1 else found.t
     for at, colour in zip(shown, colours, strict=True):
         label = rf"$\lambda_{{{at + 1}}}$ = {found.exponents[at]:.4g}" if count <= NAMED else None
         axes.plot(few, found.running[:, at], color=colour, linewidth=LINE, label=label)
         error = found.errors[at]
         axes.errorbar(few[-1] * 1.08, found.exponents[at], error, color=colour, capsize=2.5)
-    axes.axhline(0.0, color="grey", linewidth=0.7)
+    axes.axhline(0.0, color=FAINT, linewidth=0.7)
     axes.set(xscale="log", xlabel="time averaged over [s]", ylabel="mean rate of growth [1/s]")
     late = found.running[len(found.running) // 50 :]
     low, high = float(late.min()), float(late.max())
@@ -54,8 +53,10 @@ def _means(axes: Axes, found: Exponents) -> None:
 
 def _spectrum(axes: Axes, found: Exponents) -> None:
     numbers = np.arange(1, len(found.exponents) + 1)
-    axes.axhline(0.0, color="grey", linewidth=0.7)
-    axes.errorbar(numbers, found.exponents, found.errors, fmt="o", markersize=3.5, capsize=2.5)
+    axes.axhline(0.0, color=FAINT, linewidth=0.7)
+    axes.errorbar(
+        numbers, found.exponents, found.errors, fmt="o", color=CURVE, markersize=3.5, capsize=2.5
+    )
     axes.set(xlabel="number", ylabel="exponent [1/s]")
     if len(numbers) <= CURVES:
         axes.set_xticks(numbers)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterable
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +17,28 @@ from matplotlib.figure import Figure
 from rodgen.integrate import Solution
 from rodgen.model.terms import TERMS, words_of
 from rodgen.scene import Scene
-from rodgen.show.canvas import FAINT, LINE, SERIES, canvas
+from rodgen.show.canvas import (
+    ALONG,
+    BED,
+    CENTRE,
+    CURVE,
+    FAINT,
+    FIXED,
+    INK,
+    LINE,
+    SERIES,
+    SPECIAL,
+    TAIL,
+    canvas,
+)
 from rodgen.show.time_pictures import NAMED, acting, mark_times, moments, tail
 
 SHAPES = 12  # rods drawn in one picture
 DOTS_PER_INCH = 200
 SLIVER = 0.05  # width over length
-BODY = 16.0  # points across: of a body that is the whole mass
+DISC = 16.0  # points across: of a body that is the whole mass
 SHARP, MOST_SHARP = 0.5, 0.25  # cosine of a turn of 60 degrees; share of turns beyond in a curve
+DASHES = (0, (4, 2)), (0, (4, 2, 1, 2)), (0, (1, 1))  # of works
 LARGEST = 1e12  # of any state: beyond, nothing of the picture can be read
 
 
@@ -58,7 +73,7 @@ def shapes(solution: Solution) -> Figure:
     """The rod at several times, coloured by time."""
     figure, axes = _figure(6.0, 5.0)
     times = np.unique(np.linspace(0, len(solution.t) - 1, SHAPES).round().astype(int))
-    colours = ScalarMappable(Normalize(solution.t[0], max(solution.t[-1], 1e-300)), "viridis_r")
+    colours = ScalarMappable(Normalize(solution.t[0], max(solution.t[-1], 1e-300)), ALONG)
     for at in times:
         x, y = solution.joints[at].T
         colour = colours.to_rgba(solution.t[at])
@@ -77,27 +92,26 @@ def shapes(solution: Solution) -> Figure:
 def draw_anchors(axes: Axes, scene: Scene, joints: np.ndarray, colour: Any) -> None:
     """Supports as dotted lines to triangles, where they are fixed; a foundation as a broad line."""
     anchors = scene.anchors
-    axes.plot(*anchors.bed.T, "-", color="0.88", linewidth=6 * LINE, zorder=0)
+    axes.plot(*anchors.bed.T, "-", color=BED, linewidth=6 * LINE, zorder=0)
     for tie in anchors.ties:
         axes.plot(*tie.way(joints).T, ":", color=colour, linewidth=LINE)
-        axes.plot(tie.x, tie.y, "^", color="tab:gray", markersize=7)
+        axes.plot(tie.x, tie.y, "^", color=FIXED, markersize=7)
 
 
 def draw_bodies(axes: Axes, scene: Scene, joints: np.ndarray, colour: Any) -> None:
     """Bodies as discs, their areas by their masses, on a rod whose joints are at (n+1, 2)."""
     for mark in scene.distribution.marks:
         place = mark.places(joints)
-        axes.plot(*place, "o", color=colour, alpha=0.6, markersize=BODY * mark.size)
+        axes.plot(*place, "o", color=colour, alpha=0.6, markersize=DISC * mark.size)
 
 
 def trajectories(solution: Solution) -> Figure:
     """Paths of the centre of gravity and of the tail."""
     figure, axes = _figure(6.0, 5.0)
     paths = {"centre of gravity": solution.centre_of_gravity, "tail": solution.tip}
-    axes.set_prop_cycle(color=SERIES)
-    for (name, path), line in zip(paths.items(), ("-", "--"), strict=True):
-        (drawn,) = axes.plot(*path.T, line, label=name, linewidth=LINE)
-        axes.plot(*path[0], "o", color=drawn.get_color(), markersize=4)
+    for (name, path), line, colour in zip(paths.items(), ("-", "--"), (CENTRE, TAIL), strict=True):
+        axes.plot(*path.T, line, color=colour, label=name, linewidth=LINE)
+        axes.plot(*path[0], "o", color=colour, markersize=4)
     _say(axes, solution)
     axes.set(
         xlabel="x [m]", ylabel="y [m]", title=f"{solution.scene.name}: trajectories (dot: start)"
@@ -127,23 +141,23 @@ def energies(solution: Solution) -> Figure:
     figure = canvas(6.0, 6.0)
     axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     t, energy = solution.t, solution.energy
-    axes.set_prop_cycle(color=SERIES)
-    axes.plot(t, energy.kinetic, label="kinetic", linewidth=LINE)
-    axes.plot(t, energy.spring, label="springs", linewidth=LINE)
+    axes.plot(t, energy.kinetic, color=SERIES[0], label="kinetic", linewidth=LINE)
+    axes.plot(t, energy.spring, color=SERIES[2], label="springs", linewidth=LINE)
     if "gravity" in solution.scene.loads.terms:
-        axes.plot(t, energy.gravity, label="gravity", linewidth=LINE)
-    axes.plot(t, energy.total, "k-", label="total", linewidth=LINE)
-    for name, work in solution.work.items():
+        colour = TERMS["gravity"].colours[0]
+        axes.plot(t, energy.gravity, color=colour, label="gravity", linewidth=LINE)
+    axes.plot(t, energy.total, color=INK, label="total", linewidth=LINE)
+    for (name, work), dashes in zip(solution.work.items(), cycle(DASHES), strict=False):
         label = f"work of {words_of(name)}"
         colour = TERMS[name].colours[0] if name in TERMS else FAINT
-        axes.plot(t, work, "--", color=colour, label=label, linewidth=LINE)
+        axes.plot(t, work, linestyle=dashes, color=colour, label=label, linewidth=LINE)
     mark_times(axes, solution)
     axes.set(ylabel="energy [J]", title=f"{solution.scene.name}: energies and work")
     axes.grid(alpha=0.3)
     figure.legend(fontsize="small", loc="outside lower center", ncols=3)
     error = np.abs(solution.energy_balance)
     if np.any(error > 0):
-        below.semilogy(t, np.where(error > 0, error, np.nan), "k-", linewidth=0.8)
+        below.semilogy(t, np.where(error > 0, error, np.nan), color=INK, linewidth=0.8)
     below.set(xlabel="t [s]", ylabel="|balance error| [J]")
     below.grid(alpha=0.3)
     return figure
@@ -160,9 +174,9 @@ def phase_plot(solution: Solution) -> Figure:
         angle, rate = solution.phi[:, 0], solution.omega[:, 0]
         labels = (r"$\varphi_0$ [rad]", r"$\omega_0$ [rad/s]")
     joined = _is_curve(angle, rate)
-    axes.plot(angle, rate, "-" if joined else ".", linewidth=0.8, markersize=1.5, color=SERIES[0])
-    axes.plot(angle[0], rate[0], "o", markersize=4, color="k", label="start")
-    axes.plot(angle[-1], rate[-1], "s", markersize=5, color=SERIES[1], label="end")
+    axes.plot(angle, rate, "-" if joined else ".", linewidth=0.8, markersize=1.5, color=CURVE)
+    axes.plot(angle[0], rate[0], "o", markersize=4, color=INK, label="start")
+    axes.plot(angle[-1], rate[-1], "s", markersize=5, color=SPECIAL, label="end")
     apart = "" if joined else " (samples: too far apart for a curve)"
     axes.set(xlabel=labels[0], ylabel=labels[1], title=f"{solution.scene.name}: phase plot{apart}")
     axes.legend()

@@ -15,41 +15,40 @@ from matplotlib.ticker import Formatter, FuncFormatter, NullFormatter
 
 from rodgen.analyse.precision.contestant import Row
 from rodgen.analyse.precision.rows import fine, front, grouped, label, number, text
+from rodgen.show.canvas import FAINT, GUIDE, INK, SERIES, TAIL
 
-# Colours that stay apart on white and on black, and for most who see fewer of them.
+# The colour of the series, from 1 on, and the mark.
 OURS = {
-    "gauss": "#d1495b",
-    "radau": "#9455c8",
-    "dop853": "#2a78d6",
-    "rk4": "#1f9e62",
-    "semi_implicit_euler": "#d9830f",
-    "euler": "#a06a4c",
-    "thesis_runge_kutta": "#12a5b8",
-    "cvode": "#7d8b12",
-    "rk45": "#5b8def",
-    "rk23": "#8fa9c9",
-    "bdf": "#c774a8",
-    "lsoda": "#b08b35",
+    "gauss": (2, "o"),
+    "radau": (7, "o"),
+    "dop853": (1, "o"),
+    "rk4": (3, "o"),
+    "semi_implicit_euler": (5, "o"),
+    "euler": (8, "o"),
+    "thesis_runge_kutta": (6, "o"),
+    "cvode": (4, "o"),
+    "rk45": (1, "s"),
+    "rk23": (6, "s"),
+    "bdf": (4, "s"),
+    "lsoda": (5, "s"),
 }
 PEERS = {
-    "SciPy": ("s", "#7c7c7c"),
-    "CVODE": ("D", "#808080"),
-    "heyoka": ("^", "#737373"),
-    "MuJoCo": ("v", "#8c8c8c"),
-    "Exudyn": ("P", "#767676"),
-    "CasADi": ("X", "#868686"),
-    "Numba": ("*", "#6f6f6f"),
-    "PyDy": ("<", "#838383"),
-    "Pinocchio": ("p", "#797979"),
+    "SciPy": "s",
+    "CVODE": "D",
+    "heyoka": "^",
+    "MuJoCo": "v",
+    "Exudyn": "P",
+    "CasADi": "X",
+    "Numba": "*",
+    "PyDy": "<",
+    "Pinocchio": "p",
 }
 OTHERS = ("<", ">", "d")
 DASHES = ((4, 2), (1.5, 1.5), (6, 2, 1, 2), (3, 1, 1, 1, 1, 1))
-INK, PALE = "#30343a", "#8a8f98"  # text and axes; grids and notes
 LEFT, BELOW = 0.68, 0.48  # inches beside and below a diagram, for its numbers and names
 RAISED = str.maketrans(
     "-0123456789", "\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"
 )
-GOLD = "#e0b400"  # the front
 MEASURES = {
     "error_phi": "error of the angles at the end [rad]",
     "error_tail": "largest error of the tail over time [m]",
@@ -74,14 +73,25 @@ def look(row: Row) -> Look:
     method, target, who = (text(row, key) for key in ("method", "target", "who"))
     ours = who in ("", "rodgen")
     if ours:
-        colour = OURS.get(re.split(r"[ ,]", method.lower())[0], "#6b7480")
-        style: dict[str, Any] = {"color": colour, "linestyle": "-", "marker": "o", "linewidth": 1.4}
+        colour, mark = own(method)
+        style: dict[str, Any] = {
+            "color": colour,
+            "linestyle": "-",
+            "marker": mark,
+            "linewidth": 1.4,
+        }
         style |= {} if target != "numpy" else {"markerfacecolor": "none", "linewidth": 0.9}
     else:
-        mark, grey = PEERS.get(who, (OTHERS[_code(who) % len(OTHERS)], "#707070"))
+        mark = PEERS.get(who, OTHERS[_code(who) % len(OTHERS)])
         dashes = (0, DASHES[_code(method + target) % len(DASHES)])
-        style = {"color": grey, "linestyle": dashes, "marker": mark, "linewidth": 1.0}
+        style = {"color": FAINT, "linestyle": dashes, "marker": mark, "linewidth": 1.0}
     return Look(label(row), style | {"markersize": 3.8, "zorder": 3.0 if ours else 2.5}, ours)
+
+
+def own(method: str) -> tuple[str, str]:
+    """Colour and mark of a method of rodgen, or of a variant of one."""
+    number, mark = OURS.get(re.split(r"[ ,]", method.lower())[0], (0, "o"))
+    return (SERIES[number - 1] if number else FAINT), mark
 
 
 def _code(name: str) -> int:
@@ -96,12 +106,12 @@ def axes(width: float, height: float, x: str, y: str, fixed: bool = False) -> tu
     FigureCanvasAgg(figure)
     place = LEFT / width, BELOW / height, 1 - (LEFT + 0.1) / width, 1 - (BELOW + 0.1) / height
     frame = figure.add_axes(place) if fixed else figure.add_subplot()
-    frame.grid(color=PALE, alpha=0.3, linewidth=0.6)
+    frame.grid(color=GUIDE, alpha=0.3, linewidth=0.6)
     frame.tick_params(colors=INK, labelsize=8)
     frame.set_xlabel(x, color=INK, fontsize=9)
     frame.set_ylabel(y, color=INK, fontsize=9)
     for side, spine in frame.spines.items():
-        spine.set(color=PALE, visible=side in ("left", "bottom"))
+        spine.set(color=GUIDE, visible=side in ("left", "bottom"))
     return figure, frame
 
 
@@ -112,7 +122,7 @@ def logarithmic(frame: Axes, *, x: bool = True, y: bool = True) -> None:
             low, high = sorted(axis.get_view_interval())
             axis.set_major_formatter(FuncFormatter(lambda value, _: _power(value)))
             axis.set_minor_formatter(_between(high / low))
-            axis.set_tick_params(which="minor", labelsize=7, labelcolor=INK, color=PALE)
+            axis.set_tick_params(which="minor", labelsize=7, labelcolor=INK, color=GUIDE)
 
 
 def _power(value: float) -> str:
@@ -193,8 +203,8 @@ def _lines(frame: Axes, rows: Sequence[Row], measure: str, cost: str, trusted: f
     left, right = 2.5 * max(errors), min(errors) / 2.5
     frame.set_xlim(left, right)  # falls to the right
     if trusted > right:
-        frame.axvspan(right, min(trusted, left), color=PALE, alpha=0.22, linewidth=0, zorder=1)
-        frame.axvline(min(trusted, left), color=PALE, linewidth=0.8, linestyle=":")
+        frame.axvspan(right, min(trusted, left), color=GUIDE, alpha=0.22, linewidth=0, zorder=1)
+        frame.axvline(min(trusted, left), color=GUIDE, linewidth=0.8, linestyle=":")
     costs = [number(row, cost) for row in shown]
     frame.set_ylim(min(costs) / 2, max(costs) * 2)
     logarithmic(frame)
@@ -204,6 +214,6 @@ def _front(frame: Axes, rows: Sequence[Row], measure: str, trusted: float) -> No
     points = front(drawn(rows, measure, "seconds"), measure, trusted)
     errors = [_error(row, measure) for row in points]
     seconds = [number(row, "seconds") for row in points]
-    frame.plot(errors, seconds, color=GOLD, linewidth=5, alpha=0.35, zorder=2)
+    frame.plot(errors, seconds, color=TAIL, linewidth=5, alpha=0.35, zorder=2)
     ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgecolor": INK, "markersize": 7.5}
     frame.plot(errors, seconds, "o", markeredgewidth=0.8, zorder=4, **ring)

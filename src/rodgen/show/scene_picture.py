@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from rodgen.analyse.system import System
 from rodgen.scene import Scene
 from rodgen.show.analysis_pictures import draw_loads, load_keys
-from rodgen.show.canvas import LINE, canvas
+from rodgen.show.canvas import INK, LINE, ROD, canvas
 from rodgen.show.pictures import draw_anchors, draw_bodies, frame
 
 
@@ -20,10 +20,10 @@ def at_start(scene: Scene) -> Figure:
     figure = canvas(6.0, 5.0)
     axes = figure.add_subplot()
     axes.grid(alpha=0.3)
-    axes.plot(*joints.T, "-", color="tab:blue", linewidth=LINE)
-    axes.plot(*joints[0], "ks" if scene.hold.clamped else "ko", markersize=5)
-    draw_bodies(axes, scene, joints, "tab:blue")
-    draw_anchors(axes, scene, joints, "tab:blue")
+    axes.plot(*joints.T, "-", color=ROD, linewidth=LINE)
+    axes.plot(*joints[0], "s" if scene.hold.clamped else "o", color=INK, markersize=5)
+    draw_bodies(axes, scene, joints, ROD)
+    draw_anchors(axes, scene, joints, ROD)
     drawn = draw_loads(axes, system, joints, y, 1.0)
     fixed = [(tie.x, tie.y) for tie in scene.anchors.ties]
     axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{scene.name} at the start (dot: joint 0)")

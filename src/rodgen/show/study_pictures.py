@@ -19,7 +19,7 @@ from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from rodgen.integrate.endings import FAILED, FINISHED
-from rodgen.show.canvas import LINE, SERIES, canvas
+from rodgen.show.canvas import BED, INK, LINE, SERIES, SPECIAL, VALUES, canvas
 from rodgen.show.pictures import save_figures
 from rodgen.show.study_results import Results, logarithmic
 
@@ -35,7 +35,6 @@ WIDE = 1e3  # largest over smallest, from which colours go by the logarithm
 MANY = 3000  # points of a map beyond which those of a whole grid are not shown
 MOST_PERIOD = 8  # different values of a section that are told apart
 SAME, OUTSIDE = 1e-3, (0.001, 0.999)  # of the range; what of all values is taken for it
-LOST = "tab:red"
 
 
 def draw(dataset: xarray.Dataset, folder: Path) -> list[Path]:
@@ -120,7 +119,7 @@ def _mark_lost(axes: Axes, of: Results, x: NDArray[np.float64]) -> None:
             lost,
             np.full(len(lost), 0.02),
             "x",
-            color=LOST,
+            color=SPECIAL,
             markersize=4,
             transform=axes.get_xaxis_transform(),
             label="failed",
@@ -136,7 +135,7 @@ def bifurcation(of: Results, name: str) -> Figure:
     points = np.repeat(x[:, None], values.shape[1], axis=1)
     shown = np.isfinite(values)
     size = float(np.clip(3e3 / max(1, shown.sum()), 0.1, 3.0))
-    axes.plot(points[shown], values[shown], ".", color="k", markersize=size, rasterized=True)
+    axes.plot(points[shown], values[shown], ".", color=INK, markersize=size, rasterized=True)
     _mark_lost(axes, of, x)
     _set_axis(axes, of, of.axes[0], "x")
     axes.set(ylabel=of.label(name), title=f"{of.title}: bifurcation diagram")
@@ -168,7 +167,7 @@ def periods(of: Results, name: str) -> Figure:
     known = of.status == FINISHED
     classes = ["none", *map(str, range(1, MOST_PERIOD + 1)), "more"]
     values = np.where(known, np.minimum(counts, MOST_PERIOD + 1), np.nan)
-    colours = ["lightgray", *colormaps["viridis"](np.linspace(0, 1, MOST_PERIOD)), "black"]
+    colours = [BED, *colormaps[VALUES](np.linspace(0, 1, MOST_PERIOD)), INK]
     norm = BoundaryNorm(np.arange(len(classes) + 1) - 0.5, len(classes))
     scale = norm, ListedColormap(colours)
     # Lines between whole numbers of no order would say nothing, and hide what is small.
@@ -232,8 +231,8 @@ def _scale(values: NDArray[np.float64], classes: Sequence[str]) -> tuple[Normali
     found = values[np.isfinite(values)]
     low, high = (found.min(), found.max()) if len(found) else (0.0, 1.0)
     if low > 0 and high > WIDE * low:
-        return LogNorm(low, high), colormaps["viridis"]
-    return Normalize(low, high if high > low else low + 1.0), colormaps["viridis"]
+        return LogNorm(low, high), colormaps[VALUES]
+    return Normalize(low, high if high > low else low + 1.0), colormaps[VALUES]
 
 
 def _panel(
@@ -260,18 +259,18 @@ def _panel(
     )
     if lines and min(values.shape) > 1 and not classes and np.isfinite(filled).sum() > 3:
         locator = LogLocator() if isinstance(scale[0], LogNorm) else None
-        drawn = axes.contour(x, y, filled, LEVELS, locator=locator, colors="k", linewidths=0.5)
+        drawn = axes.contour(x, y, filled, LEVELS, locator=locator, colors=INK, linewidths=0.5)
         axes.clabel(drawn, fontsize="xx-small", fmt="%.3g")
     elif min(values.shape) > 1 and len(classes) > 1:
-        axes.contour(x, y, filled, np.arange(len(classes) - 1) + 0.5, colors="k", linewidths=0.8)
+        axes.contour(x, y, filled, np.arange(len(classes) - 1) + 0.5, colors=INK, linewidths=0.8)
     X, Y = np.meshgrid(x, y)
     if not computed.all():
-        axes.plot(X[computed], Y[computed], ".", color="k", markersize=1.0, alpha=0.6)
+        axes.plot(X[computed], Y[computed], ".", color=INK, markersize=1.0, alpha=0.6)
     elif lines and computed.sum() <= MANY:
-        axes.plot(X, Y, ".", color="k", markersize=0.8, alpha=0.35)
+        axes.plot(X, Y, ".", color=INK, markersize=0.8, alpha=0.35)
     lost = status == FAILED
     size = float(np.clip(100 / np.sqrt(max(1, status.size)), 1.5, 4.0))
-    axes.plot(X[lost], Y[lost], "x", color=LOST, markersize=size)
+    axes.plot(X[lost], Y[lost], "x", color=SPECIAL, markersize=size)
     _set_axis(axes, of, names[1], "x")
     _set_axis(axes, of, names[0], "y")
 
@@ -311,9 +310,9 @@ def _legend(
         for at, one in enumerate(classes)
     ]
     if (of.status == FAILED).any():
-        handles.append(Line2D([], [], marker="x", linestyle="", color=LOST, label="failed"))
+        handles.append(Line2D([], [], marker="x", linestyle="", color=SPECIAL, label="failed"))
     if (of.status == "").any():
-        handles.append(Line2D([], [], marker=".", linestyle="", color="k", label="computed points"))
+        handles.append(Line2D([], [], marker=".", linestyle="", color=INK, label="computed points"))
     if not classes:
         figure.colorbar(ScalarMappable(*scale), ax=axes, label=of.label(name))
     if handles:
@@ -338,17 +337,15 @@ def scatter_matrix(of: Results) -> Figure:
             if column > row:
                 axes.set_visible(False)
             elif column == row:
-                axes.hist(
-                    x[np.isfinite(x)], bins=30, color="tab:blue" if x_varied else "tab:orange"
-                )
+                axes.hist(x[np.isfinite(x)], bins=30, color=SERIES[0 if x_varied else 4])
                 axes.set_yticks([])
             else:
                 there = ~lost & np.isfinite(x) & np.isfinite(y)
                 axes.plot(
-                    x[there], y[there], ".", color="k", alpha=0.4, markersize=size, rasterized=True
+                    x[there], y[there], ".", color=INK, alpha=0.4, markersize=size, rasterized=True
                 )
                 if x_varied and y_varied:
-                    axes.plot(x[lost], y[lost], "x", color=LOST, markersize=2 * size)
+                    axes.plot(x[lost], y[lost], "x", color=SPECIAL, markersize=2 * size)
             if row == count - 1:
                 axes.set_xlabel(_short(of, x_name), fontsize="x-small")
             if column == 0:

@@ -16,13 +16,12 @@ from rodgen.integrate.stepper import Array
 from rodgen.model.rod import CLAMP_ANGLE
 from rodgen.model.term import FORCE, SPREAD, Term
 from rodgen.model.terms import TERMS
-from rodgen.show.canvas import FAINT, SERIES, canvas
+from rodgen.show.canvas import CURVE, FAINT, MOMENTS, canvas
 
 WINDOW = "hann"
 SHORTEST = 16  # samples of a spectrum
 COLUMNS = 1200  # of moments over time: more cannot be told apart
 EVEN = 1e-6  # of the time between samples, by which it may differ
-MOMENTS = "RdBu_r"  # blue below zero, red above, pale at zero, as the live view has it
 NAMED = 12  # events with names
 
 
@@ -31,7 +30,7 @@ def tail(solution: Solution) -> Figure:
     figure = canvas(6.4, 5.6)
     above, below = figure.subplots(2, 1)
     signal = across(solution)
-    above.plot(solution.t, signal, color=SERIES[0], linewidth=0.8)
+    above.plot(solution.t, signal, color=CURVE, linewidth=0.8)
     start = "clamp" if solution.scene.hold.clamped else "first link"
     above.set(
         xlabel="t [s]",
@@ -43,7 +42,7 @@ def tail(solution: Solution) -> Figure:
     if len(even) >= SHORTEST and np.ptp(signal) > 0:
         found = amplitudes_of(signal[even][:, None], WINDOW)
         frequencies = np.fft.rfftfreq(len(even), steps)
-        below.semilogy(frequencies[1:], found[1:], color=SERIES[0], linewidth=0.8)
+        below.semilogy(frequencies[1:], found[1:], color=CURVE, linewidth=0.8)
         below.set(xlabel="frequency [Hz]", ylabel="amplitude [m]")
     else:
         below.text(0.5, 0.5, "no spectrum: too few samples", ha="center", va="center")

@@ -15,7 +15,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from rodgen.loading.cache import write_whole
-from rodgen.show.precision_pictures import INK
+from rodgen.model.palette import DARK, LIGHT, shades
 
 PAGE = "index.html"
 
@@ -47,7 +47,12 @@ def put_whole(folder: Path) -> Iterator[Path]:
 
 Part = dict[str, Any]
 
-BRIGHT = {INK: "#d9dde3"}  # on dark pages
+# On dark pages.
+BRIGHT = {
+    light: dark
+    for name in ("ink", "faint", "axis", "series")
+    for light, dark in zip(shades(name, LIGHT), shades(name, DARK), strict=True)
+}
 
 
 @dataclass(frozen=True)
@@ -83,7 +88,7 @@ def part(title: str, text: list[str], **more: Any) -> Part:
 
 
 def dark(file: Path) -> None:
-    """Let a picture's ink be bright where its reader prefers dark pages."""
+    """Let a picture's ink and curves be bright where its reader prefers dark pages."""
     rules = "".join(
         f'[style*="{what}: {colour}"]{{{what}:{bright}!important}}'
         for colour, bright in BRIGHT.items()

@@ -13,7 +13,8 @@ from pandas import DataFrame
 
 from rodgen.analyse.precision.contestant import Row
 from rodgen.analyse.precision.rows import fine, number, setting
-from rodgen.show.precision_pictures import INK, OURS, axes, legend, logarithmic, look
+from rodgen.show.canvas import INK, SERIES
+from rodgen.show.precision_pictures import OURS, axes, legend, logarithmic, look, own
 from rodgen_evidence.report.contents import Contents, of
 from rodgen_evidence.report.precision.growth import curve, growth_line
 from rodgen_evidence.report.precision.orders import finest
@@ -27,16 +28,15 @@ SAVED = {
     "run": "run time, rk4",
     "run_dop853": "run time, dop853",
 }
-OF_RODGEN = "#d1495b"  # in C; its other targets and forms have colours of their own
+OF_RODGEN = SERIES[1]  # in C; its other targets and forms have colours of their own
 # "from" C; of a "batch".
 OF_FORM = {
-    "from": ("#12a5b8", "s"),
-    "batch": ("#1f9e62", "D"),
-    "dense": ("#d9830f", "^"),
-    "numpy": ("#2a78d6", "v"),
+    "from": (SERIES[5], "s"),
+    "batch": (SERIES[2], "D"),
+    "dense": (SERIES[4], "^"),
+    "numpy": (SERIES[0], "v"),
 }
 LINES = ("-", (0, (5, 1.5)), (0, (1.5, 1.5)))
-SHADES = ("#2a78d6", "#12a5b8", "#1f9e62", "#d9830f", "#9455c8", "#d1495b")
 MIDDLE: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 7, "color": INK}
 # What a group of extreme cases came to with a method, from its worst outcome on.
 COLOURS = {
@@ -94,7 +94,7 @@ def saved(ratios: DataFrame) -> Figure | None:
     thick = 0.8 / len(SAVED)
     for at, (key, name) in enumerate(SAVED.items()):
         places = np.arange(len(ratios)) + (at - (len(SAVED) - 1) / 2) * thick
-        frame.barh(places, ratios[key].fillna(0.0), thick * 0.9, color=SHADES[at], label=name)
+        frame.barh(places, ratios[key].fillna(0.0), thick * 0.9, color=SERIES[at], label=name)
     frame.set_yticks(range(len(ratios)), list(ratios.index), fontsize=8)
     frame.axvline(1, color=INK, linewidth=0.8)
     frame.invert_yaxis()
@@ -181,7 +181,7 @@ def _look_of_who(name: str) -> dict[str, Any]:
     words = re.split(r"[^a-z0-9_]+", name.lower())
     if words[0] not in ("rodgen", "c", "numpy"):
         return look({"who": re.split(r"[ ,]", name)[0], "method": name}).line
-    looks = {**{method: (colour, "o") for method, colour in OURS.items()}, **OF_FORM}
+    looks = {**{method: own(method) for method in OURS}, **OF_FORM}
     shown = [one for word, one in looks.items() if word in words]
     colour, mark = shown[0] if shown else (OF_RODGEN, "o")
     return {"color": colour, "marker": mark, "markersize": 4, "linewidth": 1.4}

@@ -22,6 +22,7 @@ from rodgen.live.page.values import Parameters, Values
 from rodgen.live.run.link import Link, follow
 from rodgen.live.run.live_run import LiveRun
 from rodgen.live.run.scenes import Folder
+from rodgen.model.palette import DARK, LIGHT
 from rodgen.scene import Scene, SceneError
 
 ADDRESS = "/live/channel/"  # of the WebSocket of a run, before its name
@@ -40,7 +41,7 @@ TURN_SHADE = f"""
 """
 # Until Quasar marks the body as light or dark.
 BEFORE = "body:not(.body--light, .body--dark) { background: %s; }"
-KEPT = {"0": BEFORE % "#f4f6f8", "1": BEFORE % "#0f1317"}
+KEPT = {"0": BEFORE % LIGHT["behind"], "1": BEFORE % DARK["behind"]}
 UNKNOWN = KEPT["0"] + "@media (prefers-color-scheme: dark) { " + KEPT["1"] + " }"
 TABS: dict[str, Callable[[PageRun], Panel]] = {
     "Values": Values,

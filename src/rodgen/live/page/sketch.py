@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.model.palette import LIGHT
 from rodgen.model.rod import CLAMP_ANGLE
 from rodgen.model.term import FORCE, SPREAD, WEIGHT, Term
 from rodgen.model.terms import TERMS
@@ -18,7 +19,7 @@ WIDE, HIGH, ROOM, ARROW = 168, 104, 26, 22  # pixels; ROOM: about the rod
 MOST = 200  # points of the line of the rod: more cannot be told apart
 BODY = 9.0  # pixels, the radius of a body that is the whole mass
 ALONG = (0.15, 0.38, 0.62, 0.85)  # places of the arrows of what acts all along the rod
-ROD, FIXED, CARRIED = "#4a6078", "#7a8696", "#64748b"
+ROD, FIXED, CARRIED, BED = (str(LIGHT[name]) for name in ("link", "joint", "body", "line"))
 Points = NDArray[np.float64]
 
 
@@ -73,7 +74,7 @@ def _held(scene: Scene, line: Points, placed: object) -> Iterator[str]:
         yield _line(np.array((way, fixed)), FIXED, 1.5, dashed=True)
         yield _disc(fixed, 3.0, FIXED)
     if len(scene.anchors.bed):
-        yield _line(placed(scene.anchors.bed), "#d5d9de", 9)
+        yield _line(placed(scene.anchors.bed), BED, 9)
     along = _unit(line[1] - line[0])
     across = np.array((-along[1], along[0]))
     if scene.hold.support == "wall":

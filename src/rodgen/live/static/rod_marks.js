@@ -40,7 +40,7 @@ function disc(context, x, y, radius) {
 export function axes(context, x, y, [dx, dy], colours) {
   const size = Math.hypot(dx, dy) || 1;
   const [c, s] = [dx / size, dy / size];
-  context.strokeStyle = context.fillStyle = colours.principal;
+  context.strokeStyle = context.fillStyle = colours.centre;
   context.lineWidth = 1.2;
   context.setLineDash([10, 3, 2, 3]);
   context.beginPath();
@@ -113,7 +113,7 @@ export function bodies(context, points, list, colours) {
     const [dx, dy] = [bx - ax, by - ay];
     const [x, y] = [ax + along * dx + across * dy, ay + along * dy - across * dx];
     const radius = Math.max(LARGEST_BODY * size, 2);
-    context.fillStyle = colours.tail;
+    context.fillStyle = colours.body;
     context.strokeStyle = colours.edge;
     disc(context, x, y, radius);
     context.fill();

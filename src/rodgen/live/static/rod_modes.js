@@ -15,7 +15,7 @@ export function swing(context, camera, joints, mode, far, now, colours) {
   if (mode?.re.length !== joints.length) return false; // none, or that of the rod before
   const phase = still.matches ? 0 : (2 * Math.PI * now) / (1000 * BEAT);
   const points = new Float64Array(joints.length);
-  context.strokeStyle = colours.principal;
+  context.strokeStyle = colours.centre;
   context.lineJoin = context.lineCap = "round";
   for (const [turn, width, alpha] of [
     [Math.PI, 2, 0.35],

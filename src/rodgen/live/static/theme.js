@@ -5,7 +5,7 @@ export const dark = () => document.body.classList.contains("body--dark");
 // As model/palette.py has them, in custom properties of the body.
 const ROWS = ["moments", "along", "series"];
 const NAMES =
-  "background ink faint grid axis link edge joint panel tail centre principal kick present".split(" ");
+  "background ink faint grid axis link edge joint body panel tail centre kick present".split(" ");
 const themes = new Map();
 
 export function theme() {

@@ -17,13 +17,15 @@ from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 from rodgen.show.animation.files import check_file, writer
 from rodgen.show.animation.motion import Motion, camera, ground, motion
-from rodgen.show.animation.stage import BENDING, BODY, CENTRE, GRID, INK, PALE, TAIL, Arrows, Stage
+from rodgen.show.animation.stage import GRID, Arrows, Stage
 from rodgen.show.animation.times import Plan, Settings, plan
+from rodgen.show.canvas import BED, BODY, CENTRE, EDGE, FIXED, INK, MOMENTS, PAPER, TAIL
 
 LARGEST = 1e15  # of any state: beyond, a double has no digits left for the shape
 PALETTE = 8  # frames from which a GIF has its colours
 Progress = Callable[[float], None]
 TRAIL = 5.0  # seconds of film
+ROD, EDGES = 3.6, 1.4  # points: widths of the rod, and of both its edges
 LARGEST_BODY = 26.0  # points across: of a body that is the whole mass
 LEAST_LINK = 8.0  # points: the joints of shorter links would hide the rod
 SUPPORTS = {"none": ("o", 6.5), "pin": ("^", 11.0), "wall": ("s", 10.0)}  # marks, their sizes
@@ -144,7 +146,9 @@ class Picture:
         stage, n, limit = self._stage, scene.rod.links, self._motion.bending_limit
         self._ground = stage.line(**GRID)
         self._trails = [stage.line(color, linewidth=1.1, alpha=0.75) for color in (TAIL, CENTRE)]
-        self._rod = stage.lines(linewidth=3.6, capstyle="round", cmap=BENDING, clim=(-limit, limit))
+        # Behind a rod that is pale where it is not bent.
+        self._edge = stage.line(EDGE, linewidth=ROD + EDGES, solid_capstyle="round")
+        self._rod = stage.lines(linewidth=ROD, capstyle="round", cmap=MOMENTS, clim=(-limit, limit))
         self._rod.set_snap(False)  # to whole pixels, in which a bent rod has steps
         # Views of one array are drawn: new paths in every frame would take most of its time.
         self._halves = np.zeros((2 * n, 2, 2))
@@ -154,15 +158,15 @@ class Picture:
             for mark in scene.distribution.marks
         ]
         self._anchors = scene.anchors
-        self._bed = stage.line(PALE, linewidth=9.0, alpha=0.4)
+        self._bed = stage.line(BED, linewidth=9.0)
         self._ties = [
-            (tie, stage.line(INK, linewidth=1.2, linestyle=":"), stage.mark(("^", 8.0), PALE, INK))
+            (tie, stage.line(INK, linewidth=1.2, linestyle=":"), stage.mark(("^", 8.0), FIXED, INK))
             for tie in self._anchors.ties
         ]
-        self._inner = stage.mark(("o", 3.6), "white", INK)
+        self._inner = stage.mark(("o", 3.6), PAPER, INK)
         self._start = stage.mark(self._hold, INK, INK)
         self._tail = stage.mark(("o", 6.0), TAIL, INK)
-        self._middle = stage.mark(("o", 6.5), "white", CENTRE, 2.2)
+        self._middle = stage.mark(("o", 6.5), PAPER, CENTRE, 2.2)
         self._clock = stage.clock()
         link = scene.rod.length / n * stage.pixels_per_metre(self.camera)
         self._dotted = link * 72 / stage.figure.dpi >= LEAST_LINK
@@ -209,6 +213,7 @@ class Picture:
 
     def _show_rod(self, k: int) -> None:
         joints, bending = self._joints[k], self._motion.bending[k]
+        self._show(self._edge, joints)
         self._halves[:] = halves(joints)
         # The bending of a joint colours the halves of the links that meet there.
         self._rod.set_array(np.repeat(bending, 2)[1:-1])

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
-from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.quiver import Quiver
@@ -23,17 +23,9 @@ from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.show.animation.motion import Camera, Load, Motion
 from rodgen.show.animation.times import Settings
+from rodgen.show.canvas import BODY, CENTRE, GUIDE, INK, MOMENTS, PAPER, TAIL
 
-INK, PALE = "#30343a", "#b9bec6"
-GRID: dict[str, Any] = {"color": PALE, "alpha": 0.45, "linewidth": 0.7}
-TAIL, CENTRE, BODY = "#d9830f", "#0f766e", "#9aa3b2"
-# Both ends differ from the middle for eyes that see fewer colours, and all from white.
-BENDING = LinearSegmentedColormap.from_list(
-    # Few enough for the palette of a GIF, and one of them is the middle.
-    "bending",
-    ["#0a4fe0", "#4f86d8", "#7d8188", "#d8704f", "#e01a0a"],
-    N=65,
-)
+GRID: dict[str, Any] = {"color": GUIDE, "alpha": 0.45, "linewidth": 0.7}
 DOTS_PER_INCH = 100.0  # of a film of 1280 x 720; letters grow with the film
 SMALLEST_LETTERS = 0.62  # of theirs there
 KEY = 0.3  # inches below the legend, for the scale of the arrows
@@ -76,7 +68,7 @@ class Stage:
             axis.set_major_locator(MultipleLocator(self.grid_step))
         axes.tick_params(colors=INK, labelsize=9)
         for spine in axes.spines.values():
-            spine.set_color(PALE)
+            spine.set_color(GUIDE)
         if camera.view == "fixed":
             axes.grid(**GRID)
             axes.set_axisbelow(True)
@@ -100,14 +92,14 @@ class Stage:
 
     def add_colours(self, label: str, limit: float, largest: float) -> None:
         """The colour bar; limit: value at its ends; largest: that there is."""
-        colours = ScalarMappable(Normalize(-limit, limit), BENDING)
+        colours = ScalarMappable(Normalize(-limit, limit), MOMENTS)
         (right, low), height = self.panel, self._place[3]
         place = right, low + 0.45 * height, 0.16 / self.figure.get_figwidth(), 0.55 * height
         beyond = "both" if largest > 1.001 * limit else "neither"
         bar = self.figure.colorbar(colours, cax=self.figure.add_axes(place), extend=beyond)
         bar.set_label(label, color=INK, fontsize=10)
         bar.ax.tick_params(colors=INK, labelsize=9)
-        bar.outline.set_edgecolor(PALE)
+        bar.outline.set_edgecolor(GUIDE)
 
     def add_legend(self, hold: str, bodies: bool, loads: Sequence[str], view: str) -> None:
         """What marks, trails and arrows are, and the grid where no numbers stand at its lines."""
@@ -116,7 +108,7 @@ class Stage:
             Line2D([], [], color=TAIL, marker="o", markersize=6, label="tail"),
             Line2D([], [], color=CENTRE, marker="o", markersize=6, label="centre of gravity"),
         ]
-        marks[-1].set(markerfacecolor="white", markeredgewidth=2)
+        marks[-1].set(markerfacecolor=PAPER, markeredgewidth=2)
         if bodies:
             disc = Line2D([], [], color=BODY, marker="o", markersize=9, markeredgecolor=INK)
             disc.set(linewidth=0, label="bodies, by mass")
@@ -127,7 +119,7 @@ class Stage:
             line.set(markersize=16, label=load.label)
             marks.append(line)
         if view != "fixed":
-            marks.append(Line2D([], [], color=PALE, label=f"grid of {self.grid_step:g} m"))
+            marks.append(Line2D([], [], color=GUIDE, label=f"grid of {self.grid_step:g} m"))
         place = self.panel[0], self.panel[1] + KEY / self.figure.get_figheight()
         self.figure.legend(
             handles=marks,
