@@ -110,7 +110,9 @@ def _compiled() -> set[str]:
     """Names of the structures that were compiled in this run, in whatever parts."""
     found = set()
     for folder, _, files in os.walk(_cache()):  # of what is being built meanwhile, some vanishes
-        for path in (Path(folder, name) for name in files if name.endswith(".so")):
+        for path in (
+            Path(folder, name) for name in files if name.startswith("rod_") and name.endswith(".so")
+        ):
             with suppress(OSError):
                 if path.stat().st_mtime >= START:
                     found.add(path.stem)

@@ -234,7 +234,7 @@ def test_picture_shows_where_growth_begins(write: Write) -> None:
 
 def test_critical_force_by_simulation(call: Call, write: Write) -> None:
     """Growth is measured: in a short time, too, the force is hardly too large."""
-    found = _strict(call("critical", write(PUSHED, 2), "--simulate", 20, "--json"))
+    found = _strict(call("critical", write(PUSHED, 3), "--simulate", 20, "--json"))
     simulated = found["simulated"]
     assert simulated["span"] == 20.0
     assert simulated["low"] < simulated["force"] < simulated["high"]

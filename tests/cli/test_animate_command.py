@@ -25,7 +25,7 @@ SIZE = ("--width", 480, "--height", 320)
 @pytest.fixture
 def result(make_scene: Callable[..., Scene], tmp_path: Path) -> Path:
     """A result of 201 samples, in a folder of its own."""
-    scene = make_scene(3, terms=("follower", "gravity"), span=[0.0, 2.0], rtol=1e-6)
+    scene = make_scene(3, "clamped", terms=("follower", "gravity"), span=[0.0, 2.0], rtol=1e-6)
     path = tmp_path / "from" / "run.nc"
     path.parent.mkdir()
     package.simulate(scene, target="numpy").save(path)

@@ -224,7 +224,9 @@ def test_auto_is_asked_now_and_then(monkeypatch: pytest.MonkeyPatch, make_scene:
     choose = live_module.choose
     monkeypatch.setattr(live_module, "time", SimpleNamespace(perf_counter=lambda: clock[0]))
     monkeypatch.setattr(live_module, "choose", lambda *a: (asked.append(a), choose(*a))[1])
-    scene = make_scene(4, terms=("internal_damping",), method="auto", span=[0.0, 100.0])
+    lumped = {"inertia": "lumped"}
+    terms = ("internal_damping",)
+    scene = make_scene(3, "pinned", terms, lumped, method="auto", span=[0.0, 100.0])
     live = live_of(scene)
     assert (live.settings.method, len(asked)) == ("dop853", 1)
     stiff = {"rod": {"bending_stiffness": 1e7}, "loads": {"internal_damping": {"coefficient": 1e4}}}
