@@ -142,11 +142,17 @@ class Live(Progress):
     def allow_pulls(self, model: ModuleType) -> None:
         """Go on in the same state by the module of the scene `with_place`, where there is none."""
         t, y, work = self._here()
-        known = dict(zip(self.works, work, strict=True))
-        self.model, self._chooser, self.pulls = model, Chooser(model), True
+        known, was = dict(zip(self.works, work, strict=True)), self.model
+        self.model, self.pulls = model, True
+        try:
+            course = self._made(self.scene, self.choice, t, y)
+        except Exception:  # whatever it is: the run goes on as it was
+            self.model, self.pulls = was, False
+            raise
+        self._chooser = Chooser(model)
         self.works = (*loads_at_work(self.placed, model), PULL)
         before = np.array([known.get(name, 0.0) for name in self.works])
-        self._take_up(self._made(self.scene, self.choice, t, y), before, self.every)
+        self._take_up(course, before, self.every)
 
     def pull(self, pull: Pull | None) -> None:
         """Pull the rod so from here on, or not at all; what the spring holds more by that is work

@@ -17,7 +17,7 @@ from rodgen.live.page.point_dialog import PointDialog
 from rodgen.live.page.runs import PageRun
 from rodgen.scene import Scene, SceneError
 
-SWING = 1.0  # seconds in which the rod would swing on the spring, were it rigid
+SWING = 2.0  # seconds in which the rod would swing on the spring, were it rigid
 DAMPED = 0.2  # of what would not let it swing
 DIGITS = 3
 
@@ -147,10 +147,10 @@ def _not_negative(name: str, text: str) -> float:
 
 def usual(scene: Scene) -> tuple[float, float]:
     """Stiffness [N/m] and damping [N s/m] of a spring that moves a rod visibly and does not throw
-    it: it swings in about a second on it; where it is clamped, the spring is at least as stiff as
-    the rod."""
+    it: it swings in about two seconds on it; where it is clamped, the spring is at least as stiff
+    as the rod. What flies is not braked."""
     rate, rod = 2 * math.pi / SWING, scene.rod
     bending = float(scene.parameters["bending_stiffness"]) / rod.length**3
     stiffness = max(scene.mass * rate**2, 3 * bending if scene.hold.clamped else 0.0)
-    damping = DAMPED * 2 * math.sqrt(stiffness * scene.mass)
+    damping = 0.0 if scene.hold.translates else DAMPED * 2 * math.sqrt(stiffness * scene.mass)
     return float(f"{stiffness:.2g}"), float(f"{damping:.2g}")

@@ -46,8 +46,9 @@ class Pulling(Comparing):
             return None
         if wanted.structure not in (made, scene.structure):
             return wanted
-        self.model = build_fastest(wanted)
-        live.allow_pulls(self.model)
+        model = build_fastest(wanted)
+        live.allow_pulls(model)
+        self.model = model
 
         def wide(p: Array) -> Array:
             return widened(p, scene, wanted, live.p)

@@ -5,6 +5,7 @@ import { outlined } from "./rod_marks.js";
 import { short } from "./scales.js";
 
 const END = 5; // pixels, the radius of the far end
+const EDGE = 10; // pixels of the picture, in which no force is written
 const NEAR = 14; // pixels from it that still take hold of it
 
 // The point of a link at a share of it, in metres from the origin of a state.
@@ -52,7 +53,7 @@ export function pull(context, camera, state, points, hand, times, colours) {
   if (2 * link + 4 > points.length) return;
   const from = along(points, link, share);
   const to = hand ? [hand.x, hand.y] : drawn(camera, state, points, times);
-  context.strokeStyle = context.fillStyle = colours.kick;
+  context.strokeStyle = context.fillStyle = colours.centre;
   context.lineWidth = 2;
   context.beginPath();
   spring(context, from, to);
@@ -67,5 +68,8 @@ export function pull(context, camera, state, points, hand, times, colours) {
   context.fillStyle = colours.ink;
   const force = Math.hypot(state.pull[4], state.pull[5]);
   const beside = to[0] < from[0] ? -2 * END : 2 * END;
-  outlined(context, `${short(force, 3)} N`, to[0] + beside, to[1], colours);
+  const [x, y] = [camera.width, camera.height].map((size, k) =>
+    Math.min(Math.max(to[k], EDGE), size - EDGE),
+  );
+  outlined(context, `${short(force, 3)} N`, x + beside, y, colours);
 }
