@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra view is not installed")
 
 from rodgen.live.page.answers import take_up
+from rodgen.live.run.curves import spectrum
 from rodgen.live.run.live_run import LiveRun
 from rodgen.live.run.marks import MOST, Mark, Marks
 from rodgen.live.run.scenes import edit
@@ -92,6 +95,23 @@ def test_what_moves_the_rod_is_seen_in_the_present(run: LiveRun) -> None:
         run.do(act).result()
         assert run.past is None
         run.do(lambda: run._took(run.live.advance(run.live.t + 0.1, 10.0))).result()
+
+
+def test_a_spectrum_is_of_what_leads_to_the_sample(run: LiveRun) -> None:
+    page = seen(run)
+    run.do(lambda: run.add_plot({"kind": "spectrum", "y": ["omega_4"], "window": 0.2})).result()
+    *_, name = run.plots
+    looks(run, page, '{"look": 0.25}')
+    samples = [run.store.near(0.05 + 0.01 * k) for k in range(21)]
+    values = [run.catalogue.columns(["omega_4"], sample)[0, 0] for sample in samples]
+    wanted = spectrum(np.array([sample.t[0] for sample in samples]), np.array(values))
+    for _ in range(50):  # at most four of them a second are made
+        page.acknowledge()
+        rows = page.rows[name][-1].reshape(-1, 2)
+        if rows.shape == wanted.shape and np.allclose(rows, wanted, rtol=1e-9):
+            return
+        time.sleep(0.02)
+    raise AssertionError("not the spectrum of the samples from 0.05 to 0.25 s")
 
 
 def test_run_that_is_looked_back_at_goes_on(run: LiveRun) -> None:
@@ -190,3 +210,20 @@ def test_dragging_the_time_line_moves_the_rod(view: View) -> None:
     view.until(lambda: view.live("t"), pytest.approx(end / 2, abs=0.02), "not in the middle")
     view.page.mouse.up()
     view.until(lambda: view.text("kinetic_energy"), lambda text: text != present, "no other values")
+
+
+@pytest.mark.long
+def test_planes_end_where_the_time_line_is(view: View) -> None:
+    """A phase plot and a Poincaré section show what lies before the time that is looked at."""
+    view.add_plot("phase plot", quantity="omega_0", over="phi_0")
+    view.pause_after(0.5)
+    plot = "Object.values(rodgenLive.plots).at(-1)"
+    all_of_them = view.page.evaluate(f"{plot}.rows")
+    view.sees(f"{plot}.seen", all_of_them, "not all samples at first")
+    line = view.page.get_by_role("slider", name="Time that is shown")
+    line.press("Home")
+    view.sees(f"{plot}.seen", 1, "not the first sample alone")
+    line.press("ArrowRight")
+    view.sees(f"{plot}.seen", 2, "not two samples")
+    line.press("End")
+    view.sees(f"{plot}.seen", all_of_them, "not all samples again")

@@ -7,9 +7,9 @@ import pytest
 
 import rodgen
 from rodgen.integrate import Solution
-from rodgen.model.terms import TERMS
+from rodgen.model.terms import TERMS, axis_label
 from rodgen.scene import Scene
-from rodgen.show.pictures import energies, phase_plot, trajectories
+from rodgen.show.pictures import energies, phase_plot, shapes, trajectories
 from rodgen.show.time_pictures import across, acting, moments, tail
 from tests.live.conftest import ROD
 
@@ -76,3 +76,24 @@ def test_phase_plot_joins_what_follows_the_motion(every: float, style: str) -> N
     """Samples less than a period apart by far, and more than one."""
     curve = phase_plot(run(span=[0.0, 40.0], output_every=every)).axes[0].lines[0]
     assert curve.get_linestyle() == style
+
+
+@pytest.mark.parametrize(
+    ("key", "label"),
+    [
+        ("loads.follower.force", "follower force [N]"),
+        ("rod.bending_stiffness", "bending stiffness [N m²]"),
+        ("loads.external_damping.fin_factor", "fin factor"),
+        ("parameters.P0", "parameters.P0"),
+    ],
+)
+def test_axes_of_keys_are_words_with_units(key: str, label: str) -> None:
+    assert axis_label(key) == label
+
+
+def test_a_rod_that_flew_far_is_drawn_in_its_size() -> None:
+    """Shapes stand side by side: the picture is a few lengths wide, however far the rod went."""
+    solution = run(g=9.81, span=[0.0, 8.0], output_every=0.5)
+    fallen = np.ptp(solution.joints[..., 1])
+    axes = shapes(solution).axes[0]
+    assert np.ptp(axes.get_ylim()) < 25 < fallen / 10  # of 2 m, 12 of them beside one another

@@ -115,10 +115,13 @@ class Store:
         used = {self._number, *np.unique(self._epoch_of[:kept]).tolist()}
         self._epochs = {number: self._epochs[number] for number in used}
 
-    def chunks(self) -> Iterator[Chunk]:
-        """All samples that are kept, in chunks cut where parameters changed."""
-        numbers = self._epoch_of[: self.count]
-        edges = [0, *(np.flatnonzero(np.diff(numbers)) + 1), self.count]
+    def chunks(self, since: float = -np.inf, until: float = np.inf) -> Iterator[Chunk]:
+        """The samples that are kept between two times [s], by default all, in chunks cut where
+        parameters changed."""
+        times = self._rows[: self.count, 0]
+        first, end = np.searchsorted(times, since), np.searchsorted(times, until, side="right")
+        numbers = self._epoch_of[first:end]
+        edges = [first, *(first + np.flatnonzero(np.diff(numbers)) + 1), end]
         for first, last in itertools.pairwise(edges):
             if first < last:
                 yield self._piece(first, last)

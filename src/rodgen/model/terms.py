@@ -393,3 +393,13 @@ PLACES: dict[str, tuple[str, ...]] = {
         for one in term.parameters
     },
 }
+
+
+def axis_label(key: str) -> str:
+    """What stands at the axis of a number of a scene: of loads.follower.force, follower force [N];
+    of what is no parameter of a rod or a load, the key itself."""
+    for name, path in PLACES.items():
+        if ".".join(path) == key:
+            one = PARAMETERS[name]
+            return f"{one.label} [{one.shown_unit}]" if one.unit else one.label
+    return key

@@ -161,8 +161,8 @@ def draw_loads(axes: Axes, system: System, joints: Array, y: Array, side: float)
             shares = np.hypot(*forces[name].T)
             at, point = int(shares.argmax()), shares @ joints / shares.sum()
             pull = size * forces[name].sum(axis=0) / shares.sum()
-            # Thrust ends at the rod, lest it hide it.
-            pushes = term.follows and pull @ (joints[at] - joints[at - 1 if at else 1]) < 0
+            # What pushes ends at the rod, lest it hide it.
+            pushes = pull @ (joints[at] - joints[at - 1 if at else 1]) < 0
             start = point - pull if pushes else point
             ends.append((np.array([start, start + pull]), term))
         elif term.kind == SPREAD:

@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from rodgen.analyse.critical import critical_force
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.statics import Equilibrium
 from rodgen.analyse.system import without
 from rodgen.integrate.stepper import Array
-from rodgen.model.terms import TERMS
+from rodgen.model.terms import TERMS, axis_label
 from rodgen.scene import Scene, SceneError
-from rodgen.show.canvas import CURVE, INK, LINE, SERIES, SPECIAL, canvas
+from rodgen.show.canvas import CURVE, INK, LINE, SERIES, SPECIAL, canvas, mark_of
 
 if TYPE_CHECKING:
     import xarray
 
 Style = Literal["-", "--", ":"]
-NAMES = {"branch": "branch point", "fold": "fold", "hopf": "Hopf point"}
-MARKS = {"branch": "s", "fold": "D", "hopf": "o"}
+STEEP = 5.0  # largest over least load, from which on their axis is logarithmic
 WIDE, WIDEST = 1e3, 1e4  # largest over least damping: logarithmic, and how far at most
 FLAT = 1e-9  # of the length: what moves less does not
 STYLES: dict[int, Style] = {1: "--", 0: "-", -1: ":"}  # unstable, stable, not known
@@ -48,7 +48,7 @@ def bifurcation_diagram(branches: list[xarray.Dataset], scene: Scene) -> Figure:
             kind_of, value_of = data["special_kind"].values, data["special_value"].values
             points = zip(kind_of, value_of, _across(data, "special_", scene), strict=True)
             for kind, value, y in points:
-                axes.plot(value, y, MARKS.get(kind, "x"), color=SPECIAL, markersize=5)
+                axes.plot(value, y, mark_of(kind)[0], color=SPECIAL, markersize=5)
                 kinds[str(kind)] = None
     axes.autoscale_view()
     _named(axes, branches, scene)
@@ -57,9 +57,9 @@ def bifurcation_diagram(branches: list[xarray.Dataset], scene: Scene) -> Figure:
         axes.set_ylim(-0.05, 0.05)
     axes.grid(alpha=0.3)
     axes.set(
-        xlabel=branches[0].attrs["key"],
+        xlabel=axis_label(branches[0].attrs["key"]),
         ylabel=_ordinate(scene),
-        title=f"{scene.name}: {branches[0].attrs['key']} is varied",
+        title=f"{scene.name}: equilibria",
     )
     known = {int(number) for data in branches for number in np.sign(data["unstable"].values)}
     words = {0: "stable", 1: "unstable", -1: "stability not known"}
@@ -68,10 +68,8 @@ def bifurcation_diagram(branches: list[xarray.Dataset], scene: Scene) -> Figure:
         for at in (0, 1, -1)
         if at in known
     ]
-    handles += [
-        Line2D([], [], linestyle="", marker=MARKS.get(k, "x"), color=SPECIAL, label=NAMES.get(k, k))
-        for k in kinds
-    ]
+    for mark, name in map(mark_of, kinds):
+        handles.append(Line2D([], [], linestyle="", marker=mark, color=SPECIAL, label=name))
     figure.legend(handles=handles, loc="outside lower center", ncols=5, fontsize="small")
     return figure
 
@@ -143,29 +141,48 @@ def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
     places = [data[f"special_{name}"].values for name in ("a", "b")]
     for kind, *place in zip(data["special_kind"].values, *places, strict=True):
         upper.plot(place[1 - up], place[up], "s", color=SPECIAL, markersize=5)
-        beside = {"textcoords": "offset points", "fontsize": "small"}
-        upper.annotate(kind, (place[1 - up], place[up]), (6, -12), **beside)
+        inside = place[1 - up] > x.max() / 2  # of the right edge
+        beside: dict[str, Any] = {
+            "textcoords": "offset points",
+            "fontsize": "small",
+            "va": "center",
+        }
+        beside |= {"ha": "right", "xytext": (-8, 0)} if inside else {"xytext": (8, -8)}
+        upper.annotate(kind, (place[1 - up], place[up]), **beside)
     lower.plot(x, frequency, color=CURVE, linewidth=LINE)
     positive = x[x > 0]
     if _damps(names[1 - up]) and len(positive) and positive.max() > WIDE * positive.min():
         least = max(float(positive.min()), float(positive.max()) / WIDEST)
-        upper.set_xscale("symlog", linthresh=least)
-        low, high = np.percentile(y, [0, 100])
-        upper.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))
+        upper.set_xscale("symlog", linthresh=least, linscale=0.6)
+        powers = 10.0 ** np.arange(np.ceil(np.log10(least)), np.ceil(np.log10(positive.max())) + 1)
+        upper.set_xticks([0.0, *powers], minor=False)
+        upper.set_xticks([], minor=True)
+        upper.set_xlim(-0.3 * least, 2 * float(positive.max()))
     if (x == 0).any() and _damps(names[1 - up]):
         at = int(np.argmax(x == 0))
-        label = f"limit of no damping: {y[at]:.6g}"
+        unit = axis_label(names[up]).partition("[")[2].rstrip("]")
+        label = f"limit of no damping: {y[at]:.6g} {unit}"
         upper.plot(0.0, y[at], "o", markerfacecolor="white", color=SPECIAL, label=label)
         without = _undamped(scene, names[up])
         if without is not None:
-            label = f"without damping: {without:.6g}"
+            label = f"without damping: {without:.6g} {unit}"
             upper.plot(0.0, without, "o", color=SPECIAL, label=label)
-            upper.set_ylim(0.0, max(upper.get_ylim()[1], 1.1 * without))
         upper.legend(fontsize="small")
+    if y.min() > 0:
+        if y.max() > STEEP * y.min():  # or all but its end would lie along the lower edge
+            upper.set_yscale("log")
+            upper.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            upper.yaxis.set_major_formatter("{x:g}")
+            upper.yaxis.set_minor_formatter(NullFormatter())
+        else:
+            upper.set_ylim(bottom=0.0)
     for axes in (upper, lower):
         axes.grid(alpha=0.3)
-    upper.set(ylabel=names[up], title=f"{scene.name}: {data.attrs['kind']} begins at the boundary")
-    lower.set(xlabel=names[1 - up], ylabel="frequency [Hz]")
+    upper.set(
+        ylabel=axis_label(names[up]),
+        title=f"{scene.name}: {data.attrs['kind']} begins at the boundary",
+    )
+    lower.set(xlabel=axis_label(names[1 - up]), ylabel="frequency [Hz]")
     return figure
 
 

@@ -28,6 +28,14 @@ STEPS = 65  # of the colours below: few enough for a GIF, and one of them is the
 MOMENTS, ALONG = (
     LinearSegmentedColormap.from_list(name, shades(name), N=STEPS) for name in ("moments", "along")
 )
+# Special points of curves: marks, and what they are called.
+MARKS = {
+    "hopf": ("o", "Hopf point"),
+    "fold": ("D", "fold"),
+    "branch": ("s", "branch point"),
+    "period doubling": ("^", "period doubling"),
+    "torus": ("v", "torus"),
+}
 VALUES = "viridis"  # of maps, which are filled
 
 
@@ -59,6 +67,11 @@ def drawing(given: Figure | SubFigure | Callable[..., Figure]) -> Iterator[None]
         yield
     finally:
         _given.reset(token)
+
+
+def mark_of(kind: str) -> tuple[str, str]:
+    """Mark and name of a special point."""
+    return MARKS.get(kind, ("x", kind))
 
 
 def fit(figure: Figure, height: float) -> None:

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from rodgen.analyse.cycles.cycle import Cycle
 from rodgen.integrate.stepper import Array
+from rodgen.model.terms import axis_label
 from rodgen.scene import Scene
-from rodgen.show.canvas import CURVE, FAINT, INK, LINE, ROD, SPECIAL, canvas
+from rodgen.show.canvas import CURVE, FAINT, INK, LINE, ROD, SPECIAL, canvas, mark_of
 from rodgen.show.pictures import draw_anchors, draw_bodies
 
 if TYPE_CHECKING:
     import xarray
 
-MARKS = {"hopf": "o", "fold": "s", "branch": "D", "period doubling": "^", "torus": "v"}
 FRAMES = 8  # of a film strip
 TRAIL = 4  # earlier shapes behind each
 MARGIN = 0.06  # of the largest side, around the shapes
@@ -45,7 +45,7 @@ def film_strip(cycle: Cycle) -> Figure:
         at = frame * step
         for back in range(TRAIL, 0, -1):
             before = (at - back * step // TRAIL) % (len(joints) - 1)
-            axes.plot(*joints[before].T, "-", color=ROD, alpha=0.45 - 0.09 * back, linewidth=0.8)
+            axes.plot(*joints[before].T, "-", color=ROD, alpha=0.7 - 0.14 * back, linewidth=0.8)
         axes.plot(*joints[at].T, "-", color=ROD, linewidth=LINE)
         axes.plot(*joints[at, 0], "o", color=INK, markersize=3)
         draw_bodies(axes, cycle.scene, joints[at], ROD)
@@ -93,7 +93,7 @@ def unit_circle(cycle: Cycle) -> Figure:
     axes.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
     axes.set(xlabel="real part", ylabel="imaginary part")
     said = f"{cycle.unstable} outside" if cycle.unstable else "none outside"
-    rings = f"; ring: {cycle.trivial} that are 1" if cycle.trivial else ""
+    rings = f"; ring: {cycle.trivial} at 1 by symmetry" if cycle.trivial else ""
     axes.set_title(f"{cycle.scene.name}: multipliers, {said}{rings}", fontsize="small")
     axes.grid(alpha=0.3)
     return figure
@@ -116,12 +116,13 @@ def amplitudes(data: xarray.Dataset, scene: Scene) -> Figure:
             here = np.flatnonzero(data["special_kind"].values == kind)
             x = data["special_value"].values[here]
             y = [_height(data, name, int(one)) for one in here]
-            axes.plot(x, y, MARKS.get(kind, "x"), color=INK, markersize=5, label=kind)
+            mark, label = mark_of(kind)
+            axes.plot(x, y, mark, color=SPECIAL, markersize=5, label=label)
         axes.set_ylabel(words)
         axes.grid(alpha=0.3)
     if data.sizes["special"]:
         top.legend(fontsize="small")
-    low.set_xlabel(data.attrs["key"])
+    low.set_xlabel(axis_label(data.attrs["key"]))
     top.set_title(f"{scene.name}: cycles (solid: stable, dashed: unstable)", fontsize="medium")
     return figure
 

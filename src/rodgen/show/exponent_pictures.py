@@ -43,6 +43,7 @@ def _means(axes: Axes, found: Exponents) -> None:
     axes.axhline(0.0, color=FAINT, linewidth=0.7)
     axes.set(xscale="log", xlabel="time averaged over [s]", ylabel="mean rate of growth [1/s]")
     late = found.running[len(found.running) // 50 :]
+    axes.set_xlim(few[len(few) // 50] / 1.5, few[-1] * 1.3)
     low, high = float(late.min()), float(late.max())
     room = 0.08 * (high - low) + float(found.errors.max())
     axes.set_ylim(low - room, high + room)

@@ -26,6 +26,7 @@ from rodgen.show.canvas import (
     FIXED,
     INK,
     LINE,
+    PAPER,
     SERIES,
     SPECIAL,
     TAIL,
@@ -34,11 +35,15 @@ from rodgen.show.canvas import (
 from rodgen.show.time_pictures import NAMED, acting, mark_times, moments, tail
 
 SHAPES = 12  # rods drawn in one picture
+FAR = 20.0  # lengths, beyond which a rod is a dot on its way
+LONG = 25.0  # sides of its picture, beyond which a path is drawn thin
 DOTS_PER_INCH = 200
 SLIVER = 0.05  # width over length
 DISC = 16.0  # points across: of a body that is the whole mass
 SHARP, MOST_SHARP = 0.5, 0.25  # cosine of a turn of 60 degrees; share of turns beyond in a curve
 DASHES = (0, (4, 2)), (0, (4, 2, 1, 2)), (0, (1, 1))  # of works
+# Of a word over a curve.
+BEHIND = {"boxstyle": "square,pad=0.1", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8}
 LARGEST = 1e12  # of any state: beyond, nothing of the picture can be read
 
 
@@ -70,23 +75,40 @@ def save_figures(figures: Iterable[tuple[str, Figure]], folder: Path) -> list[Pa
 
 
 def shapes(solution: Solution) -> Figure:
-    """The rod at several times, coloured by time."""
+    """The rod at several times, coloured by time; one that has flown so far that it would be a dot,
+    each shape beside the one before."""
     figure, axes = _figure(6.0, 5.0)
     times = np.unique(np.linspace(0, len(solution.t) - 1, SHAPES).round().astype(int))
+    every, far = solution.joints[times], solution.scene.rod.length
+    way = float(np.ptp(every, axis=(0, 1)).max())
+    apart = solution.scene.hold.translates and way > FAR * far
+    if apart:
+        centres = solution.centre_of_gravity[times][:, None]
+        every = every - centres + far * np.stack((np.arange(len(times)), 0 * times), -1)[:, None]
     colours = ScalarMappable(Normalize(solution.t[0], max(solution.t[-1], 1e-300)), ALONG)
-    for at in times:
-        x, y = solution.joints[at].T
+    for at, joints in zip(times, every, strict=True):
+        x, y = joints.T
         colour = colours.to_rgba(solution.t[at])
         axes.plot(x, y, "-", color=colour, linewidth=LINE)
         axes.plot(x[0], y[0], "o", color=colour, markersize=3.5)
-        draw_bodies(axes, solution.scene, solution.joints[at], colour)
-        draw_anchors(axes, solution.scene, solution.joints[at], colour)
-    legend = "dot: joint 0" + "; discs: bodies, by mass" * bool(solution.scene.bodies)
-    axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{solution.scene.name}: shape ({legend})")
-    fixed = [(tie.x, tie.y) for tie in solution.scene.anchors.ties]
-    frame(axes, np.concatenate((solution.joints[times].reshape(-1, 2), np.reshape(fixed, (-1, 2)))))
+        draw_bodies(axes, solution.scene, joints, colour)
+        if not apart:
+            draw_anchors(axes, solution.scene, joints, colour)
+    bodies = "; discs: bodies, by mass" * bool(solution.scene.bodies)
+    legend = f"dot: {first_end(solution.scene)}{bodies}"
+    beside = " from the centre of gravity, each shape beside the one before" * apart
+    across = " from the centre of gravity" * apart
+    axes.set(xlabel=f"x{beside} [m]\n{legend}", ylabel=f"y{across} [m]")
+    axes.set_title(f"{solution.scene.name}: shape")
+    fixed = [] if apart else [(tie.x, tie.y) for tie in solution.scene.anchors.ties]
+    frame(axes, np.concatenate((every.reshape(-1, 2), np.reshape(fixed, (-1, 2)))))
     figure.colorbar(colours, ax=axes, label="t [s]")
     return figure
+
+
+def first_end(scene: Scene) -> str:
+    """What joint 0 is called."""
+    return "nose" if scene.hold.support == "none" else "root"
 
 
 def draw_anchors(axes: Axes, scene: Scene, joints: np.ndarray, colour: Any) -> None:
@@ -108,9 +130,12 @@ def draw_bodies(axes: Axes, scene: Scene, joints: np.ndarray, colour: Any) -> No
 def trajectories(solution: Solution) -> Figure:
     """Paths of the centre of gravity and of the tail."""
     figure, axes = _figure(6.0, 5.0)
-    paths = {"centre of gravity": solution.centre_of_gravity, "tail": solution.tip}
-    for (name, path), line, colour in zip(paths.items(), ("-", "--"), (CENTRE, TAIL), strict=True):
-        axes.plot(*path.T, line, color=colour, label=name, linewidth=LINE)
+    paths = {"tail": solution.tip, "centre of gravity": solution.centre_of_gravity}
+    for (name, path), line, colour in zip(paths.items(), ("--", "-"), (TAIL, CENTRE), strict=True):
+        steps = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+        thin = steps > LONG * np.ptp(path, axis=0).max()  # of one that goes to and fro, no dashes
+        style = ("-", LINE / 4) if thin else (line, LINE)
+        axes.plot(*path.T, style[0], color=colour, label=name, linewidth=style[1])
         axes.plot(*path[0], "o", color=colour, markersize=4)
     _say(axes, solution)
     axes.set(
@@ -133,7 +158,8 @@ def _say(axes: Axes, solution: Solution) -> None:
         if ends[0] < t < ends[1]:
             x, y = (float(np.interp(t, solution.t, part)) for part in path.T)
             axes.plot(x, y, "D", color=FAINT, markersize=4)
-            axes.annotate(f"  {words}", (x, y), fontsize="x-small", color=FAINT, va="center")
+            style: dict[str, Any] = {"fontsize": "x-small", "color": FAINT, "bbox": BEHIND}
+            axes.annotate(words, (x, y), (7, -3), textcoords="offset points", **style)
 
 
 def energies(solution: Solution) -> Figure:
@@ -142,7 +168,8 @@ def energies(solution: Solution) -> Figure:
     axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     t, energy = solution.t, solution.energy
     axes.plot(t, energy.kinetic, color=SERIES[0], label="kinetic", linewidth=LINE)
-    axes.plot(t, energy.spring, color=SERIES[2], label="springs", linewidth=LINE)
+    if energy.spring.any():
+        axes.plot(t, energy.spring, color=SERIES[2], label="springs", linewidth=LINE)
     if "gravity" in solution.scene.loads.terms:
         colour = TERMS["gravity"].colours[0]
         axes.plot(t, energy.gravity, color=colour, label="gravity", linewidth=LINE)

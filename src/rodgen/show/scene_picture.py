@@ -9,7 +9,7 @@ from rodgen.analyse.system import System
 from rodgen.scene import Scene
 from rodgen.show.analysis_pictures import draw_loads, load_keys
 from rodgen.show.canvas import INK, LINE, ROD, canvas
-from rodgen.show.pictures import draw_anchors, draw_bodies, frame
+from rodgen.show.pictures import draw_anchors, draw_bodies, first_end, frame
 
 
 def at_start(scene: Scene) -> Figure:
@@ -25,8 +25,13 @@ def at_start(scene: Scene) -> Figure:
     draw_bodies(axes, scene, joints, ROD)
     draw_anchors(axes, scene, joints, ROD)
     drawn = draw_loads(axes, system, joints, y, 1.0)
+    mark = "square" if scene.hold.clamped else "dot"
     fixed = [(tie.x, tie.y) for tie in scene.anchors.ties]
-    axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{scene.name} at the start (dot: joint 0)")
+    axes.set(
+        xlabel="x [m]",
+        ylabel="y [m]",
+        title=f"{scene.name} at the start ({mark}: {first_end(scene)})",
+    )
     frame(axes, np.concatenate((joints, *drawn, np.reshape(fixed, (-1, 2)))))
     if keys := load_keys(system, y):
         figure.legend(handles=keys, loc="outside lower center", ncols=2, fontsize="small")

@@ -94,6 +94,7 @@ def curve(of: Results, name: str) -> Figure:
     values, classes = of.numbers(name)
     columns = values.reshape(len(x), -1)
     order = np.argsort(x)
+    axes.set_prop_cycle(color=SERIES)
     # Where a result hangs on its axis more finely than it was computed, lines would say too much.
     size = 3.0 if len(x) <= FEW else 1.5
     style = "." if classes or len(x) > FEW else ".-"
@@ -374,5 +375,7 @@ def _columns(of: Results) -> Iterator[tuple[str, NDArray[np.float64], bool]]:
 def _short(of: Results, name: str) -> str:
     """A label that fits a small panel."""
     label = of.label(name)
-    *_, last = label.split(".") if name in of.axes else [label]
-    return last
+    if name not in of.axes or label != name:
+        return label
+    before, _, last = name.rpartition(".")
+    return f"{before.rpartition('.')[2]}.{last}" if last.isdecimal() else last

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.integrate.endings import FINISHED
+from rodgen.model.terms import axis_label
 
 EVEN = 1e-6  # of the spacing in which an axis is linear or logarithmic
 ALWAYS = "status", "message", "energy_error", "seconds"
@@ -85,7 +86,7 @@ class Results:
     def label(self, name: str) -> str:
         """A name with its unit."""
         units = self.dataset[name].attrs.get("units", "") if name in self.dataset else ""
-        return f"{name} [{units}]" if units else name
+        return f"{name} [{units}]" if units else axis_label(name)
 
     def along(self, name: str) -> tuple[NDArray[np.float64], list[str]]:
         """Values of an axis, as numbers, and their labels where they are text."""

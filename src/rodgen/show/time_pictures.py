@@ -79,6 +79,8 @@ def moments(solution: Solution) -> Figure:
     kept = np.unique(np.linspace(0, len(solution.t) - 1, COLUMNS).round().astype(int))
     found = solution.bending_moments[kept]
     limit = float(np.abs(found).max()) or 1.0
+    if not found.any():
+        axes.text(0.5, 0.5, "none anywhere", ha="center", va="center", transform=axes.transAxes)
     s = np.linspace(0.0, 1.0, found.shape[1])
     mesh = axes.pcolormesh(
         solution.t[kept],
@@ -93,6 +95,7 @@ def moments(solution: Solution) -> Figure:
     axes.set(
         xlabel="t [s]",
         ylabel="s along the rod (1: tail)",
+        ylim=(0.0, 1.0),
         title=f"{solution.scene.name}: bending moment",
     )
     mark_times(axes, solution)

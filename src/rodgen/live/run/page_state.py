@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -153,7 +153,7 @@ class PageState:
         if self._frame - max(page.seen, self._since) >= AHEAD:
             return
         message = self._message(run, self._frame + 1)
-        self._dirty = False
+        self._dirty = any(plot.owes for plot in run.plots.values())
         self._frame += 1
         page.send(message)
 
@@ -218,7 +218,7 @@ class PageState:
         self._compared.clear()
         for name, plot in run.plots.items():
             waiting = self._rows.pop(name, [])
-            present = plot.present(run.seen) if plot.replaces else None
+            present = plot.present(run.seen, _leading(run, plot)) if plot.replaces else None
             if present is not None:
                 found.append((f"plot!{name}", present.ravel()))
             elif name in self._replaced:
@@ -228,3 +228,11 @@ class PageState:
                 found.append((f"plot:{name}", np.concatenate(waiting).ravel()))
             self._replaced.discard(name)
         return found
+
+
+def _leading(run: LiveRun, plot: Plot) -> Iterator[Chunk] | None:
+    """The samples that lead to that of the past which is looked at, in the window of a plot."""
+    if run.past is None:
+        return None
+    t = float(run.past.t[-1])
+    return run.store.chunks(t - plot.spec.window, t)

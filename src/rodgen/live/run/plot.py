@@ -33,7 +33,8 @@ class Plot:
 
     `feed` with every chunk, in order; what it gives is appended. `present` when a picture is
     drawn; what it gives replaces what is there. `backlog` first, for a plot that is added to a run
-    that has gone on for a while. Use from one thread at a time.
+    that has gone on for a while. owes: whether a spectrum is to come that was not due when
+    `present` was asked. Use from one thread at a time.
     """
 
     def __init__(
@@ -57,7 +58,7 @@ class Plot:
         self._window.reset()
         self._section.reset()
         self._before: Chunk | None = None
-        self._due = -np.inf
+        self._due, self.owes = -np.inf, False
         self._start: float | None = None  # energy in gravity at the start [J]
 
     def feed(self, chunk: Chunk) -> Array | None:
@@ -119,20 +120,30 @@ class Plot:
         rows[:, 1:] -= self.beside.values(self.names, rows[:, 0]) if self.beside else np.nan
         return rows
 
-    def present(self, chunk: Chunk) -> Array | None:
+    def present(self, chunk: Chunk, before: Iterable[Chunk] | None = None) -> Array | None:
         """Rows that replace those there, of the last sample: a profile, or a spectrum at most four
-        times a second; None where there is nothing new (always of the other kinds)."""
+        times a second; None where there is nothing new (always of the other kinds). before: of a
+        sample of the past, those that lead to it."""
         if self.spec.kind == "profile" and len(chunk):
             values = self.catalogue.columns(self.names, chunk)[-1]
             along = self.catalogue.along[self.spec.y[0]]
             return np.stack((along[:: self.stride], values), axis=1)
-        if self.spec.kind == "spectrum" and self._clock() >= self._due:
-            self._due = self._clock() + SPECTRA
-            period = PERIODS.get(self.names[0])
-            x = np.unwrap(self._window.x, period=period) if period else self._window.x
-            rows = spectrum(self._window.t, x)
-            return rows if len(rows) else None
+        if self.spec.kind == "spectrum":
+            self.owes = self._clock() < self._due
+            return None if self.owes else self._spectrum(before)
         return None
+
+    def _spectrum(self, before: Iterable[Chunk] | None) -> Array | None:
+        window = self._window
+        if before is not None:
+            window = Window(self.spec.window)
+            for chunk in before:
+                window.feed(chunk.t, self.catalogue.columns(self.names, chunk)[:, 0])
+        period = PERIODS.get(self.names[0])
+        x = np.unwrap(window.x, period=period) if period else window.x
+        rows = spectrum(window.t, x)
+        self._due = self._clock() + SPECTRA
+        return rows if len(rows) or before is not None else None
 
     def backlog(self, before: Iterable[Chunk]) -> Array:
         """Rows of what was before the plot was there, at most 5000: of a curve those of the last

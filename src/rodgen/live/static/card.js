@@ -106,7 +106,8 @@ export class Card {
 
   // Has a time [s] of the past in its window; null: the present.
   turn(t) {
-    if (this.curves.turn(t)) this.dirty = true;
+    // A curve does not end where a pointer on it looks.
+    if (this.curves.turn(this.chart.led && this.curves.plane ? null : t)) this.dirty = true;
     this.marks.show();
   }
 

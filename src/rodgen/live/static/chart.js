@@ -188,6 +188,11 @@ export class Chart {
     return leave(event);
   }
 
+  // Whether the pointer is over it.
+  get led() {
+    return this.#led;
+  }
+
   // The time `t` is looked at elsewhere; null: nowhere.
   look(t) {
     if (this.#led) return;

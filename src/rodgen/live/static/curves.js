@@ -14,7 +14,7 @@ export class Curves {
   paused = false;
   #x = new Range();
   #y = new Range();
-  #until = null; // the end of the window in which a time of the past is to be seen
+  #until = null; // the end of what is seen where a time of the past is looked at
   #end = null; // of rows that are appended, the number of the last shown while the picture stands
 
   constructor(spec) {
@@ -78,11 +78,12 @@ export class Curves {
     this.ghost.append(values);
   }
 
-  // Has a time of the past in the picture; null: the present. True where that is another picture.
+  // Has a time of the past in the picture, in the plane as the end of it; null: the present. True
+  // where that is another picture.
   turn(t) {
     const before = this.#until;
-    if (this.spec.kind !== "time" || t === null || this.rows.length === 0) this.#until = null;
-    else this.#until = this.#turned(t, this.rows.at(this.rows.total - 1, 0));
+    if (this.replaced || t === null || this.rows.length === 0) this.#until = null;
+    else this.#until = this.plane ? t : this.#turned(t, this.rows.at(this.rows.total - 1, 0));
     return this.#until !== before;
   }
 
@@ -97,8 +98,10 @@ export class Curves {
   #seen() {
     const { shown: rows, spec } = this;
     let to = this.end;
-    if (this.#until !== null && !this.view) {
-      to = Math.min(rows.search(this.#until, rows.first, to) + 1, to);
+    if (this.#until !== null && (this.plane || !this.view)) {
+      const end = to;
+      to = rows.search(this.#until, rows.first, end);
+      while (to < end && rows.at(to, 0) <= this.#until) to += 1; // of two at one time, both
     }
     let from = Math.min(rows.first, to);
     const lasts = spec.kind === "phase" || (spec.kind === "time" && !this.view);

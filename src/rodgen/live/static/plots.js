@@ -182,9 +182,9 @@ export default {
       const more = this.queue.paint([...this.cards.values()], now);
       for (const [id, card] of this.cards) {
         const { curves, draws } = card;
-        const { x, y } = card.chart.shown;
+        const { x, y, across } = card.chart.shown;
         const [rows, kept] = [curves.rows.total, curves.ghost.total];
-        hub.shown.plots[id] = { rows, kept, draws, x, y };
+        hub.shown.plots[id] = { rows, kept, draws, x, y, seen: across.length };
       }
       return more;
     },

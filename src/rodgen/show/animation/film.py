@@ -20,6 +20,7 @@ from rodgen.show.animation.motion import Motion, camera, ground, motion
 from rodgen.show.animation.stage import GRID, Arrows, Stage
 from rodgen.show.animation.times import Plan, Settings, plan
 from rodgen.show.canvas import BED, BODY, CENTRE, EDGE, FIXED, INK, MOMENTS, PAPER, TAIL
+from rodgen.show.pictures import first_end
 
 LARGEST = 1e15  # of any state: beyond, a double has no digits left for the shape
 PALETTE = 8  # frames from which a GIF has its colours
@@ -136,7 +137,9 @@ class Picture:
         self._arrows = Arrows(motion, self.camera, stage)
         self._hold = SUPPORTS[scene.hold.support]
         bodies = bool(scene.bodies)
-        stage.add_legend(self._hold[0], bodies, self._arrows.names, self.camera.view)
+        stage.add_legend(
+            (self._hold[0], first_end(scene)), bodies, self._arrows.names, self.camera.view
+        )
         self._digits = min(max(2, math.ceil(-math.log10(speed / settings.fps))), 12)
         self._add_moving(scene)
         self._still = stage.background()

@@ -101,10 +101,13 @@ class Stage:
         bar.ax.tick_params(colors=INK, labelsize=9)
         bar.outline.set_edgecolor(GUIDE)
 
-    def add_legend(self, hold: str, bodies: bool, loads: Sequence[str], view: str) -> None:
-        """What marks, trails and arrows are, and the grid where no numbers stand at its lines."""
+    def add_legend(
+        self, first: tuple[str, str], bodies: bool, loads: Sequence[str], view: str
+    ) -> None:
+        """What marks, trails and arrows are, and the grid where no numbers stand at its lines;
+        first: mark and name of joint 0."""
         marks = [
-            Line2D([], [], color=INK, linewidth=0, marker=hold, markersize=6, label="joint 0"),
+            Line2D([], [], color=INK, linewidth=0, marker=first[0], markersize=6, label=first[1]),
             Line2D([], [], color=TAIL, marker="o", markersize=6, label="tail"),
             Line2D([], [], color=CENTRE, marker="o", markersize=6, label="centre of gravity"),
         ]
