@@ -55,7 +55,9 @@ def replay(solution: Solution, choices: Iterable[dict[str, Any]]) -> Replay:
         header = {"t": t, "origin": origin, "begun": BEGUN, "line": {**line, "past": t, **more}}
         return encode(header, [*places, *arrays])
 
-    standing = [(f"plot!{plot.spec.id}", plot.backlog(store.chunks()).ravel()) for plot in plots]
+    whole = [plot for plot in plots if plot.spec.kind != "profile"]
+    standing = [(f"plot!{plot.spec.id}", plot.backlog(store.chunks()).ravel()) for plot in whole]
+    standing += _present(plots, shown[0])
     trail = ("trail!", Trail().take(solution.model, store).ravel())
     first = message(shown[0], [trail, *standing], marks=_marks(solution, store))
     frames = [message(sample, list(_present(plots, sample))) for sample in shown]
