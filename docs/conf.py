@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import shutil
 import sys
 from pathlib import Path
 
@@ -10,6 +11,8 @@ from rodgen import __version__ as release  # noqa: F401  Sphinx reads it
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "site"))
+# Sphinx reads no pages outside of its folder.
+shutil.copytree(HERE.parent / "notebooks", HERE / "notebooks", dirs_exist_ok=True)
 logging.getLogger("matplotlib.animation").setLevel(logging.ERROR)
 logging.getLogger("traitlets").setLevel(logging.ERROR)
 

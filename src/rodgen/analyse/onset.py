@@ -17,7 +17,8 @@ from scipy.sparse.linalg import splu
 
 from rodgen.analyse.eigen import ROUNDING
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.pencil import Dense, Linear, Matrix, Parts
+from rodgen.analyse.pencil import Dense, Linear, Parts
+from rodgen.integrate.blocks import Matrix
 from rodgen.integrate.stepper import Array
 
 At = Callable[[float], Linear]  # the equations linearised at a load

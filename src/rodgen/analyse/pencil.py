@@ -8,19 +8,18 @@ in cells; the blocks are SymPy's derivatives of the equations with the joint for
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import block_diag, solve_banded
+from scipy.linalg import block_diag
 from scipy.sparse import block_array, csc_array, issparse
 
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.system import System, Unknowns
+from rodgen.integrate import blocks as banded
+from rodgen.integrate.blocks import Matrix, places
 from rodgen.integrate.stepper import Array
 
-Matrix = NDArray[Any]
 Scales = tuple[Array, Array]
 NUDGE = 2.0**-52  # of the largest entry: a rounding
 ASIDE = 2.0**-45  # of the speed, to either side of straight ahead: more than a rounding
@@ -319,19 +318,10 @@ def _largest(sizes: Any, axis: int) -> Array:
     return np.asarray(most.toarray() if issparse(most) else most).ravel()
 
 
-@lru_cache(maxsize=32)
-def _places(cells: int, rows: int, columns: int) -> tuple[Matrix, Matrix, Matrix]:
-    """Which entries of blocks exist, and their rows and columns in the matrix."""
-    offset, cell, row, column = np.indices((3, cells, rows, columns))
-    other = cell + offset - 1
-    there = (other >= 0) & (other < cells)
-    return there, (rows * cell + row)[there], (columns * other + column)[there]
-
-
 def sparse(blocks: Matrix) -> csc_array:
     """The matrix of blocks (3, cells, rows, columns)."""
     _, cells, *shape = blocks.shape
-    there, rows, columns = _places(cells, *shape)
+    there, rows, columns = places(cells, *shape)
     size = (shape[0] * cells, shape[1] * cells)
     return csc_array((blocks[there], (rows, columns)), shape=size)
 
@@ -339,7 +329,7 @@ def sparse(blocks: Matrix) -> csc_array:
 def _whole(blocks: Matrix) -> Matrix:
     """The matrix of blocks with all of its zeros."""
     _, cells, *shape = blocks.shape
-    there, rows, columns = _places(cells, *shape)
+    there, rows, columns = places(cells, *shape)
     matrix = np.zeros((shape[0] * cells, shape[1] * cells), dtype=blocks.dtype)
     matrix[rows, columns] = blocks[there]
     return matrix
@@ -352,20 +342,11 @@ def product(blocks: Matrix, right: Matrix) -> Matrix:
 
 
 def solve(blocks: Matrix, right: Matrix, transposed: bool = False) -> Matrix:
-    """z of (matrix of square blocks) z = right, (size,) or (size, k); O(n). Raises
-    AnalysisError."""
-    _, cells, size, _ = blocks.shape
-    there, rows, columns = _places(cells, size, size)
-    if transposed:
-        rows, columns = columns, rows
-    width = 2 * size - 1
-    band = np.zeros((2 * width + 1, size * cells), dtype=blocks.dtype)
-    band[width + rows - columns, columns] = blocks[there]
+    """As blocks.solve; raises AnalysisError for a singular matrix."""
     try:
-        found = solve_banded((width, width), band, right, check_finite=False)
+        return banded.solve(blocks, right, transposed)
     except np.linalg.LinAlgError:
         raise AnalysisError(SINGULAR) from None
-    return np.asarray(found)
 
 
 def _ways(system: System, y: Array, p: Array) -> Array:

@@ -13,8 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rodgen.integrate.joint_forces import forces_per_mass
 from rodgen.integrate.stepper import Array
-from rodgen.loading.module import asked, structure_of
+from rodgen.loading.module import Asked, asked, structure_of
 from rodgen.model.quantities import WORKS, Quantity
 from rodgen.model.rod import BOUNDARIES, Boundary
 from rodgen.model.terms import PARAMETERS, words_of
@@ -87,9 +88,10 @@ class Motion:
         """A parameter of the module that is a number, (...) or one for all samples."""
         raise NotImplementedError
 
-    def called(self, function: str, *arrays: Array) -> Any:
-        """What a function of the module makes of arrays over the samples and of the parameters: an
-        array, (..., parts) where it makes several, or a dictionary of arrays by term."""
+    def called(self, function: str | Asked, *arrays: Array) -> Any:
+        """What a function of the module (see `asked`) makes of arrays over the samples and of the
+        parameters: an array, (..., parts) where it makes several, or a dictionary of arrays by
+        term."""
         raise NotImplementedError
 
     def values(self, name: str) -> Any:
@@ -142,7 +144,7 @@ class Piece(Motion):
         names = self.model.PARAMETERS
         return float(self.p[names.index(name)]) if name in names else 0.0
 
-    def called(self, function: str, *arrays: Array) -> Any:
+    def called(self, function: str | Asked, *arrays: Array) -> Any:
         return joined(asked(self.model, function, self.t, *arrays, self.p))
 
 
@@ -229,6 +231,27 @@ def _curvature(motion: Motion) -> Array:
     length = np.asarray(motion.parameter("length"))[..., None]
     found: Array = bend * per_link * links / length
     return found
+
+
+def _joint_forces(motion: Motion) -> Array:
+    """Forces [N] in the joints that pass one on to a moving link, (..., sections, 2)."""
+    links = motion.values("phi").shape[-1]
+    per_mass = motion.called(forces_per_mass, motion.y)
+    first = motion.hold.first_force - motion.hold.first  # joint 0 of a free rod passes none on
+    unit = np.asarray(motion.parameter("mass"))[..., None, None] / links
+    found: Array = unit * per_mass[..., first:, :]
+    return found
+
+
+def _along_and_across(motion: Motion) -> Array:
+    """Joint forces along and across the rod there, (..., sections, 2): its direction in a joint is
+    the mean of its neighbours', and at a support that of the first moving link."""
+    phi, hold = motion.values("phi"), motion.hold
+    angles = (phi[..., :-1] + phi[..., 1:]) / 2
+    mean = angles if hold.first_force else np.concatenate((phi[..., :1], angles), axis=-1)
+    x, y = np.moveaxis(motion.values("joint_forces"), -1, 0)
+    c, s = np.cos(mean), np.sin(mean)
+    return np.stack((c * x + s * y, c * y - s * x), axis=-1)
 
 
 def _gained(motion: Motion, rates: Array) -> Array:
@@ -331,6 +354,11 @@ FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "centre_velocity": lambda motion: _velocity(motion, "centre_of_gravity"),
     "bending_moments": _module("bending_moments"),
     "curvature": _curvature,
+    "joint_forces": _joint_forces,
+    "section_forces": _along_and_across,
+    "axial_force": _part("section_forces", 0),
+    "shear_force": _part("section_forces", 1),
+    "reaction": lambda motion: -motion.values("joint_forces")[..., 0, :],
     "momentum": _momentum,
     "angular_momentum": _angular_momentum,
     "energy": _module("energy"),  # of its parts, (..., 3)

@@ -16,7 +16,7 @@ from rodgen.integrate.catalogue import Motion, PrincipalAxes, joined
 from rodgen.integrate.samples import Changes
 from rodgen.integrate.stepper import Array, Counts
 from rodgen.loading import build, build_fastest
-from rodgen.loading.module import asked
+from rodgen.loading.module import Asked, asked
 from rodgen.model.rod import Boundary
 from rodgen.scene import Scene, SceneError
 from rodgen.shown import Shown, appearance
@@ -187,7 +187,7 @@ class Solution(Motion, Shown):
     def given(self) -> Array | float:
         return 0.0 if self.changes is None else self.changes.given
 
-    def called(self, function: str, *arrays: Array) -> Any:
+    def called(self, function: str | Asked, *arrays: Array) -> Any:
         def made(t: Array, *of: Array) -> Any:
             return joined(asked(self.model, function, t, *of))
 

@@ -18,6 +18,7 @@ from rodgen.scene.errors import SceneError
 from rodgen.scene.structure import Structure
 
 Namespace = Mapping[str, Any]
+Asked = Callable[..., Any]
 CONTRACT = (
     *("N", "BOUNDARY", "INERTIA", "TERMS", "STATE", "PARAMETERS", "PROVENANCE"),
     *("parameters", "rhs", "jac", "mass_matrix", "energy"),
@@ -100,9 +101,12 @@ def _structure(*of: Any) -> Structure:
     return Structure(*of)
 
 
-def asked(model: ModuleType, function: str, t: Any, *arrays: Any) -> Any:
+def asked(model: ModuleType, function: str | Asked, t: Any, *arrays: Any) -> Any:
     """What a function of a module makes of arrays: states and parameters, and, where its masses are
-    functions of time, the times t [s] of the states."""
+    functions of time, the times t [s] of the states; or what a function of (module, t, *arrays)
+    makes of them."""
+    if not isinstance(function, str):
+        return function(model, t, *arrays)
     made = getattr(model, function)
     return made(*arrays, t) if function in getattr(model, "IN_TIME", ()) else made(*arrays)
 

@@ -31,7 +31,8 @@ class Quantity:
     names, in the order of its last dimension where that is none along the rod, with {} for the
     number of a link or joint, or for a load; kind: what they can be shown together with, by default
     their name without {}; kept: who holds it; each: what there is one for each of; watched: whether
-    events can watch it; free: whether only a rod that moves freely has it.
+    events can watch it; free: whether only a rod that moves freely has it; held: whether only one
+    that is held has it.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Quantity:
     each: str = ""
     watched: bool = False
     free: bool = False
+    held: bool = False
 
     def kind_of(self, number: str) -> str:
         """The kind of one of its numbers."""
@@ -65,6 +67,7 @@ def _inertia(name: str, words: str, label: str) -> Quantity:
 
 
 AXIS, LINK, JOINT, SPRING = ("axis",), ("link",), ("joint",), ("spring",)
+SECTION = ("section",)  # joints that pass a force on to a moving link
 TAIL, CENTRE = "the tail", "the centre of gravity"
 _CENTRE = _point("centre_of_gravity_", CENTRE)
 _CENTRE_SPEED = _point("centre_of_gravity_v", CENTRE, "ẋẏ")
@@ -171,6 +174,25 @@ QUANTITIES = (
         "curvature", "1/m", "curvatures at the springs", SPRING, {"curvature_{}": "κ{}"}, kept=SHOWN
     ),
     Quantity(
+        "axial_force",
+        "N",
+        "axial forces, tension > 0",
+        SECTION,
+        {"axial_force_{}": "N{}"},
+        kept=SHOWN,
+    ),
+    Quantity("shear_force", "N", "shear forces", SECTION, {"shear_force_{}": "Q{}"}, kept=SHOWN),
+    Quantity(
+        "reaction",
+        "N",
+        "force of what holds the rod",
+        AXIS,
+        _point("reaction_", "the reaction"),
+        "reaction",
+        SHOWN,
+        held=True,
+    ),
+    Quantity(
         "momentum",
         "N s",
         "momentum",
@@ -234,6 +256,9 @@ KINDS = dict(
         _kind("bend_rate", "Δω"),
         _kind("curvature", "κ"),
         _kind("bending_moment", "bending moment", "bending moments"),
+        _kind("axial_force", "N"),
+        _kind("shear_force", "Q"),
+        _kind("reaction", "reaction"),
         _kind("joint_x", "x", "x of the joints"),
         _kind("joint_y", "y", "y of the joints"),
     )
@@ -254,15 +279,16 @@ class Number(NamedTuple):
 
 def numbers(quantity: Quantity, hold: Boundary, links: int) -> Iterator[Number]:
     """All numbers of a quantity of a rod."""
-    if quantity.free and not hold.translates:
+    if (quantity.free and not hold.translates) or (quantity.held and hold.translates):
         return
     first, *rest = quantity.dimensions or ("",)
     ranges = {
         "link": range(links),
         "joint": range(links + 1),
         "spring": hold.springs(links),
+        "section": range(hold.first_force, links),
     }
-    middle = 0.0 if first == "joint" else 0.5
+    middle = 0.5 if first == "link" else 0.0
     for last, (name, label) in enumerate(quantity.numbers.items()):
         kind = quantity.kind_of(name)
         if first not in ranges:
@@ -302,7 +328,7 @@ def place(name: str) -> tuple[Quantity, Index]:
     """The quantity that has a number of this name, of a link, a joint or the rod, and where. Raises
     KeyError."""
     for quantity in QUANTITIES:
-        others = quantity.each or quantity.dimensions == SPRING
+        others = quantity.each or quantity.dimensions in (SPRING, SECTION)
         for last, template in enumerate(() if others else quantity.numbers):
             number = number_in(name, template)
             if number is not None:

@@ -42,25 +42,29 @@ def encode(header: dict[str, Any], arrays: Iterable[Named]) -> bytes:
     return b"".join(parts)
 
 
+MOST_SECTIONS = 201  # joints: of longer rods, forces in them cost too much of a frame
 LARGEST = 1e30  # of what is drawn: beyond, single precision ends
 
 
 def rod_arrays(model: ModuleType, chunk: Chunk) -> tuple[list[float], list[Named]]:
     """The origin [m], and arrays for the message, of the last sample: joints and centre of gravity
-    from there on, rates, angle of the principal axis, gravity, moments, forces on the joints by
-    load."""
+    from there on, rates, angle of the principal axis, gravity, moments, axial and shear forces in
+    the joints that have them, forces on the joints by load."""
     t, y, p = chunk.t[-1], chunk.y[-1], chunk.p
     gravity = _gravity(model, p)
     with np.errstate(all="ignore"):  # a state may have stopped being finite
         joints, centre = model.joints(y, p), asked(model, "centre_of_gravity", t, y, p)
         origin = np.nan_to_num(joints[0], nan=0.0, posinf=0.0, neginf=0.0)
         angle = float(principal_axes(*asked(model, "inertia", t, y, p)).angle)
+        piece = Piece(model, p, y, t)
         arrays: list[Named] = [
             ("joints", _single(joints - origin)),
-            ("omega", _single(Piece(model, p, y).values("omega"))),
+            ("omega", _single(piece.values("omega"))),
             ("moment", _single(model.bending_moments(y, p))),
             ("point", _single(np.concatenate((centre - origin, [angle, gravity])))),
         ]
+        if len(joints) <= MOST_SECTIONS:
+            arrays.append(("section", _single(piece.values("section_forces"))))
         forces = model.forces(t, y, p)
         arrays += [(f"forces:{term}", _single(force)) for term, force in forces.items()]
     return origin.tolist(), arrays

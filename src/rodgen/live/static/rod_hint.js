@@ -28,8 +28,20 @@ export function met(points, px, py) {
   return hit.distance <= NEAR ? hit : null;
 }
 
+// Axial and shear forces in the joints at the ends of a link, of those that have them: the last
+// ones of the joints before the tail.
+function passed(section, links, link) {
+  const first = links - section.length / 2;
+  const at = [link, link + 1].filter((joint) => joint >= first && joint < links);
+  if (!at.length) return [];
+  return ["N", "Q"].map((name, k) => {
+    const values = at.map((joint) => short(section[2 * (joint - first) + k], 3));
+    return `${name} = ${values.join(" and ")} N ${at.length > 1 ? "at its joints" : "at its joint"}`;
+  });
+}
+
 // What there is to say of a link: its number, angle and rate, moments at its joints, forces there.
-export function said({ joints, omega, moment, forces }, loads, link) {
+export function said({ joints, omega, moment, section, forces }, loads, link) {
   const at = 2 * link;
   const phi = Math.atan2(joints[at + 3] - joints[at + 1], joints[at + 2] - joints[at]);
   const rows = [
@@ -41,6 +53,7 @@ export function said({ joints, omega, moment, forces }, loads, link) {
     const [first, last] = [moment[link], moment[link + 1]].map((m) => short(m, 3));
     rows.push(`M = ${first} and ${last} N m at its joints`);
   }
+  if (section) rows.push(...passed(section, joints.length / 2 - 1, link));
   for (const { term, label } of loads) {
     const part = forces[term]?.subarray(at, at + 4);
     if (!part) continue;

@@ -1,0 +1,117 @@
+"""Forces in the joints: weights that hang below, balances of moments and of momentum, and the
+equations that they solve."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen import Scene
+from rodgen.integrate.catalogue import Piece
+from rodgen.integrate.joint_forces import forces_per_mass
+
+Make = Callable[..., Scene]
+JOINTED = ("follower", "gravity", "internal_damping", "external_damping", "tip_load", "drag")
+HELD = ("clamped", "cantilever", "pinned")
+
+
+def piece_of(scene: Scene, y: np.ndarray | None = None, t: float = 0.3) -> Piece:
+    model = rodgen.build(scene, "numpy")
+    p = model.parameters(**scene.parameters)
+    return Piece(model, p, scene.initial_state() if y is None else y, np.array(t))
+
+
+@pytest.mark.parametrize("inertia", ["uniform", "lumped"])
+def test_a_chain_that_hangs_carries_what_is_below(make_scene: Make, inertia: str) -> None:
+    down = {"phi": -np.pi / 2, "omega": 0.0}
+    scene = make_scene(5, "pinned", ("gravity",), {"inertia": inertia}, down)
+    piece = piece_of(scene)
+    weight = scene.rod.mass * 9.81
+    below = weight * np.arange(5, 0, -1) / 5
+    np.testing.assert_allclose(piece.values("axial_force"), below, rtol=1e-12)
+    np.testing.assert_allclose(piece.values("shear_force"), 0.0, atol=1e-12 * weight)
+    np.testing.assert_allclose(piece.values("reaction"), [0.0, weight], atol=1e-12 * weight)
+
+
+def test_shear_is_the_slope_of_the_moment_at_rest(make_scene: Make) -> None:
+    """Links in equilibrium: l Q = M before less M behind, where no load acts between; and the
+    reaction carries all that pushes the rod."""
+    still = {"phi": 0.0, "omega": 0.0}
+    scene = make_scene(6, "clamped", ("tip_load",), None, still)
+    scene = scene.replace({"loads.tip.x": -3.0, "loads.tip.y": 5.0})
+    rest = rodgen.static_equilibrium(scene)
+    piece = piece_of(scene, np.concatenate((rest.phi, np.zeros(6))))
+    M, phi = piece.values("bending_moments"), piece.values("phi")
+    x, y = np.moveaxis(piece.values("joint_forces"), -1, 0)
+    across = y * np.cos(phi) - x * np.sin(phi)  # of the link behind the joint
+    l = scene.rod.length / 6
+    np.testing.assert_allclose(l * across, M[:-1] - M[1:], atol=1e-9)
+    np.testing.assert_allclose(np.stack((x, y), -1), np.tile([-3.0, 5.0], (6, 1)), atol=1e-9)
+    np.testing.assert_allclose(piece.values("reaction"), [3.0, -5.0], atol=1e-9)
+
+
+@pytest.mark.parametrize("boundary", ["free", *HELD])
+@pytest.mark.parametrize("inertia", ["uniform", "lumped"])
+def test_momentum_of_what_is_behind_a_joint(make_scene: Make, boundary: str, inertia: str) -> None:
+    """Newton's law for the links behind each joint: their accelerations by differences of the
+    joints along the motion, loads as forces on joints, which the link before a joint takes."""
+    scene = make_scene(6, boundary, JOINTED, {"inertia": inertia})
+    t, n, m = 0.3, 6, scene.rod.mass / 6
+    piece = piece_of(scene, t=t)
+    model, p, y = piece.model, piece.p, piece.y
+
+    def velocities(state: np.ndarray) -> np.ndarray:
+        phi = Piece(model, p, state).values("phi")
+        omega = Piece(model, p, state).values("omega")
+        l = scene.rod.length / n
+        steps = l * omega[:, None] * np.stack((-np.sin(phi), np.cos(phi)), -1)
+        half = len(state) // 2
+        start = state[half : half + 2] if boundary == "free" else np.zeros(2)
+        joints = start + np.concatenate((np.zeros((1, 2)), np.cumsum(steps, axis=0)))
+        return (joints[1:] + joints[:-1]) / 2  # of the centres of the links, in both inertias
+
+    h = 1e-5
+    flow = model.rhs(t, y, p)
+    acceleration = (velocities(y + h * flow) - velocities(y - h * flow)) / (2 * h)
+    loads = sum(piece.values("forces").values())
+    behind = np.array([loads[j + 1 :].sum(axis=0) for j in range(n)])
+    weight = np.array([0.0, -9.81 * m])
+    moving = np.array([m * acceleration[j:].sum(axis=0) - (n - j) * weight for j in range(n)])
+    first = scene.hold.first_force
+    expected = (behind - moving)[first:]
+    # The difference has an error of h^2 and of eps/h.
+    np.testing.assert_allclose(piece.values("joint_forces"), expected, atol=1e-6, rtol=1e-7)
+
+
+def test_of_an_uneven_rod_they_solve_the_equations() -> None:
+    """Bodies, mass that burns, drag, wind, feedback: with the accelerations of `rhs` and these
+    forces the equations of derivation 3 have no residual; and each state stands for itself."""
+    scene = Scene.example("sounding_rocket")
+    model = rodgen.build(scene, "numpy")
+    p, y = model.parameters(**scene.parameters), scene.initial_state()
+    rng = np.random.default_rng(4)
+    states = y + 1e-2 * rng.standard_normal((3, len(y)))
+    times = np.array([0.0, 1.0, 2.5])
+    force = forces_per_mass(model, times, states, p)
+    size = (len(y) - len(model.STATES)) // 2
+    for t, state, f in zip(times, states, force, strict=True):
+        alpha = model.rhs(t, state, p)[size + 2 : 2 * size]
+        residual = model.implicit(t, state, p, alpha, f)[0]
+        assert np.abs(residual).max() < 1e-9 * max(np.abs(alpha).max(), np.abs(f).max())
+    broken = states.copy()
+    broken[1] = np.nan
+    np.testing.assert_array_equal(forces_per_mass(model, times, broken, p)[::2], force[::2])
+    assert np.isnan(forces_per_mass(model, times, broken, p)[1]).all()
+
+
+def test_of_a_run_by_both_targets(make_scene: Make) -> None:
+    """In a run's own terms, by either target, and only where the rod has them."""
+    scene = make_scene(3, "clamped", ("follower", "gravity"), span=[0.0, 0.2])
+    runs = [rodgen.simulate(scene, target=target) for target in ("numpy", "c")]
+    for name in ("axial_force", "shear_force", "reaction"):
+        one, other = (run.values(name) for run in runs)
+        assert len(one) == len(runs[0].t)
+        np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-6)
