@@ -56,7 +56,9 @@ def replay(solution: Solution, choices: Iterable[dict[str, Any]]) -> Replay:
         pull = pull_array(solution.model, solution.scene, sample, origin)
         return encode(header, [*places, pull, *arrays])
 
-    standing = [(f"plot!{plot.spec.id}", plot.backlog(store.chunks()).ravel()) for plot in plots]
+    whole = [plot for plot in plots if plot.spec.kind != "profile"]
+    standing = [(f"plot!{plot.spec.id}", plot.backlog(store.chunks()).ravel()) for plot in whole]
+    standing += _present(plots, shown[0])
     trail = ("trail!", Trail().take(solution.model, store).ravel())
     first = message(shown[0], [trail, *standing], marks=_marks(solution, store))
     frames = [message(sample, list(_present(plots, sample))) for sample in shown]

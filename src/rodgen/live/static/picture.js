@@ -160,6 +160,9 @@ export class Picture {
     const { arrow, names } = most(loads, state, show);
     const fixed = ties.map(({ x, y }) => [x - state.origin[0], y - state.origin[1]]);
     const parts = around(this.#joints, state.point, camera.mode, support, arrow, fixed);
+    // A rod that is held comes back to where its tail has been.
+    const been = support === "wall" && camera.mode === "fixed" && state.trail.box(state.origin);
+    if (been) parts.push({ box: been, room: arrow });
     const [left, top, , high] = frame(this.context, camera.width, show.moment, names);
     const view = fitted(parts, [camera.width, camera.height], [left, top + high]);
     camera.fit(view, state.origin, state.point);
