@@ -47,14 +47,14 @@ def test_the_cursor_is_linked(view: View) -> None:
         dict(line.replace("\u2212", "-").split(" = ") for line in text.split("\n"))
         for text in hints.all_inner_texts()
     ]
-    head, rows = view.csv(0)
     t = float(told[0]["t"].split()[0])
+    view.until(lambda: view.live("t"), pytest.approx(t), "the rod is of another time")
+    head, rows = view.csv(0)  # by a click, for which the pointer leaves the plot
     row = rows[np.abs(rows[:, 0] - t).argmin()]
     assert 0 < t < rows[-1, 0]
     assert head[1].startswith("phi_0")
     for texts in (told[0], told[2]):  # five digits are told
         assert float(texts["φ₀"].split()[0]) == pytest.approx(row[1], rel=1e-4)
-    view.until(lambda: view.live("t"), pytest.approx(row[0]), "the rod is of another time")
     view.page.mouse.move(5, 5)
     for plot in range(3):
         expect(hints.nth(plot)).to_be_hidden()

@@ -22,6 +22,7 @@ from rodgen.live.replay import MOST, replay
 from rodgen.live.run.live_run import LiveRun
 from rodgen.scene import Scene, SceneError
 from tests.live.conftest import ROD, WIDE
+from tests.live.view import expect
 
 TAIL = {"kind": "time", "y": ["phi_4"]}
 MOMENTS = {"kind": "profile", "y": ["bending_moment"]}
@@ -50,6 +51,8 @@ def test_messages_are_the_samples_of_the_run(solution: Solution) -> None:
     _, standing = decoded(made.first)
     rows = standing["plot!p0"].reshape(-1, 2)
     assert rows[:, 1] == pytest.approx(solution.values("phi")[:, -1])
+    at_first = standing["plot!p1"].reshape(-1, 2)[:, 1]
+    assert at_first == pytest.approx(solution.values("bending_moments")[0][-len(at_first) :])
     header, arrays = decoded(made.frames[37])
     assert (header["t"], header["line"]["past"]) == (solution.t[37], solution.t[37])
     joints = solution.joints[37] - np.array(header["origin"])
@@ -139,7 +142,7 @@ def test_page_opens_from_the_file_system(
     page.wait_for_function("rodgenLive.t === 0")
     line.press("ArrowRight")
     page.wait_for_function("Math.abs(rodgenLive.t - 0.01) < 1e-9")
-    assert line.get_attribute("aria-valuetext") == "0.01 s, looking back"
+    expect(line).to_have_attribute("aria-valuetext", "0.01 s, looking back")
     page.wait_for_function("Object.values(rodgenLive.plots).every(({ draws }) => draws > 0)")
     assert page.evaluate("Object.values(rodgenLive.plots).map(({ rows }) => rows)") == [101, 101, 6]
     assert page.get_by_role("button", name="Another run").count() == 0

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rodgen.model.terms import TERMS
 from tests.live.view import expect
 
 pytestmark = pytest.mark.long  # what pixels show
@@ -18,7 +19,7 @@ Open = Callable[..., View]
 NARROW = {"width": 390, "height": 844}
 UPRIGHT = '[initial]\nphi = "pi/2"'
 FOLLOWER = "[loads.follower]\nforce = 3.0"
-ORANGE = [194, 65, 12]  # red, green, blue of the follower force in the light
+THRUST = [*bytes.fromhex(TERMS["follower"].colours[0][1:])]  # red, green, blue in the light
 # Of the last picture in the page, each of which begins with its transform: its number, texts,
 # circles [x, y, radius], where images were put [x, y, w, h], and how many lines it has.
 DRAWN = """
@@ -97,7 +98,7 @@ def opened(serve: Callable[..., Any], blank: View, scene_file: Callable[..., Pat
 
 
 def coloured(view: View) -> dict[str, Any]:
-    return dict(view.page.evaluate(COLOURED, ORANGE))
+    return dict(view.page.evaluate(COLOURED, THRUST))
 
 
 def drawn(view: View, key: str = "0") -> dict[str, Any]:

@@ -171,14 +171,16 @@ def test_time_line_in_the_page(view: View) -> None:
     """By keys: rod, values and cursors of the plots follow; a loop plays between its ends."""
     view.pause_after(0.5)
     line = view.page.get_by_role("slider", name="Time that is shown")
-    cursors = view.page.locator(".rodgen-hint:visible")
+    lines = "Object.values(rodgenLive.plots).filter(({ at }) => at !== null).length"
+    hints = view.page.locator(".rodgen-hint:visible")  # words are for pointers
     end = float(line.get_attribute("aria-valuemax"))
-    expect(cursors).to_have_count(0)
+    view.sees(lines, 0, "a line in a plot")
     line.press("Home")
     view.until(lambda: view.live("t"), 0.0, "not at the first sample")
     assert view.text("t") == "0.00"
     expect(line).to_have_attribute("aria-valuetext", "0 s, looking back")
-    expect(cursors).to_have_count(2)
+    view.sees(lines, 2, "no line in the plots")
+    expect(hints).to_have_count(0)
     line.press("ArrowRight")
     view.until(lambda: view.live("t"), pytest.approx(0.01), "no step on")
     line.press("a")
@@ -194,7 +196,7 @@ def test_time_line_in_the_page(view: View) -> None:
     assert view.page.evaluate("rodgenLive.state") == "paused"
     line.press("End")
     view.until(lambda: view.live("t"), pytest.approx(end), "not in the present")
-    expect(cursors).to_have_count(0)
+    view.sees(lines, 0, "a line in a plot still")
 
 
 @pytest.mark.long

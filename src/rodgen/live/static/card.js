@@ -99,7 +99,9 @@ export class Card {
     this.on.looked(t);
   }
 
-  look(t) {
+  // pointed: a pointer is over some plot.
+  look(t, pointed) {
+    this.pointed = pointed;
     this.chart.look(t);
     this.gestures.tell();
   }

@@ -70,11 +70,12 @@ export class Gestures {
     });
   }
 
-  // Says the values at what is looked at, beside it.
+  // Says the values at what a pointer is at, beside it; of what the time line is at there is a line
+  // alone, lest words lie over the curves all the time.
   tell() {
-    const { found, shown } = this.chart;
-    this.hint.hidden = found === null;
-    if (found === null) return;
+    const { found, shown, led } = this.chart;
+    this.hint.hidden = found === null || !(led || this.card.pointed);
+    if (this.hint.hidden) return;
     this.hint.textContent = this.#lines(found, shown).join("\n");
     const left = this.chart.place(shown.across[found], 0)[0];
     const [size, room] = [this.hint.offsetWidth, this.over.clientWidth];

@@ -19,6 +19,7 @@ import {
   outlined,
 } from "./rod_marks.js";
 import { swing } from "./rod_modes.js";
+import { pull } from "./rod_pull.js";
 import { Scale, short, Written } from "./scales.js";
 import { theme } from "./theme.js";
 
@@ -54,6 +55,7 @@ export class Picture {
   camera = new Camera();
   points = new Float64Array(0); // joints in pixels
   kick = null; // {link, share, dx, dy}, in pixels, while it is drawn
+  hand = null; // {link, share, x, y}, in pixels, while the pointer pulls
   options = {
     show: {},
     loads: [],
@@ -158,6 +160,9 @@ export class Picture {
     const { arrow, names } = most(loads, state, show);
     const fixed = ties.map(({ x, y }) => [x - state.origin[0], y - state.origin[1]]);
     const parts = around(this.#joints, state.point, camera.mode, support, arrow, fixed);
+    // A rod that is held comes back to where its tail has been.
+    const been = support === "wall" && camera.mode === "fixed" && state.trail.box(state.origin);
+    if (been) parts.push({ box: been, room: arrow });
     const [left, top, , high] = frame(this.context, camera.width, show.moment, names);
     const view = fitted(parts, [camera.width, camera.height], [left, top + high]);
     camera.fit(view, state.origin, state.point);
@@ -204,6 +209,7 @@ export class Picture {
     const { mode } = this.options;
     const swings = swing(context, camera, joints, mode, this.#fitted.length, now, colours);
     if (this.kick) this.#aim(colours);
+    pull(context, camera, state, this.points, this.hand, this.options.times, colours);
     this.#legend(limit, rows, colours);
     this.#time(colours);
     this.#hint(colours);

@@ -52,6 +52,7 @@ export default {
   mounted() {
     this.cards = new Map();
     this.early = new Map();
+    this.pointed = false; // whether a pointer is at a time of some plot
     this.kept = new Map(); // rows of the run that is kept, by plot
     this.queue = new Queue();
     this.glance = new Glance(hub.past);
@@ -61,7 +62,7 @@ export default {
     hub.rows = (...rows) => this.take(...rows);
     hub.ghosts = (id, rows) => this.compare(id, rows);
     hub.restarts.add((this.restart = () => this.each((card) => card.restart())));
-    hub.cursors.add((this.look = (t, by) => this.each((card) => card !== by && card.look(t))));
+    hub.cursors.add((this.look = (t, by) => this.each((card) => card !== by && card.look(t, this.pointed))));
     hub.shown.plots = {};
     this.sort();
     this.fill();
@@ -97,6 +98,7 @@ export default {
         move: (by) => this.move(id, by),
         changed: () => hub.repaint(),
         looked: (t) => {
+          this.pointed = t !== null;
           this.glance.at(t);
           hub.cursor(t, card);
         },
@@ -182,9 +184,10 @@ export default {
       const more = this.queue.paint([...this.cards.values()], now);
       for (const [id, card] of this.cards) {
         const { curves, draws } = card;
-        const { x, y, across } = card.chart.shown;
+        const { found: at, shown } = card.chart;
+        const { x, y, across } = shown;
         const [rows, kept] = [curves.rows.total, curves.ghost.total];
-        hub.shown.plots[id] = { rows, kept, draws, x, y, seen: across.length };
+        hub.shown.plots[id] = { rows, kept, draws, x, y, at, seen: across.length };
       }
       return more;
     },

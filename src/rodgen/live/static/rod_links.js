@@ -151,6 +151,19 @@ export class Trail {
     for (let k = 0; k < 4; k++) this.#places[next + k] = rows[at + k];
   }
 
+  // The box about where the tail has been, from an origin [m]; nothing where it is not known.
+  box([x, y]) {
+    const box = [Infinity, Infinity, -Infinity, -Infinity];
+    for (let k = Math.max(0, this.#count - MOST); k < this.#count; k++) {
+      const at = 4 * (k % MOST);
+      const place = [this.#places[at] - x, this.#places[at + 1] - y];
+      if (!Number.isFinite(place[0] + place[1])) continue;
+      [0, 1].forEach((i) => (box[i] = Math.min(box[i], place[i])));
+      [0, 1].forEach((i) => (box[i + 2] = Math.max(box[i + 2], place[i])));
+    }
+    return box[0] <= box[2] ? box : null;
+  }
+
   // Up to the places of `state`, unless they are of the past.
   draw(context, camera, { origin, joints, point, back }, colours) {
     if (!this.#count) return;

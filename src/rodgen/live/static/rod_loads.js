@@ -3,7 +3,7 @@
 // A load is {term, layer: what switches it, label, kind, colours: [on white, on black]}, as the page
 // has it from the vocabulary of the server.
 
-import { arrows, atEnd } from "./rod_marks.js";
+import { arrows, atEnd, KEY } from "./rod_marks.js";
 import { Scale, short } from "./scales.js";
 import { dark } from "./theme.js";
 
@@ -124,9 +124,10 @@ function across(points) {
   return Math.max(...xs) - Math.min(...xs) + Math.max(...ys) - Math.min(...ys);
 }
 
-// An arrow of a round size, as long as one of that size is drawn.
+// An arrow of a round size, as long as one of that size is drawn, and not into its name.
 function row(name, colour, scale, longest, unit) {
-  const value = scale.value / 2;
+  let value = scale.value / 2;
+  while (value * longest > KEY * scale.shown) value /= 2; // a scale that moves may be far off
   const length = (value * longest) / scale.shown;
   return { name, colour, length, text: `${short(value, 3)} ${unit}` };
 }
