@@ -136,8 +136,8 @@ def test_a_scene_that_is_not_there_but_comes_with_rodgen(tmp_path: Path) -> None
         (lambda scene: scene.replace({"load": {}}), "loads"),
         (lambda scene: scene.replace({"integrate.method": "dopp853"}), "dop853"),
         (lambda scene: scene.replace({"events": [{"quantity": "tipx", "value": 0}]}), "tip_x"),
-        (lambda scene: Scene.example("misile"), "missile"),
-        (lambda scene: with_value(scene, "loads.folower.force", 1.0), "follower"),
+        (lambda scene: Scene.example("missil"), "missile"),
+        (lambda scene: with_value(scene, "loads.followr.force", 1.0), "follower"),
         (lambda scene: checked(["last(tipx)"], ["tip_y", "tip_x"]), "tip_x"),
     ],
 )
