@@ -19,7 +19,7 @@ SPREAD := -n auto --dist worksteal
 PYTEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest
 
 # Rooms whose public functions have examples.
-EXAMPLES := $(addprefix src/rodgen/,scene loading integrate analyse studies)
+EXAMPLES := $(addprefix src/rodgen/,scene loading native integrate analyse studies)
 
 N ?= 20
 BOUNDARY ?= free

@@ -50,6 +50,7 @@ sphinx_gallery_conf = {
     "download_all_examples": False,
 }
 
+autodoc_mock_imports = ["jax"]  # rodgen.jax is described where JAX is not installed, too
 numpydoc_show_class_members = False
 autodoc_typehints = "description"
 autodoc_member_order = "bysource"

@@ -17,6 +17,16 @@ def test_page_has_every_public_name() -> None:
     assert sorted(shown) == sorted(rodgen.__all__)
 
 
+def test_classes_have_an_example() -> None:
+    classes = [getattr(rodgen, name) for name in rodgen.__all__]
+    missing = [
+        one.__name__
+        for one in filter(inspect.isclass, classes)
+        if "\nExamples\n--------\n>>> " not in (inspect.getdoc(one) or "")
+    ]
+    assert not missing
+
+
 def test_functions_tell_what_they_take_and_return_with_an_example() -> None:
     functions = [getattr(rodgen, name) for name in rodgen.__all__]
     for one in filter(inspect.isfunction, functions):

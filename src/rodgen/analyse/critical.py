@@ -64,6 +64,13 @@ class Critical(Shown):
     does; elastic: whether turning of the whole rod was left out; stable: all windows of stability
     in the range (low, high) [N], where they were asked for; frequency_error: of the frequency, as
     that of the force [Hz]; scene: whose steady state it is, as it flies then.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> found = rodgen.critical_force(rodgen.Scene.example("ziegler"))
+    >>> found.kind, found.modes
+    ('flutter', (1, 2))
     """
 
     force: float

@@ -16,12 +16,32 @@ R = TypeVar("R")
 
 
 class AnalysisError(ArithmeticError):
-    """An analysis has no result; the message says what was searched."""
+    """An analysis has no result; the message says what was searched.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> try:
+    ...     rodgen.critical_force(rodgen.Scene.example("ziegler"), highest=1.0)
+    ... except rodgen.AnalysisError as error:
+    ...     print("none below 1 N")
+    none below 1 N
+    """
 
 
 class BranchInterrupted(KeyboardInterrupt):
     """Ctrl-C while a branch, a boundary or a family of motions was followed. found: the Dataset of
-    what there is of it, of which the analysis goes on when it is given as ``resume``."""
+    what there is of it, of which the analysis goes on when it is given as ``resume``.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene, key = rodgen.Scene.example("euler_column"), "loads.tip.y"
+    >>> try:
+    ...     branch = rodgen.continue_equilibria(scene, key, (0, -5))
+    ... except rodgen.BranchInterrupted as stopped:
+    ...     branch = rodgen.continue_equilibria(scene, key, (0, -5), resume=stopped.found)
+    """
 
     def __init__(self, found: xarray.Dataset):
         super().__init__(f"interrupted after {found.sizes['point']} points")
@@ -32,7 +52,15 @@ class BranchInterrupted(KeyboardInterrupt):
 
 
 class MeshWarning(UserWarning):
-    """Results of several numbers of links are not those of one and the same rod."""
+    """Results of several numbers of links are not those of one and the same rod.
+
+    Examples
+    --------
+    >>> import rodgen, warnings
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore", rodgen.MeshWarning)
+    ...     limit = rodgen.richardson([10, 20, 40], [1.03, 1.0075, 1.001875])
+    """
 
 
 @lru_cache(maxsize=1)

@@ -29,6 +29,12 @@ class Extrapolation:
     value: v; error: estimate of its absolute error; order: p, inf where the values do not depend
     on n; orders: those observed in successive triples of values, coarse to fine, nan where rounding
     or a coarse grid hides them; exponents: those of the terms that were eliminated.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> rodgen.richardson([10, 20, 40, 80], [1 + 3 / n**2 for n in (10, 20, 40, 80)]).order
+    2.0
     """
 
     value: float

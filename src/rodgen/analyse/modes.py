@@ -40,6 +40,13 @@ class Modes(Shown):
     among those computed, left out too; joints: (n+1, 2) of the steady state [m]; speed: of a free
     rod along its axis, nose first [m/s]; notes: what is to be known of that speed, where it counts,
     and of damping that belongs to the number of links; scene: whose they are.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> modes = rodgen.natural_modes(rodgen.Scene.example("becks_column"), count=3)
+    >>> modes.frequencies.shape, modes.phi.shape, bool((modes.growth > 0).any())
+    ((3,), (3, 50), False)
     """
 
     frequencies: Array

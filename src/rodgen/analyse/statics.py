@@ -37,6 +37,13 @@ class Equilibrium(Shown):
     another equilibrium is to be looked for, "flutter" where one oscillates more and more, "" where
     none grows, None where that was not looked at (more than 200 links); stable: the same as yes or
     no; t: the time whose loads were taken [s]; states: added states by name; scene: whose it is.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> rest = rodgen.static_equilibrium(rodgen.Scene.example("cantilever_self_weight"))
+    >>> rest.stable, bool(rest.tip[1] < 0)
+    (True, True)
     """
 
     y: Array

@@ -15,7 +15,16 @@ def ended_by(t: float, name: str) -> str:
 
 
 class RunError(ArithmeticError):
-    """A run that could not be finished. solution: all samples up to there."""
+    """A run that could not be finished. solution: all samples up to there.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene = rodgen.Scene.example("missile")
+    >>> rodgen.simulate(scene, max_steps=10, progress=False)  # doctest: +IGNORE_EXCEPTION_DETAIL
+    Traceback (most recent call last):
+    rodgen.integrate.endings.RunError: stopped at t = 0.0119 s: the budget is used up
+    """
 
     def __init__(self, message: str, solution: Solution):
         super().__init__(message)
@@ -26,7 +35,17 @@ class RunError(ArithmeticError):
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a run. solution: all samples up to there."""
+    """Ctrl-C during a run. solution: all samples up to there.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene = rodgen.Scene.example("missile")
+    >>> try:
+    ...     sol = rodgen.simulate(scene, progress=False)
+    ... except rodgen.Interrupted as stopped:
+    ...     sol = stopped.solution
+    """
 
     def __init__(self, solution: Solution):
         super().__init__(solution.message)
@@ -37,4 +56,12 @@ class Interrupted(KeyboardInterrupt):
 
 
 class StepWarning(UserWarning):
-    """A fixed step is beyond the stability limit of its method."""
+    """A fixed step is beyond the stability limit of its method.
+
+    Examples
+    --------
+    >>> import rodgen, warnings
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("error", rodgen.StepWarning)  # such a step is refused
+    ...     sol = rodgen.simulate(rodgen.Scene.example("missile"), progress=False)
+    """

@@ -24,6 +24,17 @@ class Ensemble:
     method does not tell; energy_error: largest error of the energy balance at the samples [J],
     (rods,), not-a-number for runs that failed; crossed: of what was watched; traces: of what was
     traced at the times of the samples [s], (rods, traced, samples + 1), see `trace`.
+
+    Examples
+    --------
+    >>> import numpy as np, rodgen
+    >>> scene = rodgen.Scene.example("missile")
+    >>> p = scene.parameters | {"mass": np.linspace(19, 21, 3)}
+    >>> model = rodgen.build(scene)
+    >>> y0 = scene.initial_state()
+    >>> found = rodgen.simulate_many(model, p, y0, keep=["max(tip_y)"], span=[0, 1])
+    >>> found.status.tolist()
+    ['finished', 'finished', 'finished']
     """
 
     values: dict[str, Array]

@@ -53,7 +53,17 @@ class Inertia(NamedTuple):
 
 class Event(NamedTuple):
     """Something that a scene looks out for has happened: its name, when [s], and the state then,
-    (states,)."""
+    (states,).
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> watched = [{"quantity": "tip_y", "value": 30.0, "name": "30 m"}]
+    >>> scene = rodgen.Scene.example("missile").replace({"events": watched})
+    >>> event = rodgen.simulate(scene, progress=False).events[0]
+    >>> event.name, event.y.shape
+    ('30 m', (44,))
+    """
 
     name: str
     t: float
@@ -118,6 +128,15 @@ class Solution(Motion, Shown):
     module, built when it is asked for where the solution was read, unpickled or copied; events:
     those of the scene that happened; changes: what held at each sample, where that is not the same
     all along; errors: how fast they grow, where that was asked for. A file does not keep it.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> sol = rodgen.simulate(rodgen.Scene.example("missile"), progress=False)
+    >>> sol.y.shape == (len(sol.t), 44), sol.tip.shape == (len(sol.t), 2)
+    (True, True)
+    >>> sol.values("axial_force").shape[1]
+    19
     """
 
     scene: Scene

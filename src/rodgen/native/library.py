@@ -39,7 +39,17 @@ _FORMAT = "rodgen C cache 1"
 
 
 class BuildError(RuntimeError):
-    """A C module that cannot be compiled or loaded: why, and what there is instead."""
+    """A C module that cannot be compiled or loaded: why, and what there is instead.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene = rodgen.Scene.example("missile")
+    >>> try:
+    ...     model = rodgen.build(scene, target="c")
+    ... except rodgen.BuildError:
+    ...     model = rodgen.build(scene, target="numpy")
+    """
 
 
 def surroundings() -> tuple[str | None, ...]:

@@ -13,7 +13,17 @@ LONGEST = 200  # characters of a field in a message
 
 
 class SceneError(ValueError):
-    """A field of a scene, an option or a file that cannot be used as it is."""
+    """A field of a scene, an option or a file that cannot be used as it is.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> try:
+    ...     rodgen.Scene.example("missile").replace({"rod.mass": -1})
+    ... except rodgen.SceneError as error:
+    ...     print(error)
+    rod.mass = -1: must be greater than 0
+    """
 
     def __init__(self, field: str, value: object, allowed: str):
         self.field, self.value, self.allowed = field, value, allowed

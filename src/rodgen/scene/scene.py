@@ -58,6 +58,20 @@ class Scene(Exchange, Shown):
     """A whole scene, checked. Raises SceneError where a file or a value cannot be used.
 
     numbers: by the names that they have in expressions; the table [parameters] of a file.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene = rodgen.Scene.from_dict({
+    ...     "name": "pendulum",
+    ...     "rod": {
+    ...         "links": 2, "length": 1.0, "bending_stiffness": 0.0, "mass": 1.0,
+    ...         "boundary": "pinned",
+    ...     },
+    ...     "loads": {"gravity": {"g": 9.81}},
+    ... })
+    >>> scene.replace({"rod.links": 4})
+    <Scene pendulum: pinned rod of 4 links, gravity; t = 0 to 10 s>
     """
 
     # `parameters` are those of the module: the table's own name is that of a file.

@@ -37,6 +37,13 @@ class Structure:
     the springs as such text, "" for the moment k d. masses: those that are functions of time, as
     such text, which may name s as well: of bodies, by their names and links, and, with "" and -1,
     of the links.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> structure = rodgen.Structure(2, "pinned", terms=("gravity",))
+    >>> structure.stem, structure.parameters
+    ('rod_pinned_n2_gravity', ('mass', 'length', 'bending_stiffness', 'gravity'))
     """
 
     links: int

@@ -4,7 +4,17 @@ from rodgen.extras import how_to_have
 
 
 class StudyError(RuntimeError):
-    """A study that could not be finished; what is marked in its store is kept."""
+    """A study that could not be finished; what is marked in its store is kept.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene, vary = rodgen.Scene.example("ziegler"), {"loads.follower.force": [1.5, 3.0]}
+    >>> try:
+    ...     data = rodgen.study(scene, vary, what="modes", keep=["stable"], workers=1)
+    ... except rodgen.StudyError as error:
+    ...     print(error)  # the store, if one was given, has what was done
+    """
 
 
 MISSING = f"studies need more: {how_to_have('study')}"

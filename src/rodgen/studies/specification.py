@@ -37,6 +37,14 @@ class Study:
     points are drawn from them, None for a grid; what: one of WHAT;
     keep: what is kept of every point, texts or functions; options: of what is computed.
     Two studies are equal where their `digest` is.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene, vary = rodgen.Scene.example("ziegler"), {"loads.follower.force": [1.5, 3.0]}
+    >>> study = rodgen.Study.of(scene, vary, what="modes", keep=["stable"])
+    >>> study.count, study.dims
+    (2, ('loads.follower.force',))
     """
 
     name: str

@@ -54,6 +54,13 @@ class Exponents(Shown):
     Jacobian [1/s], at which volumes of the state's numbers grow, not-a-number unless all exponents
     were asked for; zeros: how many exponents are zero by what the motion keeps and by where and
     when it is, by reason; notes: what else is to be said; scene: whose motion it is.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> found = rodgen.lyapunov_exponents(rodgen.Scene.example("falling_chain"), count=1, span=20.0)
+    >>> found.chaotic, found.running.shape == (len(found.t), 1)
+    (True, True)
     """
 
     exponents: Array

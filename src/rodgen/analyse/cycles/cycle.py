@@ -35,6 +35,13 @@ class Cycle(Shown):
     motion; iterations: of Newton's method; by: "collocation" or "shooting"; error: of the period
     and the larger multipliers, as collocation sees it from two meshes; after: of the run that led
     to it [s].
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> cycle = rodgen.find_cycle(rodgen.Scene.example("beck_after_flutter"))
+    >>> cycle.stable, bool(abs(cycle.nontrivial[0]) < 1)
+    (True, True)
     """
 
     scene: Scene

@@ -49,6 +49,22 @@ class Floquet:
     larger multipliers, relative to the largest; closed: how far the motion is from its start after
     a period; places: of the numbers in y that the multipliers are of (of a rod that flies, those
     beside its place).
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene = rodgen.Scene.from_dict({
+    ...     "name": "shaken",
+    ...     "rod": {
+    ...         "links": 1, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0,
+    ...         "boundary": "clamped",
+    ...     },
+    ...     "loads": {"tip": {"x": "-1 + 0.5*cos(2*t)"}},
+    ...     "integrate": {"span": [0, 3.141592653589793]},
+    ... })
+    >>> found = rodgen.floquet(scene)
+    >>> found.multipliers.shape, found.stable
+    ((2,), True)
     """
 
     multipliers: Complex

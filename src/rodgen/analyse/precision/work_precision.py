@@ -144,6 +144,13 @@ class WorkPrecision:
     estimate of every measure, below which errors mean nothing; limits: largest stable step [s] by
     explicit method at the start of the scene, 0 where no step is stable, infinite where any is;
     measure: what errors are held by, `error_phi`, or `error_tail` of a rod that does not turn.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> found = rodgen.work_precision(rodgen.Scene.example("missile"), seconds=2.0)
+    >>> found.measure, "dop853" in {row["method"] for row in found.rows}
+    ('error_phi', True)
     """
 
     scene: Scene

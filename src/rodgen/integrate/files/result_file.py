@@ -28,7 +28,18 @@ STRANGE = LookupError, TypeError, ValueError, ArithmeticError, AttributeError, R
 
 
 class FileWarning(UserWarning):
-    """A result file that could not be checked, or of which not all could be read."""
+    """A result file that could not be checked, or of which not all could be read.
+
+    Examples
+    --------
+    >>> import rodgen, tempfile, warnings
+    >>> path = tempfile.mkdtemp() + "/run.nc"
+    >>> rodgen.simulate(rodgen.Scene.example("missile"), progress=False).save(path)
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("error", rodgen.FileWarning)  # what is doubtful is refused
+    ...     sol = rodgen.load(path)
+
+    """
 
 
 class ResultFile:
