@@ -178,7 +178,13 @@ export default {
     Object.assign(this, { picture, pointer });
     picture.camera.mode = this.view;
     this.set();
-    this.painter = { paint: (...frame) => picture.paint(...frame) };
+    this.painter = {
+      paint: (...frame) => {
+        const more = picture.paint(...frame);
+        hub.shown.scale = picture.camera.scale;
+        return more;
+      },
+    };
     this.sizes = new ResizeObserver(() => {
       picture.resize();
       // At once: a canvas that was resized is blank.
