@@ -55,7 +55,9 @@ def states(view: View) -> Iterator[str]:
     for tab in ("Values", "Parameters", "Scene", "Save"):
         view.tab(tab)
         yield tab
-    for button in ("What is shown", "Kick", "Add plot", "Keys"):
+    view.page.get_by_role("switch", name="pull").click()
+    yield "pulls"
+    for button in ("What is shown", "Kick", "Pull", "Add plot", "Keys"):
         if not view.button(button).is_visible():  # a phone has no keys
             continue
         with opened(view, button):

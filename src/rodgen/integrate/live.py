@@ -15,13 +15,14 @@ from rodgen.integrate.catalogue import loads_at_work
 from rodgen.integrate.diagnosis import step_warnings
 from rodgen.integrate.live_progress import Course, LiveError, Progress
 from rodgen.integrate.methods.choose import Choice, choose
+from rodgen.integrate.pull import Pull, check_number, check_point, pulled, with_place
 from rodgen.integrate.samples import Samples
 from rodgen.integrate.stability import largest
 from rodgen.integrate.stepper import Array
 from rodgen.loading.module import asked
+from rodgen.model.terms import PULL
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.integration import AUTO
-from rodgen.scene.plain import is_number
 
 __all__ = ["Live", "LiveError", "Samples"]
 
@@ -44,14 +45,18 @@ class Live(Progress):
 
     choice: the method that the scene has, and why; rough: whether FOR_LOOKING is taken instead of
     that and of the scene's tolerances; given: energy [J] that changes and kicks have put in since
-    the start; energy_start: total energy there [J]. To be used from one thread at a time; a
-    SceneError, for what cannot be used, leaves the run as it was.
+    the start; energy_start: total energy there [J]; pulls: whether the module has a place for a
+    pull; pulling: the pull that there is. To be used from one thread at a time; a SceneError, for
+    what cannot be used, leaves the run as it was.
     """
 
     choice: Choice
     rough: bool
     given: float
     energy_start: float
+    pulls = False
+    pulling: Pull | None = None
+    _placed: tuple[Scene, Scene] | None = None
     _origin: float  # start of the run [s]
     _warnings: list[str] | None
 
@@ -105,7 +110,8 @@ class Live(Progress):
             return
         before, self.rough = self.rough, self.rough and _steps(scene) == _steps(self.scene)
         try:
-            choice = self._chooser.choose_sparingly(scene, self.scene, self.choice)
+            asked_for = self.with_pull(scene)
+            choice = self._chooser.choose_sparingly(asked_for, self.scene, self.choice)
             self._change_to(scene, choice)
         except SceneError:
             self.rough = before
@@ -127,10 +133,58 @@ class Live(Progress):
         after = kicked(self.model, t, y, self.p, link, share, impulse)
         self._go_on_by(self._made(self.scene, self.choice, t, after), t, y, work)
 
+    @property
+    def placed(self) -> Scene:
+        """The scene as its module has it: where that has a place for a pull, with a support that
+        does nothing."""
+        return self._with_place(self.scene)
+
+    def allow_pulls(self, model: ModuleType) -> None:
+        """Go on in the same state by the module of the scene `with_place`, where there is none."""
+        t, y, work = self._here()
+        known, was = dict(zip(self.works, work, strict=True)), self.model
+        self.model, self.pulls = model, True
+        try:
+            course = self._made(self.scene, self.choice, t, y)
+        except Exception:  # whatever it is: the run goes on as it was
+            self.model, self.pulls = was, False
+            raise
+        self._chooser = Chooser(model)
+        self.works = (*loads_at_work(self.placed, model), PULL)
+        before = np.array([known.get(name, 0.0) for name in self.works])
+        self._take_up(course, before, self.every)
+
+    def pull(self, pull: Pull | None) -> None:
+        """Pull the rod so from here on, or not at all; what the spring holds more by that is work
+        of the pull. Raises SceneError."""
+        t, y, work = self._here()
+        before, was = self._energy(t, y, self.p), self.pulling
+        self.pulling = pull
+        try:
+            course = self._made(self.scene, self.choice, t, y)
+        except SceneError:
+            self.pulling = was
+            raise
+        after = work.copy()
+        after[self.works.index(PULL)] += self._energy(t, y, course.p) - before
+        self._take_up(course, after)
+
+    def with_pull(self, scene: Scene) -> Scene:
+        """Another scene of the same structure, with the pull that there is. Raises SceneError."""
+        placed = self._with_place(scene)
+        return placed if self.pulling is None else pulled(placed, self.pulling)
+
+    def _with_place(self, scene: Scene) -> Scene:
+        if not self.pulls:
+            return scene
+        if self._placed is None or self._placed[0] is not scene:
+            self._placed = scene, with_place(scene)
+        return self._placed[1]
+
     def go_back(self, sample: Samples, p: Array, given: float) -> None:
         """Go on from one sample of before, at which p held and so much energy [J] was given."""
         t, y, work = float(sample.t[-1]), sample.y[-1], sample.work[-1]
-        before = self._energy(t, y, p)
+        before, self.pulling = self._energy(t, y, p), None
         self._take_up(self._made(self.scene, self.choice, t, y), work, self.every)
         self.given = given + self._energy(t, y, self.p) - before
 
@@ -142,9 +196,12 @@ class Live(Progress):
     def _begin(self, scene: Scene, every: float) -> None:
         """Begin at the initial state of a scene."""
         t, y = scene.integrate.span[0], scene.initial_state()
-        choice = self._chooser.choose(scene)
+        self.pulling = None
+        held = self.with_pull(scene)
+        choice = self._chooser.choose(held)
         course = self._made(scene, choice, t, y, t)
-        self._start(course, every, loads_at_work(scene, self.model))
+        works = loads_at_work(held, self.model)
+        self._start(course, every, (*works, PULL) if self.pulls else works)
         self.scene, self.choice, self._warnings = scene, choice, None
         self._origin, self.given, self.energy_start = t, 0.0, self._energy(t, y, self.p)
 
@@ -164,7 +221,7 @@ class Live(Progress):
     def _choose_again(self) -> None:
         """Choose the method, if that was put off while values were changed."""
         if self._chooser.due:
-            choice = self._chooser.choose(self.scene)
+            choice = self._chooser.choose(self.with_pull(self.scene))
             if choice.method != self.choice.method:
                 self._change_to(self.scene, choice)
             self.choice = choice
@@ -174,7 +231,7 @@ class Live(Progress):
     ) -> Course:
         """A course from (t, y), of a run that began at the origin [s]. Raises SceneError."""
         origin = self._origin if origin is None else origin
-        scene = scene.integrated_by(choice.method)
+        scene = self.with_pull(scene).integrated_by(choice.method)
         if self.rough:
             settings = scene.integrate.model_copy(update=FOR_LOOKING)
             scene = scene.model_copy(update={"integrate": settings})
@@ -243,11 +300,8 @@ def kicked(
 ) -> Array:
     """The state (states,) after an impulse [N s] at a share of a link, from 0 at its start to 1 at
     its end: M du is its generalised force. Raises SceneError."""
-    if isinstance(link, bool) or not isinstance(link, int) or not 0 <= link < model.N:
-        raise SceneError("kick.link", link, f"the number of a link, from 0 to {model.N - 1}")
-    if not 0 <= _number("kick.share", share) <= 1:
-        raise SceneError("kick.share", share, "from 0 at the start of the link to 1 at its end")
-    force = np.array([_number("kick.impulse", part) for part in impulse])
+    check_point("kick", link, share, model.N)
+    force = np.array([check_number("kick.impulse", part) for part in impulse])
     if force.shape != (2,):
         raise SceneError("kick.impulse", impulse, "two numbers, in N s")
     # On one thread: others would be waited for longer than they help.
@@ -269,10 +323,3 @@ def kicked(
 @lru_cache(maxsize=1)
 def _threads() -> ThreadpoolController:
     return ThreadpoolController()
-
-
-def _number(field: str, value: object) -> float:
-    """A finite number. Raises SceneError."""
-    if is_number(value) and math.isfinite(value):
-        return float(value)
-    raise SceneError(field, value, "a finite number")

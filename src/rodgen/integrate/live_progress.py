@@ -17,6 +17,7 @@ from rodgen.integrate.methods.compiled import Compiled
 from rodgen.integrate.samples import Samples, Tape
 from rodgen.integrate.stepper import Array, Counts, StepError
 from rodgen.integrate.stretches import CREEP, STRIDE, Windows, inside
+from rodgen.model.terms import PULL
 from rodgen.scene import Scene
 from rodgen.scene.integration import Integrate
 
@@ -112,7 +113,8 @@ class LiveError(ArithmeticError):
 class Progress:
     """How far a run is, under the values that it has now.
 
-    works: names of the loads without potential; seconds: computing time since the start.
+    works: names of the loads without potential, and PULL where the rod can be pulled; seconds:
+    computing time since the start.
     """
 
     works: tuple[str, ...]
@@ -130,7 +132,7 @@ class Progress:
         self._spent, self.seconds = Counts(), 0.0
         self._base = np.zeros(len(works))
         self._known = self.t, self.y, self._base
-        self._tape = Tape(self.t, every, len(self.y), works)
+        self._tape = Tape(self.t, every, len(self.y), self._loads)
 
     def _take_up(self, course: Course, work: Array, every: float | None = None) -> None:
         """Go on by another course, with the works up to here; every: other seconds between two
@@ -140,7 +142,7 @@ class Progress:
         self._known = self.t, self.y, work
         taken = self._tape.taken
         if every is not None:
-            self._tape = Tape(self.t, every, self.states, self.works)
+            self._tape = Tape(self.t, every, len(self.y), self._loads)
         if taken:  # else the sample at the start is still to come
             self._tape.skip(self.t)
 
@@ -226,7 +228,7 @@ class Progress:
         with np.errstate(all="ignore"):
             self._course.machine.works(self._tape)  # as far as they were put off
             t, y, work = self._tape.take(goal)
-            work += self._base
+            work = self._since_start(work)
         if len(t):
             self._known = float(t[-1]), y[-1].copy(), work[-1].copy()
         return Samples(t, y, work)
@@ -239,7 +241,18 @@ class Progress:
     def _at_end(self) -> tuple[float, Array, Array]:
         """Time [s], state and works [J] at the end of the last step."""
         with np.errstate(all="ignore"):
-            return self.t, self.y, self._base + self._course.machine.works(self._tape)
+            return self.t, self.y, self._since_start(self._course.machine.works(self._tape))
+
+    @property
+    def _loads(self) -> tuple[str, ...]:
+        """The works that steps add to."""
+        return tuple(name for name in self.works if name != PULL)
+
+    def _since_start(self, work: Array) -> Array:
+        """Works of the course, (..., loads), and those before it, of all works."""
+        total: Array = np.broadcast_to(self._base, (*work.shape[:-1], len(self._base))).copy()
+        total[..., : work.shape[-1]] += work
+        return total
 
 
 def _one(t: float, y: Array, work: Array) -> Samples:

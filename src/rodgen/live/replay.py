@@ -13,7 +13,7 @@ from rodgen.integrate.samples import Samples
 from rodgen.integrate.solution import Solution
 from rodgen.live.catalogue import Catalogue
 from rodgen.live.run.marks import Mark
-from rodgen.live.run.message import Named, Trail, encode, rod_arrays
+from rodgen.live.run.message import Named, Trail, encode, pull_array, rod_arrays
 from rodgen.live.run.plot import Plot
 from rodgen.live.run.plot_spec import PlotSpec
 from rodgen.live.samples import Chunk, Store
@@ -53,7 +53,8 @@ def replay(solution: Solution, choices: Iterable[dict[str, Any]]) -> Replay:
         t = float(sample.t[0])
         origin, places = rod_arrays(solution.model, sample)
         header = {"t": t, "origin": origin, "begun": BEGUN, "line": {**line, "past": t, **more}}
-        return encode(header, [*places, *arrays])
+        pull = pull_array(solution.model, solution.scene, sample, origin)
+        return encode(header, [*places, pull, *arrays])
 
     whole = [plot for plot in plots if plot.spec.kind != "profile"]
     standing = [(f"plot!{plot.spec.id}", plot.backlog(store.chunks()).ravel()) for plot in whole]
@@ -108,8 +109,25 @@ def _present(plots: Iterable[Plot], sample: Chunk) -> Iterator[Named]:
             yield f"plot!{plot.spec.id}", rows.ravel()
 
 
+def _beginnings(solution: Solution, store: Store) -> Iterator[Chunk]:
+    """The chunks that begin with a change or a kick; where a pull is moved to is none."""
+    places = solution.scene.structure.places
+    far = [places[name] for name in ("support_x", "support_y") if name in places]
+
+    def held(chunk: Chunk) -> tuple[bytes, float]:
+        p = chunk.p.copy()
+        for place in far:
+            p[place] = 0.0
+        return p.tobytes(), chunk.given
+
+    for before, chunk in itertools.pairwise(store.chunks()):
+        if held(before) != held(chunk):
+            yield chunk
+
+
 def _marks(solution: Solution, store: Store) -> list[Mark]:
     """Events, and where values were changed or the rod was kicked."""
     events = [Mark(event.t, event.name) for event in solution.events]
-    changes = [Mark(float(chunk.t[0]), "a change or a kick") for chunk in [*store.chunks()][1:]]
+    begin = (float(chunk.t[0]) for chunk in _beginnings(solution, store))
+    changes = [Mark(t, "a change or a kick") for t in begin]
     return sorted(events + changes)

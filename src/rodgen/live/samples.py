@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import InitVar, dataclass, replace
 
 import numpy as np
@@ -48,13 +48,14 @@ class Store:
     """All samples since the start; when it is full, every other one is dropped, and from then on
     only every other one is taken up."""
 
-    def __init__(self, states: int, works: tuple[str, ...], start: float):
-        """start: total energy at the start [J]."""
+    def __init__(self, states: int, works: tuple[str, ...], start: float, apart: int = 0):
+        """start: total energy at the start [J]; apart: numbers that every sample may have of its
+        own beside its state, parameters of a rod that is pulled."""
         self._states = states
         nothing = np.empty(0)
         self._blank = Chunk(nothing, nothing, nothing, works, nothing, start=start)
         width = 1 + states + len(works)
-        rows = int(min(MOST, max(LEAST, ROOM // (8 * width))))
+        rows = int(min(MOST, max(LEAST, ROOM // (8 * (width + apart)))))
         self._rows = np.empty((rows, width))
         self._epoch_of = np.zeros(rows, dtype=np.int64)
         self._epochs: dict[int, Chunk] = {}  # between two changes: what holds, without samples
@@ -67,6 +68,20 @@ class Store:
             self._epochs.pop(self._number, None)  # no sample of it was kept
         self._number += 1
         self._epochs[self._number] = replace(self._blank, p=p.copy(), given=given)
+
+    def widened(
+        self, works: tuple[str, ...], wide: Callable[[Array], Array], parameters: int
+    ) -> Store:
+        """A store of the same samples, with more works, that were zero, and so many parameters;
+        wide: makes them of those that there were."""
+        found = Store(self._states, works, self._blank.start, parameters)
+        for piece in self.chunks():
+            found.change(wide(piece.p), piece.given)
+            work = np.zeros((len(piece), len(works)))
+            for at, name in enumerate(piece.works):
+                work[:, works.index(name)] = piece.work[:, at]
+            found.add(Samples(piece.t, piece.y, work))
+        return found
 
     def add(self, samples: Samples) -> Chunk:
         """Take up samples; gives them back with what holds of them."""

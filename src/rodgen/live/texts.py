@@ -18,7 +18,7 @@ from rodgen.model.parameter import JOINTS, Parameter, typeset
 from rodgen.model.quantities import Index, Quantity, place
 from rodgen.model.rod import CLAMP_ANGLE, MASS_PER_LENGTH, ROD
 from rodgen.model.term import WEIGHT
-from rodgen.model.terms import EMPTYING, PARAMETERS, TERMS
+from rodgen.model.terms import EMPTYING, PARAMETERS, PULL, TERMS
 from rodgen.scene import Scene, spring
 from rodgen.scene.integration import AUTO, Integrate
 
@@ -311,6 +311,7 @@ def _energies(scene: Scene) -> Iterator[Entry]:
             yield Row(f"work_{term.name}", f"work of {term.words}", "J"), _work(term.name)
     if scene.structure.masses:
         yield Row(f"work_{EMPTYING}", f"work of {EMPTYING}", "J"), _work(EMPTYING)
+    yield Row(f"work_{PULL}", f"work of the {PULL}", "J"), _work(PULL)
     row = Row("given", "given by changes and kicks", "J")
     yield row, lambda now: digits(now.present.chunk.given)
     yield _quantity("energy_balance", "balance error")

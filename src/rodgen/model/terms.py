@@ -341,11 +341,13 @@ def _numbered_term(name: str, number: int, rest: str) -> Term | None:
 TERMS: Rows[Term] = Rows({term.name: term for term in ROWS}, _numbered_term)
 # What the masses that change with time do, where works and powers are listed by term.
 EMPTYING = "emptying"
+# What is put in by moving the far end of a spring that pulls the rod by hand.
+PULL = "pull"
 
 
 def words_of(name: str) -> str:
     """A term in words, or what else does work."""
-    return name if name == EMPTYING else TERMS[name].words
+    return name if name in (EMPTYING, PULL) else TERMS[name].words
 
 
 THESIS_TERMS = tuple(term.name for term in ROWS if term.thesis)

@@ -21,6 +21,12 @@ if TYPE_CHECKING:
 SAME = 1e-9  # of a link, by which points are one
 
 
+def _acts(support: Support) -> bool:
+    """Whether it holds or damps anything."""
+    turning = support.rotation, support.rotation_damping
+    return any((*support.stiffness, *support.damping, *turning))
+
+
 @dataclass(frozen=True)
 class Tie:
     """A support as it is drawn: its link, the share of that before its point, and the fixed
@@ -92,8 +98,9 @@ class Anchors:
 
     @property
     def ties(self) -> list[Tie]:
-        """Supports as they are drawn."""
-        return [Tie(*point_of(one.at, self.rod.links), *self.place(one)) for one in self.supports]
+        """Supports as they are drawn: those that do anything."""
+        links, acting = self.rod.links, filter(_acts, self.supports)
+        return [Tie(*point_of(one.at, links), *self.place(one)) for one in acting]
 
     @property
     def bed(self) -> NDArray[np.float64]:

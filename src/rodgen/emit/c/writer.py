@@ -103,6 +103,9 @@ class LoopWriter:
         lane = "[w]" if laned else ""
         if st.kind == PREFIX:
             assert st.terms is not None
+            if not group.loops:  # over one link: before it there is nothing
+                lines.append((f"x->{st.name}[0]{lane} = 0.0;", laned))
+                return
             total = f"total_{st.name}"
             group.totals.append(total)
             start = self._analysis.statements[st.name].domain.low

@@ -128,12 +128,14 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
     (see scene.anchors.Tie), bed [[x, y], [x, y]] of a foundation, view ("fixed", "centre": the
     centre of gravity stays where it is, "axes": and the principal axes as well), support ("none",
     "wall", "pin"), clampAngle [rad], kick (links can be kicked), perMetre (of a kick, [N s] for a
-    metre dragged), times (by which displacements from the straight rod are drawn larger), mode
-    (a mode shape to draw, see page/modes.py), label
-    (for screen readers), rod (any number: another one fits the picture anew and clears the scales;
-    another number of links does so too).
-    Events, both while `kick` is on: "link" {link, share}: a link was clicked, at `share` (0 start,
-    1 end); "kick" {link, share, dx, dy}: what was dragged from there, in metres.
+    metre dragged), pull (they can be pulled), hold (what pulls stays where it is let go), times (by
+    which displacements from the straight rod are drawn larger), mode (a mode shape to draw, see
+    page/modes.py), label (for screen readers), rod (any number: another one fits the picture anew
+    and clears the scales; another number of links does so too).
+    Events, while `kick` or `pull` is on: "link" {link, share}: a link was clicked, at `share` (0
+    start, 1 end); "kick" {link, share, dx, dy}: what was dragged from there, in metres; "pull"
+    {link, share, x, y}: it was taken hold of, and the pointer is at that place of the world [m];
+    "move" {x, y}: it is elsewhere; "release": it lets go. "pulling": a key switches `pull`.
     Methods in the page: fit(), reset_scale(), png(name).
     """
 
@@ -143,9 +145,11 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
         self._props.update(
             bodies=[], ties=[], bed=[], clampAngle=0.0, perMetre=0.0, times=1, mode=None
         )
+        self._props.update(pull=False, hold=False)
 
     def set(self, **props: Any) -> None:
-        """Set props by name: bodies, ties, bed, view, kick, perMetre, times, mode, clampAngle."""
+        """Set props by name: bodies, ties, bed, view, kick, perMetre, pull, hold, times, mode,
+        clampAngle."""
         self._props.update(props)
 
     def show(self, **shown: bool) -> None:
@@ -175,6 +179,17 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
     def on_kick(self, handler: Handler) -> None:
         """Call handler({"link": int, "share": float, "dx": m, "dy": m}) after a drag."""
         _listen(self, "kick", ["link", "share", "dx", "dy"], handler)
+
+    def on_pull(self, handler: Handler, moved: Handler, released: Handler) -> None:
+        """Call handler({"link": int, "share": float, "x": m, "y": m}) when a link is taken hold of,
+        moved({"x": m, "y": m}) as the pointer moves, and released({}) when it lets go."""
+        _listen(self, "pull", ["link", "share", "x", "y"], handler)
+        _listen(self, "move", ["x", "y"], moved)
+        _listen(self, "release", [], released)
+
+    def on_pulling(self, handler: Handler) -> None:
+        """Call handler({}) when a key switches whether links can be pulled."""
+        _listen(self, "pulling", [], handler)
 
 
 class Plots(Element, component=STATIC / "plots.js"):

@@ -115,6 +115,8 @@ def _rod(scene: Scene) -> dict[str, Any]:
         "label": description(scene),
         "rod": 1,
         "kick": False,
+        "pull": False,
+        "hold": False,
         "perMetre": 0.0,
         "times": 1,
         "mode": None,

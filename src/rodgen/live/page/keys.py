@@ -15,7 +15,8 @@ IN_FOCUS = {
         "← → ↑ ↓": "Move the picture",
         "+ −": "Zoom, as the wheel does",
         "0": "Fit the rod, as a double click does",
-        "Esc": "Let go of a kick",
+        "p": "Pull by dragging, or no longer",
+        "Esc": "Let go of a kick or a pull",
     },
     "The time line, in focus": {
         "← →": "A sample back or on",

@@ -1,8 +1,7 @@
-"""The picture of the rod, what it shows, and kicks by dragging or in numbers."""
+"""The picture of the rod, what it shows, and kicks and pulls by dragging or in numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
 from dataclasses import asdict
 from typing import Any
 
@@ -10,26 +9,18 @@ from nicegui import ui
 from nicegui.events import ValueChangeEventArguments
 
 from rodgen.live.page.elements import LAYERS, RodCanvas, View
-from rodgen.live.page.fields import (
-    Entry,
-    Field,
-    IconButton,
-    dialog,
-    number,
-    plain,
-    refuse,
-    whole_number,
-)
+from rodgen.live.page.fields import Entry, IconButton, number, plain
 from rodgen.live.page.modes import ModeShapes
+from rodgen.live.page.point_dialog import PointDialog
+from rodgen.live.page.pulls import Pulls
 from rodgen.live.page.runs import VIEW, PageRun
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.scene.contents import in_words
 
 SHOWN = "What is shown"
 MENU = f'auto-close=false role=dialog aria-label="{SHOWN}"'
 ENLARGED = {1: "true", 10: "× 10", 100: "× 100", 1000: "× 1000", 10_000: "× 10 000"}
 VIEWS = {"fixed": "fixed", "centre": "follows the centre of gravity", "axes": "turns with the axes"}
-Kick = Callable[[int, float, tuple[float, float]], Awaitable[None]]
 
 
 class RodPanel:
@@ -45,7 +36,8 @@ class RodPanel:
             self.canvas = RodCanvas(self.view.value)
             self.canvas.classes("rg-canvas")
         self.canvas.on_kick(self._dragged)
-        self.canvas.on_link(lambda event: self._ask(int(event["link"]), float(event["share"])))
+        self.canvas.on_link(self._clicked)
+        self.pulls.connect(self.canvas)
 
     def _tools(self) -> None:
         self._first = first_view(self.page.scene)
@@ -70,13 +62,14 @@ class RodPanel:
             "Save the picture as PNG",
             lambda: self.canvas.png(f"{self.page.scene.name}.png"),
         )
-        kick = ui.switch("kick by dragging", on_change=self._kicking).props("dense")
-        with kick:
+        self.kicks = ui.switch("kick by dragging", on_change=self._kicking).props("dense")
+        with self.kicks:
             ui.tooltip("Drag from a link to kick it, or click it to type the impulse")
         self.per_metre = Entry("N s per metre dragged", "", self._strength)
         self.per_metre.field.classes("rg-strength")
         self.per_metre.field.set_visibility(False)
         ui.button("Kick…", on_click=self._ask_tail).props("flat dense no-caps")
+        self.pulls = Pulls(self.page, lambda: self.kicks.set_value(False))
 
     def refresh(self) -> None:
         """Show the scene as it is now."""
@@ -88,6 +81,7 @@ class RodPanel:
         if run.taken != self._taken:
             self._taken = run.taken
             self._another(scene)
+        self.pulls.refresh()
 
     def _another(self, scene: Scene) -> None:
         """Show another scene."""
@@ -103,6 +97,7 @@ class RodPanel:
             switch.set_visibility(term is None or term in scene.loads.terms)
         self._set_strength(scene.mass)
         self.per_metre.show(plain(self.strength))
+        self.pulls.another(scene)
 
     def _view(self, event: ValueChangeEventArguments[Any]) -> None:
         self.page.tab[VIEW] = event.value
@@ -114,6 +109,8 @@ class RodPanel:
     def _kicking(self, event: ValueChangeEventArguments[Any]) -> None:
         self.canvas.set(kick=bool(event.value))
         self.per_metre.field.set_visibility(bool(event.value))
+        if event.value:
+            self.pulls.switch.set_value(False)
 
     async def _strength(self, text: str) -> None:
         self._set_strength(number(text, "kick strength"))
@@ -122,6 +119,10 @@ class RodPanel:
         """Set the strength of kicks, N s for a metre that is dragged."""
         self.strength = strength
         self.canvas.set(perMetre=strength)
+
+    def _clicked(self, event: dict[str, Any]) -> None:
+        ask = self.pulls.ask if self.pulls.switch.value else self._ask
+        ask(int(event["link"]), float(event["share"]))
 
     def _dragged(self, event: dict[str, Any]) -> None:
         link, share = int(event["link"]), float(event["share"])
@@ -133,48 +134,13 @@ class RodPanel:
 
     def _ask(self, link: int, share: float) -> None:
         """Ask for a kick in numbers; link, share: where it is, if nothing else is typed."""
-        links, strength = self.page.scene.rod.links, self.strength / 10
+        links = self.page.scene.rod.links
+        components = {"impulse along x [N s]": 0.0, "impulse along y [N s]": self.strength / 10}
         with self.page.root:
-            KickDialog(links, link, share, strength, self._kick)
+            PointDialog("Kick", links, (link, share), components, self._kick)
 
     def _ask_tail(self) -> None:
         self._ask(self.page.scene.rod.links - 1, 1.0)
-
-
-class KickDialog:
-    """Asks for link, place on it and impulse, and has `kick` give it; a refusal is said beside its
-    field."""
-
-    def __init__(self, links: int, link: int, share: float, strength: float, kick: Kick):
-        """links: how many there are; link, share, strength [N s]: what stands there at first."""
-        self._kick = kick
-        with dialog("Kick", "Kick", self._give) as self.dialog:
-            self.fields: dict[str, Field] = {
-                "link": ui.input(f"link, 0 to {links - 1}", value=str(link)),
-                "share": ui.input("place on it, 0 (start) to 1 (end)", value=f"{share:.3g}"),
-                "x": ui.input("impulse along x [N s]", value="0"),
-                "y": ui.input("impulse along y [N s]", value=plain(strength)),
-            }
-            for field in self.fields.values():
-                field.props("dense outlined hide-bottom-space").classes("rg-wide")
-                field.on("keydown.enter", self._give)
-            self.fields["link"].props("autofocus")
-
-    async def _give(self) -> None:
-        refuse(self.fields, {})
-        try:
-            link = whole_number(self._text("link"), "link")
-            share, x, y = (number(self._text(name), name) for name in ("share", "x", "y"))
-            await self._kick(link, share, (x, y))
-        except SceneError as error:
-            name = error.field.rpartition(".")[2]
-            shown = name if name in self.fields else "y"
-            refuse(self.fields, {shown: f"must be {error.allowed}"})
-        else:
-            self.dialog.close()
-
-    def _text(self, name: str) -> str:
-        return str(self.fields[name].value or "")
 
 
 def drawn_of(scene: Scene) -> dict[str, Any]:

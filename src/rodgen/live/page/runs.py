@@ -15,6 +15,7 @@ from collections.abc import (
 )
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol, TypeVar
 
 from nicegui import Client, app, background_tasks, ui
@@ -234,6 +235,17 @@ class PageRun:
         async with self._making:
             made = None
             while (wanted := await self._acted(edit, self.run.take, note, made)) is not None:
+                await self._make(wanted)
+                made = wanted.structure
+
+    async def allow_pulls(self) -> None:
+        """Have the module by which the rod can be pulled, and let the run go on by it. Raises
+        SceneError."""
+        if await self.do(self.run.allow_pulls) is None:
+            return
+        async with self._making:
+            made = None
+            while (wanted := await self.do(partial(self.run.allow_pulls, made))) is not None:
                 await self._make(wanted)
                 made = wanted.structure
 

@@ -31,7 +31,7 @@ class Values:
 
     def refresh(self) -> None:
         """Show the rows that the scene has now."""
-        rows = groups(self.page.scene)
+        rows = groups(self.page.run.live.placed)
         if rows == self._rows:
             return
         self._rows = rows

@@ -14,6 +14,7 @@ import tomli_w
 
 from rodgen.integrate.samples import Samples
 from rodgen.live.run.scenes import LARGEST
+from rodgen.model.terms import EMPTYING
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.plain import is_number, read_text
 
@@ -103,17 +104,19 @@ def _refused(field: str, value: Any) -> SceneError:
 def link_to(run: LiveRun, view: str) -> Link:
     """The scene of a run, its plots, a view, and the state that its page looks at. In the thread of
     the run."""
-    sample = run.seen
-    now = replace(sample, p=run.live.p)
+    sample, placed = run.seen, run.live.placed
+    now = replace(sample, p=run.model.parameters(**placed.parameters))  # without a pull
     before, after = (
         float(run.catalogue.columns(["total_energy"], chunk)[-1, 0]) for chunk in (sample, now)
     )
+    own = np.isin(run.live.works, [*run.live.scene.structure.loads, EMPTYING])
+    work = sample.work[-1]
     plots = [plot.spec.to_dict() for plot in run.plots.values()]
     state = State(
         t=float(sample.t[-1]),
         y=tuple(sample.y[-1].tolist()),
-        work=tuple(sample.work[-1].tolist()),
-        given=sample.given + after - before,
+        work=tuple(work[own].tolist()),
+        given=sample.given + float(work[~own].sum()) + after - before,
         start=sample.start,
     )
     choices = ({key: plot[key] for key in plot if key != "id"} for plot in plots)

@@ -14,12 +14,12 @@ from rodgen.integrate.endings import FAILED, FINISHED
 from rodgen.integrate.live import Live, LiveError, Samples
 from rodgen.integrate.solution import Stats
 from rodgen.live.catalogue import Catalogue
-from rodgen.live.run.comparing import Comparing
 from rodgen.live.run.critical import Critical
 from rodgen.live.run.marks import Marks
 from rodgen.live.run.page_state import PageState
 from rodgen.live.run.plot import Plot
 from rodgen.live.run.plot_spec import PlotSpec, transfer
+from rodgen.live.run.pulling import Pulling
 from rodgen.live.run.undo import Undo
 from rodgen.live.run.worker import FRAME, Pace, Worker
 from rodgen.live.samples import Chunk, Recorded, Store
@@ -35,7 +35,7 @@ MADE = 0.1  # of all energies, from which on what a balance lacks was made by th
 MOST_PLOTS = 24
 
 
-class LiveRun(Worker, Comparing):
+class LiveRun(Worker, Pulling):
     """A run, its samples, its marks, its plots, and the page that looks at it.
 
     Everything but `do`, `page` and `close` is for the run's own thread: others hand it work by
@@ -102,6 +102,7 @@ class LiveRun(Worker, Comparing):
     def slice(self) -> None:
         """Take as many steps as are due and fit into a frame."""
         self.critical.tick()
+        self._follow_hand()
         if self.status != RUNNING:
             return
         due = self.pace.due()
@@ -278,12 +279,6 @@ class LiveRun(Worker, Comparing):
         except SceneError:
             self.strict = True
 
-    def kick(self, link: int, share: float, impulse: tuple[float, float]) -> None:
-        """Kick a link by an impulse [N s]."""
-        self.live.kick(link, share, impulse)
-        self._changed_motion(f"kick ({impulse[0]:.4g}, {impulse[1]:.4g}) N s upon link {link}")
-        self._mended()
-
     def _mended(self) -> None:
         """After a change, let a run that was stopped go on, if its state is of use."""
         if self.status == STOPPED and not self.lost:
@@ -374,7 +369,7 @@ class LiveRun(Worker, Comparing):
         pieces = tuple(self.store.chunks()) or (self.shown,)
         work = np.concatenate([piece.work for piece in pieces])
         return Recorded(
-            scene=self.live.scene.model_copy(update={"integrate": self.live.settings}),
+            scene=self.live.placed.model_copy(update={"integrate": self.live.settings}),
             t=np.concatenate([piece.t for piece in pieces]),
             y=np.concatenate([piece.y for piece in pieces]),
             work={term: work[:, at] for at, term in enumerate(self.live.works)},

@@ -19,6 +19,7 @@ from rodgen.integrate.catalogue import Piece, principal_axes
 from rodgen.integrate.stepper import Array
 from rodgen.live.samples import Chunk, Store
 from rodgen.loading.module import asked
+from rodgen.scene import Scene
 
 WORD = 8  # bytes to which the arrays are aligned
 TYPES = {np.dtype(np.float32): "f4", np.dtype(np.float64): "f8"}
@@ -68,6 +69,42 @@ def rod_arrays(model: ModuleType, chunk: Chunk) -> tuple[list[float], list[Named
         forces = model.forces(t, y, p)
         arrays += [(f"forces:{term}", _single(force)) for term, force in forces.items()]
     return origin.tolist(), arrays
+
+
+NEAR = 1.0  # m, by which an end of a spring is moved: its energy is quadratic, any size is exact
+
+
+def pull_array(model: ModuleType, scene: Scene, chunk: Chunk, origin: Sequence[float]) -> Named:
+    """Of the pull at the last sample, none or for the message: its link, the share of that before
+    its point, its far end from the origin [m], and the force on the rod [N], x and y, by which the
+    energy grows with the place of the far end."""
+    t, y, p = chunk.t[-1], chunk.y[-1], chunk.p
+    link = pulled_link(scene, p)
+    if link is None:
+        return "pull", _single(np.zeros(0))
+    places, force = scene.structure.places, []
+    share, x, y0 = (p[places[f"support_{name}"]][link] for name in ("share", "x", "y"))
+    for axis in "xy":
+        sides = []
+        for sign in (1, -1):
+            moved = p.copy()
+            moved[places[f"support_{axis}"].start + link] += sign * NEAR
+            with np.errstate(all="ignore"):
+                sides.append(np.array(asked(model, "energy", t, y, moved)))
+        force.append(float(np.sum(sides[0] - sides[1])) / (2 * NEAR))
+    return "pull", _single(np.array([link, share, x - origin[0], y0 - origin[1], *force]))
+
+
+def pulled_link(scene: Scene, p: Array) -> int | None:
+    """The link that is pulled, where parameters of a module hold: one that a support holds which
+    the scene does not have."""
+    places = scene.structure.places
+    if "support_share" not in places:
+        return None
+    parts = [p[places[f"support_{name}"]] for name in ("stiffness_x", "damping_x")]
+    held = {tie.link for tie in scene.anchors.ties}
+    found = [int(link) for link in np.flatnonzero(np.any(parts, axis=0)) if int(link) not in held]
+    return found[0] if found else None
 
 
 def ghost_array(joints: Array, origin: Sequence[float]) -> Named:

@@ -11,7 +11,7 @@ import numpy as np
 from rodgen.integrate.stepper import Array
 from rodgen.live.run.curves import thin
 from rodgen.live.run.marks import Mark
-from rodgen.live.run.message import Named, Trail, encode, ghost_array, rod_arrays
+from rodgen.live.run.message import Named, Trail, encode, ghost_array, pull_array, rod_arrays
 from rodgen.live.run.plot import Plot
 from rodgen.live.samples import Chunk
 from rodgen.live.texts import texts
@@ -172,6 +172,7 @@ class PageState:
         if np.isfinite(run.seen.y[-1]).all():
             header["t"] = float(run.seen.t[-1])
             header["origin"], arrays = rod_arrays(run.model, run.seen)
+            arrays.append(pull_array(run.model, run.live.placed, run.seen, header["origin"]))
             if run.ghost:
                 arrays.append(ghost_array(run.ghost.joints(header["t"]), header["origin"]))
             name = "trail!" if self._trail.anew else "trail"
@@ -203,7 +204,7 @@ class PageState:
 
     def _new_texts(self, run: LiveRun) -> dict[str, str]:
         """Texts that are other than before."""
-        every = texts(run.live.scene, run.model, run.present())
+        every = texts(run.live.placed, run.model, run.present())
         new = {key: text for key, text in every.items() if self._texts.get(key) != text}
         self._texts |= new
         return new

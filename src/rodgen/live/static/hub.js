@@ -50,7 +50,7 @@ function put(element, text) {
 }
 
 // What a state may have beside its joints; ghost: joints of the run that is kept.
-const NOTHING = { omega: null, moment: null, section: null, point: null, ghost: null };
+const NOTHING = { omega: null, moment: null, section: null, point: null, ghost: null, pull: null };
 
 class Hub {
   rod = {

@@ -19,6 +19,7 @@ import {
   outlined,
 } from "./rod_marks.js";
 import { swing } from "./rod_modes.js";
+import { pull } from "./rod_pull.js";
 import { Scale, short, Written } from "./scales.js";
 import { theme } from "./theme.js";
 
@@ -54,6 +55,7 @@ export class Picture {
   camera = new Camera();
   points = new Float64Array(0); // joints in pixels
   kick = null; // {link, share, dx, dy}, in pixels, while it is drawn
+  hand = null; // {link, share, x, y}, in pixels, while the pointer pulls
   options = {
     show: {},
     loads: [],
@@ -210,6 +212,7 @@ export class Picture {
     const { mode } = this.options;
     const swings = swing(context, camera, joints, mode, this.#fitted.length, now, colours);
     if (this.kick) this.#aim(colours);
+    pull(context, camera, state, this.points, this.hand, this.options.times, colours);
     this.#legend(limit, rows, colours);
     this.#time(colours);
     this.#hint(colours);

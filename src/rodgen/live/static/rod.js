@@ -5,12 +5,18 @@ import { act, listen, placeOf, save, turned } from "rodgen-live/dom.js";
 import { hub } from "rodgen-live/hub.js";
 import { Picture } from "rodgen-live/picture.js";
 import { met } from "rodgen-live/rod_hint.js";
+import { caught, held } from "rodgen-live/rod_pull.js";
 
 const STILL = 4; // pixels that a click may move
+const APART = 30; // ms between two places of a pull that are sent
+const SAME = 0.25; // pixels by which they differ at least
 
-// `changed` asks for a drawing; `emit` sends "link" and "kick".
+// `changed` asks for a drawing; `emit` sends "link", "kick", "pull", "move", "release", "pulling".
 class Pointer {
   kicks = false;
+  pulls = false;
+  holds = false;
+  #sent = { at: 0, place: [0, 0] }; // of a pull
   #down = new Map(); // pointers that are down: id to [x, y]
   #start = null; // {x, y, hit}
   #moved = false;
@@ -73,7 +79,8 @@ class Pointer {
     this.#moved ||= Math.hypot(dx, dy) > STILL;
     if (!this.#moved) return;
     const { hit } = this.#start;
-    if (hit) this.#do(() => (this.picture.kick = { ...hit, dx, dy }));
+    if (hit && this.pulls) this.#pull(hit, now);
+    else if (hit) this.#do(() => (this.picture.kick = { ...hit, dx, dy }));
     else this.#look(() => this.picture.camera.pan(now[0] - before[0], now[1] - before[1]));
   }
 
@@ -86,9 +93,49 @@ class Pointer {
     this.picture.canvas.style.cursor = this.#hit(x, y) ? "crosshair" : "grab";
   }
 
-  // The link that a kick from there is for.
+  // The link that a kick or a pull from there is for.
   #hit(x, y) {
-    return this.kicks ? met(this.picture.points, x, y) : null;
+    const { points, camera, state, options } = this.picture;
+    if (this.pulls) {
+      const again = caught(x, y, camera, state, points, options.times);
+      if (again) return again;
+    }
+    return this.kicks || this.pulls ? met(points, x, y) : null;
+  }
+
+  #pull({ link, share }, [x, y]) {
+    const begins = !this.picture.hand;
+    this.#do(() => (this.picture.hand = { link, share, x, y }));
+    const place = this.#held();
+    if (begins) {
+      this.#sent = { at: performance.now(), place };
+      this.emit("pull", { link, share, x: place[0], y: place[1] });
+    } else this.follow();
+  }
+
+  // The world's place of the pointer that pulls [m].
+  #held() {
+    const { hand, camera, state, points, options } = this.picture;
+    return held(hand, camera, state, points, options.times);
+  }
+
+  // Has the far end of a pull go where the pointer is by now: the view may move below it, too.
+  follow(now = performance.now()) {
+    if (!this.picture.hand || now - this.#sent.at < APART) return;
+    const place = this.#held();
+    const moved = place.map((part, k) => part - this.#sent.place[k]);
+    if (Math.hypot(...moved) * this.picture.camera.scale < SAME) return;
+    this.#sent = { at: now, place };
+    this.emit("move", { x: place[0], y: place[1] });
+  }
+
+  // The pointer lets go: of the far end alone, which stays, or of the rod.
+  #free(stays) {
+    if (!this.picture.hand) return;
+    this.#sent.at = 0;
+    if (stays) this.follow();
+    this.picture.hand = null;
+    if (!stays) this.emit("release", {});
   }
 
   #pinch(id, before, now) {
@@ -108,8 +155,9 @@ class Pointer {
     if (hit) {
       const { link, share } = hit;
       const [dx, dy] = this.picture.camera.metres(x - fromX, y - fromY);
-      if (this.#moved) this.emit("kick", { link, share, dx, dy });
-      else this.emit("link", { link, share });
+      if (this.picture.hand) this.#free(event.shiftKey || this.holds);
+      else if (this.#moved && this.kicks) this.emit("kick", { link, share, dx, dy });
+      else if (!this.#moved) this.emit("link", { link, share });
     }
     this.#drop();
   }
@@ -120,6 +168,7 @@ class Pointer {
   }
 
   #drop() {
+    this.#free(false);
     this.#start = null;
     this.#do(() => (this.picture.kick = null));
   }
@@ -143,7 +192,17 @@ class Pointer {
       ArrowDown: () => camera.pan(0, -40),
     };
     act(event, moves, (move) => this.#look(move));
-    act(event, { Escape: () => this.#drop() });
+    const others = {
+      Escape: () => this.#escape(),
+      p: () => this.emit("pulling", {}),
+    };
+    act(event, others);
+  }
+
+  // Lets go of a kick, and of a pull that stays.
+  #escape() {
+    this.#drop();
+    if (this.picture.state.pull?.length) this.emit("release", {});
   }
 }
 
@@ -162,6 +221,8 @@ export default {
     support: String,
     clampAngle: Number,
     kick: Boolean,
+    pull: Boolean,
+    hold: Boolean,
     perMetre: Number,
     times: Number,
     mode: Object,
@@ -180,6 +241,7 @@ export default {
     this.set();
     this.painter = {
       paint: (...frame) => {
+        pointer.follow();
         const more = picture.paint(...frame);
         hub.shown.scale = picture.camera.scale;
         return more;
@@ -205,6 +267,8 @@ export default {
     support: "set",
     clampAngle: "set",
     kick: "set",
+    pull: "set",
+    hold: "set",
     perMetre: "set",
     times: "held",
     mode: "set",
@@ -223,7 +287,7 @@ export default {
       const marks = { bodies, ties, bed, support, clampAngle };
       const options = { show: { ...show }, loads, ...marks, view, perMetre, times, mode };
       Object.assign(this.picture.options, options);
-      this.pointer.kicks = this.kick;
+      Object.assign(this.pointer, { kicks: this.kick, pulls: this.pull, holds: this.hold });
       hub.repaint();
     },
     // What is around the rod, or how it is drawn, is other than before.

@@ -48,7 +48,7 @@ function hatch(context, from, to, y) {
 }
 
 // A coiled spring; a line where there is no room for coils.
-function spring(context, [x, y], [toX, toY]) {
+export function spring(context, [x, y], [toX, toY]) {
   const [dx, dy] = [toX - x, toY - y];
   const length = Math.hypot(dx, dy);
   context.moveTo(x, y);
@@ -64,7 +64,7 @@ function spring(context, [x, y], [toX, toY]) {
 }
 
 // The point of a link at a share of it, in pixels.
-function along(points, link, share) {
+export function along(points, link, share) {
   const [ax, ay, bx, by] = points.subarray(2 * link, 2 * link + 4);
   return [ax + share * (bx - ax), ay + share * (by - ay)];
 }

@@ -1,0 +1,84 @@
+"""A pull: a spring and a damper from a point of a link to a place that is moved by hand.
+
+To a module it is a support, whose parameters say on which link it is, and where: one that has a
+place for supports is pulled anywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.anchors import SAME
+from rodgen.scene.places import point_of
+from rodgen.scene.plain import is_number
+from rodgen.scene.tables import Support
+
+
+@dataclass(frozen=True)
+class Pull:
+    """link: by its number; share: of it before the point, from 0 at its start to 1 at its end; to:
+    the far end [m]; stiffness [N/m]; damping [N s/m] of the point against the ground."""
+
+    link: int
+    share: float
+    to: tuple[float, float]
+    stiffness: float
+    damping: float = 0.0
+
+
+def with_place(scene: Scene) -> Scene:
+    """The scene with a support that does nothing, unless it has supports: its module has a place
+    for a pull."""
+    if scene.supports:
+        return scene
+    return Scene.from_dict({**scene.to_dict(), "supports": [{"at": 1.0}]})
+
+
+def pulled(scene: Scene, pull: Pull) -> Scene:
+    """A scene that has a place for a pull, with one. Raises SceneError."""
+    links, numbers = scene.rod.links, (pull.stiffness, pull.damping)
+    check_point("pull", pull.link, pull.share, links)
+    for name, value in zip(("stiffness", "damping"), numbers, strict=True):
+        if check_number(f"pull.{name}", value) < 0:
+            raise SceneError(f"pull.{name}", value, "not negative")
+    to = [check_number("pull.to", part) for part in pull.to]
+    at = (pull.link + pull.share) / links
+    link, share = point_of(at, links)
+    if link < scene.hold.first:
+        raise SceneError("pull.link", pull.link, "one that moves")
+    for tie in scene.anchors.ties:
+        if tie.link == link and abs(tie.share - share) > SAME:
+            raise SceneError("pull.link", pull.link, "one without a support at another point")
+    each = [[number, number] for number in numbers]
+    support = Support(at=at, to=to, stiffness=each[0], damping=each[1])
+    return scene.model_copy(update={"supports": [*scene.supports, support]})
+
+
+def check_point(what: str, link: object, share: object, links: int) -> None:
+    """Raise SceneError unless it is a point of one of so many links."""
+    if isinstance(link, bool) or not isinstance(link, int) or not 0 <= link < links:
+        raise SceneError(f"{what}.link", link, f"the number of a link, from 0 to {links - 1}")
+    if not 0 <= check_number(f"{what}.share", share) <= 1:
+        raise SceneError(f"{what}.share", share, "from 0 at the start of the link to 1 at its end")
+
+
+def check_number(field: str, value: Any) -> float:
+    """A finite number. Raises SceneError."""
+    if is_number(value) and math.isfinite(value):
+        return float(value)
+    raise SceneError(field, value, "a finite number")
+
+
+def widened(p: np.ndarray, scene: Scene, wide: Scene, other: np.ndarray) -> np.ndarray:
+    """Parameters of the module of a scene, as that of `wide` has them, which has more: those from
+    `other`."""
+    found = other.copy()
+    here, there = scene.structure.places, wide.structure.places
+    for name, place in here.items():
+        found[there[name]] = p[place]
+    return found
