@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from rodgen.integrate.reductions import checked
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.examples import about, example, examples, renamed
+from rodgen.scene.keys import with_value
 from tests.scene.tables import ROD
 
 LENGTHWISE = {"mass_per_length": 2.0, **{key: ROD[key] for key in ROD if key != "mass"}}
@@ -124,3 +127,27 @@ def test_a_scene_that_is_not_there_but_comes_with_rodgen(tmp_path: Path) -> None
         Scene.from_toml(tmp_path / "missile.toml")
     with pytest.raises(SceneError, match="can be read"):
         Scene.from_toml(tmp_path / "none_such.toml")
+
+
+@pytest.mark.parametrize(
+    ("made", "near"),
+    [
+        (lambda scene: scene.replace({"rod.lenght": 3.0}), "length"),
+        (lambda scene: scene.replace({"load": {}}), "loads"),
+        (lambda scene: scene.replace({"integrate.method": "dopp853"}), "dop853"),
+        (lambda scene: scene.replace({"events": [{"quantity": "tipx", "value": 0}]}), "tip_x"),
+        (lambda scene: Scene.example("missil"), "missile"),
+        (lambda scene: with_value(scene, "loads.followr.force", 1.0), "follower"),
+        (lambda scene: checked(["last(tipx)"], ["tip_y", "tip_x"]), "tip_x"),
+    ],
+)
+def test_of_a_misspelt_name_the_nearest_is_told(made: Callable[[Scene], Any], near: str) -> None:
+    with pytest.raises(SceneError) as raised:
+        made(Scene.example("missile"))
+    assert near in raised.value.allowed.rpartition(";")[2]
+
+
+def test_nothing_is_told_where_nothing_is_near() -> None:
+    with pytest.raises(SceneError) as raised:
+        Scene.example("missile").replace({"zzz": 1})
+    assert ";" not in raised.value.allowed

@@ -20,6 +20,7 @@ from rodgen.model.quantities import WORKS, Quantity
 from rodgen.model.rod import BOUNDARIES, Boundary
 from rodgen.model.terms import PARAMETERS, words_of
 from rodgen.scene import Scene
+from rodgen.scene.errors import meant
 
 TURN = 1e-5  # rad, by which the links turn in a difference: errors are its square, and eps over it
 
@@ -173,7 +174,7 @@ def _formula(name: str) -> Callable[[Motion], Any]:
         return lambda motion: _load(motion, name)
     prefix, _, term = name.partition("_")
     if prefix not in OF_A_LOAD:  # a state that is added
-        return lambda motion: motion.values("signals")[name]
+        return lambda motion: _signal(motion, name)
     of = OF_A_LOAD[prefix]
     return lambda motion: of(motion, term)
 
@@ -337,6 +338,14 @@ def _signals(motion: Motion) -> dict[str, Array]:
     found = motion.called("signals", motion.t, motion.y) if motion.follows else {}
     first = 2 * _positions(motion)
     return found | {name: motion.y[..., first + at] for at, name in enumerate(motion.added)}
+
+
+def _signal(motion: Motion, name: str) -> Array:
+    """One of these, by its name. Raises KeyError for what no motion has."""
+    found: dict[str, Array] = motion.values("signals")
+    if name not in found:
+        raise KeyError(f"{name} is no quantity{meant(name, (*FORMULAS, *found))}")
+    return found[name]
 
 
 FORMULAS: dict[str, Callable[[Motion], Any]] = {

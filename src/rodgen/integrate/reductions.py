@@ -17,7 +17,7 @@ from rodgen.integrate.catalogue import Motion
 from rodgen.integrate.stepper import Array
 from rodgen.model.quantities import ADDED, LOADS, QUANTITIES, WORKS, Index, numbers
 from rodgen.model.rod import Boundary
-from rodgen.scene.errors import SceneError
+from rodgen.scene.errors import SceneError, meant
 
 # Of times and values at the samples; those in C have the same names.
 REDUCTIONS: dict[str, Callable[[Array, Array], float]] = {
@@ -80,7 +80,8 @@ def checked(texts: Iterable[str], names: Iterable[str]) -> tuple[Reduction, ...]
         if one is None or one.number not in names:
             shown = dict.fromkeys(re.sub(r"(?<=_)\d+", "{}", name) for name in names)
             allowed = _ALLOWED.format(of=", ".join(REDUCTIONS), names=", ".join(shown))
-            raise SceneError(f"keep[{at}]", text, allowed)
+            hint = meant(one.number, names) if one else ""
+            raise SceneError(f"keep[{at}]", text, allowed + hint)
         found.append(one)
     return tuple(found)
 

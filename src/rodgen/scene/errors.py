@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pickle
+from collections.abc import Iterable
+from difflib import get_close_matches
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -57,6 +59,12 @@ def short(value: object, longest: int = 80) -> str:
     return text if len(text) <= longest else text[: longest - 3] + "..."
 
 
+def meant(word: object, known: Iterable[str]) -> str:
+    """What may have been meant by a word that is not known, to end a message with; else nothing."""
+    found = get_close_matches(str(word), list(known), 1)
+    return f"; did you mean {found[0]}?" if found else ""
+
+
 def _one_line(text: str) -> str:
     """Control characters, which a key of a file may hold, as escapes."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
@@ -74,8 +82,9 @@ def explain(error: ValidationError, table: dict[str, Any], scene: type[BaseModel
     names = _names(table)
     path = _path(first, names)
     if first["type"] == "extra_forbidden":
-        known = ", ".join(_known(scene, first["loc"]))
-        allowed = f"absent: not a known key (known: {known})"
+        known = _known(scene, first["loc"])
+        hint = meant(first["loc"][-1], known)
+        allowed = f"absent: not a known key (known: {', '.join(known)}){hint}"
         return SceneError(".".join(path), first["input"], allowed)
     # A value that may be of several types has a finding for each: those that went deepest count.
     paths = [(_path(d, names), d) for d in details]

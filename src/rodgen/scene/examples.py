@@ -8,7 +8,7 @@ from itertools import takewhile
 from operator import methodcaller
 from pathlib import Path
 
-from rodgen.scene.errors import SceneError
+from rodgen.scene.errors import SceneError, meant
 
 NAME = re.compile(r'^name = "\w+"$', re.MULTILINE)  # the first line of its kind: that of the scene
 # A full stop after a capital belongs to a name.
@@ -30,7 +30,7 @@ def example(name: str) -> Path:
     """The file of a scene. Raises SceneError for a name that none has."""
     known = examples()
     if name not in known:
-        raise SceneError("example", name, f"one of {', '.join(known)}")
+        raise SceneError("example", name, f"one of {', '.join(known)}{meant(name, known)}")
     return known[name]
 
 

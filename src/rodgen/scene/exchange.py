@@ -61,7 +61,7 @@ class Exchange(Table):
         of tables that were read from files stand in it."""
         return tomli_w.dumps(self.to_dict())
 
-    def replace(self, changes: Mapping[str, Any]) -> Self:
+    def replace(self, changes: Mapping[str, Any] | None = None, /, **others: Any) -> Self:
         """A scene with other values of keys, by their dotted names, checked as in a file.
 
         Names are those of the tables, such as "loads.follower.force"; bodies go by their names
@@ -71,8 +71,9 @@ class Exchange(Table):
 
             weaker = scene.replace({"loads.follower.force": 300, "initial.phi": "0.1*s"})
         """
-        if not isinstance(changes, Mapping):
-            raise SceneError("changes", changes, "a dictionary of values by dotted names")
+        if others or not isinstance(changes, Mapping):
+            allowed = 'a dictionary of values by dotted names, such as {"rod.length": 3}'
+            raise SceneError("changes", others or changes, allowed)
         given = {str(name): plain(value, str(name)) for name, value in changes.items()}
         table = self.to_dict()
         if given.get(LINKS, table["rod"]["links"]) != table["rod"]["links"]:

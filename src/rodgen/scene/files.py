@@ -62,8 +62,10 @@ class _Reader(ast.NodeTransformer):
         if Path(name).name != name or path.suffix.lower() not in KINDS:
             raise refused(f"a file beside the scene whose name ends in {' or '.join(KINDS)}")
         try:
-            if not path.is_file() or path.stat().st_size > LARGEST:
-                raise refused(f"a file of at most {LARGEST} bytes in the folder of the scene")
+            if not path.is_file():
+                raise refused("a file in the folder of the scene: there is none of this name")
+            if path.stat().st_size > LARGEST:
+                raise refused(f"a file of at most {LARGEST} bytes")
             lines = path.read_text(encoding="utf-8-sig").splitlines()
         except (OSError, UnicodeDecodeError) as error:
             raise refused(f"a file that can be read ({error})") from None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from rodgen.scene.errors import SceneError, short
+from rodgen.scene.errors import SceneError, meant, short
 from rodgen.scene.plain import entry, put
 
 if TYPE_CHECKING:
@@ -49,7 +49,8 @@ def _key_in(table: Any, key: str, name: str, outer: Sequence[str], field: str = 
     if key.isascii() and key.isdigit() and int(key) < len(table):
         return int(key)
     known = ", ".join(str(n or number) for number, n in enumerate(names)) or "none"
-    raise SceneError(field, name, f"a key of the scene ({at} has {known})")
+    hint = meant(key, [n for n in names if n])
+    raise SceneError(field, name, f"a key of the scene ({at} has {known}){hint}")
 
 
 def key_place(scene: dict[str, Any], name: str, field: str = "vary") -> tuple[str, ...]:
@@ -66,7 +67,8 @@ def key_place(scene: dict[str, Any], name: str, field: str = "vary") -> tuple[st
         # What a table may have beside what it has, the scene itself tells when it is made.
         if not (key in known or (isinstance(inner, dict) and bool(outer) and key is last)):
             at = ".".join(found_at) or "the scene"
-            allowed = f"a key of the scene ({at} has {', '.join(known) or 'none'})"
+            has = f"({at} has {', '.join(known) or 'none'})"
+            allowed = f"a key of the scene {has}{meant(key, known)}"
             raise SceneError(field, name, allowed)
         found_at.append(key)
     found = entry(scene, *found_at[:-1])

@@ -89,6 +89,8 @@ class Scene(Exchange, Shown):
         what = f"{rod.boundary} rod of {rod.links} links, {loads}"
         return f"<Scene {self.name}: {what}; t = {start:g} to {end:g} s>"
 
+    __str__ = __repr__
+
     @field_validator("events", "bodies", "supports", mode="before")
     @classmethod
     def _many(cls, tables: Any, info: ValidationInfo) -> list[Any]:

@@ -15,7 +15,7 @@ from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, SPRINGS, Pa
 from rodgen.model.rod import BOUNDARIES, INERTIAS, ROD, STEADY, TANK, UNEVEN, Boundary, tank_row
 from rodgen.model.terms import PARAMETERS, TERMS, THESIS_TERMS, named
 from rodgen.scene import spring
-from rodgen.scene.errors import SceneError
+from rodgen.scene.errors import SceneError, meant
 from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.grammar import Sensor
 from rodgen.scene.numbers import check_name, mass_of, row_of
@@ -284,7 +284,7 @@ def choose(field_name: str, value: object, allowed: Iterable[str]) -> None:
     """Raise SceneError unless the value is one of those allowed."""
     allowed = tuple(allowed)
     if value not in allowed:
-        raise SceneError(field_name, value, "one of " + ", ".join(allowed))
+        raise SceneError(field_name, value, f"one of {', '.join(allowed)}{meant(value, allowed)}")
 
 
 def check_links(links: object, boundary: str, field_name: str = "links") -> None:

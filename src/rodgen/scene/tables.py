@@ -25,7 +25,7 @@ from rodgen.model.rod import BOUNDARIES, INERTIAS, Boundary
 from rodgen.model.term import Term
 from rodgen.model.terms import TERMS
 from rodgen.scene import structure as st
-from rodgen.scene.errors import Missing, SceneError, explain
+from rodgen.scene.errors import Missing, SceneError, explain, meant
 from rodgen.scene.law import Law
 from rodgen.scene.places import place_of, point_of
 from rodgen.scene.plain import entry
@@ -388,7 +388,8 @@ def check_events(events: list[Event], rod: Rod, states: Iterable[str]) -> None:
         if not any(number_in(event.quantity, name) in span for name, span in known):
             ends = [(name.format(span[0]), name.format(span[-1])) for name, span in known]
             shown = ", ".join(" to ".join(dict.fromkeys(pair)) for pair in ends)
-            raise SceneError(f"events[{i}].quantity", event.quantity, f"one of {shown}")
+            allowed = f"one of {shown}{meant(event.quantity, sum(ends, ()))}"
+            raise SceneError(f"events[{i}].quantity", event.quantity, allowed)
         name, place = event.name, f"events[{i}].name"
         if not (0 < len(name) <= 64 and name.isprintable() and name.strip()):
             raise SceneError(place, name, "1 to 64 printable characters")

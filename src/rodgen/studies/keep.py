@@ -21,6 +21,7 @@ from rodgen.loading import build_fastest
 from rodgen.model.quantities import ADDED, LOADS, QUANTITIES, number_in, watched
 from rodgen.model.terms import PARAMETERS
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.errors import meant
 from rodgen.studies.findings import FINDINGS, Finding
 from rodgen.studies.measures import EVERY, MOST_POINTS, Count, Kept, Own, Peak, Sampled, Section
 from rodgen.studies.reference import reference
@@ -193,7 +194,11 @@ def _number(place: str, text: str, value: str) -> float:
 def _check_number(place: str, text: str, number: str, numbers: Numbers) -> None:
     if number not in numbers.places:
         shown = dict.fromkeys(re.sub(r"(?<=_)\d+", "{}", name) for name in numbers.places)
-        raise SceneError(place, text, f"{_OF_A_RUN}; numbers are {', '.join(shown)}")
+        raise SceneError(
+            place,
+            text,
+            f"{_OF_A_RUN}; numbers are {', '.join(shown)}{meant(number, numbers.places)}",
+        )
 
 
 def check_numbers(scene: Scene, numbers: Iterable[str], equations: Equations) -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.errors import check_type
+from rodgen.scene.errors import check_type, meant
 from rodgen.scene.keys import key_place
 from rodgen.scene.plain import plain, read_table
 from rodgen.studies.axis import EXTENDABLE, Axis, Sample, Value, axis
@@ -110,7 +110,7 @@ class Study:
             raise SceneError("vary", vary, "a table of at least one key of the scene")
         axes = tuple(axis(str(key), table, drawn is not None) for key, table in vary.items())
         if what not in WHAT:
-            raise SceneError("compute.what", what, f"one of {', '.join(WHAT)}")
+            raise SceneError("compute.what", what, f"one of {', '.join(WHAT)}{meant(what, WHAT)}")
         kept = (keep,) if isinstance(keep, str) or callable(keep) else tuple(keep)
         for at, one in enumerate(kept):
             if not (isinstance(one, str) or callable(one)):
@@ -249,7 +249,9 @@ def _check_keys(table: str, given: Mapping[str, Any]) -> None:
     for key, value in given.items():
         if key not in known:
             name = f"{table}.{key}" if table else key
-            raise SceneError(name, value, f"{UNKNOWN} (known: {', '.join(known)})")
+            raise SceneError(
+                name, value, f"{UNKNOWN} (known: {', '.join(known)}){meant(key, known)}"
+            )
 
 
 def _is_of(error: SceneError, place: tuple[str, ...]) -> bool:
