@@ -160,3 +160,18 @@ def test_runs_are_kept_and_branched_in_the_page(view: View) -> None:
     assert view.live("t") == t
     keep.click()
     view.sees(kept, 0, "curves are still kept")
+
+
+@pytest.mark.long
+def test_the_kept_run_stands_beside_in_one_scale(view: View) -> None:
+    """Where there is no room at the side, both rods become smaller, lest the other be outside."""
+    view.button("Keep each run").click()
+    view.pause_after(0.3)
+    view.button("Reset to").click()
+    view.page.set_viewport_size({"width": 420, "height": 900})
+    most = 420 / (2.0 + 1.2 * 2.0)  # pixels per metre of rods of 2 m, 1.2 lengths apart
+    view.button("What is shown").click()
+    beside = view.page.get_by_role("switch", name="run that is kept")
+    for shown in (True, False):
+        beside.click()
+        view.sees("rodgenLive.scale", lambda found, s=shown: (0 < found < most) is s, "not fitted")

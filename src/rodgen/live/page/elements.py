@@ -46,6 +46,7 @@ LAYERS = {
     **{name: Layer(term.label, not term.damps, name) for name, term in LOADS.items()},
     "trail": Layer("trail of tail and centre of gravity"),
     "grid": Layer("grid"),
+    "beside": Layer("run that is kept: beside, not behind", shown=False),
 }
 
 SHOWN = {name: layer.shown for name, layer in LAYERS.items()}  # at first

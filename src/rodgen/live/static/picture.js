@@ -5,7 +5,7 @@ import { anchors, support } from "./rod_anchors.js";
 import { enlarged } from "./rod_enlarged.js";
 import { grid } from "./rod_grid.js";
 import { hint, met, said } from "./rod_hint.js";
-import { ghost } from "./rod_ghost.js";
+import { ghost, twice } from "./rod_ghost.js";
 import { joints, length, Links } from "./rod_links.js";
 import { Loads, most } from "./rod_loads.js";
 import {
@@ -80,6 +80,7 @@ export class Picture {
   chosen = false; // by who looks: another size of the picture leaves it alone
   #restless = false;
   #fitted = { begun: 0, length: 0 }; // what was fitted last
+  #two = false; // whether the run that is kept stands beside
 
   constructor(canvas, state) {
     this.canvas = canvas;
@@ -164,7 +165,8 @@ export class Picture {
     const been = support === "wall" && camera.mode === "fixed" && state.trail.box(state.origin);
     if (been) parts.push({ box: been, room: arrow });
     const [left, top, , high] = frame(this.context, camera.width, show.moment, names);
-    const view = fitted(parts, [camera.width, camera.height], [left, top + high]);
+    const all = this.#two ? twice(parts, this.#fitted.length) : parts;
+    const view = fitted(all, [camera.width, camera.height], [left, top + high]);
     camera.fit(view, state.origin, state.point);
     this.settled = true;
     this.chosen = false;
@@ -196,13 +198,14 @@ export class Picture {
     context.setTransform(this.dense, 0, 0, this.dense, 0, 0);
     context.font = FONT;
     camera.follow(state.origin, state.point);
+    this.#pair();
     this.#ground(colours);
     if (!this.points.length) return false;
     const joints = this.#joints;
     camera.project(joints, this.points);
     const real = this.options.times === 1;
     if (show.trail && real) state.trail.draw(context, camera, state, colours);
-    if (real) ghost(context, camera, state.ghost, colours);
+    if (real) ghost(context, camera, state.ghost, colours, this.#two ? this.#fitted.length : 0);
     const limit = this.#rod(now, colours);
     if (real) this.#centre(colours);
     const rows = this.#loads.draw(context, camera, loads, state, this.points, show, now);
@@ -214,6 +217,15 @@ export class Picture {
     this.#time(colours);
     this.#hint(colours);
     return swings || this.#moments.moving || this.#loads.moving;
+  }
+
+  // The run that is kept comes to stand beside, or stands there no longer.
+  #pair() {
+    const { show, times } = this.options;
+    const two = Boolean(show.beside && this.state.ghost?.length && times === 1);
+    if (two === this.#two) return;
+    this.#two = two;
+    this.refit();
   }
 
   // The ends of the rod and their names.

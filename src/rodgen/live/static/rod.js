@@ -242,7 +242,9 @@ export default {
     this.painter = {
       paint: (...frame) => {
         pointer.follow();
-        return picture.paint(...frame);
+        const more = picture.paint(...frame);
+        hub.shown.scale = picture.camera.scale;
+        return more;
       },
     };
     this.sizes = new ResizeObserver(() => {

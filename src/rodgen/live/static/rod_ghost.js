@@ -1,14 +1,33 @@
-// The rod of the run that is kept to compare with, pale, behind the rod itself.
+// The rod of the run that is kept to compare with: pale, behind the rod itself, or beside it.
+
+import { outlined } from "./rod_marks.js";
 
 const WIDE = 4; // pixels
 const PALE = 0.35;
+const ASIDE = 1.2; // lengths of the rod, from one to the other
+const NAME = 18; // pixels from its first joint to its name
+
+// Parts to be fitted (camera.js), each once more where the other rod is.
+export const twice = (parts, length) =>
+  parts.flatMap((part) => [part, { ...part, box: shifted(part.box, ASIDE * length) }]);
+
+const shifted = ([left, low, right, high], by) => [left + by, low, right + by, high];
 
 // `joints` in metres from the origin of the state: x0, y0, ...; none where it is not there now.
-export function ghost(context, camera, joints, colours) {
+// `length`: of the rod that it stands beside [m]; 0: behind.
+export function ghost(context, camera, joints, colours, length) {
   if (!joints?.length) return;
   context.save();
-  context.globalAlpha = PALE;
-  context.strokeStyle = colours.ink;
+  context.translate(ASIDE * length * camera.scale, 0);
+  if (length) {
+    const [x, y] = camera.screen(joints[0], joints[1]);
+    context.fillStyle = colours.faint;
+    context.textAlign = "center";
+    context.textBaseline = "top";
+    outlined(context, "run that is kept", x, y + NAME, colours);
+  }
+  context.globalAlpha = length ? 1 : PALE;
+  context.strokeStyle = length ? colours.link : colours.ink;
   context.lineWidth = WIDE;
   context.lineCap = context.lineJoin = "round";
   context.beginPath();
