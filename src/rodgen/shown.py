@@ -55,7 +55,16 @@ def show_datasets() -> None:
     register("rodgen")(DatasetPictures)
 
 
-class Shown:
+class Told:
+    """A result with a table of its numbers for notebooks."""
+
+    def _repr_html_(self) -> str:
+        """A table, with a picture where there is one."""
+        html: str = appearance().html(self)
+        return html
+
+
+class Shown(Told):
     """A result or a scene that can be drawn."""
 
     def plot(self, picture: str | None = None, *, figure: Figure | SubFigure | None = None) -> Axes:
@@ -67,8 +76,3 @@ class Shown:
         """
         axes: Axes = appearance().plot(self, picture, figure)
         return axes
-
-    def _repr_html_(self) -> str:
-        """A picture and a table, for notebooks."""
-        html: str = appearance().html(self)
-        return html

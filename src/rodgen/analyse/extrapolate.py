@@ -13,6 +13,7 @@ from rodgen.analyse.errors import AnalysisError, MeshWarning
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.mesh import unlike_damping
+from rodgen.shown import Told
 
 HIGHEST = 50.0  # order that is looked for
 WHOLE = 0.15  # an observed order is taken for a whole number within this: by then the next term
@@ -22,8 +23,8 @@ SAFETY = 2.0  # the next term, which the estimate knows, is followed by others
 ROUNDING = 4 * np.finfo(float).eps  # relative, of a value that is given
 
 
-@dataclass(frozen=True)
-class Extrapolation:
+@dataclass(frozen=True, repr=False)
+class Extrapolation(Told):
     """Limit of v(n) = v + C n^-p + ... for n to infinity.
 
     value: v; error: estimate of its absolute error; order: p, inf where the values do not depend
@@ -42,6 +43,9 @@ class Extrapolation:
     order: float
     orders: tuple[float, ...]
     exponents: tuple[float, ...]
+
+    def __repr__(self) -> str:
+        return f"<Extrapolation: {self.value:.12g} +- {self.error:.1e}, order {self.order:.4g}>"
 
 
 def richardson(

@@ -14,6 +14,7 @@ from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate import Solution
 from rodgen.integrate.stepper import Array
 from rodgen.scene.errors import SceneError, check_type
+from rodgen.shown import Shown
 
 # Windows of maximal sidelobe decay, sin^(2 H - 2): their H cosine terms.
 WINDOWS = {
@@ -32,8 +33,8 @@ LEAKAGE = 3.0  # a peak is more than this times what stronger ones leave in its 
 FOLDED = 0.2  # relative, by which rates may miss 2 pi f of a peak that is not folded back
 
 
-@dataclass(frozen=True)
-class Spectrum:
+@dataclass(frozen=True, repr=False)
+class Spectrum(Shown):
     """Peaks of a spectrum, and the spectrum for a picture.
 
     frequencies [Hz] and amplitudes [unit of the signal; root of the sum of squares over its
@@ -59,6 +60,11 @@ class Spectrum:
     resolution: float
     bins: Array = field(repr=False)
     density: Array = field(repr=False)
+
+    def __repr__(self) -> str:
+        strongest = float(self.frequencies[self.amplitudes.argmax()])
+        peaks = f"{len(self.frequencies)} peaks, the strongest at {strongest:.6g} Hz"
+        return f"<Spectrum: {peaks}; resolution {self.resolution:.3g} Hz>"
 
 
 def peaks_of(

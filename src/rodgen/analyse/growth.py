@@ -23,6 +23,7 @@ from rodgen.scene import Scene, SceneError
 from rodgen.scene.expression import Expression
 from rodgen.scene.integration import Settings
 from rodgen.scene.overrides import check_used, initial_tables, with_parameters
+from rodgen.shown import Told
 
 FAINT = 1e-6  # of the strongest direction: what is weaker is lost in errors of the run
 NOISE = 4.0  # times the tolerance, what the steps of a run may be off by together
@@ -66,8 +67,8 @@ def growth_in(parts: Sequence[Array], faint: float = FAINT) -> float:
     return float(most ** ((samples.shape[1] - 1) / lag))
 
 
-@dataclass(frozen=True)
-class SimulatedCritical:
+@dataclass(frozen=True, repr=False)
+class SimulatedCritical(Told):
     """low, high: the largest force whose motion did not grow and the smallest whose motion did
     [N]; force: between them; span: simulated time of a run [s]; growth: by how much the bending of
     the start has to be exceeded, None where the growth was measured; runs: how many; seconds: what
@@ -92,6 +93,10 @@ class SimulatedCritical:
     seconds: float
     target: str
     speed: float = 0.0
+
+    def __repr__(self) -> str:
+        between = f"between {self.low:.8g} and {self.high:.8g} N"
+        return f"<SimulatedCritical: {self.force:.8g} N, {between}; {self.runs} runs>"
 
     @property
     def seen(self) -> float:

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from rodgen.integrate.crossings import Crossed
 from rodgen.integrate.endings import FAILED
 from rodgen.integrate.stepper import Array
+from rodgen.shown import Told
 
 
 @dataclass(repr=False)
-class Ensemble:
+class Ensemble(Told):
     """What is kept of many runs, one after the other in arrays of their number.
 
     values: reductions by their texts, each (rods,), not-a-number for runs that failed; t: times

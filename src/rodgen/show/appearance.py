@@ -22,11 +22,17 @@ from rodgen.analyse.curves.datasets import scene_of
 from rodgen.analyse.cycles import branch_data as cycle_branches
 from rodgen.analyse.cycles import nonlinear_modes
 from rodgen.analyse.cycles.cycle import Cycle
+from rodgen.analyse.cycles.floquet import Floquet
 from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.extrapolate import Extrapolation
+from rodgen.analyse.fourier import Spectrum
+from rodgen.analyse.growth import SimulatedCritical
 from rodgen.analyse.modes import Modes
+from rodgen.analyse.precision.work_precision import WorkPrecision
 from rodgen.analyse.statics import Equilibrium
 from rodgen.analyse.system import System
 from rodgen.integrate import Solution
+from rodgen.integrate.ensemble import Ensemble
 from rodgen.scene import Scene, SceneError
 from rodgen.show import result_tables as tables
 from rodgen.show.analysis_pictures import equilibrium_shape, mode_shapes, stability_curves
@@ -34,13 +40,14 @@ from rodgen.show.animation.times import Settings
 from rodgen.show.animation.video import Video, make_video
 from rodgen.show.branch_pictures import bifurcation_diagram, boundary_curve
 from rodgen.show.canvas import drawing
-from rodgen.show.cycle_pictures import amplitudes, family, film_strip, unit_circle
+from rodgen.show.cycle_pictures import amplitudes, family, film_strip, multiplier_plane, unit_circle
 from rodgen.show.exponent_pictures import convergence
 from rodgen.show.pictures import PICTURES, drawable
 from rodgen.show.result_tables import ResultTable
 from rodgen.show.scene_picture import at_start
+from rodgen.show.spectrum_picture import spectral_density
 from rodgen.show.study_pictures import pictures_of
-from rodgen.shown import Shown
+from rodgen.shown import Shown, Told
 
 if TYPE_CHECKING:
     import xarray
@@ -78,7 +85,7 @@ def _critical(found: Critical) -> Figure:
     return stability_curves(found, family_of(scene, found.t, speed, load=found.load))
 
 
-LOOKS: dict[type[Shown], Look] = {
+LOOKS: dict[type[Told], Look] = {
     Scene: Look(tables.of_scene, {"start": at_start}),
     Solution: Look(tables.of_solution, {name: _of_run(draw) for name, draw in PICTURES.items()}),
     Modes: Look(tables.of_modes, {"shapes": lambda found: mode_shapes(found, found.scene)}),
@@ -88,6 +95,15 @@ LOOKS: dict[type[Shown], Look] = {
     Exponents: Look(
         tables.of_exponents, {"means": lambda found: convergence(found, found.scene.name)}
     ),
+    Floquet: Look(
+        tables.of_floquet,
+        {"multipliers": lambda found: multiplier_plane(found.multipliers, "periodic motion")},
+    ),
+    Spectrum: Look(tables.of_spectrum, {"density": spectral_density}),
+    Extrapolation: Look(tables.of_extrapolation, {}),
+    SimulatedCritical: Look(tables.of_simulated_critical, {}),
+    WorkPrecision: Look(tables.of_work_precision, {}),
+    Ensemble: Look(tables.of_ensemble, {}),
 }
 
 
@@ -139,13 +155,13 @@ def video(solution: Solution, **settings: Any) -> Video:
     return make_video(solution, Settings(**settings))
 
 
-def html(shown: Shown) -> str:
+def html(shown: Told) -> str:
     """Its first picture, where it can be drawn, and its table."""
     look = LOOKS[type(shown)]
     parts = []
     with suppress(AnalysisError, SceneError):  # the table says what there is
-        draw = next(iter(look.pictures.values()))
-        parts.append(_image(draw(shown), repr(shown)))
+        for draw in list(look.pictures.values())[:1]:
+            parts.append(_image(draw(shown), repr(shown)))
     parts.append(_table(look.table(shown)))
     return f"<div><p>{escape(repr(shown))}</p>{''.join(parts)}</div>"
 

@@ -79,22 +79,27 @@ def _beside(joints: Array, cycle: Cycle) -> Array:
 def unit_circle(cycle: Cycle) -> Figure:
     """The multipliers in the complex plane, with the unit circle; those that are 1 by symmetry as
     rings."""
+    return multiplier_plane(cycle.nontrivial, cycle.scene.name, cycle.trivial)
+
+
+def multiplier_plane(multipliers: NDArray[np.complex128], name: str, trivial: int = 0) -> Figure:
+    """Multipliers with the unit circle; trivial: how many more are 1 by symmetry."""
     figure = canvas(4.6, 4.6)
     axes = figure.add_subplot()
     turn = np.linspace(0, 2 * np.pi, 361)
     axes.plot(np.cos(turn), np.sin(turn), "-", color=FAINT, linewidth=LINE)
-    mu = cycle.nontrivial[np.isfinite(cycle.nontrivial)]
+    mu = multipliers[np.isfinite(multipliers)]
     grows = np.abs(mu) > 1 + 1e-7
     axes.plot(mu[~grows].real, mu[~grows].imag, "o", color=CURVE, markersize=4)
     axes.plot(mu[grows].real, mu[grows].imag, "X", color=SPECIAL, markersize=7)
-    if cycle.trivial:
+    if trivial:
         axes.plot([1.0], [0.0], "o", markersize=9, fillstyle="none", color=INK)
     side = max(INSIDE, 1.1 * float(np.abs(mu).max(initial=0.0)))
     axes.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
     axes.set(xlabel="real part", ylabel="imaginary part")
-    said = f"{cycle.unstable} outside" if cycle.unstable else "none outside"
-    rings = f"; ring: {cycle.trivial} at 1 by symmetry" if cycle.trivial else ""
-    axes.set_title(f"{cycle.scene.name}: multipliers, {said}{rings}", fontsize="small")
+    said = f"{grows.sum()} outside" if grows.any() else "none outside"
+    rings = f"; ring: {trivial} at 1 by symmetry" if trivial else ""
+    axes.set_title(f"{name}: multipliers, {said}{rings}", fontsize="small")
     axes.grid(alpha=0.3)
     return figure
 

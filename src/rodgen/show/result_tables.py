@@ -9,11 +9,18 @@ from dataclasses import dataclass
 from rodgen.analyse.chaos.exponents import Exponents
 from rodgen.analyse.critical import Critical
 from rodgen.analyse.cycles.cycle import Cycle
+from rodgen.analyse.cycles.floquet import Floquet
+from rodgen.analyse.extrapolate import Extrapolation
 from rodgen.analyse.family import factor_of, label_of
+from rodgen.analyse.fourier import Spectrum
+from rodgen.analyse.growth import SimulatedCritical
 from rodgen.analyse.modes import Modes
 from rodgen.analyse.onset import digits
+from rodgen.analyse.precision.work_precision import WorkPrecision
 from rodgen.analyse.statics import Equilibrium
 from rodgen.integrate import Solution
+from rodgen.integrate.endings import FAILED
+from rodgen.integrate.ensemble import Ensemble
 from rodgen.scene import Scene
 from rodgen.scene.contents import in_words
 
@@ -141,6 +148,69 @@ def of_exponents(found: Exponents) -> ResultTable:
         said = "zero within its error" if abs(mean) <= 2 * error else ""
         rows.append((str(at + 1), f"{mean:.6g}", f"{error:.2g}", said))
     return ResultTable.of_rows(("", "exponent [1/s]", "error [1/s]", ""), rows)
+
+
+def of_floquet(found: Floquet) -> dict[str, str]:
+    """The period and the largest multiplier."""
+    return {
+        "period": f"{found.period:.12g} s",
+        "largest multiplier": f"{found.modulus:.10g}, at {found.argument:.6g} rad",
+        "growth": f"{found.growth:.6g} 1/s",
+        "error": f"{found.error:.1e}",
+        "stable": "yes" if found.stable else "NO",
+    }
+
+
+def of_spectrum(found: Spectrum) -> ResultTable:
+    """Every peak."""
+    peaks = zip(found.frequencies, found.amplitudes, strict=True)
+    rows = [(f"{f:.10g}", f"{size:.6g}") for f, size in peaks]
+    return ResultTable.of_rows(("frequency [Hz]", "amplitude"), rows)
+
+
+def of_extrapolation(found: Extrapolation) -> dict[str, str]:
+    """The limit, its error and the order."""
+    orders = ", ".join(f"{order:.4g}" for order in found.orders)
+    return {
+        "value": digits(found.value, found.error),
+        "error, estimated": f"{found.error:.1e}",
+        "order": f"{found.order:.4g}",
+        "orders observed": orders or "none",
+    }
+
+
+def of_simulated_critical(found: SimulatedCritical) -> dict[str, str]:
+    """The force, between which forces it was found, and what that took."""
+    return {
+        "critical force": f"{found.force:.10g} N",
+        "did not grow": f"{found.low:.10g} N",
+        "grew": f"{found.high:.10g} N",
+        "runs": f"{found.runs} of {found.span:g} s, in {found.seconds:.3g} s, {found.target}",
+    }
+
+
+def of_work_precision(found: WorkPrecision) -> ResultTable:
+    """The settings than which none is both faster and closer."""
+    rows = [
+        (
+            f"{row['who']} {row['method']}",
+            f"{row['setting']:g}",
+            f"{row['seconds']:.3g}",
+            f"{row[found.measure]:.2e}",
+        )
+        for row in found.front()
+    ]
+    return ResultTable.of_rows(("method", "setting", "seconds", found.measure), rows)
+
+
+def of_ensemble(found: Ensemble) -> ResultTable:
+    """The least and the largest of what is kept, over the runs that did not fail."""
+    rows = []
+    for name, values in {"t [s]": found.t, **found.values}.items():
+        fine = values[found.status != FAILED]
+        ends = (f"{fine.min():.6g}", f"{fine.max():.6g}") if len(fine) else ("-", "-")
+        rows.append((name, *ends))
+    return ResultTable.of_rows(("kept", "least", "largest"), rows)
 
 
 def of_scene(scene: Scene) -> dict[str, str]:

@@ -4,6 +4,7 @@ process does not kill the study; where there are no forks, this process itself."
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 import sys
 import warnings
@@ -123,6 +124,20 @@ class Here:
             self._child = None
 
 
+_starting = False  # while a process is forked off here
+
+
+def _leave_input() -> None:
+    """Close no standard input in a process forked here: of a thread that reads it, gone in that
+    process, the lock stays held, and closing would wait for it for ever."""
+    if _starting:
+        sys.stdin = None
+
+
+if FORKS:
+    os.register_at_fork(after_in_child=_leave_input)
+
+
 class _LateError(Exception):
     """There is no answer yet."""
 
@@ -135,10 +150,15 @@ class _Child:
         context = multiprocessing.get_context("fork")
         self._pipe, other = context.Pipe()
         self._process = context.Process(target=_serve, args=(study, other, self._pipe), daemon=True)
+        global _starting
+        _starting = True
         with warnings.catch_warnings():
             # It computes, and asks for nothing that other threads of this process may hold.
             warnings.simplefilter("ignore", DeprecationWarning)
-            self._process.start()
+            try:
+                self._process.start()
+            finally:
+                _starting = False
         other.close()
 
     def ask(self, what: Any, patience: float | None = None) -> tuple[str, Any]:

@@ -29,6 +29,7 @@ from rodgen.integrate.variations import PARTS, Steps, Variations
 from rodgen.loading import build_fastest
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.scene import check_scene
+from rodgen.shown import Shown
 
 SEGMENTS = 4  # of a period
 FIRST, MOST = 8, 2**16  # steps in a period at least, at first and at most
@@ -40,8 +41,8 @@ ITERATIONS = 12  # of Newton's method
 CLOSED, FAR = 1e-9, 30.0  # of the state: a motion is periodic, and is none that Newton reaches
 
 
-@dataclass(frozen=True, eq=False)
-class Floquet:
+@dataclass(frozen=True, eq=False, repr=False)
+class Floquet(Shown):
     """Multipliers of a periodic motion, the largest first.
 
     multipliers (k,): factors by which small changes of the state grow in a period; period [s]; y:
@@ -73,6 +74,11 @@ class Floquet:
     error: float
     closed: float
     places: tuple[int, ...] = field(repr=False)
+
+    def __repr__(self) -> str:
+        how = "stable" if self.stable else "unstable"
+        largest = f"largest multiplier {self.modulus:.6g}"
+        return f"<Floquet: period {self.period:.8g} s, {largest}; {how}>"
 
     @property
     def modulus(self) -> float:

@@ -33,6 +33,7 @@ from rodgen.analyse.precision.rows import cheapest, front
 from rodgen.integrate.stability import LIMITS, dominant, limit
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.errors import check_type
+from rodgen.shown import Told
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -133,8 +134,8 @@ def _tightest(job: Job, method: str, seconds: float) -> Solved:
     return found
 
 
-@dataclass(frozen=True, eq=False)
-class WorkPrecision:
+@dataclass(frozen=True, eq=False, repr=False)
+class WorkPrecision(Told):
     """Errors and run times of methods and settings on a scene.
 
     rows: one for each setting, loose to tight by method, with `who`, `method`, `kind` ("step" or
@@ -159,6 +160,10 @@ class WorkPrecision:
     trusted: dict[str, float | None]
     limits: dict[str, float]
     measure: str = "error_phi"
+
+    def __repr__(self) -> str:
+        methods = len({(row["who"], row["method"]) for row in self.rows})
+        return f"<WorkPrecision of {self.scene.name}: {methods} methods, {len(self.rows)} settings>"
 
     @property
     def table(self) -> DataFrame:
