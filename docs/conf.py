@@ -28,6 +28,7 @@ extensions = [
     "commands",
     "headings",
     "replays",
+    "films",
 ]
 exclude_patterns = ["site", "conftest.py", "gallery", "examples/*.ipynb"]
 smartquotes = False
