@@ -240,7 +240,7 @@ def test_joints_are_drawn_where_they_do_not_touch(opened: Open) -> None:
     joints = "drawn.circles.filter(([, , radius]) => radius < 7).length"
     drawn(view, "ArrowLeft")
     assert view.page.evaluate(joints) == 0
-    for _ in range(8):
+    for _ in range(11):
         view.page.keyboard.press("+")
     view.sees(joints, 101, "joints are not drawn")
 
