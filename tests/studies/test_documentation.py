@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from pydantic import BaseModel
 
+from rodgen.studies.axis import Range, Sample
 from rodgen.studies.findings import FINDINGS, Finding
 from rodgen.studies.specification import KEYS, WHAT
 
 PAGE = Path(__file__).parents[2] / "docs" / "studies.md"
-BEGIN, END = "<!-- findings: from the vocabulary -->\n", "<!-- /findings -->"
+Rows = Callable[[], Iterator[str]]
 
 
 def _shown(name: str, one: Finding) -> str:
@@ -27,12 +29,33 @@ def _rows() -> Iterator[str]:
         yield f'| `"{what}"` | {kept} |'
 
 
-def test_findings_of_the_page_are_those_of_the_analyses(pytestconfig: pytest.Config) -> None:
-    before, there = PAGE.read_text().split(BEGIN)
-    there, after = there.split(END)
-    wanted = "\n" + "\n".join(_rows()) + "\n\n"
+def _fields(table: str, model: type[BaseModel]) -> Iterator[str]:
+    for name, one in model.model_fields.items():
+        default = "required" if one.is_required() else f"`{one.default}`"
+        default = "absent" if one.default is None else default
+        yield f"| `{table}` | `{one.alias or name}` | {one.description} | {default} |"
+
+
+def _keys() -> Iterator[str]:
+    yield from ("| table | key | what it is | without it |", "|---|---|---|---|")
+    for table, keys in KEYS.items():
+        shown = f"`[{table}]`" if table else "the file"
+        for key, (what, default) in keys.items():
+            yield f"| {shown} | `{key}` | {what} | {default} |"
+    yield from _fields('[vary] "KEY"', Range)
+    yield from _fields("[sample]", Sample)
+
+
+@pytest.mark.parametrize(("part", "rows"), [("findings", _rows), ("keys", _keys)])
+def test_tables_of_the_page_are_those_of_the_code(
+    part: str, rows: Rows, pytestconfig: pytest.Config
+) -> None:
+    before, there = PAGE.read_text().split(f"<!-- {part}: from the vocabulary -->\n")
+    there, after = there.split(f"<!-- /{part} -->")
+    wanted = "\n" + "\n".join(rows()) + "\n\n"
     if pytestconfig.getoption("--update"):
-        PAGE.write_text(before + BEGIN + wanted + END + after)
+        begin, end = f"<!-- {part}: from the vocabulary -->\n", f"<!-- /{part} -->"
+        PAGE.write_text(before + begin + wanted + end + after)
     else:
         assert there == wanted
 

@@ -65,14 +65,18 @@ class Axis:
         return self.low + share * (self.high - self.low)
 
 
-class _Range(Table):
+class Range(Table):
     """Values between two ends, so many of them in a grid; or a list of values."""
 
-    start: Finite | None = Field(None, alias="from")
-    to: Finite | None = None
-    count: Annotated[int, Field(gt=0, le=MOST_VALUES)] | None = None
-    scale: str = LINEAR
-    values: list[Any] | None = None
+    start: Finite | None = Field(None, alias="from", description="the first value")
+    to: Finite | None = Field(None, description="the last value")
+    count: Annotated[int, Field(gt=0, le=MOST_VALUES)] | None = Field(
+        None, description="how many values there are; absent beside `[sample]`"
+    )
+    scale: str = Field(LINEAR, description="how they lie between both ends: `linear` or `log`")
+    values: list[Any] | None = Field(
+        None, description="a list of numbers or of texts instead of all that"
+    )
 
 
 def axis(name: str, table: Any, drawn: bool) -> Axis:
@@ -85,9 +89,9 @@ def axis(name: str, table: Any, drawn: bool) -> Axis:
         allowed = "a table {from, to, count} or {values = [...]}"
         raise SceneError(field, table, allowed)
     try:
-        read = _Range.model_validate(table)
+        read = Range.model_validate(table)
     except ValidationError as error:
-        found = explain(error, table, _Range)
+        found = explain(error, table, Range)
         raise SceneError(f"{field}.{found.field}", found.value, found.allowed) from None
     if read.values is not None:
         return _listed(name, field, read)
@@ -97,7 +101,7 @@ def axis(name: str, table: Any, drawn: bool) -> Axis:
     return _ranged(name, field, read.start, read.to, read, drawn)
 
 
-def _listed(name: str, field: str, read: _Range) -> Axis:
+def _listed(name: str, field: str, read: Range) -> Axis:
     values = read.values or []
     for key, beside in (("from", read.start), ("to", read.to), ("count", read.count)):
         if beside is not None:
@@ -114,7 +118,7 @@ def _listed(name: str, field: str, read: _Range) -> Axis:
     return Axis(name, _compact([_whole(name, field, value) for value in values]))
 
 
-def _ranged(name: str, field: str, low: float, high: float, read: _Range, drawn: bool) -> Axis:
+def _ranged(name: str, field: str, low: float, high: float, read: Range, drawn: bool) -> Axis:
     if read.scale not in SCALES:
         raise SceneError(f"{field}.scale", read.scale, f"one of {', '.join(SCALES)}")
     if read.scale == LOG and not (low > 0 and high > 0):
@@ -155,9 +159,9 @@ def _whole(name: str, field: str, value: Any) -> Value:
 class Sample(Table):
     """How points are drawn: by what method, how many, and from which seed."""
 
-    method: str
-    count: Annotated[int, Field(gt=0)]
-    seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+    method: str = Field(description="`sobol`, `latin_hypercube` or `random`")
+    count: Annotated[int, Field(gt=0)] = Field(description="how many points are drawn")
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = Field(0, description="of the random numbers")
 
     @classmethod
     def read(cls, table: Any) -> Self:

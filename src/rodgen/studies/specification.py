@@ -21,7 +21,22 @@ from rodgen.studies.axis import EXTENDABLE, Axis, Sample, Value, axis
 from rodgen.studies.points import points
 
 WHAT = ("run", "critical", "modes", "static", "lyapunov", "floquet", "cycle")
-KEYS = {"": ("name", "scene", "vary", "sample", "compute"), "compute": ("what", "keep", "options")}
+# Keys of a file by the tables that they stand in: what each is, and what holds without it; those of
+# a key that is varied and of a sample are fields of Range and Sample.
+KEYS = {
+    "": {
+        "name": ("of the study and of its store, a plain identifier", "that of the scene"),
+        "scene": ("a file, from the folder of the study, or a table `[scene]`", "required"),
+        "vary": ("a table of keys of the scene", "required"),
+        "sample": ("a table: points are drawn, not all combinations taken", "absent"),
+        "compute": ("a table", "`run`"),
+    },
+    "compute": {
+        "what": ("what is computed of every point", "`run`"),
+        "keep": ("a list of what is kept of it", "of a run required, else what is usual"),
+        "options": ("a table of what the analysis takes besides", "absent"),
+    },
+}
 MOST_TRIED = 1000  # points that are made to find one that the scene takes
 MANY = 10**8  # points, beyond which a study is asked for twice
 UNKNOWN = "absent: not a known key"  # how a scene refuses a key
