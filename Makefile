@@ -51,7 +51,8 @@ test: .venv/developing
 test-all: test .venv/evidence docs
 	$(PYTEST) $(SPREAD) -m long
 	$(PYTEST) $(SPREAD) -m "long or not long" evidence/tests
-	$(PYTEST) $(SPREAD) -m "long or not long" docs
+	@# The pieces of a page follow one another, in one worker.
+	$(PYTEST) -n auto --dist loadfile -m "long or not long" docs
 	$(PYTEST) $(SPREAD) -m "long or not long" --doctest-modules $(EXAMPLES)
 
 # The packages as they lie in a wheel: derive/, templates/ and scenes/ inside rodgen/.

@@ -20,10 +20,10 @@ import pytest
 from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
-from rodgen.loading.cache import PACKAGES, source_hash
 from rodgen.model.terms import TERMS
 from rodgen.native.library import FLAGS
 from rodgen.scene import Scene
+from tests.cache import CACHES, cache
 from tests.palette import MOST_COMPILED
 
 
@@ -62,15 +62,8 @@ def _signals() -> Iterator[None]:
         signal.signal(one, answer)
 
 
-# What tests derive and compile is kept from one run to the next, for as long as the generator is
-# what it was; of other generators, those of the last day stay, for who goes to and fro.
-CACHES = Path(__file__).parent / "build" / "test-cache"
+# Of other generators, caches of the last day stay, for who goes to and fro.
 DAY = 86400.0
-
-
-def _cache() -> Path:
-    return CACHES / source_hash(*PACKAGES, "rodgen.check")[:16]
-
 
 # A compilation takes a third of the time; `make test-all` and tests of what the compiler makes of
 # the loops (`flags_of_users`) have all that users have.
@@ -82,8 +75,7 @@ def _own_cache(pytestconfig: pytest.Config) -> None:
     """Tests neither read nor fill the cache of whoever runs them; all runs of tests share one."""
     if _ordinary(pytestconfig):
         os.environ.setdefault("RODGEN_CFLAGS", QUICK)
-    folder = _cache()
-    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    folder = cache()
     os.utime(folder)
     for other in CACHES.iterdir():
         with suppress(OSError):
@@ -109,7 +101,7 @@ START = time.time()
 def _compiled() -> set[str]:
     """Names of the structures that were compiled in this run, in whatever parts."""
     found = set()
-    for folder, _, files in os.walk(_cache()):  # of what is being built meanwhile, some vanishes
+    for folder, _, files in os.walk(cache()):  # of what is being built meanwhile, some vanishes
         for path in (
             Path(folder, name) for name in files if name.startswith("rod_") and name.endswith(".so")
         ):

@@ -27,6 +27,7 @@ from .chain import (
 )
 from .general import Equations
 from .loads.kinds import Acting, MassForce
+from .rod import Rod
 from .symbols import (
     ALPHA,
     arm_x,
@@ -39,6 +40,7 @@ from .symbols import (
     joint_x,
     joint_y,
     k,
+    l,
     n,
     omega,
     phi,
@@ -66,16 +68,66 @@ class Quantities:
         )
         return rod.mean(expand(function(*point)), i)
 
+    def _over_mass(
+        self,
+        function: Callable[[Expr, Expr], Expr],
+        origin: Vector = (S.Zero, S.Zero),
+        part: Expr = S.One,
+    ) -> Expr:
+        """Integral over the mass of the links that move of a part of a function of the point at xi,
+        which is a function of time; origin: the joint before link i."""
+        x, y, angle = dynamicsymbols("x y phi", real=True)
+        mean = expand(self._link_mean((x, y), angle, function))
+        collected = expand(mean.subs(sin(angle) ** 2, 1 - cos(angle) ** 2))
+        values = {x.diff(TIME): joint_vx[i], y.diff(TIME): joint_vy[i]}
+        values[angle.diff(TIME)] = omega[i]
+        there = {x: origin[0], y: origin[1], angle: phi[i]}
+        per_mass = collected.subs(values).subs(there)
+        mass = part * self.equations.rod.mass(i)
+        return Sum(mass * per_mass, (i, self.equations.hold.first, n - 1))
+
     @cached_property
     def kinetic_energy(self) -> Expr:
         """Half the mean square velocity times the mass, summed over the moving links [J]."""
-        x, y, angle = dynamicsymbols("x y phi", real=True)
-        squared = self._link_mean((x, y), angle, lambda a, b: a.diff(TIME) ** 2 + b.diff(TIME) ** 2)
-        collected = expand(expand(squared).subs(sin(angle) ** 2, 1 - cos(angle) ** 2))
-        values = {x.diff(TIME): joint_vx[i], y.diff(TIME): joint_vy[i]}
-        values[angle.diff(TIME)] = omega[i]
-        per_mass = collected.subs(values).subs(angle, phi[i])
-        return Sum(self.equations.rod.mass(i) / 2 * per_mass, (i, self.equations.hold.first, n - 1))
+        return self._over_mass(lambda x, y: x.diff(TIME) ** 2 + y.diff(TIME) ** 2, part=S.Half)
+
+    @cached_property
+    def momentum(self) -> Vector:
+        """Momentum of the rod with its bodies [N s]."""
+        x, y = (
+            self._over_mass(of) for of in (lambda x, _: x.diff(TIME), lambda _, y: y.diff(TIME))
+        )
+        return x, y
+
+    @cached_property
+    def angular_momentum(self) -> Expr:
+        """Angular momentum [N m s], of a rod that moves freely about its centre of gravity, else
+        about the start of the first link that moves."""
+        hold, origin = self.equations.hold, (arm_x[i], arm_y[i])
+        if hold.held:
+            origin = (reach_x[i] - reach_x[hold.first], reach_y[i] - reach_y[hold.first])
+        return self._over_mass(lambda x, y: x * y.diff(TIME) - y * x.diff(TIME), origin)
+
+    @cached_property
+    def reaction_moment(self) -> Expr:
+        """Moment of what holds the rod on the links that move, by springs and dampers [N m]."""
+        equations = self.equations
+        first = equations.hold.first
+        start = equations.inner_moment.subs(s, first) if first else equations.root_moment
+        return start - equations.tail_moment
+
+    @cached_property
+    def curvature(self) -> Expr:
+        """Curvature at the spring in joint s [1/m]: its moment in an even rod over the bending
+        stiffness."""
+        hold, length = self.equations.hold, k * l
+        ends = (ALPHA, phi[0], hold.root), (phi[n - 1], ALPHA, hold.tail), (phi[s - 1], phi[s], 1)
+        even = Rod()
+        root, tail, inner = (
+            spring_moment(before, after, even.stiffness(s, size) / length)
+            for before, after, size in ends
+        )
+        return Piecewise((root, Eq(s, 0)), (tail, Eq(s, n)), (inner, True))
 
     @cached_property
     def spring_energy(self) -> Expr:

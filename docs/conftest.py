@@ -1,18 +1,28 @@
-"""Every piece of Python on the pages is run, those of a page one after the other."""
+"""Every piece of Python on the pages is run, those of a page one after the other, and every scene
+is saved under its name, as a reader does."""
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 
 import matplotlib
 import pytest
-from sybil import Sybil
-from sybil.parsers.myst import PythonCodeBlockParser, SkipParser
+from sybil import Example, Sybil
+from sybil.parsers.myst import CodeBlockParser, PythonCodeBlockParser, SkipParser
 
 ROOT = Path(__file__).parents[1]
 
+
+def _save(example: Example) -> None:
+    """Save a scene or a study; parts of one are only read."""
+    read = tomllib.loads(example.parsed)
+    if "name" in read:
+        Path(f"{read['name']}.toml").write_text(example.parsed, encoding="utf-8")
+
+
 pytest_collect_file = Sybil(
-    parsers=[PythonCodeBlockParser(), SkipParser()],
+    parsers=[PythonCodeBlockParser(), CodeBlockParser("toml", _save), SkipParser()],
     patterns=["*.md"],
     excludes=["extending.md", "clusters.md"],  # recipes with a test; clusters
     fixtures=["folder"],

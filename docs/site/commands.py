@@ -27,10 +27,20 @@ def _row(parameter: Any, context: Any) -> str:
 def _page(command: Any, name: str) -> Iterator[str]:
     context = command.make_context(name, [], resilient_parsing=True)
     yield f"## {name}\n"
-    yield f"    {command.get_usage(context).removeprefix('Usage: ')}\n"
+    usage = command.get_usage(context).removeprefix("Usage: ")
+    yield f"    {usage.replace('{', '').replace('}', '')}\n"
     yield f"{inspect.cleandoc(command.help or '')}\n"
-    yield from ("| | |", "|---|---|")
+    yield from ("| argument or option | what it is |", "|---|---|")
     yield from (_row(one, context) for one in command.get_params(context))
+    yield ""
+
+
+def _overview(commands: dict[str, Any]) -> Iterator[str]:
+    """A table of the commands, each with the first line of its help."""
+    yield from ("| command | what it does |", "|---|---|")
+    for name, command in commands.items():
+        summary = inspect.cleandoc(command.help or "").split("\n\n")[0]
+        yield f"| [`rodgen {name}`](#rodgen-{name}) | {_escaped(summary)} |"
     yield ""
 
 
@@ -39,8 +49,8 @@ def _fill(_: Sphinx, page: str, source: list[str]) -> None:
     if page == PAGE:
         group = typer.main.get_command(app)
         commands = vars(group)["commands"]
-        lines = (line for one in commands for line in _page(commands[one], f"rodgen {one}"))
-        source[0] = source[0].replace(MARK, "\n".join(lines))
+        pages = (line for one in commands for line in _page(commands[one], f"rodgen {one}"))
+        source[0] = source[0].replace(MARK, "\n".join([*_overview(commands), *pages]))
 
 
 def setup(site: Sphinx) -> dict[str, bool]:

@@ -30,8 +30,9 @@ class Page(HTMLParser):
         link = given.get("href") if tag in ("a", "link") else given.get("src")
         if link:
             self.links.append(link)
-        thumbnail = "_thumb." in (link or "")  # its title stands beside it
-        if tag == "img" and not (given.get("alt") or thumbnail):
+        words = given.get("aria-label" if tag == "video" else "alt") or ""
+        is_path = " " not in words or words.startswith("plot ")  # as programs make them up
+        if tag in ("img", "video") and is_path:
             self.silent.append(link or "?")
 
 

@@ -1,4 +1,4 @@
-"""Recorded runs of the live view, which the gallery shows: written beside the built pages."""
+"""Recorded runs of the live view, which a page shows: written beside the built pages."""
 
 from __future__ import annotations
 
@@ -9,7 +9,11 @@ from sphinx.application import Sphinx
 import rodgen
 from rodgen.live.page.export import export
 
-SHOWN = {"missile": {}, "beck_after_flutter": {"span": [0.0, 20.0]}}
+SHOWN = {
+    "missile": {},
+    "beck_after_flutter": {"span": [0.0, 20.0]},
+    "falling_chain": {"span": [0.0, 6.0]},
+}
 
 
 def _write(site: Sphinx, failure: Exception | None) -> None:

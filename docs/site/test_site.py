@@ -18,10 +18,13 @@ KINDS = (  # one page of each kind
     "derivation",
     "how-to/control-loop",
     "reference/python",
+    "reference/python/chaos",
     "reference/command-line",
     "examples/index",
-    "examples/plot_euler_column",
+    "examples/stability/plot_euler_column",
     "notebooks/tour",
+    "replays",
+    "search",
 )
 LEVEL = """axe.run({ runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"] })
 .then(({ violations }) => violations.map((one) => [one.id, one.nodes[0].html, one.nodes.length]))"""
@@ -67,9 +70,9 @@ def test_pages_can_be_used_by_all(browser: Any, page: str, shade: str) -> None:
 
 
 @pytest.mark.parametrize("page", KINDS)
-def test_pages_fit_a_phone(browser: Any, page: str) -> None:
-    with browser.new_context(viewport={"width": 390, "height": 800}) as context:
-        tab = context.new_page()
-        tab.goto((SITE / f"{page}.html").as_uri())
-        width = tab.evaluate("document.documentElement.scrollWidth")
-        assert width <= 390
+def test_pages_fit_a_phone_and_a_small_screen(browser: Any, page: str) -> None:
+    for wide in (390, 1100):
+        with browser.new_context(viewport={"width": wide, "height": 800}) as context:
+            tab = context.new_page()
+            tab.goto((SITE / f"{page}.html").as_uri())
+            assert tab.evaluate("document.documentElement.scrollWidth") <= wide

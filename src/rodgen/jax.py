@@ -14,14 +14,20 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax.custom_derivatives import SymbolicZero
 
+from rodgen.extras import how_to_have
 from rodgen.loading.module import structure_of
 from rodgen.native.library import load_library
-from rodgen.scene.errors import SceneError
+from rodgen.scene.errors import SceneError, check_type
+
+try:
+    import jax
+    import jax.numpy as jnp
+    from jax.custom_derivatives import SymbolicZero
+except ImportError as error:
+    missing = f"rodgen.jax needs more: {how_to_have('jax')} ({error})"
+    raise ImportError(missing, name=error.name) from error
 
 CALLS = "jax_calls"
 TARGETS = ("rodgen_jax_rhs", "rodgen_jax_jac", "rodgen_jax_by")
@@ -60,9 +66,11 @@ def rhs(model: ModuleType) -> Field:
 
     Raises
     ------
+    TypeError
+        For what is no module.
     SceneError
-        For a module without C functions, for numbers that are not doubles (JAX has them after
-        `jax.config.update("jax_enable_x64", True)`), and for other shapes.
+        For a module without C functions, for what are no real numbers, while JAX has no doubles
+        (it has them after `jax.config.update("jax_enable_x64", True)`), and for other shapes.
     BuildError
         Where no C compiler is found.
     """
@@ -98,7 +106,7 @@ def rhs(model: ModuleType) -> Field:
         if not jax.config.jax_enable_x64:
             allowed = 'doubles: jax.config.update("jax_enable_x64", True) at the start'
             raise SceneError("y", "numbers of 32 bits", allowed)
-        given = [jnp.asarray(one, dtype=np.float64) for one in (t, y, p)]
+        given = [_doubles(name, one) for name, one in zip("typ", (t, y, p), strict=True)]
         for name, one, shape in zip("typ", given, ((), (states,), (width,)), strict=True):
             if one.shape != shape:
                 raise SceneError(name, one.shape, f"of shape {shape} (jax.vmap maps over others)")
@@ -108,6 +116,16 @@ def rhs(model: ModuleType) -> Field:
     return f
 
 
+def _doubles(name: str, given: Any) -> jax.Array:
+    try:
+        made = jnp.asarray(given)
+        if not jnp.iscomplexobj(made):
+            return made.astype(np.float64)
+    except (TypeError, ValueError):
+        pass
+    raise SceneError(name, given, "real numbers, in an array")
+
+
 # Modules whose functions compiled programs of JAX may call, for as long as the process lives.
 _models: dict[int, ModuleType] = {}
 
@@ -115,13 +133,14 @@ _models: dict[int, ModuleType] = {}
 def _known(model: ModuleType) -> tuple[int, int, int]:
     """The key of a module, by which the calls of XLA know it from now on, and how many states and
     parameters it has. Raises SceneError."""
+    check_type("model", model, ModuleType, see='rodgen.build(scene, "c")')
+    if not hasattr(getattr(model, "rhs", None), "compiled"):
+        raise SceneError("model", model.__name__, 'a module that is built for target "c"')
     structure = structure_of(model)
     states, width = len(model.STATE), structure.width
     made_of = f"{model.__name__} {structure.hash} {model.PROVENANCE['template_hash']}"
     key = int.from_bytes(hashlib.sha256(made_of.encode()).digest()[:8], "big", signed=True)
     if key not in _models:
-        if not hasattr(model.rhs, "compiled"):
-            raise SceneError("model", model.__name__, 'built for target "c"')
         functions = (model.rhs, model.jac, model.rhs_batch)
         addresses = (function.compiled.address for function in functions)
         timed = bool(structure.expressions or structure.states or structure.masses)

@@ -6,6 +6,7 @@ is looked up by its name, when a picture is asked for and not before.
 
 from __future__ import annotations
 
+import sys
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -29,8 +30,13 @@ class Video(Protocol):
 
 
 def appearance() -> ModuleType:
-    """The module that draws."""
+    """The module that draws scenes and results."""
     return import_module("rodgen.show.appearance")
+
+
+def dataset_appearance() -> ModuleType:
+    """The module that draws Datasets."""
+    return import_module("rodgen.show.datasets")
 
 
 class DatasetPictures:
@@ -40,19 +46,49 @@ class DatasetPictures:
         self._data = data
 
     def plot(self, picture: str | None = None, *, figure: Figure | SubFigure | None = None) -> Axes:
-        """Draw it as `Shown.plot` does; the pictures of a study are called as what it has kept.
-        Raises SceneError also for a Dataset that is none of rodgen's."""
-        axes: Axes = appearance().plot_dataset(self._data, picture, figure)
+        """Draw it with matplotlib. Returns the axes, the first of them if there are several.
+
+        picture: name of the picture, by default the first; the pictures of a study have the names
+        of what it has kept; figure: the figure in which it is drawn, by default a new one of
+        pyplot.
+
+        SceneError lists the names if there is no such picture, and refuses other Datasets.
+        """
+        axes: Axes = dataset_appearance().plot(self._data, picture, figure)
         return axes
+
+    def __repr__(self) -> str:
+        """What the Dataset is, in a line."""
+        line: str = dataset_appearance().line(self._data)
+        return line
+
+    def _repr_html_(self) -> str:
+        return _dataset_html(self._data)
+
+
+def _dataset_html(data: xarray.Dataset) -> str:
+    """A picture with a table; of a Dataset that rodgen did not make, what xarray shows."""
+    html: str = dataset_appearance().html(data)
+    return html
 
 
 @cache
 def show_datasets() -> None:
-    """Have xarray's Datasets the accessor `rodgen`; what makes or reads them calls it."""
+    """Have xarray's Datasets the accessor `rodgen`, and those of rodgen show themselves in
+    notebooks; what makes or reads them calls it."""
     import xarray  # only where it is there already: it takes long to import
 
     register: Any = xarray.register_dataset_accessor  # which has no types
     register("rodgen")(DatasetPictures)
+    show_in_notebook(xarray.Dataset)
+
+
+def show_in_notebook(dataset: type) -> None:
+    """Where this is a notebook, have it show Datasets with picture and table."""
+    notebook = sys.modules.get("IPython")
+    shell: Any = notebook and notebook.get_ipython()
+    if shell:
+        shell.display_formatter.formatters["text/html"].for_type(dataset, _dataset_html)
 
 
 class Told:
@@ -68,11 +104,12 @@ class Shown(Told):
     """A result or a scene that can be drawn."""
 
     def plot(self, picture: str | None = None, *, figure: Figure | SubFigure | None = None) -> Axes:
-        """Draw it with matplotlib; returns the axes, the first where a picture has several.
+        """Draw it with matplotlib. Returns the axes, the first of them if there are several.
 
-        picture: which one, by name, by default the first; a name that there is not is refused with
-        those that there are (SceneError). figure: in which it is drawn, one of pyplot's own if not
-        given, which notebooks show.
+        picture: name of the picture, by default the first; figure: the figure in which it is drawn,
+        by default a new one of pyplot.
+
+        SceneError lists the names if there is no such picture.
         """
         axes: Axes = appearance().plot(self, picture, figure)
         return axes

@@ -48,6 +48,7 @@ def test_onset_with_drag_to_nine_digits(
     assert growth(0.7) < 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("links", [5, 20])
 def test_damping_that_vanishes(links: int) -> None:
     """A free rod, of which nothing holds the place: what rounding makes of its translations is no
@@ -85,12 +86,13 @@ def test_extrapolated_it_is_that_of_the_continuum(rod: Rod, name: str) -> None:
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "exact", "second"),
     # Leipholz's to the digits that a power series of his equation gives, here and elsewhere.
     [
         ("leipholz", 40.05373651493959869, leipholz),
-        pytest.param("hauger", None, hauger, marks=pytest.mark.long),
+        ("hauger", None, hauger),
     ],
 )
 def test_columns_of_distributed_thrust(
@@ -221,6 +223,17 @@ def test_about_a_bent_state(rod: Rod) -> None:
         assert bool(natural_modes(rod(8, "clamped", at), 8).growth.max() > 0) is grows
 
 
+def test_the_factor_of_a_tapered_rod_names_its_stiffness(rod: Rod) -> None:
+    """1/EI over a joint's cell has its integral in closed form, for EI = 3 (2 - s)."""
+    found = critical_force(rod(3, "clamped", THRUST, bending_stiffness="3*(2 - s)"))
+    cells = [(j - 0.5, j + 0.5) for j in (1, 2)]
+    springs = [3 / np.log((2 - a / 3) / (2 - b / 3)) for a, b in cells]  # times the length
+    assert found.stiffness == pytest.approx(np.mean(springs) / 3, rel=1e-9)
+    assert found.factor == pytest.approx(
+        found.force * found.scene.rod.length**2 / found.stiffness, rel=1e-12
+    )
+
+
 def test_a_thousand_links(rod: Rod) -> None:
     found = critical_force(rod(1000, "clamped", THRUST))
     assert not found.complete
@@ -228,6 +241,7 @@ def test_a_thousand_links(rod: Rod) -> None:
     assert found.factor == pytest.approx(beck().load, rel=5e-6)
 
 
+@pytest.mark.long
 def test_simulations_find_it_too(rod: Rod) -> None:
     scene = rod(5, "free", THRUST)
     found = simulated_critical_force(scene, span=100.0, tolerance=1e-3)
@@ -237,6 +251,7 @@ def test_simulations_find_it_too(rod: Rod) -> None:
     assert found.high == pytest.approx(exact, rel=5e-3)
 
 
+@pytest.mark.long
 def test_simulations_start_from_the_steady_state(rod: Rod) -> None:
     """A rod that sags is not one that grows; the shape that a scene starts with does not count."""
     table = rod(3, "clamped", THRUST | {"gravity": {"g": 0.5}}).model_dump(exclude_none=True)

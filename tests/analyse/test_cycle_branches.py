@@ -76,6 +76,7 @@ def test_slow_flutter_of_a_strongly_damped_rod_is_a_hopf_point() -> None:
     assert fastest_growing(np.diag([1.0, -1.0])) is None
 
 
+@pytest.mark.long
 def test_cycles_begin_where_flutter_does(column: Scene, branch: Any) -> None:
     without = COLUMN | {"loads": {k: v for k, v in COLUMN["loads"].items() if k not in NOTHING}}
     critical = rodgen.critical_force(Scene.from_dict(without))
@@ -212,6 +213,7 @@ def test_families_begin_with_linear_modes_and_keep_energy() -> None:
         nonlinear_mode(Scene.from_dict(COLUMN), 1, 0.5)
 
 
+@pytest.mark.long
 def test_a_free_rod_swings_while_its_thrust_carries_it_off() -> None:
     """Its cycle needs neither its place nor its velocity, and comes back turned by nothing: two
     multipliers are 1."""

@@ -43,6 +43,7 @@ def doubled() -> Any:
     return continue_cycles(_pressed(0.45), AMPLITUDE, (0.4, 0.7), start="run", switch=1, most=12)
 
 
+@pytest.mark.long
 def test_cycles_of_twice_the_period_go_from_a_period_doubling(doubled: Any) -> None:
     assert list(doubled["special_kind"].values) == ["period doubling"]
     np.testing.assert_allclose(doubled["period"].values, 2 * 2 * np.pi / 4.9, rtol=1e-12)

@@ -42,6 +42,7 @@ def cycle() -> Cycle:
     return find_cycle(Scene.from_dict(ZIEGLER), y0=NEAR, period=ABOUT, target="numpy")
 
 
+@pytest.mark.long
 def test_by_collocation_of_scipy(cycle: Cycle) -> None:
     """A fourth-order boundary value solver finds the same period, and the multipliers are those of
     differences of motions."""

@@ -180,6 +180,7 @@ def test_bad_input(rod: Rod, boundary: str, given: dict[str, Any], message: str)
             analysis(rod(4, boundary, PUSHED), **given)
 
 
+@pytest.mark.long
 def test_runs_find_it_too(rod: Rod) -> None:
     """Measured growth sees the onset of flutter in damped flight; a hundredfold comes far later."""
     scene, span = rod(4, "free", PUSHED, mass=20.0), 4.0

@@ -37,10 +37,11 @@ def test_modes_of_a_straight_rod_are_its_natural_modes() -> None:
 
 def test_modes_for_the_page_have_names_and_displacements() -> None:
     scene = straight()
-    (modes,) = WORKS["modes"](scene, t=0.0, y=scene.initial_state().tolist())
+    p = rodgen.build(scene, target="numpy").parameters(**scene.parameters).tolist()
+    (modes,) = WORKS["modes"](scene, t=0.0, y=scene.initial_state().tolist(), p=p)
     assert len(modes) == 4  # of five links, one motion turns all
     assert modes[0]["name"].endswith(" Hz")
     assert len(modes[0]["re"]) == len(modes[0]["im"]) == 12
     long = scene.with_links(MOST_LINKS + 1)
     with pytest.raises(SceneError, match=f"at most {MOST_LINKS}"):
-        next(WORKS["modes"](long, t=0.0, y=long.initial_state().tolist()))
+        next(WORKS["modes"](long, t=0.0, y=long.initial_state().tolist(), p=[]))  # before p counts

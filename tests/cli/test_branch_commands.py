@@ -107,6 +107,7 @@ def test_boundary_as_json_and_picture(works: Run, column: Callable[..., Path]) -
     assert names == {"boundary.nc", "boundary.png"}
 
 
+@pytest.mark.long
 def test_all_equilibria(works: Run, column: Callable[..., Path]) -> None:
     scene = column(-30.0)
     found = _one_object(works("static", scene, "--all", "--json"))["equilibria"]

@@ -137,11 +137,24 @@ def test_show_says_what_is_left_out_and_why(works: Run, short: Callable[..., Pat
     assert "yes" in lines["gravity"]
     assert "part of the code" in lines["follower"]
     assert "no table [loads.internal_damping]" in lines["internal damping"]
-    assert "break points: 0.1" in done.stdout
+    assert "break points: 0.1 s" in done.stdout
     assert "integrated by dop853: the fastest motion (" in done.stdout
     assert "few enough to follow" in done.stdout
     assert "event 'low'" in done.stdout
     assert "note:" not in done.stdout
+
+
+def test_show_tells_of_a_number_that_no_expression_names_and_of_degrees(
+    works: Run, refused: Run, short: Callable[..., Path]
+) -> None:
+    """Such a number cannot be changed; and the file of a mistake is named."""
+    file = short(("[rod]", "[parameters]\nidle = 2.0\n\n[rod]"))
+    shown = works("show", file, "--set", "loads.follower.angle=90").stdout
+    assert "note: no expression names parameters.idle" in shown
+    assert "note: loads.follower.angle = 90 is 14.3 turns" in shown
+    refused("show", file, "--set", "parameters.idle=3", says="parameters.idle = 3")
+    wrong = short(("5*min(t/0.1, 1)", "5*min(t/0.1, 1"))
+    refused("show", wrong, says=f"in {wrong}")
 
 
 def test_show_lists_the_first_of_many_break_points_and_warns_of_a_method_that_drifts(

@@ -43,7 +43,8 @@ BAD: dict[str, list[str]] = {
     "--checkpoint": [f"run {MISSILE} --checkpoint {given}" for given in ("nan", "inf", "-1", "0")],
     "scene": ["run missing.toml", "show missing.toml", "run"],
     "this is a device": ["run /dev/zero"],
-    "module": ["check missing.py", f"check {ROOT / 'tests' / 'palette.py'}"],
+    "a file that is there": ["check missing.py"],
+    "module": [f"check {ROOT / 'tests' / 'palette.py'}"],
     "--seed": ["check missing.py --seed -1"],
     "fly": ["fly"],
     "a netcdf file that can be read": [

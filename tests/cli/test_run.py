@@ -173,6 +173,10 @@ def test_what_is_replaced_is_said_where_it_is_another_thing(
     (line,) = works(*command).stderr.splitlines()
     for words in (str(file), "changed: rod.length", "replaced"):
         assert words in line
+    for name in ("lag", "delay"):
+        short(("t/0.1", f"t/{name}"), (SPAN, f"{SPAN}\n[parameters]\n{name} = 0.1"))
+        (line,) = works(*command).stderr.splitlines()
+        assert "changed: parameters" in line
     file.write_text("notes of mine", encoding="utf-8")
     (line,) = works(*command).stderr.splitlines()
     assert "is no result of this version; it is replaced" in line
@@ -306,3 +310,21 @@ def test_ctrl_c_at_any_time_ends_in_one_line(tmp_path: Path, after: float) -> No
     assert process.returncode == 130, errors
     assert errors.strip() == "rodgen: interrupted"
     assert list(tmp_path.glob("*.py")) == []
+
+
+def test_ctrl_c_in_a_finalizer_is_not_lost(tmp_path: Path) -> None:
+    program = """
+import signal, time, rodgen.cli, rodgen.cli.app
+class Interrupted:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+def command(**_):
+    Interrupted()
+    time.sleep(30)
+rodgen.cli.app.app = command
+rodgen.cli.main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=25
+    )
+    assert (done.returncode, done.stderr.strip()) == (130, "rodgen: interrupted")

@@ -32,7 +32,7 @@ def test_every_command_has_the_options_that_it_shares(works: Run, name: str) -> 
 
 
 def test_commands_are_listed_with_whole_sentences(works: Run) -> None:
-    listed = works("--help").stdout.partition("Commands:")[2]
+    listed = works("--help").stdout.partition("Commands:")[2].partition("\n\n")[0]
     sentences = re.split(r"\n  (?=\w)", listed)
     assert len(sentences) > len(OWN)
     assert "..." not in listed
@@ -46,6 +46,7 @@ VALUES: list[tuple[str, dict[str, Any]]] = [
     ("initial.phi=[0, 0.1, 0.2, 0.3]", {"initial.phi": [0, 0.1, 0.2, 0.3]}),
     ("loads.gravity=", {"loads.gravity": None}),
     ("rod.boundary=pinned", {"rod.boundary": "pinned"}),
+    ("rod.boundary = 'pinned'", {"rod.boundary": "pinned"}),
     (
         "loads.drag={normal = 1.0, tangential = 0.1}",
         {"loads.drag": {"normal": 1.0, "tangential": 0.1}},
@@ -66,6 +67,7 @@ def test_values_are_those_of_a_file(short: Short, text: str, changes: dict[str, 
         ("=3", "--set"),
         ("rod..mass=3", "--set"),
         ("rod.mass=-1", "rod.mass = -1"),
+        ("loads.graviti=", "loads.graviti = None"),
         ("rod.wheels=4", "not a known key"),
         ("rod.mass=1\nrod.length=1", "rod.mass = '1"),
         (f"rod.mass={'[' * 5000}", "rod.mass = '[["),
@@ -134,7 +136,26 @@ def test_the_module_of_a_scene_is_derived_and_checked(
     refused("derive", says="N = (missing)")
 
 
-def test_shells_complete_commands() -> None:
-    env = {"_RODGEN_COMPLETE": "complete_bash", "COMP_WORDS": "rodgen crit", "COMP_CWORD": "1"}
+@pytest.mark.parametrize(
+    ("words", "completed"),
+    [
+        ("crit", {"critical"}),
+        ("run x.toml --method rk", {"rk4", "rk23", "rk45"}),
+        (
+            "run x.toml --set loads.drag.",
+            {f"loads.drag.{key}" for key in ("normal", "tangential", "wind")},
+        ),
+        ("branch x.toml --vary integrate.sp", {"integrate.span"}),
+        ("new mine --from missile", {"missile", "missile_conservative"}),
+        ("derive 3 --terms drag,gra", {"drag,gravity"}),
+        ("run x", set()),  # the shell completes files
+    ],
+)
+def test_shells_complete_commands_and_values(words: str, completed: set[str]) -> None:
+    env = {
+        "_RODGEN_COMPLETE": "complete_bash",
+        "COMP_WORDS": f"rodgen {words}",
+        "COMP_CWORD": str(len(words.split())),
+    }
     done = CliRunner().invoke(app, prog_name="rodgen", env=env)
-    assert done.stdout.split() == ["critical"]
+    assert set(done.stdout.split()) == completed

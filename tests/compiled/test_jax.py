@@ -14,9 +14,9 @@ from rodgen.check.by_hand import ByHand
 from rodgen.scene import Scene, SceneError
 
 jax = pytest.importorskip("jax", reason="the extra jax is not installed")
-import jax.numpy as jnp  # noqa: E402
+import jax.numpy as jnp  # noqa: E402  where JAX is installed
 
-import rodgen.jax as of_jax  # noqa: E402
+import rodgen.jax as of_jax  # noqa: E402  where JAX is installed
 
 SCENE = Scene.from_dict(
     {
@@ -161,8 +161,14 @@ def test_what_jax_cannot_do_is_refused(model: Any) -> None:
     f, (y, p) = of_jax.rhs(model), values(model)
     with pytest.raises(SceneError, match=r"y = \(3,\): must be of shape \(4,\)"):
         f(0.0, y[:3], p)
-    with pytest.raises(SceneError, match=r"must be built for target \"c\""):
-        of_jax.rhs(rodgen.build(SCENE.replace({"loads.gravity": None})))
+    for wrong in (y + 1j, ["three"], None, SCENE.parameters):
+        with pytest.raises(SceneError, match=r"y = .*must be real numbers"):
+            f(0.0, wrong, p)
+    for other in (rodgen.build(SCENE.replace({"loads.gravity": None})), np):
+        with pytest.raises(SceneError, match=r"a module that is built for target \"c\""):
+            of_jax.rhs(other)
+    with pytest.raises(TypeError, match=r"not Scene"):
+        of_jax.rhs(SCENE)
     jax.config.update("jax_enable_x64", False)
     with pytest.raises(SceneError, match="doubles"):
         f(0.0, y, p)

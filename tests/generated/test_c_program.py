@@ -197,9 +197,8 @@ def test_program_calls_every_function_and_method(whole: Whole) -> None:
     assert (COMPILED[0], COMPILED[-1]) == ("euler", "gauss_equal_steps")
 
 
-@pytest.mark.parametrize(
-    "structure", [SHORT, *(pytest.param(each, marks=pytest.mark.long) for each in REST)], ids=short
-)
+@pytest.mark.long
+@pytest.mark.parametrize("structure", [SHORT, *REST], ids=short)
 def test_program_finds_what_python_does_and_sanitizers_are_silent(
     built: Callable[..., ModuleType], whole: Whole, tmp_path: Path, structure: Structure
 ) -> None:

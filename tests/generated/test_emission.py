@@ -84,6 +84,7 @@ def test_dense_form_equals_fifty_digit_arithmetic(
     _check(built(Structure(links, boundary, inertia, ALL), "numpy", "dense"))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("boundary", "inertia", "form"), [("clamped", "uniform", "chain"), ("free", "lumped", "dense")]
 )

@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+import rodgen
 from rodgen.check.module import check_module
 from rodgen.derive.proofs import comparisons
 from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen.scene import Scene
 from rodgen.scene.structure import Structure
 from tests.palette import PLACED, can_move, cases
 
@@ -34,6 +36,7 @@ def test_all_derivations_agree(boundary: str, links: int, inertia: str) -> None:
         assert "accelerations" in held
 
 
+@pytest.mark.long
 @cases(
     "boundary, links, inertia, form",
     *(BOUNDARIES, PLACES, INERTIAS, ("chain", "dense")),
@@ -66,3 +69,12 @@ def test_compiled_module_does_what_numpys_does(built: Built, point: type) -> Non
     many = other.rhs_batch(at.t, Y, np.tile(at.p, (9, 1)))
     single = [at.module.rhs(at.t, y, at.p) for y in Y]
     np.testing.assert_allclose(many, single, rtol=0, atol=1e-11 * np.abs(single).max())
+
+
+@pytest.mark.compiler
+def test_work_of_a_force_on_the_first_link_of_a_free_rod(make_scene: Callable[..., Scene]) -> None:
+    """No link before it turns its point: a sum over none."""
+    scene = make_scene(1, "free", ("follower",), span=[0.0, 0.1])
+    sol = rodgen.simulate(scene.replace({"loads.follower.at": 0.0}), target="c")
+    assert np.ptp(sol.work["follower"]) > 0.01  # J
+    assert sol.energy_error < 1e-9  # of a rigid link, whose motion is smooth

@@ -7,6 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rodgen.live.run.link import Link
+from rodgen.scene import Scene
+from tests.live.conftest import ROD
 from tests.live.view import expect
 
 pytestmark = pytest.mark.long  # a page that runs
@@ -62,19 +65,26 @@ def test_the_cursor_is_linked(view: View) -> None:
 
 
 def test_a_part_that_is_dragged_is_shown(view: View) -> None:
+    """In all plots over time, but not in one that is paused."""
+    view.add_plot("over time", quantities="tip_x")
     view.pause_after(0.6)
+    view.page.get_by_role("button", name="Pause x of the tail").click()
     low, high = ends(view, "p1")[0]
     view.page.mouse.move(*at(view, 0, 0.25))
     view.page.mouse.down()
     view.page.mouse.move(*at(view, 0, 0.5), steps=4)
     view.page.mouse.up()
-    expect(view.page.locator(".rodgen-badge").first).to_have_text("zoomed")
+    badges = view.page.locator(".rodgen-badge")
+    expect(badges.first).to_have_text("zoomed")
     wanted = [low + share * (high - low) for share in (0.25, 0.5)]
     # Within two of some 250 pixels.
     close = pytest.approx(wanted, abs=0.01 * (high - low))
     view.until(lambda: ends(view, "p1")[0], close, "another part")
+    view.until(lambda: ends(view, "p2")[0], ends(view, "p1")[0], "another part of the next plot")
+    expect(badges.nth(2)).to_have_text("paused")
     view.page.locator(".rodgen-chart .u-over").first.dblclick()
-    expect(view.page.locator(".rodgen-badge").first).to_have_text("")
+    expect(badges.first).to_have_text("")
+    expect(badges.nth(1)).to_have_text("")
     view.until(lambda: ends(view, "p1")[0], [low, high], "not all again")
 
 
@@ -85,15 +95,42 @@ def test_a_reset_begins_plots_anew(view: View) -> None:
     first = view.page.locator(".rodgen-plot").first
     first.get_by_role("button", name="Pause").click()
     kept = view.csv(0)[1]
-    wide = ends(view, "p3")[0][1]
+    # It may be out of sight, and drawn late.
+    wide = view.until(lambda: ends(view, "p3")[0][1], lambda end: end >= 0.8, "not drawn")
     view.button("Reset to").click()
     view.until(lambda: view.live("t"), 0.0, "not reset")
     view.until(lambda: ends(view, "p3")[0][1], lambda end: end < wide, "the range stays")
     view.pause_after(0.1)
     np.testing.assert_array_equal(view.csv(0)[1], kept)
+    expect(view.page.locator(".rodgen-badge").first).to_have_text("paused, run before")
     assert view.csv(2)[1][-1, 0] < kept[-1, 0]
     first.get_by_role("button", name="Resume").click()
     assert view.csv(0)[1][-1, 0] < kept[-1, 0]
+
+
+def test_a_zoomed_plot_goes_on_with_its_run_alone(view: View) -> None:
+    """Zoomed just after a loop has begun again, too, where next to nothing has come of it."""
+    shown = view.page.evaluate("""async () => {
+        const { Curves } = await import("rodgen-live/curves.js");
+        const series = [{ name: "a", turn: 0 }];
+        const axis = { log: false, turn: 0 };
+        const curves = new Curves({ kind: "time", window: 10, series, x: axis, y: axis });
+        const rows = (first) => curves.take([0, 1, 2].flatMap((k) => [first + k, k]));
+        const seen = () => [...curves.now(0).across];
+        rows(0);
+        curves.restart();
+        curves.zoom({ x: [3, 5], y: null });
+        const found = [seen()];
+        rows(3);
+        found.push(seen());
+        curves.restart();
+        rows(8);
+        found.push(seen());
+        curves.zoom(null);
+        found.push(seen());
+        return found;
+    }""")
+    assert shown == [[], [3, 4, 5], [3, 4, 5], [8, 9, 10]]
 
 
 def test_numbers_at_a_logarithmic_axis(view: View) -> None:
@@ -118,3 +155,22 @@ def test_one_unit_has_one_scale(view: View) -> None:
     assert found == {"x": [0, 6], "y": pytest.approx([-1, 1])}
     unlike = {"x": [0, 1], "y": [0, 3]}
     assert view.page.evaluate(alike.format("{ x: [0, 1], y: [0, 3] }")) == unlike
+
+
+def test_angles_are_shown_without_their_whole_turns(server: Any, blank: View) -> None:
+    """Of a rod that turns, over time and along it, until that is switched off; files have them as
+    they are."""
+    turning = Scene.from_dict({**ROD, "initial": {"omega": 12.0}})
+    view = blank.open(f"{server.address}?scene={Link(turning).pack()}").pause_after(0.8)
+    button = view.page.get_by_role("button", name="Leave out whole turns of φ₀, φ₄")
+
+    def height() -> float:
+        low, high = ends(view, "p1")[1]
+        return high - low
+
+    view.until(height, lambda size: size <= 8.0, "more than a turn and some room")
+    assert view.csv(0)[1][-1, 1] > 8.0  # 12 rad/s, which bending slows a little
+    button.click()
+    view.until(height, lambda size: size > 8.0, "whole turns are not shown")
+    view.reload()
+    expect(button).to_have_attribute("aria-pressed", "false")

@@ -225,6 +225,7 @@ def test_undo_by_keys_and_what_differs_from_the_file(view: View) -> None:
     expect(view.field("gravity")).to_have_value("9.81")
     expect(said).to_have_count(0)
     expect(view.button("Undo")).to_be_disabled()
+    expect(view.button("Redo: loads.gravity.g = 3")).to_be_enabled()
     view.page.keyboard.press("Control+Shift+Z")
     expect(view.field("gravity")).to_have_value("3")
     view.button("Undo").click()

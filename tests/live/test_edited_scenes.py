@@ -105,14 +105,14 @@ def test_what_a_scene_fixes_to_its_rod_can_be_edited(
         ("mass of tank", "2", 0, 2.0),
         ("place s of tank", "0.25", 1, 0.25),
         ("centre across the link of tank", "0.1", 2, [0.0, 0.1]),
-        ("fixed point in y of support 1", "0.3", 4, 0.3),
+        ("fixed point in y of support 0", "0.3", 4, 0.3),
         ("stiffness of the foundation", "4 + 2*s", 5, "4 + 2*s"),
         ("rate of valve", "-3*valve", 6, "-3*valve"),
     ):
         view.tab("Parameters").fill(name, text)
         wanted[at] = value
         view.until(lambda at=at: kept()[at], value, f"{name} is not taken")
-    view.tab("Parameters").fill("stiffness in y of support 1", "-5")
+    view.tab("Parameters").fill("stiffness in y of support 0", "-5")
     refused = view.page.locator(".q-field__messages", has_text="at least 0")
     expect(refused).to_be_visible()
     view.tab("Scene").fill("valve at the start", "0.5")

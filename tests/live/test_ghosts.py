@@ -78,6 +78,67 @@ def test_curves_that_are_kept_are_those_of_the_run_before(run: LiveRun) -> None:
     assert (header[f"ghost:{name}"].size, "ghost" in header) == (0, False)
 
 
+@pytest.mark.parametrize(
+    "choice",
+    [
+        {"kind": "phase", "y": ["omega_4"], "x": "phi_4"},
+        {"kind": "poincare", "y": ["tip_y"], "x": "tip_x", "when": "t", "every": 0.02},
+        {"kind": "spectrum", "y": ["phi_4"], "window": 0.2},
+        {"kind": "profile", "y": ["bending_moment"]},
+        {"kind": "time", "y": ["phi_4 - phi_0"]},
+    ],
+    ids=lambda choice: choice["kind"],
+)
+def test_plots_of_all_kinds_show_both(run: LiveRun, choice: dict[str, Any]) -> None:
+    """What they showed of the run before; along the rod at the same time."""
+    run.do(lambda: run.add_plot(choice)).result()
+    (name,) = run.plots
+    before = gets(run).rows[name][-1]
+    assert before.size
+    run.do(run.restart).result()
+    to(run, 0.3)
+    assert np.array_equal(gets(run).headers[-1][f"ghost:{name}"], before)
+
+
+def test_energies_of_both_count_from_where_the_runs_part(run: LiveRun) -> None:
+    """Another run begins in a state of the one before, and has its energies there."""
+    run.do(lambda: run.add_plot({"kind": "time", "y": ["gravity_energy", "total_energy"]})).result()
+    run.do(lambda: run.look_at(0.2)).result()
+    run.do(run.branch).result()
+    (name,) = run.plots
+    page = gets(run)
+    kept = page.headers[-1][f"ghost:{name}"].reshape(-1, 3)
+    (there,) = kept[np.isclose(kept[:, 0], 0.2)]
+    assert there == pytest.approx(page.rows[name][-1][:3])
+    assert np.abs(kept[0, 1]) > 1e-3  # it has moved until then
+
+
+def test_kind_of_a_rod_of_more_links_is_compared_where_both_have_it(run: LiveRun) -> None:
+    """On the page that has been there before; the tail with the tail."""
+    run.do(lambda: run.add_plot({"kind": "time", "y": ["phi"]})).result()
+    page = gets(run)
+    tail = page.rows["p1"][-1].reshape(-1, 6)[:, -1]
+    run.do(lambda: run.take(edit(SCENE, [(("rod", "links"), 3)]))).result()
+    (name,) = run.plots
+    page.gets(2)
+    kept = page.headers[1][f"ghost:{name}"].reshape(-1, 1 + 3)
+    assert kept[:, -1] == pytest.approx(tail)
+
+
+def test_plots_lose_what_a_rod_does_not_have_and_get_it_back(run: LiveRun) -> None:
+    for names in (["phi_0", "phi_3"], ["omega_3"], ["omega_4"]):
+        run.do(lambda names=names: run.add_plot({"kind": "time", "y": names})).result()
+
+    def shown(links: int) -> list[tuple[str, ...]]:
+        run.do(lambda: run.take(edit(SCENE, [(("rod", "links"), links)]))).result()
+        return [plot.names for plot in run.plots.values()]
+
+    assert sorted(shown(3)) == [("omega_2",), ("phi_0",)]
+    assert run.unplotted == ("φ₃", "ω₃")
+    assert sorted(shown(5)) == [("omega_3",), ("omega_4",), ("phi_0", "phi_3")]
+    assert run.unplotted == ()
+
+
 def test_two_runs_that_are_alike_differ_by_nothing(run: LiveRun) -> None:
     run.do(lambda: run.add_plot(LESS)).result()
     run.do(run.restart).result()

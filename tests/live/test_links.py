@@ -53,6 +53,7 @@ def test_link_brings_back_plots_view_time_and_state(run: LiveRun, other: LiveRun
     assert (link.scene, link.view) == (heavier, "axes")
     other.do(lambda: other.take(link.scene)).result()
     other.do(lambda: follow(other, link)).result()
+    assert other.undo.file == SCENE
     assert other.store.span == (0.2, 0.2)
     assert other.shown.y == pytest.approx(run.seen.y, abs=0.0)
     ((name, plot),) = other.plots.items()
@@ -93,6 +94,8 @@ def test_state_of_another_rod_is_refused(other: LiveRun) -> None:
 
 @pytest.mark.long
 def test_link_is_followed_by_another_page(view: View, another: Any) -> None:
+    """Which marks what differs from the file."""
+    view.tab("Parameters").fill("mass M", "4")
     view.pause_after(0.4)
     view.add_plot("over time", quantities="phi_2")
     view.page.get_by_role("slider", name="Time that is shown").press("PageDown")
@@ -105,3 +108,5 @@ def test_link_is_followed_by_another_page(view: View, another: Any) -> None:
     assert follower.live("t") == t
     follower.sees("Object.keys(rodgenLive.plots).length", 3, "not the same plots")
     assert follower.page.evaluate("rodgenLive.state") == "paused"
+    expect(follower.page.get_by_text("in the file: 3")).to_be_visible()
+    assert follower.page.get_by_role("combobox", name="Scene").input_value() == "dart"

@@ -32,7 +32,7 @@ class Stepped:
         self.live = Live(scene, self.model, scene.integrate.output_every)
         self.plots: dict[str, Any] = {}
         self.marks, self.past, self.ghost, self.keeps = Marks(), None, None, False
-        self.begun = 0
+        self.begun, self.goes_round = 0, False
         self.page = PageState()
         self.begin()
 
@@ -142,20 +142,20 @@ def test_every_sample_since_the_last_message_is_in_the_trail(
 ) -> None:
     """Against a run without a page, at its own samples."""
     sol = rodgen.simulate(Scene.from_dict(ROD))
-    expected = np.c_[sol.tip, sol.centre_of_gravity]
+    expected = np.c_[sol.tip, sol.centre_of_gravity, sol.t]
     run.to(0.2)
     run.page.attach(lambda _: None)
     run.page.show(run)
-    first = arrays[-1]["trail!"].reshape(-1, 4)
+    first = arrays[-1]["trail!"].reshape(-1, 5)
     assert first == pytest.approx(expected[:21], abs=1e-9)
     for t in (0.25, 0.3, 0.6):
         run.to(t)
     run.page.show(run)
-    assert arrays[-1]["trail"].reshape(-1, 4) == pytest.approx(expected[21:61], abs=1e-9)
+    assert arrays[-1]["trail"].reshape(-1, 5) == pytest.approx(expected[21:61], abs=1e-9)
     run.begin()
     run.page.acknowledge(2)
     run.page.show(run)
-    assert arrays[-1]["trail!"].reshape(-1, 4) == pytest.approx(expected[:1], abs=1e-9)
+    assert arrays[-1]["trail!"].reshape(-1, 5) == pytest.approx(expected[:1], abs=1e-9)
 
 
 @pytest.mark.parametrize("changing", [False, True])

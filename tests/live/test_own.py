@@ -45,6 +45,29 @@ def test_expression_is_made_of_quantities(catalogue: Catalogue, chunk: Chunk) ->
 
 
 @pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("phi_4 - phi_0", "rad"),
+        ("2*tip_x + 1", "m"),
+        ("tip_x/t - tip_vx", "m/s"),
+        ("d/dt(omega_0)", "rad/s²"),
+        ("d/dt(sin(phi_0))", "1/s"),
+        ("total_energy - bending_moment_1", "J"),  # 1 J = 1 N m
+        ("sqrt(tip_x**2 + tip_y**2)", "m"),
+        ("tip_vx*tip_vy/2", "m²/s²"),
+        ("bending_moment_1/tip_x**2", "N/m"),
+        ("max(phi_0, 0) if t < 1 else phi_1", "rad"),
+        ("sin(phi_0)", ""),
+        ("tip_x + phi_0", ""),  # no unit
+        ("d/dt(tip_x + phi_0)", ""),
+        ("tip_x**t", ""),
+    ],
+)
+def test_units_of_expressions(catalogue: Catalogue, text: str, unit: str) -> None:
+    assert catalogue.quantity(text).unit == unit
+
+
+@pytest.mark.parametrize(
     ("text", "name"),
     [("d/dt(phi_2)", "omega_2"), ("d/dt tip_x", "tip_vx"), ("d / dt (tip_y + 0*t)", "tip_vy")],
 )
@@ -55,6 +78,13 @@ def test_rates_are_those_of_the_motion(
     scale = np.abs(wanted).max()
     # Differences of 1e-5: their square, and rounding over it.
     assert found == pytest.approx(wanted, abs=1e-8 * scale)
+
+
+def test_rates_are_parts_of_expressions(catalogue: Catalogue, chunk: Chunk) -> None:
+    """As any quantity is, more than one of them, and where brackets follow that are not theirs."""
+    text = "d/dt(phi_4)/2 - d/dt tip_x + (tip_y)"
+    found, rate, speed, height = values(catalogue, chunk, text, "omega_4", "tip_vx", "tip_y")
+    assert found == pytest.approx(rate / 2 - speed + height, abs=1e-8 * np.abs(rate).max())
 
 
 def test_rate_of_the_energy_is_the_power(catalogue: Catalogue, chunk: Chunk) -> None:
@@ -68,9 +98,14 @@ def test_rate_of_the_energy_is_the_power(catalogue: Catalogue, chunk: Chunk) -> 
     ("text", "said"),
     [
         ("phi_4 - nothing", "nothing"),
+        ("d/dt(tip_q)", "not tip_q.*did you mean tip_y"),
+        ("np.sin(t)", "write sin without np"),
         ("phi_4 -", "expression"),
         ("phi(0.3) + 1", "without sensors"),
         ("d/dt(work_follower)", "the rate of work is a power"),
+        ("2*d/dt(d/dt(tip_x))", "without d/dt in these"),
+        ("d/dt(tip_x", "before brackets or a name"),
+        ("d/dt 3", "before brackets or a name"),
         ("__import__('os')", "expression"),
         ("1+" * LONGEST + "1", f"at most {LONGEST}"),
     ],

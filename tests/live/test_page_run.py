@@ -8,6 +8,7 @@ from collections.abc import Callable, Coroutine, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra view is not installed")
@@ -15,10 +16,11 @@ pytest.importorskip("nicegui", reason="the extra view is not installed")
 from nicegui import Client, background_tasks, core, ui
 from starlette.requests import Request
 
+from rodgen.integrate.pull import Pull
 from rodgen.live.page.module_process import Modules
 from rodgen.live.page.page import Page
 from rodgen.live.page.runs import PageRun, Sessions
-from rodgen.live.run import live_run
+from rodgen.live.run import live_run, pulling
 from rodgen.live.run.live_run import LiveRun
 from rodgen.live.run.scenes import Folder, edit
 from rodgen.loading import build
@@ -167,6 +169,50 @@ def test_changes_are_undone_and_redone(page: PageRun) -> None:
     finished(page.change([(MASS, 7.0)], "rod.mass = 7"))
     finished(page.undo(forth=True))  # there is nothing to redo after another change
     assert values() == (7.0, 9.81)
+
+
+def test_kick_and_pull_are_undone(page: PageRun, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The run goes back to the sample before, and on as one that nobody has touched; changes of
+    before and after are undone as ever."""
+    monkeypatch.setattr(pulling, "build_fastest", lambda scene: build(scene, "numpy"))
+    run = page.run
+
+    def goes_to(t: float) -> None:
+        run.do(lambda: run._took(run.live.advance(t, 60.0))).result()
+
+    goes_to(0.1)
+    finished(page.change([(MASS, 4.0)], "rod.mass = 4"))
+    goes_to(0.2)
+    before = run.shown
+    run.do(lambda: run.kick(2, 0.5, (3.0, 1.0))).result()
+    goes_to(0.3)
+    finished(page.allow_pulls())
+    run.do(lambda: run.pull(Pull(3, 0.25, (1.3, 0.4), 60.0, 1.5))).result()
+    goes_to(0.4)
+    finished(page.change([(GRAVITY, 1.5)], "loads.gravity.g = 1.5"))
+    finished(page.undo())
+    assert run.shown.t[-1] > 0.3
+    assert page.scene.loads.value("gravity") == 9.81
+    for ends, marks in ((0.3, 2), (0.2, 1)):
+        finished(page.undo())
+        assert run.store.span == (0.0, pytest.approx(ends, abs=0.01))  # a sample
+        assert (run.live.pulling, len(run.marks.every)) == (None, marks)
+    np.testing.assert_array_equal(run.shown.y, before.y)
+    assert run.live.given == pytest.approx(before.given, abs=1e-12)
+    goes_to(0.4)
+    alone = LiveRun(SCENE)
+    alone.do(lambda: alone._took(alone.live.advance(0.1, 60.0))).result()
+    alone.do(lambda: alone.change(edit(SCENE, [(MASS, 4.0)]))).result()
+    alone.do(lambda: alone._took(alone.live.advance(0.4, 60.0))).result()
+    # Its method began anew at 0.2 s, at rtol 1e-8.
+    np.testing.assert_allclose(run.shown.y, alone.shown.y, rtol=1e-6, atol=1e-6)
+    alone.close()
+    assert run.undo.next(forth=True) is not None  # the change of gravity, but no kick
+    finished(page.undo())
+    assert page.scene.rod.mass == 3.0
+    run.do(lambda: run.kick(2, 0.5, (3.0, 1.0))).result()
+    run.do(run.restart).result()
+    assert run.undo.next(forth=False) is None  # of another run
 
 
 def test_scene_and_structure_are_undone(page: PageRun, making: Making) -> None:

@@ -160,9 +160,15 @@ def test_axes_and_keys(view: View) -> None:
     follow = "const r = new Range(); r.follow(0, 0, 0); r.follow(0, 0.01, 1)"
     low, high = scales(view, f"({{ Range }}) => {{ {follow}; return r.ends; }}")
     assert -0.01 < low < 0.0 < 0.01 < high < 0.02
-    for value, step, text in ((1e-18, 1e-5, "0"), (-1e-17, 0.1, "0.0"), (2e-5, 1e-5, "2e−5")):
+    for value, step, text in (
+        (1e-18, 1e-5, "0"),
+        (-1e-17, 0.1, "0.0"),
+        (2e-5, 1e-5, "2e−5"),
+        (7.5, 2.5, "7.5"),
+        (7.5e-5, 2.5e-5, "7.5e−5"),
+        (12500.0, 2500.0, "12500"),
+    ):
         assert scales(view, f"({{ written }}) => written({value}, {step})") == text
-
     # A time has the decimals in which a step of it is seen.
     for times, text in (([0, 0.02, 0.04], "0.04"), ([0, 1e-4], "0.0001"), ([0, 1 / 60], "0.02")):
         of = "const w = new Written(); let said; for (const t of {0}) said = w.of(t); return said"
@@ -219,6 +225,7 @@ def test_base_of_large_numbers_is_within_the_picture(
 # Files -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_csv_ends_where_the_plot_is_paused_and_has_times(view: View) -> None:
     """Angles against a run without a page; and the picture of a plot."""
     view.add_plot("phase plot", quantity="omega_0", over="phi_0")

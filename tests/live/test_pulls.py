@@ -20,7 +20,7 @@ from rodgen.live.run.message import pull_array
 from rodgen.loading import build
 from rodgen.loading.module import asked
 from rodgen.scene import Scene, SceneError
-from tests.live.conftest import ROD
+from tests.live.conftest import ROD, SCENES
 from tests.live.view import until
 
 STIFFNESS, DAMPING = 60.0, 1.5
@@ -131,6 +131,9 @@ def test_pull_is_on_the_record(run: LiveRun, tmp_path: Path) -> None:
         "pull at link 3",
         "pull ends",
     ]
+    kept = run.do(lambda: list(run.store.chunks())[-1]).result()
+    shown = run.catalogue.columns(["work_pull", "work_supports"], kept)
+    assert shown[-1, 0] == kept.work[-1, kept.works.index("pull")] != 0
     sol = run.do(run.solution).result()
     sol.save(tmp_path / "run.nc")
     read = rodgen.load(tmp_path / "run.nc")
@@ -177,6 +180,21 @@ def test_force_is_that_of_the_spring() -> None:
     force = STIFFNESS * (np.array(PULL.to) - _point(model, live.here(), live.p))
     wanted = [3, 0.25, *np.subtract(PULL.to, origin), *force]
     np.testing.assert_allclose(array(), wanted, rtol=1e-6)  # of single precision
+
+
+def test_first_spring_suits_every_rod() -> None:
+    """Also one along which the stiffness differs: as for an even one, of its mean."""
+    usual = pytest.importorskip("rodgen.live.page.pulls", reason="nicegui is not installed").usual
+    for path in SCENES.glob("*.toml"):
+        stiffness, damping = usual(Scene.from_toml(path))
+        assert stiffness > 0 <= damping
+    one, several = (
+        Scene.from_dict(
+            {**ROD, "rod": ROD["rod"] | {"boundary": "clamped", "bending_stiffness": k}}
+        )
+        for k in (500.0, [800.0, 400.0, 500.0, 500.0, 600.0, 200.0])
+    )
+    assert usual(one) == usual(several)
 
 
 SUPPORTED = {"boundary": "clamped", "links": 4}

@@ -46,3 +46,24 @@ def test_two_pages_have_their_own_runs_and_reload_keeps_them(
     view.until(view.dark, not first, "the first shade again")
     assert view.page.evaluate("grounds") == [view.page.evaluate(GROUND)]  # nor did it flash
     assert other.live("t") == 0.0
+
+
+# Hears nothing any more, and is cut off a second later, for five.
+CUT_OFF = """() => {
+    const manager = socket.io;
+    manager.reconnectionDelay(5000);
+    manager.reconnectionDelayMax(5000);
+    manager.randomizationFactor(0);
+    manager.engine.transport.onData = manager.engine.transport.onPacket = () => {};
+    socket.on("connect", () => window.back = true);
+    setTimeout(() => manager.engine.close(), 1000);
+}"""
+
+
+def test_page_that_was_cut_off_shows_what_is(view: View) -> None:
+    """While it was, a module was made; what was said of that meanwhile comes late, and goes."""
+    view.page.evaluate(CUT_OFF)
+    view.page.get_by_role("switch", name="pull").click()
+    view.sees("window.back", True, "not connected again")
+    view.run()  # what is said of that comes behind all the rest
+    expect(view.page.locator(".rg-making")).to_be_hidden()

@@ -45,6 +45,8 @@ DRAWN = """
 # How far up the rod reaches [m].
 TALLEST = """import("rodgen-live/hub.js").then(({ hub }) =>
     Math.max(...hub.rod.joints.filter((_, at) => at % 2)))"""
+# How far down [m].
+LOWEST = TALLEST.replace("max", "min")
 # In what order joints and links are drawn, of the last picture.
 ORDER = """
     const context = document.querySelector(".rodgen-rod canvas").getContext("2d");
@@ -196,6 +198,29 @@ def test_picture_is_fitted_again_after_a_change_and_a_reset(opened: Open) -> Non
     arrow(view, False)
 
 
+def test_rod_that_moves_out_of_the_picture_is_fitted_again(opened: Open) -> None:
+    """A column that falls below its clamp, until a part of the picture is chosen."""
+    load = "[loads.tip]\nx = 3.0\ny = -30.0"
+    view = opened(column={"boundary": "clamped", "clamp_angle": np.pi / 2, "loads": load})
+
+    def outside() -> int:
+        """How many joints are, while the tail hangs."""
+        view.button("Reset to").click()
+        view.run()
+        view.sees(LOWEST, lambda y: y < -1.0, "it does not fall")
+        view.pause()
+        height = view.page.evaluate("document.querySelector('.rodgen-rod canvas').clientHeight")
+        joints = [y for _, y, radius in view.page.evaluate("drawn.circles") if radius < 7]
+        assert len(joints) >= 5
+        return sum(y > height for y in joints)
+
+    assert outside() == 0
+    view.page.get_by_role("img", name="rod of").press("+")
+    for _ in range(4):
+        view.page.keyboard.press("+")
+    assert outside() > 0
+
+
 def test_joints_do_not_hide_the_moments_that_links_are_coloured_by(opened: Open) -> None:
     """The line of the links passes over every joint: the last joint is not on top of it."""
     view = opened(bent={"links": 4, "boundary": "clamped", "loads": FOLLOWER})
@@ -287,6 +312,28 @@ def test_trail_is_there_again_after_a_reload(opened: Open) -> None:
     view.until(lambda: drawn(view)["lines"], again, "the trail is another")
 
 
+def test_trail_ends_at_the_time_that_is_looked_at(opened: Open) -> None:
+    """A rod that goes along in a straight line, looked at halfway."""
+    view = opened(flying={"links": 1})
+    view.button("Kick").click()
+    view.fill("impulse along x", "10")
+    expect(view.page.get_by_role("dialog")).to_have_count(0)
+    view.pause_after(0.5)
+    whole = drawn(view)["lines"]
+    line = view.page.get_by_role("slider", name="Time that is shown")
+
+    def ends(key: str, presses: int, lines: Any) -> int:
+        """Pictures of the same scale, moved aside, come to have so many lines."""
+        for _ in range(presses):
+            line.press(key)
+        return int(view.until(lambda: drawn(view, "ArrowLeft")["lines"], lines, "others are drawn"))
+
+    still = ends("Home", 1, lambda lines: lines < whole - 20)
+    # Places lie some pixels apart, and a page of the time line is some samples.
+    ends("PageUp", 5, pytest.approx((still + whole) / 2, abs=0.2 * (whole - still)))
+    ends("End", 1, whole)
+
+
 def test_link_that_is_pointed_at_tells_what_it_does(opened: Open) -> None:
     """Of a rod that stands, in its middle link; nothing beside the rod."""
     view = opened(still={"links": 3, "boundary": "clamped", "clamp_angle": np.pi / 2})
@@ -296,12 +343,13 @@ def test_link_that_is_pointed_at_tells_what_it_does(opened: Open) -> None:
     view.page.mouse.move(box["x"] + (x + u) / 2, box["y"] + (y + v) / 2)
     said = view.sees("drawn.texts", lambda texts: "link 1" in texts, "nothing is told")
     assert {"φ = 1.571 rad (90°)", "ω = 0 rad/s", "M = 0 and 0 N m at its joints"} <= set(said)
+    assert {"N = 0 and 0 N at its joints", "Q = 0 and 0 N at its joints"} <= set(said)
     view.page.mouse.move(box["x"] + (x + u) / 2 + 60, box["y"] + (y + v) / 2)
     view.sees("drawn.texts.includes('link 1')", False, "it is still told")
 
 
 def test_modes_swing_about_the_present_state(opened: Open) -> None:
-    """Told by their frequencies, until the button is pressed again."""
+    """Told by their frequencies, also of the state after a step, until the button is pressed."""
     view = opened(column={"boundary": "clamped", "loads": FOLLOWER, "clamp_angle": np.pi / 2})
     told = "drawn.texts.find(text => text.startsWith('mode '))"
     view.button("Mode shapes").click()
@@ -312,5 +360,8 @@ def test_modes_swing_about_the_present_state(opened: Open) -> None:
     view.page.get_by_role("combobox", name="Mode").click()
     view.page.get_by_role("option", name=re.compile("^2: ")).click()
     view.sees(told, lambda text: text.startswith("mode 2: "), "not the second")
+    view.button("One step").click()
+    later = re.compile(r"mode 2: .* t = (?!0 s)")
+    view.sees(told, lambda text: bool(later.match(text)), "those of the state before")
     view.button("Mode shapes").click()
     view.sees(told, None, "it is still shown")

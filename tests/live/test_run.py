@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import rodgen
+from rodgen.integrate.live import FOR_LOOKING
 from rodgen.live.run.live_run import BEYOND, PAUSED, RUNNING, STOPPED, LiveRun
 from rodgen.live.run.page_state import AHEAD
 from rodgen.live.run.scenes import edit
@@ -212,6 +213,20 @@ def test_method_without_a_stable_step_is_refused(run: LiveRun) -> None:
         run.do(lambda: run.live.step_for("euler")).result()
 
 
+def test_plots_of_all_energies_follow_what_there_is(run: LiveRun, scene: Scene) -> None:
+    """Springs that become a chain, in the place of the plot that there was."""
+    for y in (["energy"], ["phi_0"]):
+        run.do(lambda y=y: run.add_plot({"kind": "time", "y": y})).result()
+    chain = edit(scene, [(("rod", "bending_stiffness"), 0.0)])
+    before = "p1"
+    for values in (chain, scene):
+        run.do(lambda values=values: run.change(values)).result()
+        energies, other = run.plots
+        assert (energies == before, other) == (False, "p2")  # rows of another width
+        assert ("spring_energy" in run.plots[energies].names) == (values is scene)
+        before = energies
+
+
 class Missed(Pace):
     """Says that real time is missed."""
 
@@ -222,23 +237,30 @@ def test_tolerance_for_looking_is_taken_where_real_time_is_missed(
     run: LiveRun, scene: Scene
 ) -> None:
     """And said, in the record as well; once it was taken back, it is not taken again by itself
-    before the scene has another tolerance. The scene itself keeps its own."""
-    run.pace = Missed()
-    run.do(run.go).result()
-    until(lambda: run.live.settings.method, "gauss", "it is not taken")
+    before the scene has another tolerance. The scene itself keeps its own, and a loop goes on."""
+    run.do(run.go_round).result()
+    run.do(lambda: run.roughen(True)).result()
+    first = run.live.settings
+    assert (first.method, first.rtol, first.atol) == ("gauss", 1e-5, 1e-8)
+    run.do(lambda: run.roughen(False)).result()
+    run.strict, run.pace = False, Missed()
+    run.do(run.go_round).result()
+    until(lambda: run.live.rough, len(FOR_LOOKING), "it is not taken")
+    run.do(lambda: None).result()  # the frame is over
+    assert run.goes_round
     used = run.live.settings
-    assert (used.method, used.rtol, used.atol) == ("gauss", 1e-3, 1e-6)
+    assert (used.method, used.rtol, used.atol) == ("radau", 1e-3, 1e-6)
     assert run.present().settings == used
     assert run.live.scene == scene
     past(run, 0.1)
-    assert "gauss at rtol 0.001 for looking at t = " in run.do(run.solution).result().message
+    assert "radau at rtol 0.001 for looking at t = " in run.do(run.solution).result().message
     run.do(lambda: run.roughen(False)).result()
     past(run, float(run.shown.t[-1]) + 0.1)
     assert not run.live.rough
     assert run.live.settings == scene.integrate
     other = edit(scene, [(("integrate", "rtol"), 1e-7)])
     run.do(lambda: run.change(other)).result()
-    until(lambda: run.live.settings.method, "gauss", "it is not taken")
+    until(lambda: run.live.rough, len(FOR_LOOKING), "it is not taken")
     run.do(run.pause).result()
     run.do(lambda: run.change(scene)).result()
     assert run.live.settings == scene.integrate

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -52,6 +54,43 @@ def test_changes_without_end_cost_no_memory() -> None:
         store.add(Samples(np.array([float(k)]), np.full((1, 2), float(k)), np.empty((1, 0))))
     assert len(store._epochs) <= MOST + 1
     assert all(chunk.p[0] == chunk.t[0] for chunk in store.chunks())
+
+
+def test_few_of_many_parameters_that_change_cost_little() -> None:
+    """A pull that is moved, of a rod whose module has thousands of parameters: two of them change
+    with every sample. Then all do."""
+    many, count = 4000, 3000
+    p = np.arange(float(many))
+    tracemalloc.start()
+    store = Store(2, (), start=0.0)
+    for k in range(count):
+        p[[7, 3000]] = k, -k
+        store.change(p, 0.0)
+        store.add(Samples(np.array([float(k)]), np.full((1, 2), float(k)), np.empty((1, 0))))
+    held, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    store.change(-p, 0.5)
+    store.add(Samples(np.array([float(count)]), np.zeros((1, 2)), np.empty((1, 0))))
+    assert held < 0.1 * 8 * many * count
+    *moved, last = store.chunks()
+    for k, chunk in enumerate(moved):
+        assert (chunk.p[7], chunk.p[3000], chunk.p[8]) == (k, -k, 8.0)
+    np.testing.assert_array_equal(last.p, -p)
+
+
+def test_what_comes_after_a_time_is_dropped() -> None:
+    store = Store(4, ("follower",), start=0.0)
+    for number, first in enumerate((0, 10, 20)):
+        store.change(np.array([float(number)]), 0.0)
+        store.add(_samples(first, first + 10))
+    last = store.back_to(14.5)
+    assert (last.t.tolist(), last.p.tolist()) == ([14.0], [1.0])
+    store.change(np.array([5.0]), 0.0)
+    store.add(_samples(30, 32))
+    found = [(chunk.t.tolist(), chunk.p[0]) for chunk in store.chunks()]
+    times = [list(range(10)), list(range(10, 15)), [30, 31]]
+    assert found == list(zip(times, (0.0, 1.0, 5.0), strict=True))
+    assert store.back_to(-1.0).t == [0.0]  # something is always shown
 
 
 def test_sample_is_found_by_its_time_and_by_its_neighbours() -> None:

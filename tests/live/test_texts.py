@@ -116,7 +116,7 @@ def test_rows_are_those_of_the_scene(make_scene: Make, links: int, terms: tuple[
     scene = make_scene(links, terms=terms)
     titles = keys(scene)
     rows = [key for found in titles.values() for key in found]
-    assert set(shown(scene)) == set(rows)
+    assert set(shown(scene)) == set(rows) - {"t"}  # which comes with every picture
     assert ("Loads and damping" in titles) == bool(terms)
     assert ("Critical force" in titles) == ("follower" in terms)
     assert ("gravity_energy" in rows) == ("gravity" in terms)
@@ -202,16 +202,15 @@ def test_how_the_run_goes(make_scene: Make) -> None:
     found = shown(scene, t=12.3, counts=counts, seconds=7.126, ratio=1.7264, settings=used)
     stripped = {key: text.strip() for key, text in found.items()}
     assert stripped["method"] == "radau (auto)"
-    assert stripped["t"] == "12.30"  # samples are 0.02 s apart
     assert stripped["seconds"] == "7.13"
     assert stripped["ratio"] == "1.73"
     assert stripped["steps"] == "1\u202f234\u202f567"
     assert stripped["rejected"] == "89"
     assert stripped["rhs"] == "12"
     assert float(stripped["rtol"]) == 1e-10
-    rough = scene.integrate.model_copy(update=FOR_LOOKING)
+    rough = scene.integrate.model_copy(update=FOR_LOOKING[-1])
     found = shown(scene, settings=rough)
-    assert found["method"] == "gauss (for looking)"
+    assert found["method"] == f"{FOR_LOOKING[-1]['method']} (for looking)"
     assert (float(found["rtol"]), float(found["atol"])) == (1e-3, 1e-6)
     fixed_step = make_scene(2, method="rk4", step=0.001)
     found = shown(fixed_step)

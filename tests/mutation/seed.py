@@ -15,10 +15,10 @@ import tempfile
 import time
 from pathlib import Path
 
+from tests.cache import CACHES
 from tests.mutation.faults import FAULTS, Fault
 
 ROOT = Path(__file__).parents[2]
-CACHES = ROOT / "build" / "test-cache"
 PACKAGES = {"src/rodgen": "rodgen", "derive": "rodgen/derive", "templates": "rodgen/templates"}
 FOUND, MISSED, GONE = "found", "MISSED", "GONE"
 
@@ -36,9 +36,10 @@ def place(fault: Fault, layout: Path) -> Path:
     there more than once."""
     room = layout / "rodgen" / fault.room.removeprefix("rodgen").strip("/")
     files = sorted(path for path in room.rglob("*") if path.is_file() and path.suffix != ".so")
-    texts = {path: path.read_text(encoding="utf-8") for path in files}
-    holding = [path for path, text in texts.items() if fault.right in text]
-    count = sum(texts[path].count(fault.right) for path in holding)
+    right = fault.right.encode()
+    texts = {path: path.read_bytes() for path in files}  # some are no text
+    holding = [path for path, text in texts.items() if right in text]
+    count = sum(texts[path].count(right) for path in holding)
     if count != 1:
         names = ", ".join(path.relative_to(layout).as_posix() for path in holding)
         raise LookupError(f"{fault.right!r} stands {count} times in {fault.room} ({names})")

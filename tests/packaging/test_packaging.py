@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,8 @@ SUFFIXES = (
     ".toml",
     ".html",
     ".LICENSE",
+    ".svg",
+    ".woff2",
 )
 MAPPED = {
     "rodgen": "src/rodgen",
@@ -72,6 +75,27 @@ def test_wheel_holds_the_tree(wheel: Path) -> None:
     assert {f"rodgen/{name}" for name in packages} <= packed
 
 
+@pytest.mark.long
+def test_sdist_makes_the_same_wheel(wheel: Path, tree: Path, tmp_path: Path) -> None:
+    """What is released as source holds what is installed, and neither tests nor evidence."""
+    program = f"from setuptools import build_meta; build_meta.build_sdist({str(tmp_path)!r})"
+    subprocess.run([sys.executable, "-c", program], cwd=tree, check=True, capture_output=True)
+    (packed,) = tmp_path.glob("*.tar.gz")
+    shutil.unpack_archive(packed, tmp_path, filter="data")
+    (source,) = (path for path in tmp_path.iterdir() if path.is_dir())
+    assert (source / "CHANGELOG.md").exists()
+    assert not (source / "tests").exists()
+    assert not (source / "evidence").exists()
+    _pip("wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", "made", ".", cwd=source)
+    (again,) = source.glob("made/*.whl")
+    assert _contents(again) == _contents(wheel)
+
+
+def _contents(path: Path) -> dict[str, bytes]:
+    with zipfile.ZipFile(path) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
 PROGRAM = """
 import pathlib, sys
 import rodgen
@@ -98,6 +122,7 @@ def _works(python: Path, home: Path, cwd: Path, **env: str) -> None:
     assert (done.returncode, done.stdout) == (0, "2\n"), done.stderr
 
 
+@pytest.mark.long
 def test_installed_wheel_derives_and_emits(wheel: Path, tmp_path: Path) -> None:
     home = tmp_path / "installed"
     _pip("install", "--no-deps", "--target", str(home), str(wheel), cwd=tmp_path)
@@ -138,6 +163,13 @@ def test_running_a_built_scene_needs_no_sympy() -> None:
     program = "import sys; sys.modules['sympy'] = None; import rodgen; "
     program += "rodgen.build(rodgen.Structure(3))"
     subprocess.run([sys.executable, "-c", program], check=True)
+
+
+def test_what_jax_is_needed_for_says_how_it_is_had(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "jax", None)
+    monkeypatch.delitem(sys.modules, "rodgen.jax", raising=False)
+    with pytest.raises(ImportError, match=r'pip install "\.\[jax\]"'):
+        import_module("rodgen.jax")
 
 
 def test_every_public_name_is_there() -> None:

@@ -1,35 +1,132 @@
-"""The page of public names has all of them, and every public function tells what a user needs."""
+"""The reference has all public names, and tells of each what a user needs, units included."""
 
 from __future__ import annotations
 
 import inspect
 import re
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
+
+import pytest
+from names import shown  # of docs/site, as is the next
+from pydantic import BaseModel
+from told import sections, told
 
 import rodgen
+from rodgen.scene.integration import Integrate
 
-PAGE = Path(__file__).parents[2] / "docs" / "reference" / "python.md"
-SECTIONS = ("Parameters", "Returns", "Examples")
+ROOT = Path(__file__).parents[2]
 
 
-def test_page_has_every_public_name() -> None:
-    shown = re.findall(r"^\.\. auto\w+:: rodgen\.(\w+)$", PAGE.read_text(), re.MULTILINE)
-    assert sorted(shown) == sorted(rodgen.__all__)
+def _text(folder: Path, ending: str) -> str:
+    return "\n".join(one.read_text(encoding="utf-8") for one in folder.rglob(f"*.{ending}"))
+
+
+TEXT = _text(ROOT / "docs" / "reference" / "python", "md")
+CODE = "\n".join(  # of examples that are run: in docstrings, on pages, in the gallery
+    (
+        *re.findall(r"^ *(?:>>>|\.\.\.) .*$", _text(ROOT / "src" / "rodgen", "py"), re.M),
+        *re.findall(r"^```python\n(.*?)^```", _text(ROOT / "docs", "md"), re.M | re.S),
+        _text(ROOT / "docs" / "gallery", "py"),
+    )
+)
+NAMES = {name: getattr(rodgen, name) for name in rodgen.__all__}
+FUNCTIONS = [name for name, one in NAMES.items() if inspect.isfunction(one)]
+CLASSES = [name for name, one in NAMES.items() if inspect.isclass(one)]
+RESULTS = [name for name in CLASSES if not issubclass(NAMES[name], BaseException)]
+INHERITED = {name for one in (BaseModel, tuple, object) for name in dir(one)}
+NUMBER = re.compile(r"\b(float|complex|Array|ArrayLike|Any\]\]|float64\])")
+UNIT = re.compile(
+    r"\[(1/)?([km]?(g|m|s|N|J|W|Hz)|rad|pixels)\b[^]]*\]|dimensionless|SI units|\bunits? of "
+)
+
+
+def test_pages_have_every_public_name() -> None:
+    listed = re.findall(r"^\.\. auto(?:function|class|exception):: rodgen\.(\w+)$", TEXT, re.M)
+    assert sorted(listed) == sorted(NAMES)
 
 
 def test_classes_have_an_example() -> None:
-    classes = [getattr(rodgen, name) for name in rodgen.__all__]
-    missing = [
-        one.__name__
-        for one in filter(inspect.isclass, classes)
-        if "\nExamples\n--------\n>>> " not in (inspect.getdoc(one) or "")
-    ]
-    assert not missing
+    example = "\nExamples\n--------\n>>> "
+    assert not [name for name in CLASSES if example not in (inspect.getdoc(NAMES[name]) or "")]
 
 
-def test_functions_tell_what_they_take_and_return_with_an_example() -> None:
-    functions = [getattr(rodgen, name) for name in rodgen.__all__]
-    for one in filter(inspect.isfunction, functions):
-        text = inspect.getdoc(one) or ""
-        missing = [name for name in SECTIONS if f"\n{name}\n{'-' * len(name)}\n" not in text]
-        assert not missing, (one.__name__, missing)
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_functions_tell_what_they_take_and_return_with_an_example(name: str) -> None:
+    parts = sections(inspect.getdoc(NAMES[name]) or "")
+    assert {"Parameters", "Returns", "Examples"} <= parts.keys()
+    assert not [*_untold(NAMES[name])]
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_classes_tell_of_their_fields_and_members(name: str) -> None:
+    kind = NAMES[name]
+    text, fields = told(inspect.getdoc(kind) or ""), _fields(kind)
+    holes = [one for one in fields if one not in text or _bare(fields[one], text[one])]
+    shown, parts = _entries(name)
+    holes += [one for one in shown if not re.search(rf"\.{one}\b", CODE)]
+    for member in {*dir(kind)} - INHERITED - fields.keys():
+        if not member.startswith("_"):
+            holes += [member] * (member not in shown | parts)
+            holes += _untold(inspect.getattr_static(kind, member), member)
+    assert not holes
+
+
+def test_lists_of_names_are_shown_as_lists() -> None:
+    text = "t: times [s], (T,); low, high (m, 2): the range; where: it is.\nBy default: all"
+    assert shown(text)[:2] == ["- ``t``: times [s], (T,).", "- ``low, high (m, 2)``: the range."]
+    assert shown("A sentence, which ends here: so.") == ["A sentence, which ends here: so.", ""]
+    assert told(text)["high"] == "the range"
+
+
+def _fields(kind: Any) -> dict[str, str]:
+    """Fields of a dataclass, a named tuple or a scene, with their types as text."""
+    names = next(
+        getattr(kind, name)
+        for name in ("__dataclass_fields__", "model_fields", "_fields")
+        if hasattr(kind, name)
+    )
+    types = {name: of for one in kind.__mro__[::-1] for name, of in _types(one).items()}
+    return {name: types[name] for name in names}
+
+
+def _types(one: Any) -> dict[str, str]:
+    return {name: str(of) for name, of in inspect.get_annotations(one).items()}
+
+
+def _entries(name: str) -> tuple[set[str], set[str]]:
+    """Members of a class that the reference shows with it, and those that it shows as parts, which
+    no example has to use."""
+    kind = NAMES[name]
+    found = re.search(rf"^\.\. autoclass:: rodgen\.{name}\n(?:   :members:(.*))?", TEXT, re.M)
+    assert found
+    members = {*dir(kind)} - INHERITED - _fields(kind).keys()
+    every = {one for one in members if not one.startswith("_")}
+    listed = {*(found[1] or "").replace(" ", "").split(",")} - {""}
+    with_it = every if found[1] == "" else listed
+    parts = rf"^\.\. auto(?:method|property):: rodgen\.{name}\.(\w+)$"
+    return with_it, {*re.findall(parts, TEXT, re.M)}
+
+
+def _untold(member: Any, name: str = "") -> Iterator[str]:
+    """What a function, a method or a property says nothing of: itself, arguments, or units."""
+    function = next(
+        (getattr(member, of) for of in ("fget", "func", "__func__") if hasattr(member, of)), member
+    )
+    text, types = inspect.getdoc(function) or "", _types(function)
+    meanings, parts = told(text), sections(text)
+    if not text:
+        yield name
+    for one in inspect.signature(function).parameters:
+        if one in ("self", "cls") or (one in Integrate.model_fields and "[integrate]" in text):
+            continue
+        if one not in meanings or _bare(types.get(one, ""), meanings[one]):
+            yield f"{name}({one})"
+    if _bare(types.get("return", ""), parts.get("Returns", parts[""])):
+        yield f"{name} returns"
+
+
+def _bare(of: str, text: str) -> bool:
+    """Whether a number or an array of numbers has neither a unit nor says that it needs none."""
+    return bool(NUMBER.search(of)) and not UNIT.search(text)

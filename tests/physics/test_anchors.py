@@ -15,7 +15,7 @@ from rodgen.loading import build
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.contents import contents
-from rodgen.show.pictures import shapes
+from rodgen.show.shape_picture import shapes
 from tests.agreement import assert_implicit_steps_are_explicit, differences
 from tests.palette import cases
 
@@ -124,6 +124,7 @@ def test_implicit_steps_are_explicit_ones_and_energy_is_kept(boundary: str) -> N
     assert_implicit_steps_are_explicit(scene, 1e-8, 1e-8, atol=1e-12)
 
 
+@pytest.mark.long
 def test_a_stiff_support_at_the_nose_pins_it() -> None:
     held = _scene("free", supports=[{"at": 0.0, "stiffness": [1e9, 1e9]}])
     found = rodgen.natural_modes(held, 6).frequencies
@@ -157,6 +158,7 @@ def test_a_support_against_turning_is_the_root_of_a_clamped_rod() -> None:
     np.testing.assert_allclose(found[0], found[1], rtol=1e-9)
 
 
+@pytest.mark.long
 def test_a_propped_rod_by_extrapolation() -> None:
     """Clamped and simply supported at the other end: (beta L)^2 of tan = tanh, 15.41820571698."""
     links, found = (10, 20, 40), []
@@ -222,7 +224,7 @@ def test_what_a_scene_holds_names_its_anchors() -> None:
 def test_pictures_show_where_supports_are_fixed() -> None:
     tables = {"supports": SUPPORTS, "foundation": {"stiffness": 1.0}}
     scene = _scene("free", integrate={"span": [0.0, 0.1]}, **tables)
-    (axes, _) = shapes(rodgen.simulate(scene, target="numpy")).axes
+    axes, *_ = shapes(rodgen.simulate(scene, target="numpy")).axes
     fixed = {tuple(line.get_xydata()[0]) for line in axes.lines if line.get_marker() == "^"}
     assert fixed == {(0.0, 0.0), (0.7, 0.1), (2.0, 0.0)}
     springs = [line.get_xydata() for line in axes.lines if line.get_linestyle() == ":"]

@@ -196,6 +196,7 @@ HOW: dict[str, tuple[dict[str, float], float]] = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("target", ["numpy", "c"])
 @pytest.mark.parametrize("method", HOW)
 def test_a_mass_that_jumps_takes_its_energy_along(method: str, target: str) -> None:

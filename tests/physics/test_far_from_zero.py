@@ -46,6 +46,7 @@ def swing(start: float, method: str) -> Scene:
     )
 
 
+@pytest.mark.long
 @pytest.mark.compiler
 @cases("way, start", WAYS, (-NOW, NOW, 1e11), strength=1)
 def test_motion_is_that_of_a_run_from_zero(way: tuple[str, str], start: float) -> None:

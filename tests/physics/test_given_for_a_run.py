@@ -130,6 +130,23 @@ def test_a_load_may_become_a_number(make_scene: Make) -> None:
         rodgen.simulate(timed, model=model, parameters={"tip_force_y": 2.0})
 
 
+def test_a_number_that_no_expression_names_is_not_changed() -> None:
+    """It would change nothing; one that an expression comes to name by the change is."""
+    rod = {"links": 3, "length": 1.0, "mass": 1.0, "bending_stiffness": "EI0*(2 - s)"}
+    scene = Scene.from_dict({"name": "EI", "rod": rod, "parameters": {"EI0": 3.0, "EI": 2.0}})
+    assert with_parameters(scene, {"EI0": 4.0}) == scene.replace({"parameters.EI0": 4.0})
+    for changed in (
+        lambda: with_parameters(scene, {"EI": 1.0}),
+        lambda: scene.replace({"parameters.EI": 1.0}),
+        lambda: scene.replace({"parameters.P9": 1.0}),
+        lambda: rodgen.study(scene, vary={"parameters.P9": [1.0, 2.0]}, what="modes"),
+    ):
+        with pytest.raises(rodgen.SceneError, match=r"(EI|P9)'?( = 1\.0)?: must be .*EI0"):
+            changed()
+    law = {"parameters.P9": 1.0, "rod.bending_stiffness": "P9*(2 - s)"}
+    assert scene.replace(law).numbers["P9"] == 1.0
+
+
 def test_moments_and_forces_of_a_run(scene: Scene, tmp_path: Path) -> None:
     sol = rodgen.simulate(scene, target="numpy")
     stiffness = 30.0 / (2.0 / 5)  # EI over the length of a link

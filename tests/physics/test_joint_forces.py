@@ -53,6 +53,7 @@ def test_shear_is_the_slope_of_the_moment_at_rest(make_scene: Make) -> None:
     np.testing.assert_allclose(piece.values("reaction"), [3.0, -5.0], atol=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("boundary", ["free", *HELD])
 @pytest.mark.parametrize("inertia", ["uniform", "lumped"])
 def test_momentum_of_what_is_behind_a_joint(make_scene: Make, boundary: str, inertia: str) -> None:
@@ -86,6 +87,67 @@ def test_momentum_of_what_is_behind_a_joint(make_scene: Make, boundary: str, ine
     np.testing.assert_allclose(piece.values("joint_forces"), expected, atol=1e-6, rtol=1e-7)
 
 
+@pytest.mark.parametrize("boundary", ["free", *HELD])
+@pytest.mark.parametrize("inertia", ["uniform", "lumped"])
+def test_momenta_grow_by_loads_and_reaction(make_scene: Make, boundary: str, inertia: str) -> None:
+    """Newton's and Euler's laws for the whole rod: what momenta gain along the motion is what all
+    forces, and their moments about the same point, do to it; with dampers in the clamp."""
+    terms = (*JOINTED, "material_damping")
+    scene = make_scene(4, boundary, terms, {"inertia": inertia})
+    rng = np.random.default_rng(5)
+    at_start = scene.initial_state()
+    piece = piece_of(scene, at_start + 0.3 * rng.standard_normal(len(at_start)))
+    y, h = piece.y, 1e-6
+    rates = piece.model.rhs(0.3, y, piece.p)
+    sides = [Piece(piece.model, piece.p, y + way * h * rates) for way in (1, -1)]
+    gained, turned = (
+        (sides[0].values(name) - sides[1].values(name)) / (2 * h)
+        for name in ("momentum", "angular_momentum")
+    )
+    joints, first = piece.values("joints"), scene.hold.first
+    free = boundary == "free"
+    about = piece.values("centre_of_gravity") if free else joints[first]
+    # What acts on a joint that does not move is borne by what holds it.
+    loads = sum(piece.values("forces").values())[0 if free else first + 1 :]
+    arms = joints[0 if free else first + 1 :] - about
+    middles = (joints[first:-1] + joints[first + 1 :]) / 2 - about
+    weight = -9.81 * scene.rod.mass / 4
+    forces = loads.sum(axis=0) + np.array([0.0, weight * len(middles)])
+    moment = np.sum(arms[:, 0] * loads[:, 1] - arms[:, 1] * loads[:, 0])
+    moment += weight * middles[:, 0].sum()
+    forces += 0.0 if free else piece.values("reaction")
+    moment += piece.values("reaction_moment") if boundary in ("clamped", "cantilever") else 0.0
+    # The difference has an error of h^2 and of eps/h.
+    np.testing.assert_allclose(gained, forces, rtol=1e-7, atol=1e-7)
+    np.testing.assert_allclose(turned, moment, rtol=1e-7, atol=1e-7)
+
+
+def test_momenta_of_an_uneven_rod_are_those_of_its_energy() -> None:
+    """With bodies beside the axis and mass that burns: kinetic energy is quadratic in the rates, so
+    that what it gains by further rates, that carry all mass by 1 m/s or turn it about the centre by
+    1 rad/s, is the momentum; a difference of any size is exact."""
+    scene = Scene.example("sounding_rocket")
+    piece = piece_of(scene, t=1.0)
+    size = len(scene.initial_state()) // 2 - len(piece.added) // 2
+    rng = np.random.default_rng(6)
+    y = piece.y + 0.1 * rng.standard_normal(len(piece.y))
+    piece = piece_of(scene, y, t=1.0)
+    turn = np.ones(size)
+    out = piece.values("base") - piece.values("centre_of_gravity")
+    turn[0], turn[1] = -out[1], out[0]
+    found = []
+    for further in (*np.eye(2, size), turn):
+        energies = []
+        for way in (1, -1):
+            other = y.copy()
+            other[size : 2 * size] += way * further
+            energies.append(piece_of(scene, other, t=1.0).values("kinetic_energy"))
+        found.append((energies[0] - energies[1]) / 2)
+    expected = [*piece.values("momentum"), piece.values("angular_momentum")]
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
+@pytest.mark.long
 def test_of_an_uneven_rod_they_solve_the_equations() -> None:
     """Bodies, mass that burns, drag, wind, feedback: with the accelerations of `rhs` and these
     forces the equations of derivation 3 have no residual; and each state stands for itself."""
@@ -105,6 +167,12 @@ def test_of_an_uneven_rod_they_solve_the_equations() -> None:
     broken[1] = np.nan
     np.testing.assert_array_equal(forces_per_mass(model, times, broken, p)[::2], force[::2])
     assert np.isnan(forces_per_mass(model, times, broken, p)[1]).all()
+
+
+def test_what_a_boundary_does_not_have_is_refused(make_scene: Make) -> None:
+    for boundary, name in (("free", "reaction"), ("pinned", "reaction_moment"), ("pinned", "base")):
+        with pytest.raises(KeyError, match=name):
+            piece_of(make_scene(2, boundary)).values(name)
 
 
 def test_of_a_run_by_both_targets(make_scene: Make) -> None:

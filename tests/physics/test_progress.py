@@ -156,6 +156,8 @@ def test_no_bar_where_it_is_not_wanted(make_scene: Make) -> None:
     with _looked_at() as terminal:
         rodgen.simulate(scene, target="numpy", progress=False)
         rodgen.simulate(scene, target="numpy", progress=_Told())
+        vary = {"initial.phi": [0.1, 0.2]}
+        rodgen.study(scene, vary, what="static", workers=1, progress=False)
     assert not terminal.getvalue()
 
 

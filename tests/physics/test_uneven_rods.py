@@ -170,6 +170,7 @@ def test_ziegler_pendulum() -> None:
         assert found.force == pytest.approx(3.5 - np.sqrt(2), rel=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("boundary", ["clamped", "free"])
 def test_critical_forces_of_tapered_rods_with_bodies_are_of_second_order(boundary: str) -> None:
     """Masses at both ends, and one with inertia in the middle of a link, whose angle is there that

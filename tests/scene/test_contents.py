@@ -56,9 +56,9 @@ def test_what_a_scene_holds_names_every_load_body_support_and_state() -> None:
     assert "s = 0.5" in present["follower 2"]
     assert "phi(0)" in present["follower 2"]
     assert "link 0" in present["follower 3"]
-    assert {"gravity", "body engine", "support 1", "support 2", "state lag"} <= {*present}
-    assert "7 N/m along y" in present["support 1"]
-    assert "4 N m/rad" in present["support 2"]
+    assert {"gravity", "body engine", "support 0", "support 1", "state lag"} <= {*present}
+    assert "7 N/m along y" in present["support 0"]
+    assert "4 N m/rad" in present["support 1"]
     assert in_words(scene) == [
         "follower",
         "follower 2",

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any, get_args, get_origin
 
+import annotated_types
 import pytest
+from pydantic.fields import FieldInfo
 
-from rodgen.model.parameter import LINKS, POSITIVE, Parameter
-from rodgen.model.rod import BOUNDARIES, INERTIAS, ROD
+from rodgen.model.parameter import LINKS, Parameter
+from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import TERMS
+from rodgen.scene import Scene
+from rodgen.scene.tables import Table
 
 PAGE = Path(__file__).parents[2] / "docs" / "scenes.md"
 TIMED = "a number or an expression in t"
@@ -35,6 +41,73 @@ def _key(one: Parameter) -> str:
     return _row(key, value, default)
 
 
+def _parts(kind: Any) -> Iterator[Any]:
+    """Types and limits of which a type is made."""
+    yield kind
+    for one in (*get_args(kind), *getattr(kind, "__metadata__", ())):
+        yield from _parts(one)
+
+
+def _limit(field: FieldInfo) -> str:
+    """What numbers of a key may be."""
+    found = [*field.metadata, *_parts(field.annotation)]
+    found += [one for info in found if isinstance(info, FieldInfo) for one in info.metadata]
+    if any(isinstance(one, annotated_types.Gt) for one in found):
+        return ", above 0"
+    at_least = any(isinstance(one, annotated_types.Ge) and one.ge == 0 for one in found)
+    bounded = any(isinstance(one, annotated_types.Le) and one.le == 1 for one in found)
+    described = "at least 0" in str(field.description)
+    return ", at least 0" * (at_least and not bounded and not described)
+
+
+def _default(field: FieldInfo) -> str:
+    """What holds where a key is absent."""
+    value = field.default
+    if field.is_required():
+        return "required"
+    if isinstance(value, list):
+        return f"`[{', '.join(f'{one:g}' for one in value)}]`"
+    if isinstance(value, str):
+        return f'`"{value}"`'
+    return "none" if value is None or field.default_factory else f"{value:g}".replace("e-0", "e-")
+
+
+def _field(key: str, field: FieldInfo) -> str:
+    """The row of a key of a table; what it is without it is its default."""
+    assert field.description, f"{key} has no description"
+    value, _, without = field.description.partition("; without it ")
+    what = re.match("[^:;]*", value)
+    assert what is not None
+    return _row(
+        f"`{key}`", what[0] + _limit(field) + value[what.end() :], without or _default(field)
+    )
+
+
+def _tables(*names: str) -> Iterator[str]:
+    """A table of the page for every one of these tables of a scene."""
+    for name in names:
+        field = Scene.model_fields[name]
+        kinds = [*_parts(field.annotation)]
+        (table,) = {kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Table)}
+        several = {list: f"[[{name}]]", dict: f"[{name}.NAME]"}
+        head = next((several[kind] for kind in map(get_origin, kinds) if kind in several), None)
+        text = " ".join(str(table.__doc__).rstrip(".").split())
+        text = text[0].lower() + text[1:] + "; any number of these tables" * (head is not None)
+        yield from (_row("key", "value", "default"), "|---|---|---|")
+        yield _row(f"**{head or f'[{name}]'}**", text, "")
+        yield from (_field(key, one) for key, one in table.model_fields.items())
+        if name != names[-1]:
+            yield ""
+
+
+def _first() -> Iterator[str]:
+    """The name of a scene, and the numbers that its expressions name."""
+    yield from (_row("key", "value", "default"), "|---|---|---|")
+    fields = Scene.model_fields
+    yield _field("name", fields["name"])
+    yield _row("**[parameters]**", str(fields["numbers"].description), "")
+
+
 def _loads() -> Iterator[str]:
     yield from (_row("key", "value", "default"), "|---|---|---|")
     for term in (one for one in TERMS.values() if one.loads):
@@ -42,7 +115,9 @@ def _loads() -> Iterator[str]:
         yield _row(f"**[loads.{term.table}]**", term.description + several, "")
         yield from map(_key, term.parameters)
         if term.placed:
-            yield _row("`at`", "s of the point where it acts, from 0 (nose) to 1 (tail)", "1")
+            yield _row(
+                "`at`", "s of the point where it acts, from 0 (nose or root) to 1 (tail)", "1"
+            )
 
 
 def _boundaries() -> Iterator[str]:
@@ -56,7 +131,16 @@ def _boundaries() -> Iterator[str]:
         yield _row(f"`{name}`", joint, links, one.description)
 
 
-@pytest.mark.parametrize(("name", "lines"), [("loads", _loads()), ("boundaries", _boundaries())])
+@pytest.mark.parametrize(
+    ("name", "lines"),
+    [
+        ("scene", _first()),
+        ("rod", _tables("rod", "bodies", "supports", "foundation")),
+        ("loads", _loads()),
+        ("run", _tables("states", "initial", "events", "integrate")),
+        ("boundaries", _boundaries()),
+    ],
+)
 def test_tables_of_the_page_are_the_vocabulary(
     name: str, lines: Iterator[str], pytestconfig: pytest.Config
 ) -> None:
@@ -68,16 +152,3 @@ def test_tables_of_the_page_are_the_vocabulary(
         PAGE.write_text(before + begin + wanted + end + after)
     else:
         assert there == wanted
-
-
-def test_the_page_names_what_else_a_rod_has() -> None:
-    page = PAGE.read_text()
-    rows = page.partition("| **[rod]** |")[2].partition("\n\n")[0].splitlines()
-    for one in ROD:
-        limit = "above 0" if one.rule == POSITIVE else one.rule
-        (row,) = (r for r in rows if f"`{one.key}`" in r.split("|")[1])
-        assert limit in row
-    for name, inertia in INERTIAS.items():
-        assert f'`"{name}"`: {inertia.description}' in page
-    for boundary in BOUNDARIES:
-        assert f'`"{boundary}"`' in page

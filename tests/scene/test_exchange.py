@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import inspect
+import pickle
 from collections.abc import Callable
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+import rodgen
 from rodgen.integrate.reductions import checked
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.examples import about, example, examples, renamed
+from rodgen.scene.examples import about, copies, example, examples
+from rodgen.scene.integration import Integrate
 from rodgen.scene.keys import with_value
 from tests.scene.tables import ROD
 
@@ -28,7 +33,7 @@ def test_an_example_copied_anywhere_is_the_same_scene(name: str, tmp_path: Path)
     assert given == Scene.from_toml(example(name))
     assert given.name == name
     path = tmp_path / "mine.toml"
-    path.write_text(renamed(name, "mine"), encoding="utf-8")
+    path.write_text(copies(example(name), "mine")["mine.toml"], encoding="utf-8")
     assert Scene.from_toml(path) == given.replace({"name": "mine"})
     path.write_text(given.to_toml(), encoding="utf-8")
     again = Scene.from_toml(path)
@@ -88,7 +93,10 @@ def test_another_number_of_links_converts_damping() -> None:
     ("changes", "says"),
     [
         ({"rod.mass": -1.0}, "rod.mass = -1"),
-        ({"rod.links": "many"}, "links = 'many'"),
+        ({"rod.links": "many"}, r"rod\.links = 'many'"),
+        ({"rod.links": None}, r"rod\.links = \(missing\)"),
+        ({"loads.graviti": None}, r"loads\.graviti = None.*did you mean gravity"),
+        ({"lods.follower.force": None}, "lods = None.*did you mean loads"),
         ({"rod.mass.x": 1.0}, "rod.mass is 1"),
         ({"lods.follower": 1.0}, "not a known key"),
         ({"": 1.0}, "not a known key"),
@@ -108,6 +116,40 @@ def test_a_scene_says_that_it_does_not_change() -> None:
     with pytest.raises(AttributeError, match=r"Scene.name cannot be deleted.*scene.replace\("):
         del given.name
     assert given == scene()
+
+
+CHANGES: list[Callable[[Scene], object]] = [
+    lambda given: given.bodies.append(given.bodies[0]),
+    lambda given: given.bodies.sort(),
+    lambda given: given.integrate.span.__setitem__(0, 0.5),
+    lambda given: given.integrate.span.__iadd__([0.5]),
+    lambda given: given.numbers.update(a=4.0),
+    lambda given: given.numbers.__ior__({"a": 4.0}),
+    lambda given: given.numbers.__delitem__("a"),
+]
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_lists_and_dictionaries_of_a_scene_do_not_change(change: Callable[[Scene], object]) -> None:
+    """Else two equal scenes had two hashes; copies of them change, and tables are plain."""
+    given = scene(bodies=[{"name": "a", "at": 0.5, "mass": 1.0}], parameters={"a": 3.0})
+    before = hash(given)
+    with pytest.raises(TypeError, match=r"a (list|dictionary) of a scene.*scene.replace\("):
+        change(given)
+    assert hash(given) == before
+    for again in (deepcopy(given), pickle.loads(pickle.dumps(given))):
+        assert (again, hash(again)) == (given, before)
+        with pytest.raises(TypeError, match="scenes do not change"):
+            change(again)
+    table = given.to_dict()
+    table["bodies"].append({"name": "b", "at": 0.5, "mass": 1.0})
+    assert len(given.replace({"bodies": [*given.bodies]}).bodies) == 1 < len(table["bodies"])
+
+
+@pytest.mark.parametrize("function", [rodgen.simulate, rodgen.simulate_many, Scene.with_integrate])
+def test_keywords_of_integration_are_in_signatures(function: Callable[..., object]) -> None:
+    """Notebooks and editors complete what they find there."""
+    assert set(inspect.signature(function).parameters) >= set(Integrate.model_fields)
 
 
 def test_equal_scenes_have_one_hash() -> None:

@@ -23,7 +23,7 @@ def _shown(name: str, one: Finding) -> str:
 
 
 def _rows() -> Iterator[str]:
-    yield from ("| `what =` | there is, **at first** and to be asked for |", "|---|---|")
+    yield from ("| `what =` | what can be kept; **bold** is kept if none is named |", "|---|---|")
     for what, found in FINDINGS.items():
         kept = ", ".join(_shown(name, one) for name, one in found.items())
         yield f'| `"{what}"` | {kept} |'

@@ -97,6 +97,7 @@ def test_any_number_of_a_scene_can_be_varied(key: str, value: Any, of_scene: Any
         "bodies": [{"name": "payload", "at": 0.5, "mass": 2.0}],
         "supports": [{"at": 0.5, "stiffness": [0.0, 2.0]}],
         "parameters": {"P0": 3.0},
+        "foundation": {"stiffness": "P0"},
     }
     study = of({key: [value]}, {**BECK, **more})
     assert of_scene(study.scene_at(points(study, [0])[0])) == value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -57,6 +58,7 @@ def test_a_study_is_what_its_runs_are() -> None:
     assert data.attrs["rodgen"] == rodgen.__version__
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("size", [1, 5, 100])
 def test_blocks_of_any_size_have_the_same_bits(size: int, tmp_path: Path) -> None:
     study = grid()
@@ -199,9 +201,12 @@ def test_failures_are_counted_by_reason(tmp_path: Path, rodgen: Any) -> None:
     assert sorted(found.reasons.values()) == [2, 4]
     assert "4 of them" in done.stdout
     assert "must be greater than #" in max(found.reasons, key=lambda why: found.reasons[why])
-    shown = rodgen("study", "show", store)
+    shown = rodgen("study", "show", store, "--json")
     assert shown.returncode == 0
-    assert list(store.parent.glob("*.png"))
+    told = json.loads(shown.stdout)
+    assert (told["name"], told["points"], told["failed"]) == ("masses", 8, 6)
+    assert told["reasons"] == dict(found.reasons)
+    assert [Path(one) for one in told["pictures"]] == list(store.parent.glob("*.png"))
 
 
 def test_a_reason_has_no_numbers() -> None:

@@ -40,6 +40,7 @@ def in_blocks(path: Path, study: Study, size: int) -> Path:
     return path
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("size", [1, 5, 24])
 def test_workers_and_blocks_leave_the_bits_alone(size: int, tmp_path: Path, scheduler: Any) -> None:
     path = in_blocks(tmp_path / "a.zarr", study_of(), size)
@@ -58,6 +59,7 @@ def test_there_are_blocks_for_all_workers_of_a_scheduler(
     assert (read(path).status == "finished").all()
 
 
+@pytest.mark.long
 def test_a_worker_that_is_killed_is_replaced(tmp_path: Path, scheduler: Any) -> None:
     """At three points, each once."""
     flags = tmp_path
@@ -196,6 +198,7 @@ def slow(monkeypatch: pytest.MonkeyPatch) -> Study:
     return study_of(slow)
 
 
+@pytest.mark.long
 def test_a_client_that_is_killed_is_followed_by_another(tmp_path: Path, slow: Study) -> None:
     path = in_blocks(tmp_path / "a.zarr", slow, 2)
     assert client(path, 0.0, last=13.0).wait(timeout=600) == -signal.SIGKILL
@@ -208,6 +211,7 @@ def test_a_client_that_is_killed_is_followed_by_another(tmp_path: Path, slow: St
     np.testing.assert_array_equal(after.seconds.values[there], before.seconds.values[there])
 
 
+@pytest.mark.long
 def test_two_clients_do_not_harm_each_other(tmp_path: Path, slow: Study) -> None:
     path = in_blocks(tmp_path / "a.zarr", slow, 1)
     both = [client(path, 0.05), client(path, 0.05)]

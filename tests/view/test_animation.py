@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.quiver import QuiverKey
 from PIL import Image
 
 from rodgen.integrate import Solution
@@ -181,6 +182,7 @@ def test_colour_tells_the_sign_of_the_bending(
     assert (reds > 50, blues > 50) == (warm, not warm)  # 50 pixels: some of the rod
 
 
+@pytest.mark.long
 def test_run_that_blew_up_is_drawn_up_to_there(pendulum: Solution, tmp_path: Path) -> None:
     path = tmp_path / "film.gif"
     for bad in (np.nan, np.inf, -1e16):
@@ -315,6 +317,21 @@ def test_nearest_samples_are_taken() -> None:
     assert np.abs(t[planned.kept[planned.frames]] - planned.times).max() == pytest.approx(
         np.abs(t[:, None] - planned.times).min(axis=0).max()
     )
+
+
+def test_the_arrow_of_the_key_is_as_long_as_its_force(make_scene: Callable[..., Scene]) -> None:
+    """It was lost where the load began to act at the origin of the picture."""
+    changes = {"loads.follower.force": 7.0, "loads.follower.at": 0.0}
+    scene = make_scene(1, "free", ("follower",)).replace(changes)
+    states = np.array([[0.0] * 6, [0.1, 0.0, 0.0, 0.0, 0.0, 0.0]])
+    sol = Solution(scene, np.array([0.0, 1.0]), states, {}, NO_STATS)
+    settings = Settings(view="fixed", width=640, height=480)
+    stage = Picture(motion(sol), scene, settings, 1.0)._stage
+    stage.canvas.draw()
+    key = next(one for one in stage.axes.get_children() if isinstance(one, QuiverKey))
+    longest = 0.2 * min(stage.size) / 2  # pixels of the largest force
+    drawn = np.ptp(key.vector.get_paths()[0].vertices[:, 0])
+    assert drawn == pytest.approx(key.U / 7.0 * longest, abs=0.01)  # of a pixel
 
 
 @pytest.mark.parametrize("view", ["fixed", "centre", "axes"])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ from matplotlib.axes import Axes
 import rodgen
 from rodgen.analyse.curves.files import read, save
 from rodgen.scene import Scene, SceneError
+from rodgen.shown import show_in_notebook
 
 SCENE = Scene.from_dict(
     {
@@ -61,6 +64,29 @@ def test_datasets_draw_themselves(make: Callable[[], Any]) -> None:
     assert drawn
     with pytest.raises(SceneError, match=r"picture = 'none': must be one of \w+"):
         data.rodgen.plot("none")
+    line, html = repr(data.rodgen), data.rodgen._repr_html_()
+    assert re.fullmatch(rf"<.*pressed.*: {len(data[next(iter(data.dims))])} points.*>", line)
+    assert f'<img alt="{escape(line)}"' in html
+    assert "<td>" in html
+
+
+@pytest.mark.long  # IPython comes with what builds the site
+def test_notebooks_show_datasets_with_picture_and_table() -> None:
+    shells = pytest.importorskip("IPython.core.interactiveshell", reason="IPython is not installed")
+    data, shell = branch(), shells.InteractiveShell.instance()
+    try:
+        show_in_notebook(xarray.Dataset)
+        whole, part, other = (
+            shell.display_formatter.format(one)[0]["text/html"]
+            for one in (data, data[["value"]], xarray.Dataset())
+        )
+    finally:
+        shells.InteractiveShell.clear_instance()
+    assert f"<td>{data.sizes['point']}, from -1 to -3</td>" in whole
+    assert "<img" in whole
+    for html in (part, other):
+        assert "<img" not in html
+        assert "xarray.Dataset" in html
 
 
 def test_a_branch_in_a_file_is_drawn_as_it_was(tmp_path: Path) -> None:

@@ -9,21 +9,28 @@ import rodgen
 from rodgen.integrate import Solution
 from rodgen.model.terms import TERMS, axis_label
 from rodgen.scene import Scene
-from rodgen.show.pictures import energies, phase_plot, shapes, trajectories
+from rodgen.show.phase_picture import phase_plot
+from rodgen.show.pictures import energies, trajectories
+from rodgen.show.shape_picture import shapes
 from rodgen.show.time_pictures import across, acting, moments, tail
 from tests.live.conftest import ROD
 
 
 def run(
-    force: float | str = 0.0, g: float = 0.0, events: object = (), **integrate: object
+    force: float | str = 0.0,
+    g: float = 0.0,
+    events: object = (),
+    initial: object = ROD["initial"],
+    **integrate: object,
 ) -> Solution:
     table = {
         **ROD,
+        "initial": initial,
         "loads": {**ROD["loads"], "follower": {"force": force}, "gravity": {"g": g}},
         "integrate": {**ROD["integrate"], **integrate},
         "events": list(events),  # type: ignore[call-overload]
     }
-    return rodgen.simulate(Scene.from_dict(table), target="numpy")
+    return rodgen.simulate(Scene.from_dict(table))
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +76,16 @@ def test_pictures_say_when_a_force_acts_and_what_happened() -> None:
         said = " ".join(text.get_text() for text in draw(solution).axes[0].texts)
         assert "follower force" in said
         assert "apex" in said
+
+
+def test_energies_are_those_that_there_are_and_that_in_gravity_begins_at_zero() -> None:
+    """A rod that falls from 4 km: what it loses in height is what it gains in speed."""
+    falling = run(g=9.81, span=[0.0, 0.5], initial={"phi": 0.0, "position": [0.0, 4000.0]})
+    lines = {line.get_label(): line.get_ydata() for line in energies(falling).axes[0].lines}
+    assert set(lines) == {"kinetic", "gravity from the start", "total with gravity from the start"}
+    fallen = 9.81 * falling.t**2 / 2
+    assert lines["gravity from the start"] == pytest.approx(-3.0 * 9.81 * fallen, rel=1e-6)
+    assert lines["kinetic"] == pytest.approx(3.0 * 9.81 * fallen, rel=1e-6)
 
 
 @pytest.mark.parametrize(("every", "style"), [(0.02, "-"), (0.9, "None")])

@@ -45,25 +45,26 @@ UPPER, LOWER = "upper", "lower"
 
 @dataclass(frozen=True, repr=False)
 class Critical(Shown):
-    """Where the steady state loses its stability as a load grows, or, for a lower end, regains it.
+    """The critical load: the steady state loses its stability, or regains it at a lower end.
 
-    force: size of the load [N; m/s^2 of gravity]; factor: force L^2/EI, of gravity the weight
-    M g L^2/EI, of all loads their multiple; kind: "flutter", frequency [Hz] at onset,
-    "divergence", frequency zero, or "turning", where the rod turns as a whole; modes: the two whose
-    frequencies meet, or, with damping, the one that grows and the one next to it in frequency,
-    counted from 1 by frequency just below the force, rigid-body motions apart; a mode that
-    diverges, or that alone oscillates, is named twice. turning: growth of a slow turning of the
-    whole rod at that force [1/s]; error: of the force [N], what rounding can do to it;
-    searched: range of forces that was looked at [N], up to the onset, and at how many of them;
-    state: what grows unstable; complete: whether all modes were looked at below the force (at four
-    forces), or the lowest 16 alone; t: the time at which the other loads are taken [s].
+    force: size of the load [N; m/s^2 of gravity]; factor: force L^2/EI (`stiffness` is this EI), of
+    gravity the weight M g L^2/EI, of all loads their multiple, dimensionless; kind: "flutter",
+    "divergence" (without oscillation), or "turning" (the rod turns as a whole); frequency: at the
+    onset [Hz], zero for divergence; modes: numbers of the two modes whose frequencies meet, or,
+    with damping, of the mode that grows and its neighbour in frequency, counted from 1 by frequency
+    just below the force, without rigid-body motions (a mode that diverges, or oscillates alone, is
+    named twice); turning: growth of a slow turning of the whole rod at that force [1/s]; error:
+    bound of the rounding error of the force [N]; searched: range of forces that was searched [N],
+    up to the onset, and number of forces; state: the steady state that grows unstable; complete:
+    whether all modes were looked at below the force (at four forces), or only the lowest 16; t:
+    time at which the other loads are taken [s].
 
-    speed: of a free rod along its axis, nose first [m/s]; notes: what is to be known of that speed
-    and of damping that belongs to the number of links; load: which is scaled, unit: its unit; end:
-    "upper" or "lower"; growth: of what grows at the lowest force already [1/s], 0 where nothing
-    does; elastic: whether turning of the whole rod was left out; stable: all windows of stability
-    in the range (low, high) [N], where they were asked for; frequency_error: of the frequency, as
-    that of the force [Hz]; scene: whose steady state it is, as it flies then.
+    speed: of a free rod along its axis, nose first [m/s]; notes: what to know about this speed, and
+    about damping that depends on the number of links; load: the load that is scaled; unit: its
+    unit; end: "upper" or "lower"; growth: of the motion that grows at the lowest force already
+    [1/s], 0 if none does; elastic: whether turning of the whole rod was left out; stable: all
+    windows of stability in the range (low, high) [N], if they were asked for; frequency_error:
+    bound of the rounding error of the frequency [Hz]; scene: the scene of the steady state.
 
     Examples
     --------
@@ -95,6 +96,12 @@ class Critical(Shown):
     frequency_error: float = 0.0
     scene: Scene = field(kw_only=True, compare=False)
 
+    @property
+    def stiffness(self) -> float:
+        """EI by which the factor is taken [N m^2]: of a rod along which it differs, the mean of the
+        springs of the inner joints times the length of a link."""
+        return self.scene.distribution.usual_stiffness
+
     def __repr__(self) -> str:
         at = f" at {digits(self.frequency, self.frequency_error)} Hz" * bool(self.frequency)
         ends = "ends" if self.end == LOWER else "from"
@@ -118,31 +125,32 @@ def critical_force(
 ) -> Critical:
     """Return the smallest force above ``lowest`` at which a small motion begins to grow.
 
-    A range of forces is searched in the lowest 16 modes, in steps of EI/(2 L^2) or 1 %. What is
-    found there is solved for with all links, as closely as ``error`` says. Where a motion grows at
-    a ``lowest`` that was asked for, the next motion that begins to grow is found. Internal damping
-    counts as the scene has it (a little of it can lower the force much), external damping as it is
-    at the speed.
+    A range of forces is searched in the lowest 16 modes, in steps of EI/(2 L^2) or 1 %. The onset
+    is then solved for with all links, to the digits that ``error`` leaves. If a motion grows at a
+    ``lowest`` of your own already, the next motion that begins to grow is found. Internal damping
+    counts as the scene has it: a little of it can lower the force much. External damping counts as
+    at the given speed.
 
     Parameters
     ----------
     scene
         The scene. The size of the load that is scaled is not used.
     lowest, highest
-        Where the search begins and ends [N]; by default 0 and 1000 EI/L^2.
+        Forces at which the search begins and ends [N]. By default 0 and 1000 EI/L^2.
     t
         Time whose other loads are taken [s]; by default the start of the span.
     speed
-        At which a free rod flies along its axis, nose first [m/s]; by default the part along it of
-        the scene's initial velocity. It is taken as though it stayed as it is.
+        Speed of a free rod along its axis, nose first [m/s], taken as constant. By default it is
+        the part of the scene's initial velocity along the axis.
     after
-        Time [s] of a run of the scene whose other loads, speed and direction are taken instead.
+        Take the other loads, speed and direction from a run of the scene after this time [s].
     load
-        Which load is scaled: "follower", "follower_2" of several, "distributed_follower" (the whole
-        force, as it is distributed), "tip" (the dead force, in its direction), "gravity" [m/s^2],
-        "followers" or "all" (by one factor); by default the first that follows the rod.
+        The load that is scaled: "follower", "follower_2" if there are several,
+        "distributed_follower" (the whole force), "tip" (the dead force, in its direction),
+        "gravity" [m/s^2], "followers" or "all" (by one factor). By default the first that follows
+        the rod.
     end
-        "upper", or "lower" for where a rod that is unstable grows stable.
+        "upper": where stability is lost. "lower": where it is regained.
     windows
         Also find all windows of stability in the range.
     elastic
@@ -156,9 +164,9 @@ def critical_force(
     Raises
     ------
     SceneError
-        For a scene without that load, and for a range that is none.
+        For a scene without that load, and for an empty range.
     AnalysisError
-        Where no steady state exists, where none loses its stability in the range, or where one is
+        If there is no steady state, if it does not lose its stability in the range, or if it is
         unstable from the start.
 
     Examples

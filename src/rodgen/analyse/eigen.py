@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import null_space
+from scipy.linalg import eigh, null_space
 from scipy.linalg.lapack import dgeev
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
@@ -157,6 +157,33 @@ def lowest_values(pencil: Pencil, count: int, turning: Array | None) -> Values:
     if turning is not None:  # what the moment has turned, given back to every link
         angles = angles + vectors[size - 1] / (values**2 if pencil.damped else values)
     return _upper(values if pencil.damped else roots(values), angles)
+
+
+def lowest_shapes(pencil: Pencil, count: int, turning: Array | None) -> tuple[Array, Array]:
+    """Squared frequencies [1/s^2] and shapes (coordinates, count) of the slowest motions without
+    damping, their largest angle 1.
+
+    turning: the rigid rotation of a rod that turns freely, on which the others do no virtual work.
+    Raises AnalysisError.
+    """
+    bare = Pencil(pencil.S0, np.zeros_like(pencil.S1), pencil.S2)
+    found = lowest_values(bare, count, turning)
+    first = np.argsort(np.abs(found.s))[:count]
+    shapes = found.vectors[:, first].real
+    if turning is not None:
+        turn = np.ones((len(shapes), 1))
+        pull = bare.eliminated(turn)[2].T
+        shapes = shapes - turn @ (pull @ shapes) / (pull @ turn)
+    return -(found.s[first] ** 2).real, shapes / np.abs(shapes).max(axis=0)
+
+
+def all_shapes(dense: Dense) -> tuple[Array, Array]:
+    """Squared frequencies [1/s^2] and shapes (coordinates, k) of all motions without damping and
+    without added states, in rising order of the squares."""
+    own = len(dense.K) - dense.added
+    K, M = ((matrix + matrix.T)[:own, :own] / 2 for matrix in (dense.K, dense.M))
+    squares, found = eigh(K, M)
+    return squares, found
 
 
 def _without_zeros(found: Values) -> Values:

@@ -30,8 +30,9 @@ class AnalysisError(ArithmeticError):
 
 
 class BranchInterrupted(KeyboardInterrupt):
-    """Ctrl-C while a branch, a boundary or a family of motions was followed. found: the Dataset of
-    what there is of it, of which the analysis goes on when it is given as ``resume``.
+    """Ctrl-C while a branch, a boundary or a family of motions was followed.
+
+    found: the Dataset of the points so far. Give it as ``resume`` to continue.
 
     Examples
     --------
@@ -52,7 +53,7 @@ class BranchInterrupted(KeyboardInterrupt):
 
 
 class MeshWarning(UserWarning):
-    """Results of several numbers of links are not those of one and the same rod.
+    """Results for several numbers of links do not belong to the same rod.
 
     Examples
     --------

@@ -25,11 +25,12 @@ ROUNDING = 4 * np.finfo(float).eps  # relative, of a value that is given
 
 @dataclass(frozen=True, repr=False)
 class Extrapolation(Told):
-    """Limit of v(n) = v + C n^-p + ... for n to infinity.
+    """The limit of v(n) = v + C n^-p + ... for n to infinity.
 
-    value: v; error: estimate of its absolute error; order: p, inf where the values do not depend
-    on n; orders: those observed in successive triples of values, coarse to fine, nan where rounding
-    or a coarse grid hides them; exponents: those of the terms that were eliminated.
+    value: v, in units of the values; error: estimate of its absolute error, in units of v; order:
+    p, dimensionless, inf if the values do not depend on n; orders: orders observed in successive
+    triples of values, from coarse to fine, dimensionless, nan if rounding or a coarse grid hides
+    them; exponents: of the terms that were eliminated, dimensionless.
 
     Examples
     --------
@@ -57,26 +58,25 @@ def richardson(
 ) -> Extrapolation:
     """Return the limit of values that were computed with several numbers of links.
 
-    As many terms of v(n) = v + C n^-p + ... are eliminated as lower the estimate of the error:
-    twice what the next term to be eliminated changes, or the last one where there is none, and the
-    noise times its weights. Source: L. F. Richardson, Phil. Trans. A 226 (1927) 299-361; P. J.
+    Terms of v(n) = v + C n^-p + ... are eliminated while this lowers the estimate of the error. The
+    estimate is twice the change by the next term (by the last one, if there is no other), and
+    the noise times its weights. Source: L. F. Richardson, Phil. Trans. A 226 (1927) 299-361; P. J.
     Roache, J. Fluids Eng. 116 (1994) 405-413.
 
     Parameters
     ----------
     n
-        Numbers of links (m,), in any sequence, not only doubled, or the scenes themselves. Of
-        scenes it is warned of damping that is not one and the same for all of them (see
-        Scene.with_links).
+        Numbers of links (m,), dimensionless, in any sequence, or the scenes themselves. Scenes
+        whose damping is not the same give a warning (see Scene.with_links).
     values
-        What was computed, (m,).
+        The computed values (m,), in units of any kind.
     order
-        p where theory knows it, or all exponents in turn, such as (2, 4, 6). Without it p solves
-        (v1 - v2) / (v2 - v3) = (n1^-p - n2^-p) / (n2^-p - n3^-p) for the three finest, and is
-        rounded where it is close to a whole number; p + 1, p + 2, ... follow, or p + 2, p + 4, ...
-        where p is even and four values or more show it.
+        The order p (dimensionless), if theory knows it, or all exponents, such as (2, 4, 6). By
+        default p solves (v1 - v2) / (v2 - v3) = (n1^-p - n2^-p) / (n2^-p - n3^-p) for the three
+        finest values, and is rounded if it is close to a whole number. The next exponents are p +
+        1, p + 2, ..., or p + 2, p + 4, ... if p is even and four values or more show it.
     noise
-        Absolute error of the values; rounding by default.
+        Absolute error of the values, in units of them. By default it is that of rounding.
 
     Returns
     -------
@@ -86,9 +86,9 @@ def richardson(
     Raises
     ------
     SceneError
-        For fewer than three values, or two where the order is given.
+        For fewer than three values, or fewer than two if the order is given.
     AnalysisError
-        Where the finest values do not converge.
+        If the finest values do not converge.
 
     Examples
     --------

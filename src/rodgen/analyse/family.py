@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh, null_space
+from scipy.linalg import null_space
 
-from rodgen.analyse.eigen import Complex, Modal, Motions, lowest_values
+from rodgen.analyse.eigen import Complex, Modal, Motions, all_shapes, lowest_shapes
 from rodgen.analyse.pencil import Dense, Parts, Pencil
 from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System, without
@@ -19,6 +19,7 @@ from rodgen.integrate.stepper import Array
 from rodgen.model.term import WEIGHT, Term
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.errors import Missing
 
 FOLLOWER, FOLLOWERS, ALL = "follower", "followers", "all"
 # Several loads that are scaled by one factor.
@@ -109,7 +110,8 @@ class ScaledLoad:
         }
         place = f"loads.{name}" if term else "loads"
         if not here:
-            raise SceneError(place, None, "a table: the critical size of its load is asked for")
+            found = ", ".join((*(row.name for row in every if row.sizes), *GROUPS))
+            raise SceneError(place, Missing(), f"given: its size is asked for (there is {found})")
         force = along.usual_stiffness / scene.rod.length**2
         if term and term.has_size:
             unit = force / _per_size(term, scene)
@@ -204,23 +206,12 @@ class Family:
         state, pencil = self.state(0.0), self.at(0.0)
         turns = state.turns_freely
         if isinstance(pencil, Pencil) and pencil.cells > MOST_DENSE:
-            bare = Pencil(pencil.S0, np.zeros_like(pencil.S1), pencil.S2)
-            found = lowest_values(bare, BASIS, state.turning if turns else None)
-            first = np.argsort(np.abs(found.s))[:BASIS]
-            shapes = found.vectors[:, first].real
-            if turns:  # virtual work on turning the whole rod is to be none
-                turn = np.ones((len(shapes), 1))
-                pull = bare.eliminated(turn)[2].T
-                shapes = shapes - turn @ (pull @ shapes) / (pull @ turn)
-            return -(found.s[first] ** 2).real, shapes / np.abs(shapes).max(axis=0)
-        dense = self._reduced(0.0)
-        own = len(dense.K) - dense.added
-        K, M = ((matrix + matrix.T)[:own, :own] / 2 for matrix in (dense.K, dense.M))
-        squares, shapes = eigh(K, M)
+            return lowest_shapes(pencil, BASIS, state.turning if turns else None)
+        squares, found = all_shapes(self._reduced(0.0))
         if isinstance(pencil, Dense):
-            return squares, self._translated(shapes)
+            return squares, self._translated(found)
         rigid = int(turns)
-        return squares[rigid:], shapes[:, rigid:]
+        return squares[rigid:], found[:, rigid:]
 
     def _translated(self, shapes: Array) -> Array:
         """Shapes among which are the translations that nothing holds, each on its own, for which

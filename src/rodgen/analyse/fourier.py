@@ -35,12 +35,13 @@ FOLDED = 0.2  # relative, by which rates may miss 2 pi f of a peak that is not f
 
 @dataclass(frozen=True, repr=False)
 class Spectrum(Shown):
-    """Peaks of a spectrum, and the spectrum for a picture.
+    """The peaks of a spectrum, and the spectrum for a picture.
 
-    frequencies [Hz] and amplitudes [unit of the signal; root of the sum of squares over its
-    channels] of the peaks, (peaks,), frequencies rising; resolution [Hz]: H / (N dt), the half
-    width of a peak down to its first zero for a window of H terms and N samples; bins [Hz] and
-    density [unit^2/Hz] of the whole signal, one-sided, (bins,).
+    frequencies (peaks,): of the peaks, rising [Hz]; amplitudes (peaks,): their sizes in the unit of
+    the signal, root of the sum of squares over its channels; resolution: H / (N dt) [Hz], the half
+    width of a peak down to its first zero, for a window of H terms and N samples; bins (bins,):
+    frequencies of the spectrum [Hz]; density (bins,): of the whole signal, one-sided, in the unit
+    of the signal squared over Hz.
 
     Two equal tones closer than the resolution may be one peak. At that distance they move each
     other by up to 0.9 ("hann"), 0.45 or 0.12 ("sine6") bins of 1 / (N dt), at twice that by 1e-2,
@@ -210,10 +211,11 @@ def spectrum(
     window: str = WINDOW,
     floor: float = FLOOR,
 ) -> Spectrum:
-    """Return the natural frequencies that show in a motion of the joints across the rod's axis.
+    """Return the natural frequencies in a run, from displacements across the rod's axis.
 
-    A free rod is seen from its principal axes of inertia through its centre of gravity, a held one
-    from its mean shape. The power of all joints is added, so that no node hides a mode.
+    Displacements of a free rod are taken from its principal axes of inertia through its centre of
+    gravity, those of a held rod from its mean shape. The power of all joints is added, so that no
+    node hides a mode.
 
     Parameters
     ----------
@@ -222,11 +224,11 @@ def spectrum(
     lowest
         Lowest frequency [Hz] at which a peak is looked for.
     peaks
-        How many peaks, at most.
+        Largest number of peaks.
     window
         "sine6", "hann" and others of `peaks_of`.
     floor
-        Amplitude of the faintest peak, as a share of the largest.
+        Amplitude of the faintest peak, as a share of the largest (dimensionless).
 
     Returns
     -------
@@ -236,8 +238,8 @@ def spectrum(
     Raises
     ------
     AnalysisError
-        Also where the rates of the links show that the samples are too far apart for a peak, so
-        that its frequency would be folded back.
+        If the run is too short, or if the samples are so far apart that the frequency of a peak
+        would be folded back.
 
     Examples
     --------

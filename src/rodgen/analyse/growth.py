@@ -69,19 +69,21 @@ def growth_in(parts: Sequence[Array], faint: float = FAINT) -> float:
 
 @dataclass(frozen=True, repr=False)
 class SimulatedCritical(Told):
-    """low, high: the largest force whose motion did not grow and the smallest whose motion did
-    [N]; force: between them; span: simulated time of a run [s]; growth: by how much the bending of
-    the start has to be exceeded, None where the growth was measured; runs: how many; seconds: what
-    they took together; target: of the module that ran, "c" or "numpy"; speed: along its axis with
-    which a free rod starts [m/s].
+    """A critical load found by simulations.
+
+    low: largest force whose motion did not grow [N]; high: smallest force whose motion grew [N];
+    force: between them [N]; span: simulated time of a run [s]; growth: factor by which the bending
+    of the start had to be exceeded, dimensionless, None if the growth was measured; runs: their
+    number; seconds: time of all runs [s]; target: of the module, "c" or "numpy"; speed: with which
+    a free rod starts along its axis [m/s].
 
     Examples
     --------
     >>> import rodgen
     >>> scene = rodgen.Scene.example("ziegler")
     >>> found = rodgen.simulated_critical_force(scene, span=40.0, tolerance=1e-2)
-    >>> (found.high - found.low) / found.force < 0.02
-    True
+    >>> (found.high - found.low) / found.force < 0.02, found.seen > 1
+    (True, True)
     """
 
     force: float
@@ -100,7 +102,7 @@ class SimulatedCritical(Told):
 
     @property
     def seen(self) -> float:
-        """Times that a motion has to grow within the span to be seen."""
+        """Factor by which a motion has to grow within the span to be seen, dimensionless."""
         return MEASURED if self.growth is None else self.growth
 
 
@@ -127,39 +129,41 @@ def simulated_critical_force(
 ) -> SimulatedCritical:
     """Find a critical force by bisection, with runs in which a small motion grows or does not.
 
-    Each simulation starts from the steady state under its force, disturbed a little. Of the initial
-    state of the scene its speed alone is used. By default the growth is measured: from the samples
-    of the angles between links, of their rates and of added states (of a free rod that loads steer,
-    of its mean angle, too), those of the steady state taken off, follows by how much the motion
-    that grows most has grown, and 1 % within the span is growth.
+    Each run starts from the steady state under its force, with a small disturbance. Of the scene's
+    initial state only the speed is used. By default the growth is measured: a linear map is fitted
+    to samples of the angles between links, their rates and added states (also the mean angle of a
+    free rod that loads steer), as differences from the steady state. Its largest eigenvalue is the
+    growth, and 1 % within the span counts.
 
     Parameters
     ----------
     scene
         The scene.
     span
-        Seconds of every simulation.
+        Length of every run [s].
     growth
-        Where it is given, a motion has grown when the largest angle between two links exceeds so
-        many times that of the start, as in the thesis. A finite time then finds too large a force,
-        since next to the onset growth is slow, and a small growth too small a one, since
-        frequencies that nearly meet beat.
+        With a number (dimensionless), a motion has grown when the largest angle between two links
+        exceeds that of the start by this factor, as in the thesis. In a finite time this finds too
+        large a force, because growth is slow near the onset. A small factor finds too small a
+        force, because frequencies that nearly meet beat.
     tolerance
-        Of the force, relative.
+        Relative tolerance of the force, dimensionless.
     t, speed, after
-        As of `critical_force`, but the speed changes as the run goes on.
+        Times [s] and speed [m/s] as in `critical_force`, but the speed changes during the run.
     low, high
-        Forces between which it lies [N]; by default found by doubling from 4 EI/L^2.
+        Forces between which the critical one lies [N]. By default they are found by doubling, from
+        4 EI/L^2 on.
     disturbance
-        Angles [rad], an expression in s as in a scene; by default about 1e-6, or 1e-4 where
-        ``growth`` is given.
+        Angles [rad], an expression in s as in a scene. By default about 1e-6, or 1e-4 if ``growth``
+        is given.
     progress
-        Called with every force and whether the motion grew.
+        A function that is called with every force [N], and with whether the motion grew.
     target
-        "c" or "numpy"; "c" where it can be built.
+        "c" or "numpy". By default C if it can be built.
     method, step, rtol, atol, max_steps
-        As of `simulate`; rtol 1e-10 and atol 1e-12, if not given, or 1e-6 and 1e-8 where ``growth``
-        is.
+        As in [integrate] of a scene: the step [s], and tolerances of numbers in SI units. By
+        default rtol is 1e-10 and atol 1e-12, or 1e-6 and 1e-8 if ``growth`` is
+        given.
 
     Returns
     -------
@@ -171,7 +175,7 @@ def simulated_critical_force(
     SceneError
         For values that cannot be used.
     AnalysisError
-        Where there is no steady state, or nothing grows up to 1000 EI/L^2.
+        If there is no steady state, or if no motion grows up to 1000 EI/L^2.
 
     Examples
     --------

@@ -34,12 +34,13 @@ class Modes(Shown):
     """Small motions about a steady state, y = Re(shape exp(s t)), by ascending frequency.
 
     frequencies: (k,) [Hz], Im s / 2 pi; growth: (k,) [1/s], Re s, negative for what dies away;
-    phi: (k, n) and displacements: (k, n+1, 2) of links and joints, the largest displacement 1,
-    complex where there is damping or growth; state: what it is about; rigid: motions without
-    frequency that turn or move the rod as a whole, left out; overdamped: motions without frequency
-    among those computed, left out too; joints: (n+1, 2) of the steady state [m]; speed: of a free
-    rod along its axis, nose first [m/s]; notes: what is to be known of that speed, where it counts,
-    and of damping that belongs to the number of links; scene: whose they are.
+    phi: (k, n), shapes as angles of the links; displacements: (k, n+1, 2), shapes as displacements
+    of the joints, the largest 1, complex with damping or growth; state: the steady state; rigid:
+    number of motions of the rod as a whole without frequency, which are left out; overdamped:
+    number of computed motions without frequency, which are left out too; joints: (n+1, 2), places
+    in the steady state [m]; t: time at which the loads are taken [s]; speed: of a free rod along
+    its axis, nose first [m/s]; notes: what to know about this speed, and about damping that depends
+    on the number of links; scene: the scene that vibrates.
 
     Examples
     --------
@@ -81,27 +82,27 @@ def natural_modes(
 ) -> Modes:
     """Return the lowest natural frequencies and mode shapes of a scene about its steady state.
 
-    That state is straight and at rest, in static equilibrium, or straight and steadily accelerating
-    under its thrust. All eigenvalues are computed up to 24 links, where a third or more are asked
-    for, where there is external damping, and with internal damping up to 500 links; else those of
-    smallest modulus by sparse shift-invert, in O(n). With much damping beyond 500 links overdamped
-    motions can leave fewer than ``count``, and one of large modulus but low frequency can be
-    missed. Motions that grow always come out. A motion that dies away within a
-    period counts as overdamped.
+    The steady state is straight and at rest, in static equilibrium, or straight and steadily
+    accelerating under its thrust. All eigenvalues are computed for up to 24 links, if a third or
+    more are asked for, with external damping, and with internal damping for up to 500 links.
+    Otherwise those of smallest modulus are computed by sparse shift-invert, in O(n). With much
+    damping and more than 500 links, there may be fewer than ``count``, and a motion of large
+    modulus but low frequency may be missed. Motions that grow are always found. A motion that dies
+    away within a period counts as overdamped.
 
     Parameters
     ----------
     scene
         The scene.
     count
-        How many of the lowest modes, at most; all that grow come beside them.
+        Largest number of modes, from the lowest on. All that grow are added.
     t
         Time whose loads are taken [s]; by default the start of the span.
     speed
-        At which a free rod flies along its axis, nose first [m/s]; by default the part along it of
-        the scene's initial velocity. It is taken as though it stayed as it is.
+        Speed of a free rod along its axis, nose first [m/s], taken as constant. By default it is
+        the part of the scene's initial velocity along the axis.
     after
-        Time [s] of a run of the scene whose loads, speed and direction are taken instead.
+        Take loads, speed and direction from a run of the scene after this time [s].
 
     Returns
     -------
@@ -113,7 +114,7 @@ def natural_modes(
     SceneError
         For values that cannot be used.
     AnalysisError
-        Where there is no steady state.
+        If there is no steady state.
 
     Examples
     --------

@@ -27,16 +27,17 @@ MOST_TURNED = 10.0  # of the tail: a rod that turns more elsewhere is not bent b
 
 @dataclass(frozen=True, repr=False)
 class Equilibrium(Shown):
-    """Rest under loads that do not change.
+    """An equilibrium: the rod at rest under loads that do not change.
 
-    y: the state (states,); phi: angles of all n links [rad]; joints: (n+1, 2) [m]; tip: the tail
-    (2,) [m]; force: in the joints before the moving links over the mass of a link, (cells, 2)
-    [m/s^2]; change: the last correction of Newton's method [rad], of joint 0 over the length;
-    iterations: of all loads together; stages: the fractions of the load that were stepped through;
-    instability: "divergence" where a small motion about it grows without oscillating, so that
-    another equilibrium is to be looked for, "flutter" where one oscillates more and more, "" where
-    none grows, None where that was not looked at (more than 200 links); stable: the same as yes or
-    no; t: the time whose loads were taken [s]; states: added states by name; scene: whose it is.
+    y: the state (states,), in SI units; phi: angles of all n links [rad]; joints: (n+1, 2) [m];
+    tip: the tail (2,) [m]; force: (cells, 2), in the joints before the moving links, over the mass
+    of a link [m/s^2]; change: last correction of Newton's method [rad] (of joint 0, over the
+    length); iterations: number of Newton's corrections, for all steps of the load; stages:
+    fractions of the load through which it stepped, dimensionless; instability: "divergence" if a
+    small motion grows without oscillating, "flutter" if one oscillates with growing amplitude, ""
+    if none grows, None if this was not looked at (more than 200 links); stable: the same as yes or
+    no; t: time at which the loads are taken [s]; states: added states by name, in the units of the
+    scene; scene: the scene at rest.
 
     Examples
     --------
@@ -79,8 +80,8 @@ def static_equilibrium(
     """Return the equilibrium that a straight rod reaches as its loads grow from zero.
 
     A pinned rod hangs from its pivot. A free rod rests where [[supports]], a [foundation] or loads
-    that follow its place hold it, and in a direction in which nothing does, where it is at the
-    start. Loads that follow the motion and added states are at rest with it. The tip is right to
+    that follow its place hold it. In a direction in which nothing holds it, it stays at its start.
+    Loads that follow the motion, and added states, are at rest with the rod. The tip is right to
     about 1e-10 of the length at a few hundred links.
 
     Parameters
@@ -90,11 +91,10 @@ def static_equilibrium(
     t
         Time whose loads are taken [s]; by default the start of the scene's span.
     imperfection
-        The angle [rad], above 0 and at most 1, by which the tail of an unloaded rod is turned that
-        is bent evenly. It is loaded, and then made straight again under its whole load. What is
-        found is an equilibrium of the scene's own rod: beyond a buckling load the bent and stable
-        one (that which turns to the left), where without imperfection it is the straight and
-        unstable one.
+        An angle [rad], above 0 and at most 1. The unloaded rod is bent evenly, so that its tail
+        turns by this angle. Then the loads grow, and in the end the bend is removed. The result is
+        an equilibrium of the scene's own rod: beyond a buckling load the bent and stable one (to
+        the left). Without imperfection it is the straight and unstable one.
 
     Returns
     -------
@@ -106,7 +106,7 @@ def static_equilibrium(
     SceneError
         For a free rod that nothing holds, and an imperfection out of range.
     AnalysisError
-        Where no equilibrium is found, with the reason.
+        If no equilibrium is found, with the reason.
 
     Examples
     --------

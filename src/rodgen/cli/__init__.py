@@ -5,10 +5,12 @@ from __future__ import annotations
 import sys
 
 from rodgen.cli.errors import INTERRUPTED, reported
+from rodgen.cli.signals import lose_no_ctrl_c
 
 
 def main() -> None:
     """Entry point of the `rodgen` command."""
+    lose_no_ctrl_c()
     with reported():
         from rodgen.cli.app import app  # inside, so that Ctrl-C is reported from the start
 

@@ -10,35 +10,42 @@ import typer
 from rodgen.cli.console import err, out, progress, warn, working
 from rodgen.cli.results import writable
 from rodgen.cli.signals import end_as_by_ctrl_c
+from rodgen.show.animation.times import LEAST_PIXELS, MOST_PIXELS
+
+PIXELS = f"Number of pixels, even, from {LEAST_PIXELS} to {MOST_PIXELS}."
 
 
 def animate(
     result: Annotated[Path, typer.Argument(metavar="RESULT", help="A result, in NetCDF.")],
-    out_file: Annotated[Path, typer.Option("--out", help="The film: a file .mp4 or .gif.")],
+    out_file: Annotated[Path, typer.Option("--out", help="File of the film, .mp4 or .gif.")],
     fps: Annotated[float, typer.Option(help="Frames a second.")] = 30.0,
     speed: Annotated[
         float | None,
         typer.Option(
-            help="Simulated seconds in a second of film; if not given, 1 where the film then "
-            "takes 3 to 60 s."
+            help="Simulated seconds in a second of film. Default: 1, if the film then takes 3 to "
+            "60 s."
         ),
     ] = None,
-    width: Annotated[int, typer.Option(help="Pixels, even.")] = 1280,
-    height: Annotated[int, typer.Option(help="Pixels, even.")] = 720,
+    width: Annotated[int, typer.Option(help=PIXELS)] = 1280,
+    height: Annotated[int, typer.Option(help=PIXELS)] = 720,
     view: Annotated[
         str | None,
         typer.Option(
-            help="fixed, centre (moves with the centre of gravity) or axes (turns with the "
-            "principal axes, too); if not given, fixed where the rod is then large enough."
+            help="fixed, centre (moves with the centre of gravity) or axes (also turns with the "
+            "principal axes). Default: fixed, if the rod is then large enough."
         ),
     ] = None,
-    start: Annotated[float | None, typer.Option("--from", help="Where it begins [s].")] = None,
-    end: Annotated[float | None, typer.Option("--to", help="Where it ends [s].")] = None,
+    start: Annotated[
+        float | None, typer.Option("--from", help="Time at which the film begins [s].")
+    ] = None,
+    end: Annotated[
+        float | None, typer.Option("--to", help="Time at which the film ends [s].")
+    ] = None,
     damaged: Annotated[
-        bool, typer.Option("--damaged", help="Draw a damaged result from what is left of it.")
+        bool, typer.Option("--damaged", help="Draw the readable part of a damaged result.")
     ] = False,
 ) -> None:
-    """Draw the run in RESULT as a film: MP4, for which ffmpeg is needed, or GIF."""
+    """Draw the run in RESULT as a film: a GIF, or an MP4, which needs ffmpeg."""
     from rodgen.integrate.files.storage import Excerpt
     from rodgen.loading import build_fastest
     from rodgen.show.animation.files import check_file

@@ -63,7 +63,8 @@ def commands() -> typer.Typer:
     added = {entry.name: entry for entry in entry_points(group=GROUP)}
     missing = [name for name in EVIDENCE if name not in added]
     app = typer.Typer(
-        help="Equations of motion of planar flexible rods: derived, proven, generated, integrated.",
+        help="Derive, prove, generate and integrate the equations of motion of planar flexible "
+        "rods.",
         epilog=f"Not installed: {', '.join(missing)} ({HOW})." if missing else None,
         rich_markup_mode=None,
         pretty_exceptions_enable=False,

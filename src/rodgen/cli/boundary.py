@@ -37,16 +37,16 @@ def boundary(
         str,
         typer.Option(
             metavar="A,B",
-            help="Both numbers: loads.follower.force,loads.material_damping.time.",
+            help="Both numbers, such as loads.follower.force,loads.material_damping.time.",
         ),
     ],
     first: Annotated[
         str | None,
-        typer.Option("--a", metavar=RANGE, help="The range of A; from 0 on, if not given."),
+        typer.Option("--a", metavar=RANGE, help="Range of A. Default: from 0 on."),
     ] = None,
     second: Annotated[
         str | None,
-        typer.Option("--b", metavar=RANGE, help="The range of B; from 0 on, if not given."),
+        typer.Option("--b", metavar=RANGE, help="Range of B. Default: from 0 on."),
     ] = None,
     resume: ResumeFile = None,
     at: PointNumber = None,
@@ -56,8 +56,10 @@ def boundary(
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
-    """Follow the boundary of stability of SCENE while two of its numbers change, from the limit of
-    no damping to that of much; draw it."""
+    """Follow the boundary of stability of SCENE while two of its numbers change, and draw it.
+
+    The boundary includes the limit of vanishing damping.
+    """
     from rodgen.analyse.branches.boundary import read, stability_boundary
     from rodgen.scene import SceneError
 
@@ -89,7 +91,9 @@ def boundary(
         if as_json:
             print_json(_object(found))
         else:
-            print_values(f"{scene.name}: boundary of stability", _rows(found))
+            from rodgen.show.dataset_tables import of_boundary
+
+            print_values(f"{scene.name}: boundary of stability", of_boundary(found))
             made.write(folder, NAME, lambda: _curve(found, scene))
         made.stop(None if as_json else folder / f"{NAME}.nc")
 
@@ -112,28 +116,4 @@ def _object(found: xarray.Dataset) -> dict[str, Any]:
         "special": named,
         "complete": bool(found.attrs["complete"]),
         **attributes,
-    }
-
-
-def _rows(found: xarray.Dataset) -> dict[str, str]:
-    a, b, frequency = (found[name].values for name in ("a", "b", "frequency"))
-
-    def point(at: int) -> str:
-        return f"{a[at]:.10g}, {b[at]:.10g}, at {frequency[at]:.8g} Hz"
-
-    return {
-        "points": f"{found.attrs['a']}, {found.attrs['b']}: {len(a)}",
-        "begins there": found.attrs["kind"],
-        "first": point(0),
-        "last": point(-1),
-        "ends": found.attrs["end"],
-        **_named(found),
-    }
-
-
-def _named(found: xarray.Dataset) -> dict[str, str]:
-    special = zip(*(found[f"special_{name}"].values.tolist() for name in _SPECIAL), strict=True)
-    return {
-        f"special {number}": f"{kind} at {a:.10g}, {b:.10g}, at {frequency:.8g} Hz"
-        for number, (kind, a, b, frequency) in enumerate(special, 1)
     }

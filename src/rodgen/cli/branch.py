@@ -32,21 +32,21 @@ if TYPE_CHECKING:
 def branch(
     scene: Scene,
     vary: Vary,
-    first: Annotated[float, typer.Option("--from", help="Where it begins, and the branch.")],
-    last: Annotated[float, typer.Option("--to", help="Where it ends.")],
+    first: Annotated[float, typer.Option("--from", help="Value at which range and branch begin.")],
+    last: Annotated[float, typer.Option("--to", help="Value at which the range ends.")],
     start: Annotated[
         float | None,
         typer.Option(
-            help="Begin at this value between, and follow the branch both ways; --from, if not "
-            "given."
+            help="Begin at this value between both ends, and follow the branch both ways. Default:"
+            " --from."
         ),
     ] = None,
     switch: Annotated[
         int | None,
         typer.Option(
             metavar="NUMBER",
-            help="Follow the other branch, both ways, from the branch point of this number among "
-            "the special points.",
+            help="From the special point of this number, a branch point, follow the other branch "
+            "both ways.",
         ),
     ] = None,
     resume: ResumeFile = None,
@@ -55,15 +55,16 @@ def branch(
         float | None,
         typer.Option(
             metavar="RADIANS",
-            help="Begin with the bent equilibrium that rodgen static finds with it.",
+            help="Begin with the bent equilibrium that rodgen static finds with this imperfection.",
         ),
     ] = None,
     motion: Annotated[
         str | None,
         typer.Option(
             metavar="WHERE",
-            help="Of a rod that nothing holds in place, follow steady motions, bent or not: the "
-            "one near SCENE's initial state (initial), or that a run of SCENE leads to (run).",
+            help="Follow steady motions, bent or not, of a rod that nothing holds in place. "
+            "initial: begin near SCENE's initial state. run: begin with the motion to which a"
+            " run of SCENE leads.",
         ),
     ] = None,
     step: LongestStep = 0.02,
@@ -72,9 +73,11 @@ def branch(
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
-    """Follow the equilibria, or the steady motion, of SCENE while one of its numbers changes:
-    through folds, with branch points, Hopf points and how many motions are unstable; draw the
-    diagram."""
+    """Follow the equilibria, or the steady motion, of SCENE while one of its numbers changes.
+
+    The branch goes through folds. The command locates branch points and Hopf points, counts
+    unstable motions, and draws the diagram.
+    """
     from rodgen.analyse.branches import branch_data
     from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 
@@ -111,7 +114,9 @@ def branch(
             reached = found.attrs["switch"]  # 0 where Ctrl-C came before
             name = f"branch_{reached}" if reached else "branch"
             file = folder / f"{name}.nc"
-            print_values(f"{scene.name}: branch along {vary}", _rows(found))
+            from rodgen.show.dataset_tables import of_branch
+
+            print_values(f"{scene.name}: branch along {vary}", of_branch(found))
             made.write(folder, name, lambda: _diagram(found, scene, follow))
         made.stop(file)
 
@@ -155,28 +160,3 @@ def _object(found: xarray.Dataset) -> dict[str, Any]:
         "notes": list(filter(None, found.attrs["notes"].split("\n"))),
         "t": found.attrs["t"],
     }
-
-
-def _rows(found: xarray.Dataset) -> dict[str, str]:
-    values, unstable = found["value"].values, found["unstable"].values
-    rows = {
-        "points": f"{len(values)}, from {values[0]:.9g} to {values[-1]:.9g}",
-        "ends": found.attrs["end"],
-        "unstable directions": f"{_number(unstable[0])} at its start, {_number(unstable[-1])} at "
-        "its end",
-    }
-    if "turning" in found:
-        turning = found["turning"].values
-        rows["turns with"] = f"{turning[0]:.9g} rad/s at its start, {turning[-1]:.9g} at its end"
-    parts = (found[f"special_{name}"].values for name in ("kind", "value", "frequency", "note"))
-    for number, (kind, value, frequency, note) in enumerate(zip(*parts, strict=True), 1):
-        words = f"{kind} point at {value:.12g}" if kind != "fold" else f"fold at {value:.12g}"
-        words = words.replace("hopf", "Hopf")
-        if frequency:
-            words += f", {frequency:.12g} Hz"
-        rows[f"special {number}"] = f"{words} ({note})" if note else words
-    return rows
-
-
-def _number(unstable: int) -> str:
-    return "unknown" if unstable < 0 else str(unstable)

@@ -20,10 +20,12 @@ def check(
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random states.")] = 1,
     as_json: AsJson = False,
 ) -> None:
-    """Compare MODULE, which is run, with hand-assembled equations in 50-digit arithmetic."""
+    """Run MODULE and compare it with hand-assembled equations in 50-digit arithmetic."""
     from rodgen.check.module import DIGITS, LIMIT, check_module
     from rodgen.show.result_tables import ResultTable
 
+    if not module_file.exists():
+        raise SceneError("module", str(module_file), "a file that is there")
     if module_file.suffix != ".py" or not is_generated(module_file):  # nothing else is run
         allowed = "a .py that rodgen derive wrote (of a C module, the .py beside the .c)"
         raise SceneError("module", str(module_file), allowed)

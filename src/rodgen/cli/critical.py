@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rodgen.analyse.errors import AnalysisError
+from rodgen.cli.completion import words
 from rodgen.cli.console import (
     err,
     finite,
@@ -42,26 +43,34 @@ SCALABLE = ", ".join(term.table for term in TERMS.values() if term.sizes)
 def critical(
     scene: Scene,
     lowest: Annotated[
-        float | None, typer.Option(help="Where the search begins [N]; 0, if not given.")
+        float | None, typer.Option(help="Force at which the search begins [N]. Default: 0.")
     ] = None,
     highest: Annotated[
-        float | None, typer.Option(help="Where it ends [N]; 1000 EI/L^2, if not given.")
+        float | None, typer.Option(help="Force at which the search ends [N]. Default: 1000 EI/L^2.")
     ] = None,
     load: Annotated[
         str | None,
         typer.Option(
-            help=f"The load that is scaled: {SCALABLE}, of several the name, such as follower_2; "
-            "or followers or all, by one factor. By default the first that follows the rod."
+            autocompletion=words(
+                [*(term.table for term in TERMS.values() if term.sizes), "followers", "all"]
+            ),
+            help=f"Load that is scaled: {SCALABLE}, or a name such as follower_2 if there are "
+            "several; followers or all scales several by one factor. Default: the first load that "
+            "follows the rod.",
         ),
     ] = None,
     end: Annotated[
-        str, typer.Option(help="upper: where stability is lost; lower: where it is regained.")
+        str,
+        typer.Option(
+            help="upper: force at which stability is lost. lower: force at which it is regained.",
+            autocompletion=words(["upper", "lower"]),
+        ),
     ] = "upper",
     windows: Annotated[
         bool, typer.Option("--windows", help="Also list all windows of stability in the range.")
     ] = False,
     elastic: Annotated[
-        bool, typer.Option("--elastic", help="Leave out motions that turn a free rod as a whole.")
+        bool, typer.Option("--elastic", help="Leave out motions that rotate a free rod as a whole.")
     ] = False,
     t: AtTime = None,
     speed: Speed = None,
@@ -70,15 +79,19 @@ def critical(
         float | None,
         typer.Option(
             metavar="SECONDS",
-            help="Also find it by simulations of so many seconds, each from the steady state with "
-            "a small disturbance of its own: of the scene's initial state its speed alone is used.",
+            help="Also find the force by simulations of this length. Each begins with the steady "
+            "state and a small disturbance. Of the scene's initial state only the speed is "
+            "used.",
         ),
     ] = None,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
-    """Find the smallest follower force, or other load, under which SCENE flutters or diverges,
-    whatever force it has itself; draw frequencies and growth against the force."""
+    """Find the smallest follower force, or other load, at which SCENE flutters or diverges.
+
+    The force of the scene itself does not matter. Frequencies and growth are drawn against the
+    force.
+    """
     from rodgen.analyse.critical import critical_force, family_of
     from rodgen.analyse.family import FOLLOWER, GROUPS, label_of
     from rodgen.analyse.system import flown, in_words, silent
@@ -159,6 +172,7 @@ def _doubt(found: Critical, simulated: Simulated | None, family: Family) -> str 
 
 def _object(found: Critical, simulated: Simulated | None, doubted: str | None) -> dict[str, Any]:
     told = {one.name: getattr(found, one.name) for one in fields(found) if one.name != "scene"}
+    told["stiffness"] = found.stiffness
     if simulated is None:
         return told
     result = None if isinstance(simulated, AnalysisError) else asdict(simulated)

@@ -41,50 +41,52 @@ def cycle(
     by: Annotated[
         str | None,
         typer.Option(
-            help="collocation, on a mesh of the period, shooting, or picard, which computes the "
-            "leading multipliers alone; if not given, collocation, and picard for many links."
+            help="collocation (on a mesh of the period), shooting, or picard (only the leading "
+            "multipliers). Default: collocation, and picard for many links."
         ),
     ] = None,
     multipliers: Annotated[
         int | None,
-        typer.Option(metavar="K", help="By picard: so many leading multipliers; 10, if not given."),
+        typer.Option(metavar="K", help="Number of leading multipliers of picard. Default: 10."),
     ] = None,
     segments: Annotated[
         int | None,
-        typer.Option(help="How many segments of the period are shot one by one; 4, if not given."),
+        typer.Option(help="Number of segments of shooting. Default: 4."),
     ] = None,
     branch_file: Annotated[
         Path | None,
         typer.Option(
             "--from",
             metavar="FILE",
-            help="A branch of cycles that this command has written: begin with one of its cycles, "
-            "stable or not, instead of a run; without --at with that nearest to SCENE's own value, "
-            "at which the cycle is then found. With --vary, a branch of equilibria that rodgen "
-            "branch has written: begin in its Hopf point --at (1 is the first special point).",
+            help="A branch of cycles that this command has written: begin with its cycle --at, "
+            "stable or not, instead of a run. Without --at, begin with the cycle nearest to "
+            "SCENE's own value, and find the cycle at this value. With --vary, a branch of "
+            "equilibria that rodgen branch has written: begin in its Hopf point --at (1 is "
+            "the first special point).",
         ),
     ] = None,
     at: PointNumber = None,
     vary: Annotated[
         str | None,
-        typer.Option(metavar="KEY", help="Follow the branch of cycles along a number of SCENE."),
+        typer.Option(metavar="KEY", help="Follow the branch of cycles along this number of SCENE."),
     ] = None,
     between: Annotated[
         str | None,
         typer.Option(
-            metavar="A,B", help="Between which values; a Hopf point is looked for from A."
+            metavar="A,B", help="Range of the number. The search for a Hopf point begins at A."
         ),
     ] = None,
     start: Annotated[
         str,
-        typer.Option(help="Where the branch begins: hopf (a Hopf point), or run (SCENE's cycle)."),
+        typer.Option(help="Start of the branch: hopf (a Hopf point) or run (SCENE's cycle)."),
     ] = "hopf",
     switch: Annotated[
         int | None,
         typer.Option(
             metavar="NUMBER",
-            help="With --vary: follow the branch that begins in the special point of this number: "
-            "a branch point, or a period doubling, from which cycles of twice the period go.",
+            help="With --vary: follow the branch that begins in the special point of this number. "
+            "This is a branch point, or a period doubling, where cycles of twice the period "
+            "begin.",
         ),
     ] = None,
     resume: ResumeFile = None,
@@ -93,19 +95,21 @@ def cycle(
     mode: Annotated[
         int | None,
         typer.Option(
-            help="Of a scene without dissipation: the motion of this nonlinear mode, 1 is the "
-            "slowest, and its family from small motions on."
+            help="For a scene without dissipation: find the motion of this nonlinear mode (1 is "
+            "the slowest), and its family from small motions on."
         ),
     ] = None,
     energy: Annotated[
         float | None,
-        typer.Option(metavar="JOULES", help="With --mode: the energy above that of rest."),
+        typer.Option(metavar="JOULES", help="With --mode: energy above that of rest."),
     ] = None,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
-    """Show the periodic motion that SCENE settles on, and its Floquet multipliers; draw both. With
-    --vary, follow such motions along a number of SCENE."""
+    """Find the periodic motion that SCENE settles on, and its Floquet multipliers, and draw both.
+
+    With --vary, follow periodic motions along a number of SCENE.
+    """
     from rodgen.scene import SceneError
 
     if vary is None and between is not None:

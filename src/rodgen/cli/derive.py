@@ -11,6 +11,7 @@ import typer
 from rich.table import Table
 
 from rodgen.check.proofs import MOST_EXPLICIT, MOST_JOINTS, Proof, prove
+from rodgen.cli.completion import listed_words, words
 from rodgen.cli.console import out, print_json, working
 from rodgen.cli.errors import DISPROVEN, fail
 from rodgen.cli.options import AsJson
@@ -30,40 +31,67 @@ OTHERS = ", ".join(name for name in TERMS if name not in THESIS_TERMS)
 
 def derive(
     links: Annotated[
-        str | None, typer.Argument(metavar="N", help="Number of links; absent beside --scene.")
+        str | None, typer.Argument(metavar="N", help="Number of links. Not allowed with --scene.")
     ] = None,
     scene_file: Annotated[
         Path | None,
-        typer.Option("--scene", metavar="FILE", help="Scene for whose module this is, instead."),
+        typer.Option("--scene", metavar="FILE", help="Write the module of this scene instead."),
     ] = None,
     changes: Changes = None,
     boundary: Annotated[
-        str | None, typer.Option(help=", ".join(BOUNDARIES), show_default="free")
+        str | None,
+        typer.Option(
+            help=f"One of {', '.join(BOUNDARIES)}. Default: free.", autocompletion=words(BOUNDARIES)
+        ),
     ] = None,
     inertia: Annotated[
-        str | None, typer.Option(help=", ".join(INERTIAS), show_default="uniform")
+        str | None,
+        typer.Option(
+            help=f"One of {', '.join(INERTIAS)}. Default: uniform.", autocompletion=words(INERTIAS)
+        ),
     ] = None,
     terms: Annotated[
         str | None,
-        typer.Option(help=f"all (but {OTHERS}), none, or a list with commas", show_default="all"),
+        typer.Option(
+            help=f"all (without {OTHERS}), none, or a list with commas. Default: all.",
+            autocompletion=listed_words(["all", "none", *TERMS]),
+        ),
     ] = None,
-    target: Annotated[str, typer.Option(help=f"{', '.join(TARGETS)} or both")] = "numpy",
-    form: Annotated[str, typer.Option(help=", ".join(FORMS))] = "chain",
+    target: Annotated[
+        str,
+        typer.Option(
+            help=f"{', '.join(TARGETS)} or both.", autocompletion=words([*TARGETS, "both"])
+        ),
+    ] = "numpy",
+    form: Annotated[
+        str, typer.Option(help=f"One of {', '.join(FORMS)}.", autocompletion=words(FORMS))
+    ] = "chain",
     out_folder: Annotated[Path, typer.Option("--out", help="Folder for the module.")] = Path(),
     parts: Annotated[
-        str, typer.Option(help=f"all, or of {', '.join(offered('c'))}, a list with commas")
+        str,
+        typer.Option(
+            help=f"all, or a list with commas of {', '.join(offered('c'))}.",
+            autocompletion=listed_words(["all", *offered("c")]),
+        ),
     ] = "all",
     with_steps: Annotated[
-        bool, typer.Option(help="Step loops beside the C module, for runs without rodgen.")
+        bool,
+        typer.Option(
+            "--with-steps",
+            help="Also write step loops beside the C module, for runs without rodgen.",
+        ),
     ] = False,
     explicit: Annotated[
-        bool, typer.Option(help=f"Run LagrangesMethod with all links beyond {MOST_EXPLICIT} too.")
+        bool,
+        typer.Option(
+            "--explicit", help=f"Run LagrangesMethod with all links beyond {MOST_EXPLICIT} too."
+        ),
     ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Derive the equations of N links, or of a scene, prove them, and write the generated module.
 
-    With --json, one JSON object is printed instead of a table; the module is written all the same.
+    With --json, one JSON object is printed instead of a table. The module is written as well.
     """
     given = {"N": links, "--boundary": boundary, "--inertia": inertia, "--terms": terms}
     structure = _structure(given, scene_file, changes)

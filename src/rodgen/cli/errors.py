@@ -46,7 +46,8 @@ def _explain(error: Exception) -> None:
     if isinstance(error, AnalysisError | StudyError):
         fail(str(error), FAILED_RUN)
     if isinstance(error, SceneError):
-        fail(str(error), BAD_INPUT)
+        notes = "".join(f" ({note})" for note in getattr(error, "__notes__", ()))
+        fail(f"{error}{notes}", BAD_INPUT)
     if isinstance(error, BuildError):
         fail(str(error), BAD_INPUT)
     if isinstance(error, OSError) and error.strerror:

@@ -31,20 +31,22 @@ def exponents(
     scene: Scene,
     count: Annotated[
         int | None,
-        typer.Option(help="How many, from the largest on; all of the state, if not given."),
+        typer.Option(help="Number of exponents, from the largest on. Default: all."),
     ] = None,
     span: Annotated[
         float | None,
-        typer.Option(help="Seconds of motion, from the start of SCENE; its own, if not given."),
+        typer.Option(
+            help="Length of the motion from the start of SCENE [s]. Default: the scene's span."
+        ),
     ] = None,
     transient: Annotated[
         float | None,
-        typer.Option(help="Seconds at the start that are left out; a tenth, if not given."),
+        typer.Option(help="Time at the start that is left out [s]. Default: a tenth of the span."),
     ] = None,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
-    """Show how fast neighbours of the motion of SCENE come apart: its Lyapunov exponents."""
+    """Compute the Lyapunov exponents of SCENE: how fast neighbouring motions come apart."""
     from rodgen.analyse.chaos.exponents import lyapunov_exponents
 
     start, end = scene.integrate.span

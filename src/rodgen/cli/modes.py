@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 
 def modes(
     scene: Scene,
-    count: Annotated[int, typer.Option(help="How many modes, from the lowest on.")] = 10,
+    count: Annotated[int, typer.Option(help="Number of modes, from the lowest on.")] = 10,
     t: AtTime = None,
     speed: Speed = None,
     after: After = None,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
-    """Show the natural frequencies of SCENE about its steady state; draw the shapes."""
+    """Compute the natural frequencies of SCENE about its steady state, and draw the mode shapes."""
     from rodgen.analyse.modes import natural_modes
     from rodgen.analyse.system import in_words, silent
 

@@ -7,51 +7,61 @@ from typing import Annotated
 
 import typer
 
+from rodgen.cli.completion import keys
+
 AtTime = Annotated[
     float | None,
     typer.Option(
-        "--t", help="Time of the span whose loads are taken [s]; its start, if not given."
+        "--t",
+        help="Time within the span at which loads are taken [s]. Default: the start of the span.",
     ),
 ]
 Speed = Annotated[
     float | None,
     typer.Option(
-        help="Speed of a free rod along its axis, nose first [m/s]; that of its initial state, if "
-        "not given."
+        help="Speed of a free rod along its axis, nose first [m/s]. Default: that of the initial "
+        "state."
     ),
 ]
 After = Annotated[
     float | None,
     typer.Option(
         metavar="SECONDS",
-        help="Time of a run of SCENE whose loads, speed and direction are taken.",
+        help="Take loads, speed and direction from a run of SCENE after this time.",
     ),
 ]
 OutFolder = Annotated[
     Path,
-    typer.Option("--out", help="Folder in which a folder of the scene's or study's name is made."),
+    typer.Option(
+        "--out", help="Folder for results. A folder of the scene's or study's name is made in it."
+    ),
 ]
 AsJson = Annotated[
-    bool, typer.Option("--json", help="Print one JSON object, and no table and picture.")
+    bool, typer.Option("--json", help="Print one JSON object instead of tables and pictures.")
 ]
 Vary = Annotated[
-    str, typer.Option(metavar="KEY", help="The number that is varied: loads.follower.force.")
+    str,
+    typer.Option(
+        metavar="KEY",
+        help="Number that is varied, such as loads.follower.force.",
+        autocompletion=keys,
+    ),
 ]
 ResumeFile = Annotated[
     Path | None,
     typer.Option(
         "--resume",
         metavar="FILE",
-        help="Go on with the curve in this file of the same command, from its last point.",
+        help="Continue the curve in this file of the same command from its last point.",
     ),
 ]
 PointNumber = Annotated[
-    int | None, typer.Option("--at", help="Number of the point of FILE; its last, if not given.")
+    int | None, typer.Option("--at", help="Number of a point of FILE. Default: the last.")
 ]
 LongestStep = Annotated[
-    float, typer.Option("--step", help="The longest step along the curve, as a share of its range.")
+    float, typer.Option("--step", help="Longest step along the curve, as a share of the range.")
 ]
-MostPoints = Annotated[int, typer.Option("--most", help="Points at most, to either side.")]
+MostPoints = Annotated[int, typer.Option("--most", help="Largest number of points, to each side.")]
 LAST = -1  # the number of a point, if not given
 
 

@@ -24,12 +24,12 @@ UNITS = {"error_phi": "rad", "error_tail": "m"}
 def precision(
     scene: Scene,
     seconds: Annotated[
-        float, typer.Option(help="About how long it takes, besides making the module [s].")
+        float, typer.Option(help="Approximate duration, without building the module [s].")
     ] = 40.0,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
-    """Measure error against run time on SCENE, of rodgen's methods and SciPy's; draw it."""
+    """Measure error against run time on SCENE, for methods of rodgen and SciPy, and draw it."""
     from rodgen.analyse.precision.work_precision import work_precision
 
     with promised(None if as_json else out_folder / scene.name) as folder:

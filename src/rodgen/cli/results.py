@@ -94,13 +94,15 @@ def to_replace(scene: Scene, file: Path) -> list[Path]:
 
 def _differing(scene: Scene, other: Scene) -> list[str]:
     """Keys and tables in which two scenes differ."""
+    found: list[str] = []
     now, then = (s.model_dump() for s in (scene, other))
-    return [
-        f"{table}.{key}" if key else table
-        for table in now
-        for key in (now[table] if isinstance(now[table], dict) else [""])
-        if (now[table][key] != then[table][key] if key else now[table] != then[table])
-    ]
+    for table in {**now, **then}:
+        a, b = now.get(table), then.get(table)
+        if isinstance(a, dict) and isinstance(b, dict):
+            found += [f"{table}.{key}" for key in {**a, **b} if a.get(key) != b.get(key)]
+        elif a != b:
+            found.append(table)
+    return found
 
 
 def is_generated(path: Path) -> bool:

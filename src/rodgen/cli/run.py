@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from rodgen.cli.completion import words
 from rodgen.cli.console import (
     drawn,
     err,
@@ -26,6 +27,7 @@ from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
 from rodgen.cli.options import OutFolder
 from rodgen.cli.results import check_same, promised, to_replace, unwritable
 from rodgen.cli.signals import end_as_by_ctrl_c, hold_back_ctrl_c, let_ctrl_c_through
+from rodgen.emit.targets import TARGETS
 from rodgen.integrate import Interrupted, RunError, Solution, StepWarning, resume, simulate
 from rodgen.integrate.error_growth import error_growth as growth_of
 from rodgen.integrate.files.checkpoint import beside
@@ -33,8 +35,10 @@ from rodgen.integrate.files.saver import check_every
 from rodgen.integrate.methods.compiled import parts
 from rodgen.loading import build, companions, fastest, sources
 from rodgen.loading.cache import write_whole
+from rodgen.model.methods import METHODS
 from rodgen.scene import Scene
-from rodgen.scene.integration import Settings
+from rodgen.scene.doubts import doubts
+from rodgen.scene.integration import AUTO, Settings
 from rodgen.scene.overrides import check_used
 
 RESULT, SUMMARY = "solution.nc", "summary.txt"
@@ -43,33 +47,43 @@ RESULT, SUMMARY = "solution.nc", "summary.txt"
 def run(
     context: typer.Context,
     scene: Scene,
-    method: Annotated[str | None, typer.Option(help="Instead of the scene's method.")] = None,
+    method: Annotated[
+        str | None,
+        typer.Option(
+            help=f"Method to use instead of the scene's: {', '.join((AUTO, *METHODS))}.",
+            autocompletion=words([AUTO, *METHODS]),
+        ),
+    ] = None,
     step: Annotated[float | None, typer.Option(help="Step of a fixed-step method [s].")] = None,
     rtol: Annotated[float | None, typer.Option(help="Relative tolerance.")] = None,
     atol: Annotated[float | None, typer.Option(help="Absolute tolerance.")] = None,
     span: Annotated[
         tuple[float, float] | None,
-        typer.Option(metavar="START END", help="Instead of the scene's span [s]."),
+        typer.Option(metavar="START END", help="Span to use instead of the scene's [s]."),
     ] = None,
     output_every: Annotated[float | None, typer.Option(help="Spacing of the samples [s].")] = None,
     target: Annotated[
-        str | None, typer.Option(help="numpy or c; if not given, c where it can be built.")
+        str | None,
+        typer.Option(
+            help="numpy or c. Default: c if it can be built.", autocompletion=words(TARGETS)
+        ),
     ] = None,
     out_folder: OutFolder = Path("results"),
     checkpoint: Annotated[
-        float, typer.Option(help="Seconds between two states from which --resume can go on.")
+        float,
+        typer.Option(help="Seconds between two saved states, from which --resume can continue."),
     ] = 30.0,
     error_growth: Annotated[
-        bool, typer.Option("--error-growth", help="Also say how fast small errors grow.")
+        bool, typer.Option("--error-growth", help="Also measure how fast small errors grow.")
     ] = False,
     resumed: Annotated[
-        bool, typer.Option("--resume", help="Go on with the run of SCENE that was stopped.")
+        bool, typer.Option("--resume", help="Continue the run of SCENE that was stopped.")
     ] = False,
     as_json: Annotated[
-        bool, typer.Option("--json", help="Say what came out in one JSON object.")
+        bool, typer.Option("--json", help="Print the results as one JSON object.")
     ] = False,
 ) -> None:
-    """Integrate SCENE; write states, pictures and a summary, and say what came out."""
+    """Integrate SCENE, and write states, pictures and a summary."""
     check_every(checkpoint, "--checkpoint")
     overrides: Settings = {
         "method": method,
@@ -81,6 +95,8 @@ def run(
     }
     scene = scene.with_integrate(**overrides)
     check_used(scene.integrate, overrides, prefix="--")
+    for doubt in doubts(scene):
+        warn(doubt)
     start, end = scene.integrate.span
     folder = out_folder / scene.name
     file = folder / RESULT

@@ -1,4 +1,4 @@
-"""rodgen scenes: those that come with rodgen; rodgen new: a copy of one, to change."""
+"""rodgen scenes: scenes and studies that come with rodgen; rodgen new: a copy of one, to change."""
 
 from __future__ import annotations
 
@@ -8,20 +8,19 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from rodgen.cli.completion import words
 from rodgen.cli.console import out, print_json
 from rodgen.cli.options import AsJson
 from rodgen.cli.results import unwritable
 from rodgen.loading.cache import write_whole
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.examples import about, examples, folder, renamed
-
-STUDIES = "studies"
+from rodgen.scene.examples import STUDIES, about, copies, example, examples, folder, studies
 
 
 def scenes(as_json: AsJson = False) -> None:
-    """List the scenes that come with rodgen, to start from."""
+    """List the scenes and studies that come with rodgen."""
+    kinds = {"scenes": examples(), STUDIES: studies()}
     if as_json:
-        kinds = {"scenes": examples(), STUDIES: examples(STUDIES)}
         print_json(
             {
                 kind: {name: {"file": str(path), "about": about(path)} for name, path in of.items()}
@@ -29,28 +28,53 @@ def scenes(as_json: AsJson = False) -> None:
             }
         )
         return
-    table = Table("name", "what it is", title="Scenes: rodgen new NAME --from ... copies one")
-    for name, path in examples().items():
-        table.add_row(name, about(path))
-    out.print(table)
-    out.print(f"Their files lie in {folder()}, those of studies in its folder {STUDIES}:")
-    out.print(f"{', '.join(examples(STUDIES))}.")
+    for kind, of in kinds.items():
+        table = Table("name", "what it is", title=f"{kind.title()}: rodgen new NAME --from ...")
+        for name, path in of.items():
+            table.add_row(name, about(path))
+        out.print(table)
+    out.print(f"Their files lie in {folder()}.")
 
 
 def new(
-    name: Annotated[str, typer.Argument(help="Name of the scene, and of its file.")],
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Name of the scene or study, and of its file.")
+    ],
     source: Annotated[
-        str, typer.Option("--from", metavar="EXAMPLE", help="Scene to copy: one of rodgen scenes.")
+        str,
+        typer.Option(
+            "--from",
+            metavar="EXAMPLE",
+            help="Scene or study to copy, from the lists of rodgen scenes.",
+            autocompletion=words([*examples(), *studies()]),
+        ),
     ] = "missile",
     folder: Annotated[Path, typer.Option("--out", help="Folder for the file.")] = Path(),
 ) -> None:
-    """Write NAME.toml, a copy of a scene that comes with rodgen, to change."""
-    Scene.example(source).replace({"name": name})
-    path = folder / f"{name}.toml"
-    if path.exists():
-        raise SceneError("NAME", name, f"new: {path} is there already")
+    """Write NAME.toml, a copy of a scene or a study that comes with rodgen. Change it as you like.
+
+    A study whose scene is a file gets a copy of that, too.
+    """
+    file, study = example(source, examples() | studies()), source in studies()
+    _scene(file, study).replace({"name": name})  # refuses what is no name
+    made = copies(file, name)
+    for path in (folder / one for one in made):
+        if path.exists():
+            raise SceneError("NAME", name, f"new: {path} is there already")
     try:
-        write_whole(path, renamed(source, name))
+        for one, text in made.items():
+            write_whole(folder / one, text)
     except OSError as error:
         raise unwritable(folder, error) from None
-    out.print(f"Written: {path}. Next: rodgen run {path}")
+    written = ", ".join(str(folder / one) for one in made)
+    run = f"rodgen {'study' if study else 'run'} {folder / f'{name}.toml'}"
+    out.print(f"Written: {written}. Next: {run}")
+
+
+def _scene(file: Path, study: bool) -> Scene:
+    """The scene of a file, or that of a study."""
+    if not study:
+        return Scene.from_toml(file)
+    from rodgen.studies.specification import Study
+
+    return Study.from_toml(file).base

@@ -17,6 +17,7 @@ from typing import Annotated, Any
 
 import typer
 
+from rodgen.cli.completion import keys
 from rodgen.cli.console import printing
 from rodgen.cli.options import OutFolder
 from rodgen.scene import Scene, SceneError
@@ -27,12 +28,13 @@ Changes = Annotated[
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
-        help="Another value of a key of SCENE, such as loads.follower.force=300; KEY= leaves the "
-        "key out. Can be given several times.",
+        help="Set a key of SCENE to another value, such as loads.follower.force=300. KEY= removes "
+        "the key. Can be given several times.",
+        autocompletion=keys,
     ),
 ]
 Quiet = Annotated[
-    bool, typer.Option("--quiet", help="Print nothing but errors, warnings and what --json gives.")
+    bool, typer.Option("--quiet", help="Print only errors, warnings and the output of --json.")
 ]
 NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw no pictures.")]
 SCENE, SET, QUIET, NO_PICTURES = "scene", "changes", "quiet", "no_pictures"
@@ -78,7 +80,7 @@ def read_scene(path: Path, changes: Sequence[str] | None) -> Scene:
 
 
 def _change(text: str) -> tuple[str, Any]:
-    key, equals, value = text.partition("=")
+    key, equals, value = (part.strip() for part in text.partition("="))
     if not (equals and re.fullmatch(r"[\w-]+(\.[\w-]+)*", key)):
         raise SceneError("--set", text, "KEY=VALUE, such as loads.follower.force=300")
     return key, _value(value)

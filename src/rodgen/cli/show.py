@@ -17,13 +17,14 @@ from rodgen.loading import build_fastest
 from rodgen.model.methods import FIXED_STEP
 from rodgen.scene import Scene
 from rodgen.scene.contents import contents
+from rodgen.scene.doubts import doubts
 from rodgen.scene.mesh import mesh_notes
 
 MOST_LISTED = 10  # break points
 
 
 def show(scene: Scene, as_json: AsJson = False) -> None:
-    """Show what will be in the module of SCENE, and what is left out and why."""
+    """Show what the module of SCENE will hold, and what is left out and why."""
     if as_json:
         print_json(_object(scene))
         return
@@ -35,7 +36,7 @@ def show(scene: Scene, as_json: AsJson = False) -> None:
     for row in contents(scene):
         table.add_row(row.piece, "yes" if row.present else "no", row.reason)
     out.print(table)
-    print_notes(mesh_notes(scene))
+    print_notes((*mesh_notes(scene), *doubts(scene)))
     out.print(f"state y: {len(scene.initial_state())} values")
     out.print(f"parameters p: {', '.join(structure.parameters)}")
     breaks = _listed(scene.breaks())
@@ -76,7 +77,7 @@ def _object(scene: Scene) -> dict[str, Any]:
             {"piece": row.piece, "present": row.present, "reason": row.reason}
             for row in contents(scene)
         ],
-        "notes": mesh_notes(scene),
+        "notes": [*mesh_notes(scene), *doubts(scene)],
         "states": len(scene.initial_state()),
         "parameters": scene.parameters,
         "method": choice.method,
@@ -93,4 +94,5 @@ def _object(scene: Scene) -> dict[str, Any]:
 def _listed(times: list[float]) -> str:
     """The first of them, and how many there are."""
     first = ", ".join(f"{t:g}" for t in times[:MOST_LISTED]) or "none"
-    return first if len(times) <= MOST_LISTED else f"{first} ... ({len(times)} in all)"
+    unit, rest = " s" * bool(times), f" ... ({len(times)} in all)"
+    return first + unit + rest * (len(times) > MOST_LISTED)

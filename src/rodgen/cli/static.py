@@ -23,20 +23,21 @@ def static(
         float | None,
         typer.Option(
             metavar="RADIANS",
-            help="Load a rod whose tail is turned by so much, then make it straight: beyond a "
+            help="Load a rod whose tail is turned by this angle, then make it straight. Beyond a "
             "buckling load this finds the bent state instead of the straight, unstable one.",
         ),
     ] = None,
     every: Annotated[
         bool,
         typer.Option(
-            "--all", help="List all equilibria that branches and deflation find, and draw them."
+            "--all",
+            help="Find equilibria on all branches and by deflation, list them and draw them.",
         ),
     ] = False,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
-    """Show the static equilibrium of SCENE; draw the deflected rod."""
+    """Find the static equilibrium of SCENE, and draw the deflected rod."""
     from rodgen.analyse.statics import static_equilibrium
     from rodgen.analyse.system import System, in_words, silent
     from rodgen.scene import SceneError

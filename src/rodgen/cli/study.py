@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import drawn, out, print_values, working
+from rodgen.cli.console import drawn, err, out, print_json, print_values, working
 from rodgen.cli.errors import BAD_INPUT, FAILED_RUN, INTERRUPTED, fail
-from rodgen.cli.options import OutFolder
+from rodgen.cli.options import AsJson, OutFolder
 from rodgen.cli.signals import end_as_by_ctrl_c, hold_back_ctrl_c
 
 STORE = "study.zarr"
@@ -21,39 +21,50 @@ def study(
         list[str],
         typer.Argument(
             metavar="FILE | show STORE",
-            help="A study, in TOML; or the store of one, whose pictures are drawn again.",
+            help="A study, in TOML; or show and a store, whose pictures are drawn again.",
         ),
     ],
     out_folder: OutFolder = Path("results"),
     workers: Annotated[
         int | None,
-        typer.Option(help="By default one a processor, of short studies 1, without Dask."),
+        typer.Option(
+            help="Worker processes. Default: one for each processor; for short studies 1, "
+            "without Dask."
+        ),
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="Of a Dask scheduler, whose workers are taken."),
+        typer.Option(
+            metavar="ADDRESS", help="Address of a Dask scheduler, whose workers compute the study."
+        ),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with the store of FILE, if there is one.")
+        bool, typer.Option("--resume", help="Continue the store of FILE, if there is one.")
     ] = False,
     adaptive: Annotated[
         float | None,
         typer.Option(
             metavar="WIDTH",
-            help="Of a map of two axes, compute only what is needed to find where neighbours "
+            help="For a map of two axes: compute only the points that locate where neighbours "
             "differ, to this share of an axis.",
         ),
     ] = None,
     by: Annotated[
         str | None,
-        typer.Option(help="With --adaptive: in what they differ, such as stable or 'max(x) > 1'."),
+        typer.Option(
+            help="With --adaptive: the quantity in which neighbours differ, such as stable or "
+            "'max(x) > 1'."
+        ),
     ] = None,
     yes: Annotated[
-        bool, typer.Option("--yes", help="Also where there are more than 1e8 points.")
+        bool, typer.Option("--yes", help="Compute a study of more than 1e8 points.")
     ] = False,
+    as_json: AsJson = False,
 ) -> None:
-    """Compute the study in FILE: a scene at many values of its keys, on all processors or on a
-    cluster; keep what comes out in a Zarr store, and draw it."""
+    """Compute the study in FILE: a scene at many values of its keys.
+
+    The study runs on all processors or on a cluster. Results are kept in a Zarr store, and drawn.
+    """
     from rodgen.studies.engine import check_extra, run
     from rodgen.studies.errors import StudyError
     from rodgen.studies.specification import Study
@@ -63,7 +74,8 @@ def study(
     except ImportError as error:
         fail(str(error), BAD_INPUT)
     if given[0] == SHOW and len(given) == 2:
-        _draw(Path(given[1]))
+        store = Path(given[1])
+        _tell(store.absolute().parent.name, store, as_json)
         return
     if len(given) != 1:
         fail("one study is computed at a time: rodgen study FILE, or rodgen study show STORE", 2)
@@ -81,7 +93,7 @@ def study(
             adaptive=adaptive,
             by=by,
             yes=yes,
-            said=out.print,
+            said=err.print if as_json else out.print,
         )
     except StudyError as error:
         why, status = str(error), FAILED_RUN
@@ -90,8 +102,7 @@ def study(
         why, status = "interrupted", INTERRUPTED
     if status:
         fail(f"{why}; {_kept(store)}", status)
-    _summarise(made.name, store)
-    _draw(store)
+    _tell(made.name, store, as_json)
 
 
 def _kept(store: Path) -> str:
@@ -105,19 +116,25 @@ def _kept(store: Path) -> str:
     return f"{what}; --resume goes on with them"
 
 
-def _summarise(name: str, store: Path) -> None:
+def _tell(name: str, store: Path, as_json: bool) -> None:
+    """Count the points of a store, and draw its pictures beside it."""
     from rodgen.studies.tally import tally
 
-    print_values(f"{name}: points", tally(store).rows)
+    found = tally(store)
+    if not as_json:
+        print_values(f"{name}: points", found.rows)
+    pictures = _draw(store) if drawn() else []
+    if as_json:
+        files = {"store": str(store), "pictures": [str(path) for path in pictures]}
+        print_json({"name": name, **vars(found), **files})
+    else:
+        out.print(f"Written: {', '.join(map(str, [store, *pictures]))}")
 
 
-def _draw(store: Path) -> None:
+def _draw(store: Path) -> list[Path]:
     """Draw pictures of a store beside it."""
     from rodgen.show.study_pictures import draw
     from rodgen.studies.store import read
 
-    written = [store]
-    if drawn():
-        with working("drawing"):
-            written += draw(read(store), store.absolute().parent)
-    out.print(f"Written: {', '.join(map(str, written))}")
+    with working("drawing"):
+        return draw(read(store), store.parent)

@@ -25,34 +25,36 @@ RESULT = ".nc"  # what a file of a result ends in
 def view(
     scene_file: Annotated[
         Path | None,
-        typer.Argument(metavar="SCENE", help="A scene, in TOML; with --export a result, too."),
+        typer.Argument(metavar="SCENE", help="A scene, in TOML. With --export also a result."),
     ] = None,
     branch: Annotated[
         Path | None,
         typer.Option(
             "--from",
             metavar="FILE",
-            help="Start in a state of a branch, or of one of its cycles: FILE of rodgen branch or "
-            "of rodgen cycle --vary.",
+            help="Start in a state of a branch, or on one of its cycles. FILE is written by rodgen"
+            " branch or rodgen cycle --vary.",
         ),
     ] = None,
     at: PointNumber = None,
     folder: Annotated[
-        Path | None, typer.Option(help="Scenes to choose from; if not given, those beside SCENE.")
+        Path | None,
+        typer.Option(help="Folder of the scenes to choose from. Default: that of SCENE."),
     ] = None,
     changes: Changes = None,
     host: Annotated[
-        str, typer.Option(help="Address to listen on; other than the loopback, a token is needed.")
+        str,
+        typer.Option(help="Address to listen on. Other addresses than the loopback need a token."),
     ] = "127.0.0.1",
-    port: Annotated[int, typer.Option(help="Port; 0 takes any that is free.")] = 8642,
+    port: Annotated[int, typer.Option(help="Port. 0 takes any free port.")] = 8642,
     paused: Annotated[
-        bool, typer.Option("--paused/--moving", help="Whether the rod waits at first, or moves.")
+        bool, typer.Option("--paused/--moving", help="Whether the rod waits or moves at first.")
     ] = False,
     export: Annotated[
         Path | None,
         typer.Option(
             metavar="FOLDER",
-            help="Write the run of SCENE, or a result in NetCDF, as a page that needs no server; "
+            help="Write the run of SCENE, or a result in NetCDF, as a page that needs no server. "
             "FOLDER/index.html opens from the file system.",
         ),
     ] = None,
@@ -60,7 +62,7 @@ def view(
         bool, typer.Option("--open/--no-open", help="Whether to open the page in a browser.")
     ] = True,
 ) -> None:
-    """Watch SCENE move in a browser, change it while it runs, plot anything; Ctrl-C ends it."""
+    """Watch SCENE move in a browser, change it while it runs, and plot it. Ctrl-C ends it."""
     from rodgen.scene import SceneError
 
     if (scene_file is None) == (branch is None):

@@ -17,7 +17,7 @@ from rodgen.derive.joint_forces import joint_system
 from rodgen.derive.joint_system import System, alpha, link_moment
 from rodgen.derive.loads.kinds import JointMoment
 from rodgen.derive.quantities import Quantities
-from rodgen.derive.symbols import Array, i, joint, joint_vx, joint_vy, joint_x, joint_y, n
+from rodgen.derive.symbols import Array, i, joint, joint_vx, joint_vy, joint_x, joint_y, n, s
 from rodgen.emit.forces import bending, forces, point_force
 from rodgen.emit.laws import Laws
 from rodgen.emit.masses import Masses
@@ -29,7 +29,7 @@ from rodgen.model.terms import EMPTYING
 from rodgen.scene.grammar import NUMPY
 from rodgen.scene.structure import Structure
 
-CENTRE = ("centre_x", "centre_y")
+CENTRE, MOMENTUM = ("centre_x", "centre_y"), ("momentum_x", "momentum_y")
 
 
 @dataclass(frozen=True)
@@ -342,6 +342,22 @@ class Functions:
         }
         if self.laws.definitions:
             outputs["signals"] = _scalars(self.laws.shown)
+        return {name: self.compiler.compile(o, batch=True) for name, o in outputs.items()}
+
+    def kinetics(self) -> dict[str, Program]:
+        """Momenta, the moment of what holds the rod, and curvatures, for states along leading
+        axes; without what a rod does not have."""
+        of, hold = Quantities(self.equations), self.equations.hold
+        about = dict(zip(CENTRE, of.centre_from_start, strict=True)) if hold.translates else {}
+        outputs = {
+            "momentum": _scalars(dict(zip(MOMENTUM, of.momentum, strict=True))),
+            "angular_momentum": _scalars(about | {"turning": of.angular_momentum}),
+        }
+        if hold.clamped:
+            outputs["reaction_moment"] = _scalars({"holding": of.reaction_moment})
+        if springs := hold.springs(self.links):
+            domain = Domain((s,), springs.start, springs.stop - 1)
+            outputs["curvatures"] = {"curvature": (domain, of.curvature)}
         return {name: self.compiler.compile(o, batch=True) for name, o in outputs.items()}
 
     def acting_power(self) -> Program:

@@ -16,7 +16,10 @@ OWN, RATE = "own_mass", "_rate"
 WEIGHT = {"np.": "_weight", "": "weight"}  # a mass that is above zero, by the prefix of a language
 WORDS = {OWN: "Mass of every link [kg]", OWN + RATE: "What every link gains of mass [kg/s]"}
 # Functions of a module that need the time where masses are functions of it.
-IN_TIME = ("mass_matrix", "energy", "centre_of_gravity", "inertia")
+IN_TIME = (
+    *("mass_matrix", "energy", "centre_of_gravity", "inertia"),
+    *("momentum", "angular_momentum"),
+)
 
 
 @dataclass(frozen=True)

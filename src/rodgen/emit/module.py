@@ -108,6 +108,8 @@ def _programs(functions: Functions, parts: Iterable[str]) -> dict[str, Program]:
         programs["implicit"] = functions.implicit()
     if "power" in parts:
         programs["power"] = functions.acting_power()
+    if "kinetics" in parts:
+        programs |= functions.kinetics()
     if "quantities" in parts:
         programs |= functions.quantities()
         programs["point_force"] = functions.point_force()

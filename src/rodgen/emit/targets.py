@@ -28,14 +28,21 @@ PARTS = {
         *("energy", "joints", "centre_of_gravity", "inertia"),
         *("bending_moments", "forces", "generalised_force", "signals"),
     ),
+    "kinetics": ("momentum", "angular_momentum", "reaction_moment", "curvatures"),
     "tangents": ("tangents", "VARIATIONS"),
     "flow": ("Run", "WORKS"),
     "newton": ("NEWTON",),
     "lanes": ("LANES",),
 }
-COMMON = ("mass", "implicit", "power", "quantities")  # written for NumPy, whatever the target
+COMMON = (
+    "mass",
+    "implicit",
+    "power",
+    "quantities",
+    "kinetics",
+)  # written for NumPy, whatever the target
 STEPS = ("flow", "newton")
-ASKED = (*STEPS, "tangents", "lanes")  # what nobody has who does not ask for it
+ASKED = (*STEPS, "kinetics", "tangents", "lanes")  # what nobody has who does not ask for it
 PART_OF = {name: part for part, names in PARTS.items() for name in names}
 FORMS = ("chain", "dense")
 

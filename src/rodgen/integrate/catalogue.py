@@ -16,7 +16,7 @@ import numpy as np
 from rodgen.integrate.joint_forces import forces_per_mass
 from rodgen.integrate.stepper import Array
 from rodgen.loading.module import Asked, asked, structure_of
-from rodgen.model.quantities import WORKS, Quantity
+from rodgen.model.quantities import FORCES, QUANTITIES, Quantity
 from rodgen.model.rod import BOUNDARIES, Boundary
 from rodgen.model.terms import PARAMETERS, words_of
 from rodgen.scene import Scene
@@ -54,6 +54,8 @@ class Motion:
     t: Array
     y: Array
     work: Mapping[str, Array]
+
+    # What raises NotImplementedError here is told by the two kinds of motion, a run and a piece.
 
     @cached_property
     def hold(self) -> Boundary:
@@ -96,9 +98,17 @@ class Motion:
         raise NotImplementedError
 
     def values(self, name: str) -> Any:
-        """A quantity by its name in model/quantities.py, one row for each state; computed once."""
+        """A quantity in SI units, one row for each state; computed once.
+
+        name: as events have it, such as "tip", "axial_force" or "energy".
+
+        Raises KeyError for what no motion has, or none of a rod that is held so.
+        """
         found = self._computed.get(name)
         if found is None:
+            only = ONLY.get(name, "")
+            if only and not getattr(self.hold, only):
+                raise KeyError(f"{name} is no quantity of a rod that is {self.hold.title}")
             found = self._computed[name] = _formula(name)(self)
         return found
 
@@ -107,11 +117,14 @@ class Motion:
         return {}
 
     def names(self, quantity: Quantity) -> Iterator[tuple[str, str]]:
-        """What a row stands for, by name and in words: a quantity for each load, or itself."""
+        """What a row stands for, by name and in words: a quantity for each load, or itself.
+
+        quantity: the row of the catalogue.
+        """
         if not quantity.each:
             yield quantity.name, quantity.words
             return
-        for term in self.work if quantity.each == WORKS else self.values("forces"):
+        for term in self.values("forces") if quantity.each == FORCES else self.work:
             yield quantity.name.format(term), quantity.words.format(words_of(term))
 
 
@@ -184,6 +197,11 @@ def _module(function: str) -> Callable[[Motion], Any]:
     return lambda motion: motion.called(function, motion.y)
 
 
+def _at_times(function: str) -> Callable[[Motion], Any]:
+    """What a function of the module says of the times and the states."""
+    return lambda motion: motion.called(function, motion.t, motion.y)
+
+
 def _part(group: str, at: int) -> Callable[[Motion], Array]:
     """A part of what a function of the module gives."""
     return lambda motion: motion.values(group)[..., at]
@@ -219,21 +237,6 @@ def _opened(motion: Motion, links: str, clamp: Array | float) -> Array:
     return np.diff(np.concatenate((*root, values, *tail), axis=-1), axis=-1)
 
 
-def _curvature(motion: Motion) -> Array:
-    """Turn between neighbouring links over the length of the cell of their spring: a link, and less
-    than that where a spring in the root or the tail is stiffer."""
-    bend, hold = motion.values("bend"), motion.hold
-    links = motion.values("phi").shape[-1]
-    per_link = np.ones(bend.shape[-1])
-    if hold.root:
-        per_link[0] = hold.root
-    if hold.tail:
-        per_link[-1] = hold.tail
-    length = np.asarray(motion.parameter("length"))[..., None]
-    found: Array = bend * per_link * links / length
-    return found
-
-
 def _joint_forces(motion: Motion) -> Array:
     """Forces [N] in the joints that pass one on to a moving link, (..., sections, 2)."""
     links = motion.values("phi").shape[-1]
@@ -253,33 +256,6 @@ def _along_and_across(motion: Motion) -> Array:
     x, y = np.moveaxis(motion.values("joint_forces"), -1, 0)
     c, s = np.cos(mean), np.sin(mean)
     return np.stack((c * x + s * y, c * y - s * x), axis=-1)
-
-
-def _gained(motion: Motion, rates: Array) -> Array:
-    """What kinetic energy gains by the rate at which further rates (..., positions) are taken on:
-    it is quadratic in the rates, so that a difference of any size is exact."""
-    half, sides = _positions(motion), []
-    for sign in (1, -1):
-        y = motion.y.copy()
-        y[..., half : 2 * half] += sign * rates
-        sides.append(motion.called("energy", y)[..., 0])
-    found: Array = (sides[0] - sides[1]) / 2
-    return found
-
-
-def _momentum(motion: Motion) -> Array:
-    units = np.eye(2, _positions(motion))
-    return np.stack([_gained(motion, unit) for unit in units], axis=-1)
-
-
-def _angular_momentum(motion: Motion) -> Array:
-    """Of a rod that moves freely, about its centre of gravity: all links turn at 1 rad/s more, and
-    joint 0 goes around that centre."""
-    size = _positions(motion)
-    rates = np.ones((*motion.y.shape[:-1], size))
-    x, y = np.moveaxis(motion.values("base") - motion.values("centre_of_gravity"), -1, 0)
-    rates[..., 0], rates[..., 1] = -y, x
-    return _gained(motion, rates)
 
 
 def _velocity(motion: Motion, function: str, *at: int) -> Array:
@@ -362,14 +338,15 @@ FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "centre_of_gravity": _module("centre_of_gravity"),
     "centre_velocity": lambda motion: _velocity(motion, "centre_of_gravity"),
     "bending_moments": _module("bending_moments"),
-    "curvature": _curvature,
+    "curvature": _module("curvatures"),
     "joint_forces": _joint_forces,
     "section_forces": _along_and_across,
     "axial_force": _part("section_forces", 0),
     "shear_force": _part("section_forces", 1),
     "reaction": lambda motion: -motion.values("joint_forces")[..., 0, :],
-    "momentum": _momentum,
-    "angular_momentum": _angular_momentum,
+    "reaction_moment": _at_times("reaction_moment"),
+    "momentum": _module("momentum"),
+    "angular_momentum": _module("angular_momentum"),
     "energy": _module("energy"),  # of its parts, (..., 3)
     "kinetic_energy": _part("energy", 0),
     "spring_energy": _part("energy", 1),
@@ -385,9 +362,10 @@ FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "principal_angle": lambda motion: motion.values("principal_axes").angle,
     "principal_moments": lambda motion: motion.values("principal_axes").moments,
     "signals": _signals,  # by name
-    "forces": lambda motion: motion.called("forces", motion.t, motion.y),  # by term
-    "power": lambda motion: motion.called("power", motion.t, motion.y),  # by term
+    "forces": _at_times("forces"),  # by term
+    "power": _at_times("power"),  # by term
 }
+ONLY = {row.name: row.only for row in QUANTITIES}  # what a boundary must be
 # What there is one of for each load, by what comes before the name of its term.
 OF_A_LOAD: dict[str, Callable[[Motion, str], Array]] = {
     "work": lambda motion, term: motion.work[term],

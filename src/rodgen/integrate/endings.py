@@ -15,7 +15,9 @@ def ended_by(t: float, name: str) -> str:
 
 
 class RunError(ArithmeticError):
-    """A run that could not be finished. solution: all samples up to there.
+    """A run could not be finished.
+
+    solution: all samples so far.
 
     Examples
     --------
@@ -35,7 +37,9 @@ class RunError(ArithmeticError):
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a run. solution: all samples up to there.
+    """Ctrl-C during a run.
+
+    solution: all samples so far.
 
     Examples
     --------

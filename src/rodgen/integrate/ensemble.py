@@ -15,16 +15,17 @@ from rodgen.shown import Told
 
 @dataclass(repr=False)
 class Ensemble(Told):
-    """What is kept of many runs, one after the other in arrays of their number.
+    """Results of many runs, in arrays over the rods.
 
-    values: reductions by their texts, each (rods,), not-a-number for runs that failed; t: times
-    [s] that the runs reached, (rods,); y: states there, (rods, states), in the order of the
-    module's STATE; work: work done by each load without potential until then [J], by term, each
-    (rods,); status: "finished" or "failed", (rods,); message: what there is to say of those that
-    failed or that an event has ended, by rod; steps, rejected, rhs: of each, (rods,), -1 where the
-    method does not tell; energy_error: largest error of the energy balance at the samples [J],
-    (rods,), not-a-number for runs that failed; crossed: of what was watched; traces: of what was
-    traced at the times of the samples [s], (rods, traced, samples + 1), see `trace`.
+    values: reductions by their texts, each (rods,) in SI units, not-a-number for runs that failed;
+    t: times that the runs reached [s], (rods,); y: states at these times, (rods, states), in SI
+    units and the order of the module's STATE; work: of each load without potential until then [J],
+    by term, each (rods,); status: "finished" or "failed", (rods,); message: why a run failed or
+    which event ended it, by rod; steps, rejected, rhs: steps, rejected steps and evaluations of the
+    rates, (rods,), -1 if the method does not count them; energy_error: largest error of the energy
+    balance at the samples [J], (rods,), not-a-number for runs that failed; crossed: crossings of
+    watched quantities; traces: values of traced quantities in SI units, (rods, traced, samples +
+    1), see `trace`; samples: their times [s].
 
     Examples
     --------
@@ -60,7 +61,10 @@ class Ensemble(Told):
         return self.values[text]
 
     def trace(self, rod: int, number: int) -> tuple[Array, Array]:
-        """Times [s] and values of what was traced of a rod, by its number among that."""
+        """Times [s] and values, in SI units, of a quantity that was traced.
+
+        rod: its number; number: that of the quantity among those traced.
+        """
         assert self.samples is not None
         assert self.traces is not None
         end = self.t[rod]

@@ -23,7 +23,7 @@ from rodgen.integrate.stepper import Array, Interpolant
 from rodgen.loading.module import structure_of
 from rodgen.model.quantities import place
 from rodgen.scene.course import BENDS, Switch
-from rodgen.scene.tables import Event
+from rodgen.scene.event import Event
 
 STATES, SIGNALS = "", "signals"  # in place of a quantity: the state itself, what laws follow
 # What laws of the motion switch at, in place of an event.

@@ -27,13 +27,14 @@ from rodgen.integrate.stretches import UNBOUNDED, Stretches, inside, step_to
 from rodgen.model.methods import METHODS
 from rodgen.native.many import REACHED, STOPPED
 from rodgen.scene.errors import SceneError, check_type, explain
-from rodgen.scene.integration import AUTO, Integrate, Settings
+from rodgen.scene.integration import AUTO, Integrate, Settings, spelt_out
 from rodgen.scene.overrides import check_used
 from rodgen.scene.plain import plain
 
 MOST_WORKERS = 1024
 
 
+@spelt_out
 def simulate_many(
     model: ModuleType,
     p: ArrayLike | Mapping[str, ArrayLike],
@@ -57,10 +58,12 @@ def simulate_many(
     model
         A module of `build`.
     p
-        Parameters (rods, parameters), as the module's `parameters` packs them, or by name, each a
-        number or (rods,), of several numbers (K,) or (rods, K). One set for all has no first axis.
+        Parameters (rods, parameters) in SI units, as the module's `parameters` packs them, or by
+        name, each a number or (rods,), of several numbers (K,) or (rods, K). One set for all has no
+        first axis.
     y0
-        States (rods, states) at the start, in the order of the module's STATE, or one for all.
+        States (rods, states) at the start, in SI units and the order of the module's STATE, or one
+        for all.
     keep
         Reductions such as "max(phi_19)" or "rms(tip_y, from=5)": last, min, max, mean, rms, std or
         time_of_max of a number of any quantity, over the samples of a run (between two times [s]).

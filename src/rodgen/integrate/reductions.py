@@ -15,7 +15,7 @@ import numpy as np
 
 from rodgen.integrate.catalogue import Motion
 from rodgen.integrate.stepper import Array
-from rodgen.model.quantities import ADDED, LOADS, QUANTITIES, WORKS, Index, numbers
+from rodgen.model.quantities import ADDED, LOADS, POWERS, QUANTITIES, WORKS, Index, numbers
 from rodgen.model.rod import Boundary
 from rodgen.scene.errors import SceneError, meant
 
@@ -103,7 +103,8 @@ class Numbers:
     ) -> Numbers:
         """works, loads, added: names of the loads that do work, of parameters that change, and of
         states that are added."""
-        each = {WORKS: tuple(works), LOADS: tuple(loads), ADDED: tuple(added)}
+        works = tuple(works)
+        each = {WORKS: works, POWERS: works, LOADS: tuple(loads), ADDED: tuple(added)}
         places: dict[str, tuple[str, Index]] = {"total_work": ("total_work", ())}
         for quantity in QUANTITIES:
             if quantity.each:

@@ -37,7 +37,7 @@ from rodgen.loading import build, build_fastest
 from rodgen.native.library import DeferredInterrupt
 from rodgen.progress import running, telling
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.integration import AUTO, Settings
+from rodgen.scene.integration import AUTO, Settings, spelt_out
 from rodgen.scene.overrides import check_used, with_parameters, with_state
 from rodgen.scene.scene import check_scene
 
@@ -46,6 +46,7 @@ TICK = 0.1  # seconds between two calls of the progress callback
 Progress = Callable[[float], None] | bool | None
 
 
+@spelt_out
 def simulate(
     scene: Scene,
     *,
@@ -64,30 +65,31 @@ def simulate(
     Parameters
     ----------
     scene
-        What moves, under which loads, from where, for how long, by which method.
+        The scene: a rod, its loads, its initial state, span and method.
     target
-        "c" or "numpy"; if not given, C where it can be built.
+        "c" or "numpy". By default C if it can be built.
     model
         A module that `build` has made before.
     progress
-        Called with the time [s] some ten times a second. Where it has a method ``stage``, that is
-        told which stage the making of the module is at, such as "compiling". If it is not given,
-        terminals and notebooks show a bar of what takes more than a second; False shows none.
+        A function that is called with the time [s] some ten times a second. If it has a method
+        ``stage``, this is called with the stage of making the module, such as "compiling". By
+        default terminals and notebooks show a bar if the run takes more than a second. False shows
+        none.
     out
         A NetCDF file into which samples are written as they come, so that memory does not grow with
         the span. The Solution then has at most MOST_SAMPLES of them.
     checkpoint
-        Seconds between two states of the run beside that file, from which `resume` goes on to the
+        Time between two saved states of the run [s]. `resume` continues from the last one to the
         same bits.
     y0
-        The state (states,) at the start, in the order of the module's STATE, instead of the scene's
-        [initial].
+        The state (states,) at the start, in SI units and the order of the module's STATE, instead
+        of the scene's [initial].
     parameters
-        Values instead of those of the scene, by their names in the module, such as
+        Values to use instead of the scene's, by their names in the module, such as
         {"follower_force": 300}.
     error_growth
-        Also find how fast small errors grow (`sol.error_growth`, which the file does not keep), by
-        a neighbouring motion after the run. That takes three to six times as long as the run.
+        Also find how fast small errors grow (`sol.error_growth`, which the file does not keep). A
+        second motion is followed for this, which takes three to six times as long as the run.
     **overrides
         Values for the scene's [integrate]: method, span, step, rtol, atol, output_every, t_eval,
         max_steps. They are checked as the scene's are.
@@ -101,18 +103,18 @@ def simulate(
     ------
     SceneError
         For values that cannot be used, such as a step for a method that chooses its own, or masses
-        that jump too often for that to be accounted for.
+        that jump too often.
     TypeError
-        For what is no Scene.
+        If ``scene`` is not a Scene.
     RunError
-        Where the state stops being finite or the method gives up. It carries the samples so far.
+        If the state is no longer finite or the method gives up. It carries the samples so far.
     Interrupted
         On Ctrl-C. It carries the samples so far.
 
     Warns
     -----
     StepWarning
-        Of a fixed step beyond the method's stability limit, and of loads that steps cannot follow.
+        If a fixed step is beyond the method's stability limit, or if steps cannot follow a load.
 
     Examples
     --------
@@ -162,8 +164,10 @@ def resume(
     ----------
     path
         The file that `simulate(out=...)` or `rodgen run` was writing.
-    progress, checkpoint
+    progress
         As of `simulate`.
+    checkpoint
+        Time between two saved states of the run [s].
 
     Returns
     -------

@@ -52,8 +52,9 @@ class Inertia(NamedTuple):
 
 
 class Event(NamedTuple):
-    """Something that a scene looks out for has happened: its name, when [s], and the state then,
-    (states,).
+    """An event of a run.
+
+    name: as in the scene; t: its time [s]; y: the state then, (states,), in SI units.
 
     Examples
     --------
@@ -68,6 +69,9 @@ class Event(NamedTuple):
     name: str
     t: float
     y: Array
+
+    def __repr__(self) -> str:
+        return f"<Event {self.name}: t = {self.t:g} s, {len(self.y)} states>"
 
 
 @dataclass(frozen=True)
@@ -122,21 +126,31 @@ class _Module:
 class Solution(Motion, Shown):
     """States of a scene over time.
 
-    t: times [s], (T,); y: states in the order of the module's STATE, (T, states); work: work done
-    by each load without potential since the start [J], by term, each (T,); status: finished,
-    failed or interrupted, with a message where there is something to say; model: the generated
-    module, built when it is asked for where the solution was read, unpickled or copied; events:
-    those of the scene that happened; changes: what held at each sample, where that is not the same
-    all along; errors: how fast they grow, where that was asked for. A file does not keep it.
+    scene: what was run; t: times [s], (T,); y: states in SI units and the order of the module's
+    STATE, (T, states); stats: numbers of steps and of calls, and the seconds; work: work done
+    by each load without potential since the start [J], by term, each (T,); status: "finished",
+    "failed" or "interrupted"; message: how the run ended; model: the generated module, built when
+    it is first used if the solution comes from a file; events: events that happened; changes:
+    parameters at each sample of a live run whose values were changed, else None; errors: how fast
+    errors grow, if that was asked for (a file does not keep it).
 
     Examples
     --------
     >>> import rodgen
     >>> sol = rodgen.simulate(rodgen.Scene.example("missile"), progress=False)
-    >>> sol.y.shape == (len(sol.t), 44), sol.tip.shape == (len(sol.t), 2)
+    >>> sol.y.shape == (len(sol.t), 44), sol.centre_of_gravity.shape == (len(sol.t), 2)
     (True, True)
-    >>> sol.values("axial_force").shape[1]
-    19
+    >>> sol.values("axial_force").shape[1], float(sol.parameter("mass")[0])
+    (19, 20.0)
+    >>> thrust, axes = sol.forces["follower"], sol.principal_axes
+    >>> thrust.shape == (len(sol.t), 21, 2), axes.moments.shape == (len(sol.t), 2)
+    (True, True)
+    >>> gained = sol.energy.total - sol.start_energy
+    >>> float(abs(gained - sol.total_work - sol.energy_balance).max()) < 1e-9
+    True
+    >>> early = rodgen.simulate(sol.scene, span=(0, 1), error_growth=True, progress=False)
+    >>> early.error_growth > 1, len(early.inertia)
+    (True, 3)
     """
 
     scene: Scene
@@ -188,25 +202,38 @@ class Solution(Motion, Shown):
 
     @cached_property
     def hold(self) -> Boundary:
+        """How the start of the rod is held."""
         return self.scene.hold
 
     @cached_property
     def added(self) -> tuple[str, ...]:
+        """Names of the states that are neither positions nor velocities."""
         return tuple(self.scene.states)
 
     @cached_property
     def follows(self) -> bool:
+        """Whether the module has sensors or loads that follow the motion."""
         return self.scene.structure.follows
 
     @cached_property
     def timed(self) -> Mapping[str, Callable[[Any], Any]]:
+        """Loads that change with time, by the names of their parameters, each a function of the
+        time [s]."""
         return self.scene.timed
 
     @cached_property
     def given(self) -> Array | float:
+        """Energy that changes and kicks have put in since the start [J], (T,) or a number."""
         return 0.0 if self.changes is None else self.changes.given
 
     def called(self, function: str | Asked, *arrays: Array) -> Any:
+        """What a function of the module makes of every sample and of the parameters then: an array,
+        (T, parts) where it makes several, or a dictionary of arrays by term.
+
+        function: its name, or one of the functions that ask for it; arrays: what it takes between
+        the time and the parameters, such as the states, in SI units.
+        """
+
         def made(t: Array, *of: Array) -> Any:
             return joined(asked(self.model, function, t, *of))
 
@@ -215,7 +242,10 @@ class Solution(Motion, Shown):
         return self.changes.follow(made, (self.t, *arrays))
 
     def parameter(self, name: str) -> Array:
-        """A parameter of the scene at every sample, (T,); of several numbers, (T, K)."""
+        """A parameter of the module at every sample, (T,) in SI units; of several numbers, (T, K).
+
+        name: as in `Scene.parameters`.
+        """
         structure = self.scene.structure
         if self.changes is None:
             value = np.array(self.scene.parameters[name], dtype=float)
@@ -269,7 +299,8 @@ class Solution(Motion, Shown):
 
     @property
     def principal_axes(self) -> PrincipalAxes:
-        """Principal axes of inertia: that of the smaller moment runs along a straight rod."""
+        """Principal axes of inertia [rad], and the moments about them [kg m^2]: the axis of the
+        smaller moment runs along a straight rod."""
         axes: PrincipalAxes = self.values("principal_axes")
         return axes
 
@@ -309,8 +340,8 @@ class Solution(Motion, Shown):
 
     @property
     def error_growth(self) -> float:
-        """How many times its size a small error in the angles has at most by the end of the run:
-        large where a run is chaotic, and its late angles are not to be trusted.
+        """How many times its size a small error in the angles has at most by the end of the run,
+        dimensionless: large where a run is chaotic, and its late angles are not to be trusted.
 
         Raises SceneError unless `simulate` was asked for it.
         """
@@ -319,14 +350,20 @@ class Solution(Motion, Shown):
         return self.errors.factor
 
     def until(self, count: int) -> Solution:
-        """The run with its first ``count`` samples alone."""
+        """The run with its first samples alone.
+
+        count: how many samples.
+        """
         first = self.taken(slice(count))
         end = first.t[-1] if len(first.t) else -np.inf
         first.events = tuple(event for event in self.events if event.t <= end)
         return first
 
     def taken(self, kept: NDArray[np.intp] | slice) -> Solution:
-        """The run with some of its samples alone, and without events."""
+        """The run with some of its samples alone, and without events.
+
+        kept: their indices, or a slice.
+        """
         work = {term: values[kept] for term, values in self.work.items()}
         changes = self.changes and self.changes.taken(kept)
         rest = {"work": work, "events": (), "changes": changes, "model": self.__dict__["model"]}
@@ -358,18 +395,24 @@ class Solution(Motion, Shown):
     ) -> Video:
         """A video of the run, which notebooks play and `save` writes to a file.
 
-        fps: frames a second; speed: simulated seconds in a second of film, by default 1 where that
-        takes 3 to 60 s; view: "fixed", "centre" (moves with the centre of gravity) or "axes" (turns
-        with the principal axes, too), by default fixed where the rod is then large enough; width,
-        height [pixels], even; start, end: simulated times [s]. It is MP4 where there is an ffmpeg
-        or the package imageio-ffmpeg, else GIF. Raises SceneError for what cannot be used.
+        fps: frames a second [1/s]; speed: simulated seconds in a second of film, dimensionless, by
+        default 1 where that takes 3 to 60 s; view: "fixed", "centre" (moves with the centre of
+        gravity) or "axes" (turns with the principal axes, too), by default fixed where the rod is
+        then large enough; width, height: of a frame [pixels], even; start, end: simulated times
+        [s].
+
+        It is MP4 where there is an ffmpeg or the package imageio-ffmpeg, else GIF. Raises
+        SceneError for what cannot be used.
         """
         settings = {"fps": fps, "speed": speed, "view": view, "start": start, "end": end}
         video: Video = appearance().video(self, width=width, height=height, **settings)
         return video
 
     def save(self, path: str | Path) -> None:
-        """Write everything to a NetCDF file, whole or not at all."""
+        """Write everything to a NetCDF file, whole or not at all.
+
+        path: of the file, which `rodgen.load` reads.
+        """
         from rodgen.integrate.files.storage import save
 
         save(self, Path(path))

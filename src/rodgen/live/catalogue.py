@@ -14,15 +14,29 @@ from rodgen.integrate.catalogue import Piece, loads_at_work
 from rodgen.integrate.stepper import Array
 from rodgen.live.own import OwnQuantity
 from rodgen.live.samples import Chunk
+from rodgen.loading.module import asked
 from rodgen.model.parameter import typeset
-from rodgen.model.quantities import ADDED, KINDS, LOADS, OWN, PERIODS, QUANTITIES, WORKS, numbers
+from rodgen.model.quantities import (
+    ADDED,
+    KINDS,
+    LOADS,
+    OWN,
+    PERIODS,
+    POWERS,
+    QUANTITIES,
+    TURNS,
+    WORKS,
+    numbers,
+)
 from rodgen.model.terms import PARAMETERS, words_of
 from rodgen.scene import Scene, SceneError
 
-__all__ = ["KINDS", "PERIODS", "Catalogue", "Shown"]
+__all__ = ["KINDS", "PERIODS", "TURNS", "Catalogue", "Shown"]
 
 MOST_OWN = 100  # expressions that are known at a time
 MOST_PLANS = 256  # kept, one for every set of names that plots have asked for
+STATE = "state"  # kind of those that a scene adds, whose units are not known
+POTENTIAL = ("spring_energy", "gravity_energy")
 
 
 class Shown(NamedTuple):
@@ -56,20 +70,21 @@ class Catalogue:
 
     quantities: all of them by name, in the order in which they are offered; kinds: names by kind,
     of what can be shown together; along: of kinds that go along the rod, where on it their
-    quantities are, from 0 at joint 0 to 1 at the tail; works: loads without potential. Expressions
-    of quantities are quantities too, once they have been asked for. All are
-    fixed by the structure of the scene, which model is of: values of parameters are taken from each
-    chunk.
+    quantities are, from 0 at joint 0 to 1 at the tail; works: loads without potential, and others
+    that put in energy. Expressions of quantities are quantities too, once they have been asked for.
+    All are fixed by the structure of the scene, which model is of: values of parameters are taken
+    from each chunk.
     """
 
-    def __init__(self, scene: Scene, model: ModuleType):
+    def __init__(self, scene: Scene, model: ModuleType, others: tuple[str, ...] = ()):
         self.model, self._timed = model, scene.timed
-        self.works = loads_at_work(scene, model)
+        powers = loads_at_work(scene, model)
+        self.works = (*powers, *others)
         self.quantities: dict[str, Shown] = {}
         self.kinds: dict[str, list[str]] = {}
         self.along: dict[str, Array] = {}
         self._places: dict[str, _Place] = {}
-        every = list(_every(scene, self.works))
+        every = list(_every(scene, self.works, powers))
         for kind in KINDS:
             some = [(shown, place) for shown, place in every if shown.kind == kind]
             if not some:
@@ -83,6 +98,24 @@ class Catalogue:
         self._plans: dict[tuple[str, ...], list[_Part]] = {}
         self._last: tuple[Chunk, Piece] | None = None
         self._own: dict[str, OwnQuantity] = {}
+        self._absent: set[str] = set()
+        t, p = scene.integrate.span[0], model.parameters(**scene.parameters)
+        some = np.sin(np.arange(1.0, 1.0 + len(model.STATE)))[None, :]  # bent and moving
+        none = np.zeros((1, len(self.works)))
+        self._some, self._atol = (
+            Chunk(np.array([t]), some, none, self.works, p),
+            scene.integrate.atol,
+        )
+        self.settle(t, p)
+
+    def settle(self, t: float, p: Array) -> bool:
+        """Take up parameters: of potential energies that are zero however the rod moves, as those
+        of springs in a chain, none stands for its kind. Whether others are than before."""
+        with np.errstate(all="ignore"):
+            _, *values = asked(self.model, "energy", t, self._some.y[0], p)
+        before = self._absent
+        self._absent = {name for name, value in zip(POTENTIAL, values, strict=True) if value == 0}
+        return self._absent != before
 
     def columns(self, names: Sequence[str], chunk: Chunk) -> Array:
         """Values of quantities at the samples of a chunk, (K, names). Raises SceneError for a name
@@ -98,6 +131,12 @@ class Catalogue:
                 out[:, to] = motion.values(quantity).reshape(len(chunk), -1)[:, columns]
         return out
 
+    def least(self, names: Sequence[str]) -> float:
+        """What of these quantities is not more than an error of the method: as much of their values
+        in some state of a size of one as the absolute tolerance is of that."""
+        sizes = np.abs(self.columns(names, self._some))
+        return self._atol * float(np.where(np.isfinite(sizes), sizes, 0.0).max(initial=0.0))
+
     def _with_own(self, names: Sequence[str], own: dict[int, OwnQuantity], chunk: Chunk) -> Array:
         out = np.empty((len(chunk), len(names)))
         rest = [at for at in range(len(names)) if at not in own]
@@ -111,8 +150,9 @@ class Catalogue:
         if len(self._own) >= MOST_OWN:
             raise SceneError(field, name, f"one of the {MOST_OWN} expressions that are known")
         known = self._places.keys()
-        self._own[name] = OwnQuantity.of(name, known, field)
-        found = self.quantities[name] = Shown(name, name, "", OWN)
+        own = self._own[name] = OwnQuantity.of(name, known, field)
+        told = {one.name: one.unit for one in self.quantities.values() if one.kind != STATE}
+        found = self.quantities[name] = Shown(name, name, own.unit(told), OWN)
         return found
 
     def quantity(self, name: object, field: str = "quantity") -> Shown:
@@ -127,7 +167,7 @@ class Catalogue:
     def expand(self, name: object, field: str = "quantity") -> list[str]:
         """The names that a name or a kind stands for. Raises SceneError that says what there is."""
         if isinstance(name, str) and name in self.kinds:
-            return self.kinds[name]
+            return [one for one in self.kinds[name] if one not in self._absent]
         if isinstance(name, str) and (name in self.quantities or not name.isidentifier()):
             return [self.quantity(name, field).name]
         raise SceneError(field, name, self._allowed(str(name), [*self.quantities, *self.kinds]))
@@ -169,11 +209,14 @@ def motion_of(model: ModuleType, chunk: Chunk, timed: Mapping[str, Any]) -> Piec
     return Piece(model, chunk.p, chunk.y, chunk.t, works, chunk.given, chunk.start, timed)
 
 
-def _every(scene: Scene, works: tuple[str, ...]) -> Iterator[tuple[Shown, _Place]]:
+def _every(
+    scene: Scene, works: tuple[str, ...], powers: tuple[str, ...]
+) -> Iterator[tuple[Shown, _Place]]:
     """All numbers that a rod has, in the order of the rows of the vocabulary."""
     loads = [PARAMETERS[name] for name in scene.loads.parameters]
     terms = {
         WORKS: {term: words_of(term) for term in works},
+        POWERS: {term: words_of(term) for term in powers},
         LOADS: {one.name: one.label for one in loads if one.timed and one.unit == "N"},
         ADDED: {name: name for name in scene.states},
         "": {"": ""},

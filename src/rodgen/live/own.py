@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
-from types import ModuleType
+from types import MappingProxyType, ModuleType
 
 import numpy as np
 
 from rodgen.integrate.stepper import Array
 from rodgen.live.samples import Chunk
+from rodgen.live.units import rate_of, unit_of
 from rodgen.scene import SceneError
+from rodgen.scene.errors import meant
 from rodgen.scene.expression import Expression
+from rodgen.scene.grammar import FUNCTIONS, TABLE
 
 LONGEST = 200  # letters
 TURN = 1e-5  # rad or m by which the state moves in a difference: errors are its square
-RATE = re.compile(r"d\s*/\s*dt\s*(\(.*\)|\w+)", re.DOTALL)
+RATE = re.compile(r"\bd\s*/\s*dt\b\s*")
+NAME = re.compile(r"[^\W\d]\w*")
+ALONE = re.compile(r"[^\W\d]\w*\b(?!\s*\.)")  # not np of np.sin
+EXAMPLES = ("tip_x", "kinetic_energy")
+WORDS = {"if", "else", "pi", TABLE, *FUNCTIONS}
 # What does not follow from the state alone: its rate is not told by where the state goes.
 PATHS = re.compile(r"work_\w+|energy_balance|total_work")
 
@@ -25,46 +32,103 @@ Columns = Callable[[Sequence[str], Chunk], Array]  # of quantities at samples, (
 
 @dataclass(frozen=True)
 class OwnQuantity:
-    """An expression; rate: it is the derivative of that by time which is meant."""
+    """An expression; rates: expressions whose derivatives by time it names, by these names."""
 
     expression: Expression
-    rate: bool
+    rates: Mapping[str, Expression]
 
     @classmethod
-    def of(cls, text: str, known: Container[str], field: str) -> OwnQuantity:
-        """From a text in the grammar of scenes, over quantities, t and numbers; d/dt before
-        brackets or a name that hold all of the rest. Raises SceneError."""
+    def of(cls, text: str, known: Set[str], field: str) -> OwnQuantity:
+        """From a text in the grammar of scenes, over quantities, t, numbers, and d/dt before
+        brackets or a name. Raises SceneError."""
         if len(text) > LONGEST:
             raise SceneError(field, text, f"at most {LONGEST} letters")
-        found = RATE.fullmatch(text.strip())
-        inner = found[1] if found else text
-        names = tuple(dict.fromkeys(re.findall(r"[^\W\d]\w*", inner)))
-        here = tuple(name for name in names if name in known and name != "t")
-        expression = Expression(inner.strip(), "t", field, states=here)
-        if expression.sensors:
-            raise SceneError(field, text, "without sensors: quantities have names, such as phi_0")
-        if found and (paths := [name for name in here if PATHS.fullmatch(name)]):
-            what = f"without {paths[0]} under d/dt: the rate of work is a power"
-            raise SceneError(field, text, what)
-        return cls(expression, bool(found))
+        outer, inner = _parts(text, field)
+        rates = {name: _expression(one, known, text, field) for name, one in inner.items()}
+        for one in rates.values():
+            if paths := [name for name in one.signals if PATHS.fullmatch(name)]:
+                what = f"without {paths[0]} under d/dt: the rate of work is a power"
+                raise SceneError(field, text, what)
+        return cls(_expression(outer, known | rates.keys(), text, field), rates)
+
+    def unit(self, units: Mapping[str, str]) -> str:
+        """Its unit, of those of quantities by their names; empty where it has none, or none is
+        known."""
+        inner = {name: unit_of(one.text, units) for name, one in self.rates.items()}
+        rates = {name: rate_of(unit) for name, unit in inner.items() if unit is not None}
+        return unit_of(self.expression.text, {**units, **rates}) or ""
 
     def values(self, model: ModuleType, columns: Columns, chunk: Chunk) -> Array:
         """Its values at the samples of a chunk, (K,)."""
-        if not self.rate:
-            return self._at(columns, chunk)
-        rates = np.array([model.rhs(t, y, chunk.p) for t, y in zip(chunk.t, chunk.y, strict=True)])
-        fastest = np.abs(rates.reshape(len(chunk), -1)).max(axis=1, initial=0.0)
+        rates = self._rates(model, columns, chunk) if self.rates else {}
+        return _values(self.expression, columns, chunk, rates)
+
+    def _rates(self, model: ModuleType, columns: Columns, chunk: Chunk) -> dict[str, Array]:
+        """The derivatives, from the states a little before and after every sample."""
+        moves = np.array([model.rhs(t, y, chunk.p) for t, y in zip(chunk.t, chunk.y, strict=True)])
+        fastest = np.abs(moves.reshape(len(chunk), -1)).max(axis=1, initial=0.0)
         h = TURN / np.maximum(fastest, 1.0)
         sides = [
-            replace(chunk, t=chunk.t + step, y=chunk.y + step[:, None] * rates) for step in (h, -h)
+            replace(chunk, t=chunk.t + step, y=chunk.y + step[:, None] * moves) for step in (h, -h)
         ]
-        up, down = (self._at(columns, side) for side in sides)
-        found: Array = (up - down) / (2 * h)
+        found = {}
+        for name, one in self.rates.items():
+            up, down = (_values(one, columns, side) for side in sides)
+            found[name] = (up - down) / (2 * h)
         return found
 
-    def _at(self, columns: Columns, chunk: Chunk) -> Array:
-        names = self.expression.signals
-        values = columns(names, chunk) if names else np.empty((len(chunk), 0))
-        given = dict(zip(names, values.T, strict=True))
-        found = self.expression.value(chunk.t, given)
-        return np.array(np.broadcast_to(found, chunk.t.shape), dtype=float)
+
+def _parts(text: str, field: str) -> tuple[str, dict[str, str]]:
+    """The text with a name in place of every d/dt, and by these names what is differentiated.
+    Raises SceneError."""
+    outer, inner = text.strip(), dict[str, str]()
+    while found := RATE.search(outer):
+        rest = outer[found.end() :]
+        size = _bracket(rest) or (named.end() if (named := NAME.match(rest)) else 0)
+        if not size or RATE.search(rest[:size]):
+            raise SceneError(field, text, "d/dt before brackets or a name, without d/dt in these")
+        name = f"rate_{len(inner)}_of"
+        inner[name] = rest[:size]
+        outer = f"{outer[: found.start()]}{name}{rest[size:]}"
+    return outer, inner
+
+
+def _bracket(text: str) -> int:
+    """The length of the bracket that a text begins with; 0 where there is none."""
+    depth = 0
+    for at, letter in enumerate(text):
+        depth += (letter == "(") - (letter == ")")
+        if not depth:
+            return at + 1 if at else 0
+    return 0
+
+
+def _expression(part: str, known: Set[str], text: str, field: str) -> Expression:
+    """A part of a text as an expression over what is known. Raises SceneError that has the text."""
+    here = tuple(name for name in dict.fromkeys(NAME.findall(part)) if name in known - {"t"})
+    try:
+        found = Expression(part, "t", field, states=here)
+    except SceneError as error:
+        words = ALONE.findall(part)
+        unknown = next((word for word in words if word not in known and word not in WORDS), None)
+        if unknown is None:
+            raise SceneError(field, text, error.allowed) from None
+        few = ", ".join(name for name in EXAMPLES if name in known)
+        allowed = f"an expression of t and quantities such as {few} (not {unknown})"
+        raise SceneError(field, text, allowed + meant(unknown, known)) from None
+    if found.sensors:
+        raise SceneError(field, text, "without sensors: quantities have names, such as phi_0")
+    return found
+
+
+def _values(
+    of: Expression,
+    columns: Columns,
+    chunk: Chunk,
+    rates: Mapping[str, Array] = MappingProxyType({}),
+) -> Array:
+    """An expression at the samples of a chunk, (K,), where some names are known already."""
+    names = [name for name in of.signals if name not in rates]
+    values = columns(names, chunk) if names else np.empty((len(chunk), 0))
+    found = of.value(chunk.t, {**dict(zip(names, values.T, strict=True)), **rates})
+    return np.array(np.broadcast_to(found, chunk.t.shape), dtype=float)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import InitVar, dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rodgen.integrate.live import Samples
 from rodgen.integrate.samples import Changes
@@ -15,6 +17,7 @@ from rodgen.integrate.stepper import Array
 
 ROOM = 2**25  # bytes of states
 MOST, LEAST = 20_000, 500  # samples, whatever they weigh
+FEW = 16  # parameters: where no more are other than in a set before, these alone are kept
 
 
 @dataclass(frozen=True)
@@ -44,37 +47,72 @@ class Chunk:
         return self.some(slice(-1, None))
 
 
+class _Epoch(NamedTuple):
+    """What holds between two changes: parameters, those at some places other than in a set that is
+    shared, and the energy given [J]."""
+
+    shared: Array
+    places: NDArray[np.intp]
+    others: Array
+    given: float
+
+    @classmethod
+    def of(cls, p: Array, given: float, before: _Epoch | None) -> _Epoch:
+        """By the set of the epoch before, where few parameters differ from that."""
+        if before is not None:
+            places = np.flatnonzero(p != before.shared)
+            if len(places) <= FEW:
+                return cls(before.shared, places, p[places], given)
+        return cls(p.copy(), np.empty(0, dtype=np.intp), np.empty(0), given)
+
+    @property
+    def p(self) -> Array:
+        """All parameters."""
+        p: Array = self.shared.copy()
+        p[self.places] = self.others
+        return p
+
+
 class Store:
     """All samples since the start; when it is full, every other one is dropped, and from then on
     only every other one is taken up."""
 
-    def __init__(self, states: int, works: tuple[str, ...], start: float, apart: int = 0):
-        """start: total energy at the start [J]; apart: numbers that every sample may have of its
-        own beside its state, parameters of a rod that is pulled."""
+    def __init__(self, states: int, works: tuple[str, ...], start: float):
+        """start: total energy at the start [J]."""
         self._states = states
         nothing = np.empty(0)
         self._blank = Chunk(nothing, nothing, nothing, works, nothing, start=start)
         width = 1 + states + len(works)
-        rows = int(min(MOST, max(LEAST, ROOM // (8 * (width + apart)))))
+        rows = int(min(MOST, max(LEAST, ROOM // (8 * width))))
         self._rows = np.empty((rows, width))
         self._epoch_of = np.zeros(rows, dtype=np.int64)
-        self._epochs: dict[int, Chunk] = {}  # between two changes: what holds, without samples
+        self._epochs: dict[int, _Epoch] = {}
+        self._here = self._blank  # what holds from now on, without samples
         self._number = self.count = self._seen = 0
         self._stride = 1
 
     def change(self, p: Array, given: float) -> None:
         """Let other parameters hold from the next sample on."""
+        before = self._epochs.get(self._number)
         if not (self.count and self._epoch_of[self.count - 1] == self._number):
             self._epochs.pop(self._number, None)  # no sample of it was kept
         self._number += 1
-        self._epochs[self._number] = replace(self._blank, p=p.copy(), given=given)
+        self._epochs[self._number] = _Epoch.of(p, given, before)
+        self._here = replace(self._blank, p=p.copy(), given=given)
 
-    def widened(
-        self, works: tuple[str, ...], wide: Callable[[Array], Array], parameters: int
-    ) -> Store:
-        """A store of the same samples, with more works, that were zero, and so many parameters;
-        wide: makes them of those that there were."""
-        found = Store(self._states, works, self._blank.start, parameters)
+    def back_to(self, t: float) -> Chunk:
+        """Drop the samples after a time [s], but for the first of all; gives back the last one.
+        What holds from there on is to be said by `change`."""
+        kept = int(np.searchsorted(self._rows[: self.count, 0], t, side="right"))
+        self.count = max(kept, 1)
+        last = self._epoch_of[self.count - 1]
+        self._epochs = {number: one for number, one in self._epochs.items() if number <= last}
+        return self._piece(self.count - 1, self.count)
+
+    def widened(self, works: tuple[str, ...], wide: Callable[[Array], Array]) -> Store:
+        """A store of the same samples, with more works, that were zero, and more parameters; wide:
+        makes them of those that there were."""
+        found = Store(self._states, works, self._blank.start)
         for piece in self.chunks():
             found.change(wide(piece.p), piece.given)
             work = np.zeros((len(piece), len(works)))
@@ -95,8 +133,7 @@ class Store:
             at = int(wanted[room])
             self._thin()
         self._seen += count
-        here = self._epochs[self._number]
-        return replace(here, t=samples.t, y=samples.y, work=samples.work)
+        return replace(self._here, t=samples.t, y=samples.y, work=samples.work)
 
     def _take(self, samples: Samples, which: np.ndarray) -> None:
         rows = self._rows[self.count : self.count + len(which)]
@@ -144,7 +181,8 @@ class Store:
         """Samples between two changes, by their numbers."""
         epoch, rows = self._epochs[int(self._epoch_of[first])], self._rows[first:last]
         y, work = np.split(rows[:, 1:], [self._states], axis=1)
-        return replace(epoch, t=rows[:, 0].copy(), y=y.copy(), work=work.copy())
+        found = replace(self._blank, t=rows[:, 0].copy(), y=y.copy(), work=work.copy())
+        return replace(found, p=epoch.p, given=epoch.given)
 
 
 @dataclass(repr=False)

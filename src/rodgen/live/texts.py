@@ -128,7 +128,7 @@ class Now:
         return stiffness
 
 
-Entry = tuple[Row, Callable[[Now], str]]
+Entry = tuple[Row, Callable[[Now], str] | None]
 
 
 def groups(scene: Scene) -> dict[str, list[Row]]:
@@ -140,11 +140,12 @@ def groups(scene: Scene) -> dict[str, list[Row]]:
 
 def texts(scene: Scene, model: ModuleType, present: Present) -> dict[str, str]:
     """What stands in every row of `groups`, by key: a number as wide as all others, without its
-    unit, or words. model: a module of the scene's structure; values of parameters are those of
-    the chunk."""
+    unit, or words; but not the time, which the page has with every picture. model: a module of the
+    scene's structure; values of parameters are those of the chunk."""
     now = Now(scene, model, present)
     with np.errstate(all="ignore"):  # a state may have stopped being finite
-        return {row.key: show(now) for make in SECTIONS.values() for row, show in make(scene)}
+        rows = (one for make in SECTIONS.values() for one in make(scene))
+        return {row.key: show(now) for row, show in rows if show}
 
 
 def _parameter(name: str, more: str = "") -> Entry:
@@ -329,7 +330,7 @@ def _integration(scene: Scene) -> Iterator[Entry]:
     else:
         yield Row("rtol", "relative tolerance", ""), lambda now: digits(now.settings.rtol)
         yield Row("atol", "absolute tolerance", ""), lambda now: digits(now.settings.atol)
-    yield Row("t", "simulated time", "s"), _time
+    yield Row("t", "simulated time", "s"), None
     yield Row("seconds", "computing time", "s"), lambda now: fixed(now.present.seconds, 2)
     yield Row("ratio", "ratio to real time", ""), _ratio
     yield Row("steps", "steps", ""), lambda now: whole(now.present.counts.steps)
@@ -348,12 +349,6 @@ def _method(now: Now) -> str:
 def _step(now: Now) -> str:
     step = now.settings.step
     return padded(NOTHING) if step is None else digits(step)
-
-
-def _time(now: Now) -> str:
-    """The present time with as many decimals as tell two samples apart."""
-    decimals = math.ceil(-math.log10(now.scene.integrate.output_every) - 1e-9)
-    return fixed(float(now.motion.t[-1]), min(max(0, decimals), 7))
 
 
 def _ratio(now: Now) -> str:

@@ -16,7 +16,7 @@ from rodgen.model.rod import Boundary
 # Who holds a quantity: files and datasets, datasets alone, or none but what is asked for it.
 FILE, DATASET, SHOWN = "file", "dataset", "shown"
 # What there is a quantity for each of.
-WORKS, FORCES, LOADS, ADDED = "works", "forces", "loads", "added states"
+WORKS, POWERS, FORCES, LOADS, ADDED = "works", "powers", "forces", "loads", "added states"
 OWN = "own"  # the kind of expressions that somebody types
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 Index = tuple[int, ...]
@@ -31,8 +31,8 @@ class Quantity:
     names, in the order of its last dimension where that is none along the rod, with {} for the
     number of a link or joint, or for a load; kind: what they can be shown together with, by default
     their name without {}; kept: who holds it; each: what there is one for each of; watched: whether
-    events can watch it; free: whether only a rod that moves freely has it; held: whether only one
-    that is held has it.
+    events can watch it; only: what a boundary must be for its rods to have it, by the name of a
+    property of Boundary.
     """
 
     name: str
@@ -44,8 +44,7 @@ class Quantity:
     kept: str = FILE
     each: str = ""
     watched: bool = False
-    free: bool = False
-    held: bool = False
+    only: str = ""
 
     def kind_of(self, number: str) -> str:
         """The kind of one of its numbers."""
@@ -142,12 +141,19 @@ QUANTITIES = (
         SHOWN,
     ),
     Quantity(
-        "power_{}", "W", "power of {}", (), {"power_{}": "power of {}"}, kept=SHOWN, each=WORKS
+        "power_{}", "W", "power of {}", (), {"power_{}": "power of {}"}, kept=SHOWN, each=POWERS
     ),
     Quantity("{}", "N", "{}", (), {"{}": "{}"}, "load", SHOWN, LOADS),
     Quantity("{}", "", "{}", (), {"{}": "{}"}, "state", SHOWN, ADDED),
     Quantity(
-        "base", "m", "position of joint 0", AXIS, {"x0": "x₀", "y0": "y₀"}, "base", SHOWN, free=True
+        "base",
+        "m",
+        "position of joint 0",
+        AXIS,
+        {"x0": "x₀", "y0": "y₀"},
+        "base",
+        SHOWN,
+        only="translates",
     ),
     Quantity(
         "base_velocity",
@@ -157,7 +163,7 @@ QUANTITIES = (
         {"vx0": "ẋ₀", "vy0": "ẏ₀"},
         "base_velocity",
         SHOWN,
-        free=True,
+        only="translates",
     ),
     Quantity(
         "bend", "rad", "angles between neighbouring links", SPRING, {"bend_{}": "Δφ{}"}, kept=SHOWN
@@ -190,7 +196,16 @@ QUANTITIES = (
         _point("reaction_", "the reaction"),
         "reaction",
         SHOWN,
-        held=True,
+        only="held",
+    ),
+    Quantity(
+        "reaction_moment",
+        "N m",
+        "moment of what holds the rod",
+        (),
+        {"reaction_moment": "moment of the reaction"},
+        kept=SHOWN,
+        only="clamped",
     ),
     Quantity(
         "momentum",
@@ -200,16 +215,14 @@ QUANTITIES = (
         _point("momentum_", "the momentum"),
         "momentum",
         SHOWN,
-        free=True,
     ),
     Quantity(
         "angular_momentum",
         "N m s",
-        f"angular momentum about {CENTRE}",
+        f"angular momentum about {CENTRE}, of a held rod about the joint that holds it",
         (),
         {"angular_momentum": "angular momentum"},
         kept=SHOWN,
-        free=True,
     ),
 )
 
@@ -259,11 +272,13 @@ KINDS = dict(
         _kind("axial_force", "N"),
         _kind("shear_force", "Q"),
         _kind("reaction", "reaction"),
+        _kind("reaction_moment", "moment of the reaction"),
         _kind("joint_x", "x", "x of the joints"),
         _kind("joint_y", "y", "y of the joints"),
     )
 )
 PERIODS = {"principal_angle": 3.141592653589793}  # an axis has no direction: the angle jumps by it
+TURNS = {"phi": 6.283185307179586}  # by kind, of absolute angles: a whole turn
 
 
 class Number(NamedTuple):
@@ -279,7 +294,7 @@ class Number(NamedTuple):
 
 def numbers(quantity: Quantity, hold: Boundary, links: int) -> Iterator[Number]:
     """All numbers of a quantity of a rod."""
-    if (quantity.free and not hold.translates) or (quantity.held and hold.translates):
+    if quantity.only and not getattr(hold, quantity.only):
         return
     first, *rest = quantity.dimensions or ("",)
     ranges = {

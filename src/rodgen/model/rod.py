@@ -109,6 +109,11 @@ class Boundary:
         return self.first + 1
 
     @property
+    def held(self) -> bool:
+        """Whether something holds the start of the rod in its place."""
+        return not self.translates
+
+    @property
     def clamped(self) -> bool:
         """Whether the rod is held at clamp_angle, by a link that does not move or by a spring."""
         return bool(self.first or self.root or self.tail)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 
-from rodgen.model.fixtures import FOUNDATION, SHARE, SUPPORT
+from rodgen.model.fixtures import BODY, FOUNDATION, SHARE, SUPPORT
 from rodgen.model.palette import pair
 from rodgen.model.parameter import JOINTS, LINKS, NOT_NEGATIVE, Parameter
 from rodgen.model.rod import CLAMP_ANGLE, ROD, STEADY, UNEVEN
@@ -395,11 +395,29 @@ PLACES: dict[str, tuple[str, ...]] = {
 }
 
 
+# What a scene fixes to a rod: the rows of its tables, and what one of several is called.
+FIXTURES: dict[str, tuple[tuple[Parameter, ...], str]] = {
+    "bodies": (BODY, "body"),
+    "foundation": (FOUNDATION, ""),
+    "supports": (SUPPORT, "support"),
+}
+
+
 def axis_label(key: str) -> str:
     """What stands at the axis of a number of a scene: of loads.follower.force, follower force [N];
-    of what is no parameter of a rod or a load, the key itself."""
+    of what is no parameter of a rod, of a load or of what is fixed to the rod, the key itself."""
+    one, of = _row_of(key)
+    if one is None:
+        return key
+    return f"{one.label}{of} [{one.shown_unit}]" if one.unit else f"{one.label}{of}"
+
+
+def _row_of(key: str) -> tuple[Parameter | None, str]:
+    """The row of a number of a scene, and of which of several things it is."""
     for name, path in PLACES.items():
         if ".".join(path) == key:
-            one = PARAMETERS[name]
-            return f"{one.label} [{one.shown_unit}]" if one.unit else one.label
-    return key
+            return PARAMETERS[name], ""
+    table, *keys = key.split(".")
+    rows, called = FIXTURES.get(table, ((), ""))
+    of = f" of {called} {int(keys.pop(0)) + 1}" if called and keys and keys[0].isdigit() else ""
+    return next((one for one in rows if one.keys == tuple(keys)), None), of

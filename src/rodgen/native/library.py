@@ -324,7 +324,10 @@ def end_compilers() -> None:
 
 def _kill(pid: int) -> None:
     with suppress(ProcessLookupError):
-        os.killpg(pid, signal.SIGKILL)
+        if hasattr(os, "killpg"):
+            os.killpg(pid, signal.SIGKILL)
+        else:  # Windows, where any signal ends a process at once.
+            os.kill(pid, signal.SIGTERM)
 
 
 class DeferredInterrupt:

@@ -135,12 +135,14 @@ class Distribution:
 
     @property
     def usual_stiffness(self) -> float:
-        """EI [N m^2]; of a rod along which it differs, its mean over the inner joints."""
+        """EI [N m^2]; of a rod along which it differs, its mean over the inner joints, of a single
+        link that in the root."""
         rod, even = self.rod, self.stiffness
         if even is not None:
             return even
         joints = zip(rod.hold.springs(rod.links), self.joint_stiffness, strict=True)
         inner = [k for at, k in joints if 0 < at < rod.links]
+        inner = inner or [k / 2 for k in self.joint_stiffness]  # the root has half a cell
         return rod.length / rod.links * sum(inner) / max(len(inner), 1)
 
     def of_links(self, steady: bool = False) -> dict[str, list[float]]:

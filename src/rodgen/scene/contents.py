@@ -117,7 +117,7 @@ def _supports(scene: Scene) -> Iterator[Piece]:
         what = ", ".join(f"{size:g} {unit}" for unit, size in sizes.items() if size)
         link = point_of(support.at, scene.rod.links)[0]
         reason = f"on link {link}, at s = {support.at:g}, to ({x:g}, {y:g}) m: {what or 'nothing'}"
-        yield Piece(f"support {number + 1}", True, reason)
+        yield Piece(f"support {number}", True, reason)
 
 
 def _masses(scene: Scene) -> Iterator[tuple[Body, float, str]]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -13,7 +14,7 @@ LONGEST = 200  # characters of a field in a message
 
 
 class SceneError(ValueError):
-    """A field of a scene, an option or a file that cannot be used as it is.
+    """A field of a scene, an option or a file cannot be used.
 
     Examples
     --------
@@ -92,17 +93,14 @@ def explain(error: ValidationError, table: dict[str, Any], scene: type[BaseModel
     names = _names(table)
     path = _path(first, names)
     if first["type"] == "extra_forbidden":
-        known = _known(scene, first["loc"])
-        hint = meant(first["loc"][-1], known)
-        allowed = f"absent: not a known key (known: {', '.join(known)}){hint}"
-        return SceneError(".".join(path), first["input"], allowed)
+        return _unknown(scene, path, first["input"], first["loc"])
     # A value that may be of several types has a finding for each: those that went deepest count.
     paths = [(_path(d, names), d) for d in details]
     deepest = max((p for p, _ in paths if p[: len(path)] == path), key=len)
     same = [d for p, d in paths if p == deepest]
     if same[0]["type"] == "missing":
         return SceneError(".".join([*deepest, str(same[0]["loc"][-1])]), Missing(), "given")
-    allowed = " or ".join(dict.fromkeys(_plain(d) for d in same))
+    allowed = " or ".join(dict.fromkeys(_plain(d, _field(scene, deepest)) for d in same))
     return SceneError(".".join(deepest) or "scene", same[0]["input"], allowed)
 
 
@@ -128,20 +126,77 @@ def _names(table: Any) -> set[str]:
     return set()
 
 
-def _known(model: type[BaseModel], location: tuple[Any, ...]) -> list[str]:
-    """Keys of the table that a location is in."""
-    for key in location[:-1]:
-        field = model.model_fields.get(str(key))
+def check_known(scene: type[BaseModel], keys: Sequence[str]) -> None:
+    """Raise SceneError for a key that no scene has, from the outermost table in."""
+    for count, key in enumerate(keys, start=1):
+        known = _known(scene, keys[:count])
+        if known and key not in known and not key.isdigit():  # the number of one of a list
+            raise _unknown(scene, keys[:count], None, keys[:count])
+
+
+def _unknown(
+    scene: type[BaseModel], path: Sequence[str], value: object, location: Sequence[Any]
+) -> SceneError:
+    """The error for a key that its table does not have; another may have it."""
+    key, known = location[-1], _known(scene, location)
+    hint = meant(key, known)
+    if not hint and (there := next(_places(scene, str(key)), "")):
+        hint = f"; did you mean {there}?"
+    allowed = f"absent: not a known key (known: {', '.join(known)}){hint}"
+    return SceneError(".".join(path), value, allowed)
+
+
+def _places(model: type[BaseModel], key: str) -> Iterator[str]:
+    """Dotted names of a key in the tables of a scene."""
+    tables = []
+    for name, field in _fields(model):
+        if (field.alias or name) == key:
+            yield key
+        if (inner := _table_of(field)) is not None:
+            tables.append((field.alias or name, inner))
+    for name, inner in tables:
+        yield from (f"{name}.{rest}" for rest in _places(inner, key))
+
+
+def _known(model: type[BaseModel], location: Sequence[Any]) -> list[str]:
+    """Keys of the table that a location is in; none of one that takes any."""
+    inner = _table(model, location[:-1])
+    return [] if inner is None else [field.alias or name for name, field in _fields(inner)]
+
+
+def _field(model: type[BaseModel], path: Sequence[str]) -> Any:
+    """The key of a path, None of one that has a name or a number of its own."""
+    inner = _table(model, path[:-1])
+    fields = {} if inner is None else {one.alias or name: one for name, one in _fields(inner)}
+    return fields.get(path[-1]) if path else None
+
+
+def _table(model: type[BaseModel], location: Sequence[Any]) -> type[BaseModel] | None:
+    """The table at a location; None where that takes any key."""
+    named = False  # whether what stands there goes by names, or numbers, of its own
+    for key in location:
+        fields = {} if named else {one.alias or name: one for name, one in _fields(model)}
+        field = fields.get(str(key))
+        named = field is not None and get_origin(field.annotation) in (dict, list)
         if field is None:
             continue
-        options = getattr(field.annotation, "__args__", (field.annotation,))
-        for option in options:
-            if isinstance(option, type) and issubclass(option, BaseModel):
-                model = option
-                break
-    return [field.alias or name for name, field in model.model_fields.items()]
+        model = _table_of(field) or model
+    return None if named else model
 
 
+def _table_of(field: Any) -> type[BaseModel] | None:
+    """The table that a key may have as its value."""
+    for option in getattr(field.annotation, "__args__", (field.annotation,)):
+        if isinstance(option, type) and issubclass(option, BaseModel):
+            return option
+    return None
+
+
+def _fields(model: type[BaseModel]) -> Iterable[tuple[str, Any]]:
+    return model.model_fields.items()
+
+
+FORM = re.compile(r"`(\[[^`]*\])`")  # of a list, in the description of its key
 PLAIN = {
     "int_type": "a whole number",
     "float_type": "a number",
@@ -153,8 +208,11 @@ PLAIN = {
 }
 
 
-def _plain(detail: Any) -> str:
+def _plain(detail: Any, field: Any) -> str:
     """What is allowed, in the words of the field."""
+    form = FORM.search(getattr(field, "description", None) or "")
+    if form and detail["type"] in ("list_type", "too_short", "too_long"):
+        return f"a list of {form[1].count(',') + 1} numbers, {form[1]}"
     context = detail.get("ctx", {})
     match detail["type"]:
         case "greater_than":

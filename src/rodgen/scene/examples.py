@@ -1,8 +1,9 @@
-"""The scenes that come with rodgen, to start from: the files of scenes/."""
+"""The scenes and studies that come with rodgen, to start from: the files of scenes/."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from importlib.resources import files
 from itertools import takewhile
 from operator import methodcaller
@@ -10,7 +11,9 @@ from pathlib import Path
 
 from rodgen.scene.errors import SceneError, meant
 
-NAME = re.compile(r'^name = "\w+"$', re.MULTILINE)  # the first line of its kind: that of the scene
+STUDIES = "studies"  # their folder in that of the scenes
+NAME = re.compile(r'^name = "\w+"$', re.MULTILINE)  # the first line of its kind: that of the file
+SCENE = re.compile(r'^scene = "(.+)"$', re.MULTILINE)  # the file of a study's scene
 # A full stop after a capital belongs to a name.
 SENTENCE = re.compile(r".+?(?:(?<![A-Z])[.?!](?=\s|$)|$)")
 COMMENT = methodcaller("startswith", "#")
@@ -21,14 +24,19 @@ def folder() -> Path:
     return Path(str(files("rodgen.scenes")))
 
 
-def examples(inside: str = "") -> dict[str, Path]:
-    """The files by the names of their scenes; inside: of a folder in theirs, such as studies."""
-    return {path.stem: path for path in sorted((folder() / inside).glob("*.toml"))}
+def examples() -> dict[str, Path]:
+    """The files of the scenes, by their names."""
+    return {path.stem: path for path in sorted(folder().glob("*.toml"))}
 
 
-def example(name: str) -> Path:
-    """The file of a scene. Raises SceneError for a name that none has."""
-    known = examples()
+def studies() -> dict[str, Path]:
+    """The files of the studies, by their names with the folder, such as studies/mesh."""
+    return {f"{STUDIES}/{path.stem}": path for path in sorted((folder() / STUDIES).glob("*.toml"))}
+
+
+def example(name: str, known: Mapping[str, Path] | None = None) -> Path:
+    """The file of a name, by default of a scene. Raises SceneError for a name that none has."""
+    known = examples() if known is None else known
     if name not in known:
         raise SceneError("example", name, f"one of {', '.join(known)}{meant(name, known)}")
     return known[name]
@@ -42,6 +50,14 @@ def about(path: Path) -> str:
     return found[0] if found else ""
 
 
-def renamed(name: str, new: str) -> str:
-    """The text of a scene under another name, with its comments. Raises SceneError."""
-    return NAME.sub(f'name = "{new}"', example(name).read_text(encoding="utf-8"), count=1)
+def copies(path: Path, new: str) -> dict[str, str]:
+    """The text of a file under another name, with its comments, by the name of its file; first the
+    scene of a study that stands in a file of its own. Raises SceneError for the name of that."""
+    text, made = path.read_text(encoding="utf-8"), {}
+    if found := SCENE.search(text):
+        scene = path.parent / found[1]
+        made[scene.name] = scene.read_text(encoding="utf-8")
+        text = SCENE.sub(f'scene = "{scene.name}"', text, count=1)
+    if f"{new}.toml" in made:
+        raise SceneError("NAME", new, "another: the scene of the study has it")
+    return made | {f"{new}.toml": NAME.sub(f'name = "{new}"', text, count=1)}

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import tomli_w
 
 from rodgen.scene.errors import SceneError
 from rodgen.scene.examples import example, examples
 from rodgen.scene.files import with_tables
-from rodgen.scene.keys import put_values
+from rodgen.scene.keys import check_named, put_values
 from rodgen.scene.plain import plain, read_table
-from rodgen.scene.tables import Table
+from rodgen.scene.structure import check_links
+from rodgen.scene.tables import Rod, Table
 
 LINKS = "rod.links"
 
@@ -22,22 +23,34 @@ class Exchange(Table):
     """What makes scenes, and what is made of them; its one subclass is Scene."""
 
     if TYPE_CHECKING:  # which has the rod
+        rod: Rod
 
         def with_links(self, links: int) -> Self: ...
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
         """Read a scene from a TOML file, of at most 10 MB, 1e5 values, and 50 levels; tables of
-        numbers that an expression takes from a file are read from the folder of the scene."""
+        numbers that an expression takes from a file are read from the folder of the scene.
+
+        path: of the file.
+        """
         path = Path(path)
         if path.stem in examples() and not path.exists():
             copied = f"a file that is there; `rodgen new {path.stem} --from {path.stem}` writes it"
             raise SceneError("scene", str(path), copied)
-        return cls.from_dict(with_tables(read_table(path), path.parent))
+        table = read_table(path)
+        try:
+            return cls.from_dict(with_tables(table, path.parent))
+        except SceneError as error:
+            error.add_note(f"in {path}")
+            raise
 
     @classmethod
     def from_dict(cls, table: dict[str, Any]) -> Self:
-        """Check a scene that is already a dictionary of tables."""
+        """A scene of tables that are there already, checked as those of a file.
+
+        table: all of them, by their names.
+        """
         if not isinstance(table, dict):
             raise SceneError("scene", table, "a table")
         if "numbers" in table:
@@ -48,8 +61,12 @@ class Exchange(Table):
 
     @classmethod
     def example(cls, name: str) -> Self:
-        """One of the scenes that come with rodgen, by its name, such as "missile"; `rodgen scenes`
-        lists them. Raises SceneError, which names them all."""
+        """One of the scenes that come with rodgen.
+
+        name: its name, such as "missile"; `rodgen scenes` lists them.
+
+        Raises SceneError, which names them all.
+        """
         return cls.from_toml(example(name))
 
     def to_dict(self) -> dict[str, Any]:
@@ -64,10 +81,12 @@ class Exchange(Table):
     def replace(self, changes: Mapping[str, Any] | None = None, /, **others: Any) -> Self:
         """A scene with other values of keys, by their dotted names, checked as in a file.
 
+        changes: values by names, in SI units; others: none, since dotted names are no keywords.
+
         Names are those of the tables, such as "loads.follower.force"; bodies go by their names
-        ("bodies.payload.mass"), other tables of an array by their numbers ("supports.0.at"). A
-        value may be a whole table, and None leaves the key out. Another number of links
-        ("rod.links") converts damping as `with_links` does. Raises SceneError.
+        ("bodies.payload.mass"), other tables of an array by their numbers from 0 on
+        ("supports.0.at"). A value may be a whole table, and None leaves the key out. Another
+        number of links ("rod.links") converts damping as `with_links` does. Raises SceneError.
 
             weaker = scene.replace({"loads.follower.force": 300, "initial.phi": "0.1*s"})
         """
@@ -75,8 +94,23 @@ class Exchange(Table):
             allowed = 'a dictionary of values by dotted names, such as {"rod.length": 3}'
             raise SceneError("changes", others or changes, allowed)
         given = {str(name): plain(value, str(name)) for name, value in changes.items()}
-        table = self.to_dict()
-        if given.get(LINKS, table["rod"]["links"]) != table["rod"]["links"]:
-            table = self.with_links(given.pop(LINKS)).to_dict()
-        put_values(table, given)
-        return self.from_dict(table)
+        made = with_values(self, given)
+        for name, value in given.items():
+            if value is not None:
+                check_named(made.to_dict(), name.split("."), (name, value))
+        return made
+
+
+Made = TypeVar("Made", bound=Exchange)
+
+
+def with_values(scene: Made, given: Mapping[str, Any]) -> Made:
+    """The scene with plain values of keys, as `Scene.replace` makes it; a number that no expression
+    names may be among them. Raises SceneError."""
+    table, links = scene.to_dict(), given.get(LINKS)
+    if links not in (None, scene.rod.links):
+        check_links(links, scene.rod.boundary, LINKS)
+        table = scene.with_links(links).to_dict()
+        given = {name: value for name, value in given.items() if name != LINKS}
+    put_values(table, given, type(scene))
+    return scene.from_dict(table)

@@ -51,7 +51,8 @@ class Expression:
     def _tree(self) -> ast.expr:
         tree = grammar.parse(self.text, self.field)
         if tree is None:
-            raise self._refused(None)
+            said = grammar.mistake(self.text)
+            raise self._refused(None, f"an expression that can be read ({said})" if said else "")
         return tree
 
     @cached_property
@@ -71,11 +72,12 @@ class Expression:
     def _refused(self, node: ast.AST | None, allowed: str = "") -> SceneError:
         """The error for a part in whose place something else is allowed, or the grammar."""
         part = self.text if node is None else ast.unparse(node)
-        names = ", ".join((self.variable, *self._values, *(self.states or ())))
+        names = (self.variable, *self._values, *(self.states or ()))
         sensed = grammar.SENSED if self.states is not None else ""
-        allowed = allowed or grammar.ALLOWED.format(names=names) + sensed
+        hint = "" if allowed else grammar.advice(node, names)
+        allowed = allowed or grammar.ALLOWED.format(names=", ".join(names)) + sensed
         where = "" if part == self.text else f" (not {short(part)})"
-        return SceneError(self.field, self.text, allowed + where)
+        return SceneError(self.field, self.text, allowed + where + hint)
 
     @cached_property
     def canonical(self) -> str:

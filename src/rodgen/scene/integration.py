@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import math
-from typing import Annotated, Self, TypedDict
+from collections.abc import Callable
+from inspect import Parameter
+from typing import Annotated, Any, Self, TypedDict, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +21,7 @@ AUTO = "auto"
 MOST_SAMPLES = 10**6
 MOST_STEPS = 10**9
 MOST_ADAPTIVE = 10**7
+F = TypeVar("F", bound=Callable[..., Any])
 LEAST_RTOL = 2.3e-14  # a hundred times the rounding of a double, below which SciPy clips
 
 
@@ -34,19 +38,49 @@ class Settings(TypedDict, total=False):
     max_steps: int | None
 
 
-class Integrate(Table):
-    """How the scene is integrated; t_eval: times of the samples [s], ascending, instead of one at
-    the start and every output_every; max_steps: after so many, a run is stopped (if not given, ten
-    million of an adaptive method)."""
+def spelt_out(function: F) -> F:
+    """A function whose signature has the keywords of Settings one by one, as notebooks and editors
+    complete them, in place of the dictionary that holds them."""
+    signature = inspect.signature(function)
+    *others, last = signature.parameters.values()
+    settings = [
+        last.replace(
+            name=name, kind=Parameter.KEYWORD_ONLY, default=None, annotation=kind.__forward_arg__
+        )
+        for name, kind in Settings.__annotations__.items()
+    ]
+    vars(function)["__signature__"] = signature.replace(parameters=[*others, *settings])
+    return function
 
-    method: str = AUTO
-    span: Pair = [0.0, 10.0]
-    step: Positive | None = None
-    rtol: Positive = 1e-8
-    atol: Positive = 1e-10
-    output_every: Positive = 0.01
-    t_eval: list[Finite] | None = None
-    max_steps: Annotated[int, Field(gt=0)] | None = None
+
+class Integrate(Table):
+    """How the scene is integrated."""
+
+    method: str = Field(default=AUTO, description="`auto`, or one of [these](methods.md)")
+    span: Pair = Field(default=[0.0, 10.0], description="`[start, end]` [s]")
+    step: Positive | None = Field(
+        default=None,
+        description="step [s] of "
+        + ", ".join(f"`{name}`" for name in FIXED_STEP)
+        + ", and of "
+        + ", ".join(f"`{name}`" for name in EITHER)
+        + " in equal steps; the other methods do not use it",
+    )
+    rtol: Positive = Field(
+        default=1e-8, description="relative tolerance of the other methods, including `auto`"
+    )
+    atol: Positive = Field(default=1e-10, description="absolute tolerance of the other methods")
+    output_every: Positive = Field(default=0.01, description="spacing of the samples [s]")
+    t_eval: list[Finite] | None = Field(
+        default=None,
+        description="instead, the times of the samples [s], ascending within the span: "
+        "`[0.5, 1, 3]`",
+    )
+    max_steps: Annotated[int, Field(gt=0)] | None = Field(
+        default=None,
+        description="number of steps after which the run is stopped; without it 10^7 of an "
+        "adaptive method, 10^9 of equal steps",
+    )
 
     @property
     def budget(self) -> int:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, get_origin
 
-from rodgen.scene.errors import SceneError, meant, short
+from pydantic import BaseModel
+
+from rodgen.scene.errors import SceneError, check_known, meant, short
 from rodgen.scene.plain import entry, put
 
 if TYPE_CHECKING:
     from rodgen.scene.scene import Scene
+
+NUMBERS = "parameters"  # the table of numbers that have names
+WORD = re.compile(r"\b[^\W\d]\w*")
 
 
 def with_value(scene: Scene, name: str, value: Any, field: str = "vary") -> Scene:
@@ -19,15 +25,69 @@ def with_value(scene: Scene, name: str, value: Any, field: str = "vary") -> Scen
     return scene.from_dict(table)
 
 
-def put_values(scene: dict[str, Any], values: Mapping[str, Any]) -> None:
+def keys_of(kind: type[BaseModel]) -> list[str]:
+    """Dotted names of the values in all tables that a scene may have, without those of arrays."""
+    found = []
+    for name, field in kind.model_fields.items():
+        options = getattr(field.annotation, "__args__", (field.annotation,))
+        tables = [one for one in options if isinstance(one, type) and issubclass(one, BaseModel)]
+        origin = get_origin(field.annotation)
+        if tables and origin is not list and origin is not dict:
+            found += [f"{name}.{key}" for key in keys_of(tables[0])]
+        elif not tables and origin is not dict:
+            found.append(name)
+    return found
+
+
+def texts(table: Any) -> Iterator[str]:
+    """All texts that stand in tables and lists, but names."""
+    if isinstance(table, str):
+        yield table
+    elif isinstance(table, dict | list):
+        inner = table.items() if isinstance(table, dict) else enumerate(table)
+        for key, value in inner:
+            if key != "name":
+                yield from texts(value)
+
+
+def named_numbers(scene: dict[str, Any], others: Sequence[str] = ()) -> list[str]:
+    """Numbers of [parameters] that an expression of the scene names, or one of some other texts."""
+    words = {word for text in (*texts(scene), *others) for word in WORD.findall(text)}
+    return [name for name in scene.get(NUMBERS, {}) if name in words]
+
+
+def check_named(
+    scene: dict[str, Any],
+    place: Sequence[str],
+    given: tuple[str, object],
+    others: Sequence[str] = (),
+) -> None:
+    """Raise SceneError for another value of a number that no expression names: it would change
+    nothing. place: keys of tables where the value stands; given: field and value of the message;
+    others: texts of expressions that the scene may get."""
+    if len(place) == 2 and place[0] == NUMBERS:
+        named = named_numbers(scene, others)
+        if place[1] not in named:
+            known = ", ".join(named) or "none"
+            allowed = f"a number that an expression of the scene names ({known})"
+            raise SceneError(*given, f"{allowed}{meant(place[1], named)}")
+
+
+def put_values(scene: dict[str, Any], values: Mapping[str, Any], kind: type[BaseModel]) -> None:
     """Put values into the tables of a scene by their dotted names, which may be new to them; None
-    takes away what is there. Raises SceneError for a name that leads to no table or list."""
+    takes away what is there. kind: the class of the scene, which knows its keys. Raises SceneError
+    for a name that leads to no table or list, and for one to take away that a scene cannot have."""
     for name, value in values.items():
         *outer, last = name.split(".")
+        if value is None:
+            check_known(kind, [*outer, last])
         table: Any = scene
         for depth, key in enumerate(outer):
             at = _key_in(table, key, name, outer[:depth])
-            table = table[at] if isinstance(table, list) else table.setdefault(at, {})
+            if isinstance(table, dict):  # where there is nothing, nothing can be taken away
+                table = table.setdefault(at, {}) if value is not None else table.get(at, {})
+            else:
+                table = table[at]
         at = _key_in(table, last, name, outer)
         if value is not None:
             table[at] = value
@@ -49,13 +109,17 @@ def _key_in(table: Any, key: str, name: str, outer: Sequence[str], field: str = 
     if key.isascii() and key.isdigit() and int(key) < len(table):
         return int(key)
     known = ", ".join(str(n or number) for number, n in enumerate(names)) or "none"
+    known += ", counted from 0" if names and not any(names) else ""
     hint = meant(key, [n for n in names if n])
     raise SceneError(field, name, f"a key of the scene ({at} has {known}){hint}")
 
 
-def key_place(scene: dict[str, Any], name: str, field: str = "vary") -> tuple[str, ...]:
-    """Where a dotted name stands in the tables of a scene. Raises SceneError for one that does not
-    stand in any, or that is no single value, with the field that is named."""
+def key_place(
+    scene: dict[str, Any], name: str, field: str = "vary", others: Sequence[str] = ()
+) -> tuple[str, ...]:
+    """Where a dotted name stands in the tables of a scene; others: texts that take the place of its
+    expressions. Raises SceneError, with the field that is named, for a name that does not stand in
+    any table, that is no single value, or that is one of a number which no expression names."""
     *outer, last = name.split(".")
     found_at: list[str] = []
     for key in [*outer, last]:
@@ -77,4 +141,5 @@ def key_place(scene: dict[str, Any], name: str, field: str = "vary") -> tuple[st
         inside = f", such as {name}.{next(iter(value), 0)}" if isinstance(value, dict) else ""
         inside = f", such as {name}.0" if isinstance(value, list) else inside
         raise SceneError(field, name, f"a key that has one value{inside}")
+    check_named(scene, found_at, (field, name), others)
     return tuple(found_at)

@@ -55,10 +55,15 @@ def with_literal(text: str, at: int, value: object, field: str) -> str:
     the text is called in messages. Raises SceneError for what is no number."""
     if not is_number(value):
         raise SceneError(field, value, "a number, such as 0.25 or 1e-3")
-    first, last = _place(text, [*_found(_tree(text))][at])
     written = repr(float(value)).removesuffix(".0")
     # In parentheses, as a power binds closer than a sign.
-    return text[:first] + (f"({written})" if value < 0 else written) + text[last:]
+    return with_name(text, at, f"({written})" if value < 0 else written)
+
+
+def with_name(text: str, at: int, name: str) -> str:
+    """The text with a name, or anything else, in place of one of its numbers."""
+    first, last = _place(text, [*_found(_tree(text))][at])
+    return text[:first] + name + text[last:]
 
 
 def _tree(text: str) -> ast.expr:

@@ -14,8 +14,8 @@ from rodgen.model.terms import PARAMETERS, TERMS
 from rodgen.scene import spring
 from rodgen.scene import structure as st
 from rodgen.scene.errors import SceneError
+from rodgen.scene.load_tables import FinFactor
 from rodgen.scene.plain import put
-from rodgen.scene.tables import FinFactor
 
 if TYPE_CHECKING:
     from rodgen.scene.scene import Scene

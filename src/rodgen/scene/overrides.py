@@ -13,9 +13,10 @@ from rodgen.model.rod import ROD, STEADY, TANK, UNEVEN
 from rodgen.model.term import ANCHOR
 from rodgen.model.terms import PARAMETERS, TERMS
 from rodgen.scene import spring
-from rodgen.scene.errors import SceneError
+from rodgen.scene.errors import SceneError, meant
 from rodgen.scene.expression import Expression
 from rodgen.scene.integration import Integrate
+from rodgen.scene.keys import named_numbers
 from rodgen.scene.numbers import mass_of
 from rodgen.scene.plain import is_number, plain, put
 from rodgen.scene.scene import Scene
@@ -39,24 +40,25 @@ def check_used(settings: Integrate, given: Mapping[str, Any], prefix: str = "") 
 
 
 def with_parameters(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """The scene with other values of parameters of its module, by name, checked as in its file.
+    """The scene with other values of parameters of its module and of [parameters], by name,
+    checked as in its file.
 
-    A load that was a function of time may become a number, and the reverse; then it has another
-    module. What the scene computes from other values, such as the mass of every link, may be
-    given as it is. Raises SceneError for names that the scene has no place for, and for another
-    value of what is computed.
+    A number may take the place of a law, such as a load that was a function of time, and the
+    reverse; then the scene has another module. What the scene computes from other values, such as
+    the mass of every link, may be given as it is. Raises SceneError for names that the scene has
+    no place for, and for another value of what is computed.
     """
     if not isinstance(values, Mapping):
         raise SceneError("parameters", values, "a dictionary of values by name")
     rod = (one.name for one in (*ROD, *scene.hold.parameters))
     names = (*rod, *scene.loads.parameters)
-    known = dict.fromkeys((*names, *scene.numbers, *scene.structure.numbers))
     own, computed = scene.parameters, _computed(scene)
     table = scene.model_dump(exclude_none=True)
+    known = dict.fromkeys((*names, *named_numbers(table), *scene.structure.numbers))
     numbers: dict[str, Any] = {}
     for name, value in values.items():
         if name not in known and name not in computed:
-            raise SceneError("parameters", name, f"one of {', '.join(known)}")
+            raise SceneError("parameters", name, f"one of {', '.join(known)}{meant(name, known)}")
         if name in own and _equal(plain(value, name), own[name]):
             continue
         if name in computed:

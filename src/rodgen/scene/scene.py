@@ -28,57 +28,63 @@ from rodgen.scene.along import Distribution
 from rodgen.scene.anchors import Anchors
 from rodgen.scene.course import Course
 from rodgen.scene.errors import SceneError, check_type, explain
+from rodgen.scene.event import Event, check_events
 from rodgen.scene.exchange import Exchange
 from rodgen.scene.expression import Expression, parsed
-from rodgen.scene.integration import AUTO, Integrate, Settings
+from rodgen.scene.integration import AUTO, Integrate, Settings, spelt_out
 from rodgen.scene.law import Law
+from rodgen.scene.load_tables import FinFactor, Loads
 from rodgen.scene.mesh import with_links
 from rodgen.scene.numbers import check_names, check_states, mass_of
 from rodgen.scene.plain import plain
 from rodgen.scene.tables import (
     Body,
-    Event,
-    FinFactor,
     Finite,
     Foundation,
     Initial,
-    Loads,
     Rod,
     State,
     Support,
     Table,
     check_bodies,
-    check_events,
     tables_in,
 )
 from rodgen.shown import Shown
 
 
 class Scene(Exchange, Shown):
-    """A whole scene, checked. Raises SceneError where a file or a value cannot be used.
+    """A scene: a rod, its loads, its initial state, and how it is integrated.
 
-    numbers: by the names that they have in expressions; the table [parameters] of a file.
+    name: of the scene and of the folder of its results; numbers: those of [parameters], by name, in
+    the units of the expressions that name them; rod, loads, initial, integrate: these tables;
+    bodies, supports, events: lists of tables; foundation: its table, or None; states: tables of the
+    states that are added, by name.
+
+    Values are in SI units, as in a file. A scene is checked when it is made, and cannot be changed
+    afterwards. SceneError names the field that cannot be used.
 
     Examples
     --------
     >>> import rodgen
-    >>> scene = rodgen.Scene.from_dict({
-    ...     "name": "pendulum",
-    ...     "rod": {
-    ...         "links": 2, "length": 1.0, "bending_stiffness": 0.0, "mass": 1.0,
-    ...         "boundary": "pinned",
-    ...     },
-    ...     "loads": {"gravity": {"g": 9.81}},
-    ... })
-    >>> scene.replace({"rod.links": 4})
-    <Scene pendulum: pinned rod of 4 links, gravity; t = 0 to 10 s>
+    >>> rodgen.Scene.example("becks_column").replace({"rod.links": 10})
+    <Scene becks_column: clamped rod of 10 links, follower; t = 0 to 20 s>
+    >>> missile = rodgen.Scene.example("missile")
+    >>> round(missile.breaks()[0], 12), missile.to_dict()["rod"]["length"]
+    (0.5, 5.0)
+    >>> missile.structure.links, missile.to_toml().splitlines()[0]
+    (20, 'name = "missile"')
     """
 
     # `parameters` are those of the module: the table's own name is that of a file.
     model_config: ClassVar[ConfigDict] = ConfigDict(serialize_by_alias=True, validate_by_name=True)
 
-    name: str
-    numbers: dict[str, Finite] = Field({}, alias="parameters", exclude_if=operator.not_)
+    name: str = Field(description="a plain identifier; names the folder of the results")
+    numbers: dict[str, Finite] = Field(
+        {},
+        alias="parameters",
+        exclude_if=operator.not_,
+        description="numbers that expressions call by these names, each a plain identifier",
+    )
     rod: Rod
     bodies: list[Body] = []
     supports: list[Support] = []
@@ -99,8 +105,9 @@ class Scene(Exchange, Shown):
 
     def __repr__(self) -> str:
         rod, (start, end) = self.rod, self.integrate.span
-        loads = ", ".join(TERMS[name].words for name in self.loads.terms) or "no loads"
-        what = f"{rod.boundary} rod of {rod.links} links, {loads}"
+        terms = *self.loads.terms, *self.anchors.terms
+        acting = ", ".join(TERMS[name].words for name in terms) or "no loads"
+        what = f"{rod.boundary} rod of {rod.links} links, {acting}"
         return f"<Scene {self.name}: {what}; t = {start:g} to {end:g} s>"
 
     __str__ = __repr__
@@ -169,7 +176,10 @@ class Scene(Exchange, Shown):
 
     def expression(self, name: str) -> Expression | None:
         """The expression that a parameter of a load is given by, where it is given by text: in t,
-        or in s where every link has its own."""
+        or in s where every link has its own.
+
+        name: of the parameter.
+        """
         value = self.loads.value(name)
         if not isinstance(value, str):
             return None
@@ -178,11 +188,17 @@ class Scene(Exchange, Shown):
         return parsed(value, "t", self.field(name), self._numbers, tuple(self.states))
 
     def place(self, name: str) -> tuple[str, ...]:
-        """Where a parameter of the module stands: the keys of tables, from the outermost in."""
+        """Where a parameter of the module stands: the keys of tables, from the outermost in.
+
+        name: of the parameter.
+        """
         return self.loads.places.get(name) or PLACES[name]
 
     def field(self, name: str) -> str:
-        """Where that is, in one word."""
+        """Where a parameter of the module stands, as a dotted name.
+
+        name: of the parameter.
+        """
         return ".".join(self.place(name))
 
     def _number_of(self, name: str) -> Any:
@@ -202,7 +218,11 @@ class Scene(Exchange, Shown):
         return Law(self.loads.value(name), self.field(name), self._numbers, "st")
 
     def along_at(self, t: float) -> dict[str, list[float]]:
-        """Parameters that change with time and from link to link, as they are at a time."""
+        """Values, in SI units, of the parameters that change with time and from link to link, by
+        name, each a list over the links.
+
+        t: the time [s].
+        """
         laws = {name: self._law(name) for name in self.along}
         return {name: law.of_links(self.rod.links, t) for name, law in laws.items()}
 
@@ -234,19 +254,19 @@ class Scene(Exchange, Shown):
 
     @property
     def spring_law(self) -> Expression | None:
-        """The law of its springs, where that is not Hooke's."""
+        """The law of the springs, where that is not Hooke's, else None."""
         text = self.rod.spring
         law = None if text is None else spring.law(text, self._numbers)
         return None if law is None or spring.is_hooke(law.canonical) else law
 
     @property
     def slack(self) -> bool:
-        """Whether its springs do not resist a small bend of the straight rod."""
+        """Whether the springs do not resist a small bend of the straight rod."""
         return self.spring_law is not None and spring.is_slack(self.spring_law)
 
     @property
     def anchors(self) -> Anchors:
-        """What holds it elsewhere than at its start."""
+        """What holds the rod elsewhere than at its start: supports and foundation."""
         start = self.initial.position or (0.0, 0.0)
         return Anchors(self.rod, self.supports, self.foundation, start, self._numbers)
 
@@ -256,7 +276,10 @@ class Scene(Exchange, Shown):
         return self.distribution_at(self.integrate.span[0])
 
     def distribution_at(self, t: float) -> Distribution:
-        """How they lie along it at a time."""
+        """How stiffness and mass lie along the rod at a time.
+
+        t: the time [s].
+        """
         return Distribution(self.rod, self.bodies, self._numbers, t)
 
     @property
@@ -304,7 +327,7 @@ class Scene(Exchange, Shown):
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Values of the parameters of its module, by name."""
+        """Values of the parameters of its module, by name, in SI units."""
         rod, along = self.rod, self.distribution
         values: dict[str, Any] = {
             one.name: getattr(rod, one.key) or 0.0 for one in (*ROD, CLAMP_ANGLE)
@@ -326,7 +349,8 @@ class Scene(Exchange, Shown):
         return {name: values[name] for name in self.structure.parameters}
 
     def initial_state(self) -> NDArray[np.float64]:
-        """y at the start of the span, in the order of the module's STATE."""
+        """The state y at the start of the span, (states,), in SI units and the order of the
+        module's STATE."""
         position, velocity = self.initial.position, self.initial.velocity
         base = self.hold.translates
         return np.concatenate(
@@ -341,7 +365,7 @@ class Scene(Exchange, Shown):
 
     @property
     def course(self) -> Course:
-        """What it is given as functions of time, over the span."""
+        """What the scene has as functions of time, over the span."""
         laws = [*self.expressions.values(), *self.rates.values()]
         masses = [mass for *_, mass in self.distribution.changing]
         fed = [*self.fed.values(), *self.rates.values()]
@@ -365,6 +389,7 @@ class Scene(Exchange, Shown):
         ascending [s]: an integrator of one's own should step onto them."""
         return self.course.breaks()
 
+    @spelt_out
     def with_integrate(self, **given: Unpack[Settings]) -> Self:
         """A scene with other values in [integrate]; those that are None are left.
 
@@ -383,7 +408,10 @@ class Scene(Exchange, Shown):
 
     def integrated_by(self, method: str) -> Scene:
         """A scene with the method that was found for it; what `auto` finds is no method of equal
-        steps, whatever the step that stands in the scene."""
+        steps, whatever the step that stands in the scene.
+
+        method: its name.
+        """
         found: dict[str, Any] = {"method": method}
         if self.integrate.method == AUTO:
             found["step"] = None
@@ -391,9 +419,13 @@ class Scene(Exchange, Shown):
 
     def with_links(self, links: int) -> Self:
         """A scene of this rod with another number of links: coefficients of damping that belong to
-        a number of links are converted, c_int by (n'/n)^2, a fin by n'/n. Raises SceneError for a
-        number that is not allowed, and for a scene that has a list of a value for every link or
-        watches one of its links."""
+        a number of links are converted, c_int by (n'/n)^2, a fin by n'/n.
+
+        links: how many.
+
+        Raises SceneError for a number that is not allowed, and for a scene that has a list of a
+        value for every link or watches one of its links.
+        """
         return self.from_dict(with_links(self, links))
 
 

@@ -6,7 +6,7 @@ import hashlib
 import json
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from fractions import Fraction
 from functools import cached_property
 from itertools import starmap
@@ -25,18 +25,18 @@ MOST_LINKS = 10**6
 PLACE = re.compile(r"(0|[1-9][0-9]{0,6})(?:\+([1-9][0-9]{0,30}/[1-9][0-9]{0,30}))?")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Structure:
-    """Links, boundary, inertia and terms of a module, checked; of loads that are not at the tail,
-    each with its place as `model.terms.named` reads it: follower@6+1/10.
+    """The structure of a scene: everything that its module is specialised to.
 
-    expressions: parameters that are functions of time, by name, as canonical text of the grammar
-    in `scene.grammar`; they are part of the code and no parameters of it, but the numbers that have
-    names in them are. uneven: what differs along the rod, of model.rod.UNEVEN. states: those that
-    the scene adds to those of the rod, by name, with their rates as such text. spring: the law of
-    the springs as such text, "" for the moment k d. masses: those that are functions of time, as
-    such text, which may name s as well: of bodies, by their names and links, and, with "" and -1,
-    of the links.
+    links: their number; boundary: how the start is held; inertia: "uniform" or "lumped"; terms:
+    names of the loads and of what else acts, with a place if that is not the tail
+    (follower@6+1/10: on link 6, at a tenth of it); expressions: loads that are functions of time or
+    of the motion, by parameter, as canonical text (part of the code; their numbers are parameters);
+    uneven: what differs along the rod, of "stiffness", "mass", "bodies" and "points"; states: added
+    states by name, with their rates as such text; spring: law of the springs as such text, "" for
+    the moment k d; masses: masses that are functions of time, as such text, by name of the body and
+    its link ("" and -1 for the links themselves).
 
     Examples
     --------
@@ -44,6 +44,10 @@ class Structure:
     >>> structure = rodgen.Structure(2, "pinned", terms=("gravity",))
     >>> structure.stem, structure.parameters
     ('rod_pinned_n2_gravity', ('mass', 'length', 'bending_stiffness', 'gravity'))
+    >>> structure.module_stem("c"), structure.width, structure.positions["gravity"]
+    ('rod_pinned_n2_gravity_c', 4, 3)
+    >>> structure.state_names, structure.hash == rodgen.Structure(3, "pinned").hash
+    ((), False)
     """
 
     links: int
@@ -84,6 +88,11 @@ class Structure:
         for name in (*self.numbers, *self.state_names):
             check_name(name, f"expressions.{name}")
 
+    def __repr__(self) -> str:
+        """What makes one equal to it, without what is as if nothing were said."""
+        said = (one for one in fields(self) if getattr(self, one.name) != one.default)
+        return f"Structure({', '.join(f'{one.name}={getattr(self, one.name)!r}' for one in said)})"
+
     @property
     def state_names(self) -> tuple[str, ...]:
         """Names of the states that are added, in the order in which y has them."""
@@ -96,7 +105,7 @@ class Structure:
 
     @property
     def loads(self) -> tuple[str, ...]:
-        """Names of its loads, in the order of the terms."""
+        """Names of the loads, in the order of the terms."""
         return tuple(named(self.terms))
 
     @property
@@ -117,19 +126,19 @@ class Structure:
 
     @property
     def open_expressions(self) -> dict[str, Expression]:
-        """The expressions by name, without values of the numbers that have names in them."""
+        """The expressions, by their parameters, with names in place of their numbers."""
         texts = ((name, text) for name, text in self.expressions if not PARAMETERS[name].several)
         return {name: self._open(text) for name, text in texts}
 
     @property
     def open_along(self) -> dict[str, Expression]:
-        """Those of them that are functions of s as well, of which every link has a mean."""
+        """The expressions that are functions of s as well, of which every link has a mean."""
         texts = ((name, text) for name, text in self.expressions if PARAMETERS[name].several)
         return {name: open_expression(text, "t", ("s",)) for name, text in texts}
 
     @property
     def open_rates(self) -> dict[str, Expression]:
-        """The rates of the states that are added, likewise."""
+        """The rates of the states that are added, with names in place of their numbers."""
         return {name: self._open(text) for name, text in self.states}
 
     @property
@@ -193,7 +202,7 @@ class Structure:
 
     @property
     def spans(self) -> dict[str, range]:
-        """Of those parameters that are several numbers: the joints or links that have one."""
+        """The joints or links that have a number each, of every parameter that is several."""
         found = {JOINTS: range(self.links + 1), LINKS: range(self.links)}
         found[SPRINGS] = self.hold.springs(self.links)
         return {one.name: found[one.each] for one in self.rows if one.several}
@@ -225,6 +234,8 @@ class Structure:
 
     def module_stem(self, target: str = "numpy", form: str = "chain") -> str:
         """File name of a module of this structure, without its ending.
+
+        target: "c" or "numpy"; form: "chain" or "dense".
 
         Expressions and places of loads are part of the code: with some, it ends in six letters of
         the hash, so that modules that differ in them have names and symbols of their own.

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,23 +13,16 @@ from pydantic import (
     ConfigDict,
     Field,
     ValidationError,
-    create_model,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
-from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, POSITIVE, Parameter
-from rodgen.model.quantities import number_in, watched
 from rodgen.model.rod import BOUNDARIES, INERTIAS, Boundary
-from rodgen.model.term import Term
-from rodgen.model.terms import TERMS
 from rodgen.scene import structure as st
-from rodgen.scene.errors import Missing, SceneError, explain, meant
+from rodgen.scene.errors import Missing, SceneError, explain
+from rodgen.scene.frozen import AGAIN, frozen
 from rodgen.scene.law import Law
-from rodgen.scene.places import place_of, point_of
-from rodgen.scene.plain import entry
-
-MOST_PLACED = 100  # loads of one kind
+from rodgen.scene.places import point_of
 
 LARGEST = 1e60  # of any value: products of several must still fit in a double
 
@@ -54,8 +46,6 @@ Values = Annotated[list[Finite], Field(fail_fast=True)]
 Sizes = Annotated[list[Size], Field(fail_fast=True)]
 Factors = Annotated[list[NotNegative], Field(fail_fast=True)]
 
-DIRECTIONS, ACTIONS = ("rising", "falling", "either"), ("record", "stop")
-
 
 class Table(BaseModel):
     """A table of a scene: no key that is not known, no value of another type; never changed."""
@@ -64,8 +54,7 @@ class Table(BaseModel):
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(
-            f"{type(self).__name__}.{name} cannot be set: scenes do not change. "
-            f'Make another: scene.replace({{"rod.length": 3.0}}), by the dotted name of the key'
+            f"{type(self).__name__}.{name} cannot be set: scenes do not change. {AGAIN}"
         )
 
     def __delattr__(self, name: str) -> None:
@@ -74,15 +63,25 @@ class Table(BaseModel):
             'Make another: scene.replace({"loads.gravity": None}), by the dotted name of the key'
         )
 
+    def __dir__(self) -> list[str]:
+        """What an editor offers: not pydantic's thirty names, some of which warn."""
+        hidden = {name for name in dir(BaseModel) if not name.startswith("_")}
+        return [name for name in super().__dir__() if name not in hidden]
+
+    @model_validator(mode="after")
+    def _freeze(self) -> Self:
+        for name in type(self).model_fields:
+            self.__dict__[name] = frozen(self.__dict__[name])
+        return self
+
     def __hash__(self) -> int:
-        return hash(tuple(_hashable(getattr(self, name)) for name in type(self).model_fields))
+        return hash(tuple(frozen(getattr(self, name)) for name in type(self).model_fields))
 
 
-def _hashable(value: Any) -> Any:
-    """What is equal for equal values, of lists and dictionaries as well."""
-    if isinstance(value, dict):
-        return frozenset((key, _hashable(one)) for key, one in value.items())
-    return tuple(map(_hashable, value)) if isinstance(value, list) else value
+def one_of(vocabulary: Mapping[str, Any], describe: bool = False) -> str:
+    """The words of a vocabulary as they stand in a file, each with its description if asked for."""
+    found = (f'`"{name}"`' + f": {one.description}" * describe for name, one in vocabulary.items())
+    return ("; " if describe else ", ").join(found)
 
 
 def tables_in(key: str, tables: Any, kind: type[Table]) -> list[Any]:
@@ -103,21 +102,41 @@ def tables_in(key: str, tables: Any, kind: type[Table]) -> list[Any]:
 
 
 class Rod(Table):
-    """The rod: links, length [m], bending stiffness [N m^2] (a number, an expression in s or a
-    value for every joint), moment of a spring [N m] (an expression in its stiffness k and in d, the
-    angle by which it is bent), mass [kg], or mass per length [kg/m] (a number, an expression in s
-    and t, or a value for every link); how the mass of a link lies and the start is held; the angle
-    of its clamp [rad], for boundaries that have one."""
+    """The rod, of rigid links that are joined by rotary springs."""
 
-    links: int
-    length: Size
-    bending_stiffness: NotNegative | Factors | str
-    mass: Size | None = None
-    mass_per_length: Size | Sizes | str | None = None
-    spring: str | None = None
-    inertia: str = "uniform"
-    boundary: str = "free"
-    clamp_angle: Finite | None = None
+    links: int = Field(description="number of rigid links, 1 to 1000000 (2 for `cantilever`)")
+    length: Size = Field(description="length of the whole rod [m]")
+    bending_stiffness: NotNegative | Factors | str = Field(
+        description="EI [N m^2]: a number, an expression in s, or n + 1 values, one for every joint"
+    )
+    mass: Size | None = Field(
+        default=None,
+        description="mass of the whole rod without its bodies [kg]; this or `mass_per_length` is "
+        "required",
+    )
+    mass_per_length: Size | Sizes | str | None = Field(
+        default=None,
+        description="mass per length [kg/m]: a number, an expression in s and t, or n values, one "
+        "for every link",
+    )
+    spring: str | None = Field(
+        default=None,
+        description="moment of the spring in a joint [N m]: an expression in `d`, the angle by "
+        'which it is bent, and its stiffness `k`; without it `"k*d"`',
+    )
+    inertia: str = Field(
+        default="uniform",
+        description="how the mass of a link lies: " + one_of(INERTIAS, describe=True),
+    )
+    boundary: str = Field(
+        default="free",
+        description=f"how the start is held: {one_of(BOUNDARIES)}, [see below](#boundaries)",
+    )
+    clamp_angle: Finite | None = Field(
+        default=None,
+        description="angle at which the start is held [rad], of `cantilever` and `clamped` alone; "
+        "without it 0",
+    )
 
     @model_validator(mode="after")
     def _structure(self) -> Self:
@@ -140,15 +159,22 @@ class Rod(Table):
 
 
 class Body(Table):
-    """A rigid body that is fixed to the link on which s lies: its name, mass [kg] (a number or an
-    expression in t), moment of inertia about its own centre [kg m^2], and where that is from the
-    point s, along and across the link [m]."""
+    """A rigid body, fixed to the link on which its s lies."""
 
-    name: str
-    at: Share
-    mass: Size | str
-    inertia: NotNegative = 0.0
-    offset: Pair = [0.0, 0.0]
+    name: str = Field(description="a plain identifier, each body its own")
+    at: Share = Field(
+        description="s of its place, from 0 (nose or root) to 1 (tail); at a joint the link that "
+        "begins there, at the tail the last"
+    )
+    mass: Size | str = Field(description="mass [kg]: a number or an expression in t")
+    inertia: NotNegative = Field(
+        default=0.0, description="moment of inertia about its own centre [kg m^2]"
+    )
+    offset: Pair = Field(
+        default=[0.0, 0.0],
+        description="of its centre from that point of the link [m], along the link and across it "
+        "(to its left)",
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -178,168 +204,70 @@ def check_bodies(bodies: list[Body], rod: Rod) -> None:
 
 
 class State(Table):
-    """A state that the scene adds: its rate, a number or an expression in t, sensors and states,
-    and its value at the start."""
+    """A state of a controller, an actuator or a filter."""
 
-    rate: Finite | str
-    initial: Finite = 0.0
-
-
-class FinFactor(Table):
-    """A number for joint 0, one for each of the joints between, and one for the tail."""
-
-    nose: NotNegative = 1.0
-    body: NotNegative = 1.0
-    tail: NotNegative = 1.0
-
-    def values(self, links: int) -> list[float]:
-        """Numbers of all joints."""
-        return [self.nose, *[self.body] * (links - 1), self.tail]
-
-
-RULES: dict[str, Any] = {ANY: Finite, NOT_NEGATIVE: NotNegative, POSITIVE: Positive}
-VALUES: dict[str, Any] = {ANY: Values, NOT_NEGATIVE: Factors, POSITIVE: Sizes}
-
-
-def _field(parameter: Parameter) -> tuple[Any, Any]:
-    """Type and default of a key, for pydantic."""
-    if parameter.each == JOINTS:
-        return FinFactor | Factors, FinFactor()
-    kind = RULES[parameter.rule]
-    if parameter.each == LINKS:
-        kind |= VALUES[parameter.rule] | str
-    return kind | str if parameter.timed else kind, (
-        ... if parameter.default is None else parameter.default
+    rate: Finite | str = Field(
+        description="per second: a number or an expression in t, sensors and states"
     )
-
-
-def _load_table(term: Term) -> type[Table]:
-    """The table of a term in [loads], a class of this module, so that scenes can be pickled."""
-    name = term.table.title().replace("_", "")
-    fields: dict[str, Any] = {one.key: _field(one) for one in term.parameters}
-    for key, default in term.beginning.items():
-        if isinstance(default, list):
-            kind, _ = fields[key]
-            fields[key] = Annotated[list[kind], Field(min_length=2, max_length=2)], default  # type: ignore[valid-type]
-    if term.placed:
-        fields["at"] = Share, Field(1.0, exclude_if=lambda at: at == 1)
-    made = create_model(name, __base__=Table, __module__=__name__, __doc__=term.label, **fields)
-    globals()[name] = made
-    return made
-
-
-def _tables_of(term: Term) -> Any:
-    """What a scene may have of a term: a table or, of one at a place, several."""
-    one = _load_table(term)
-    several = Annotated[list[one], Field(max_length=MOST_PLACED)]  # type: ignore[valid-type]
-    return one | several | None if term.placed else one | None
+    initial: Finite = Field(default=0.0, description="its value at the start")
 
 
 class Support(Table):
-    """Springs [N/m] and dampers [N s/m] in x and y between the point s and a fixed one [m], and a
-    spring [N m/rad] and a damper [N m s/rad] that keep its link from turning."""
+    """Springs and dampers from a point of the rod to a fixed point."""
 
-    at: Share
-    to: Pair | None = None
-    stiffness: NotNegativePair = [0.0, 0.0]
-    damping: NotNegativePair = [0.0, 0.0]
-    rotation: NotNegative = 0.0
-    rotation_damping: NotNegative = 0.0
-
-
-class Foundation(Table):
-    """An elastic foundation: stiffness [N/m^2], a number or an expression in s, and damping
-    [N s/m^2] per length, across the straight rod."""
-
-    stiffness: NotNegative | str
-    damping: NotNegative = 0.0
-
-
-LOADS = [term for term in TERMS.values() if term.loads]
-
-
-class LoadTables(Table):
-    """What is asked of the loads of a scene, whichever there are."""
-
-    if TYPE_CHECKING:  # a table for every term
-
-        def __getattr__(self, name: str) -> Any: ...
-
-    @property
-    def terms(self) -> tuple[str, ...]:
-        """Names of the loads whose tables are there."""
-        return tuple(self._tables)
-
-    @property
-    def following(self) -> tuple[str, ...]:
-        """Those of them that turn with the rod."""
-        return tuple(name for name in self.terms if TERMS[name].follows)
-
-    @cached_property
-    def _tables(self) -> dict[str, tuple[str, ...]]:
-        """Keys of the table of every load, by name."""
-        found: dict[str, tuple[str, ...]] = {}
-        for term in LOADS:
-            table = getattr(self, term.table)
-            if isinstance(table, list):
-                names = (f"{term.name}_{k + 1}" if k else term.name for k in range(len(table)))
-                found |= {name: (term.table, str(k)) for k, name in enumerate(names)}
-            elif table is not None:
-                found[term.name] = (term.table,)
-        return found
-
-    @property
-    def places(self) -> dict[str, tuple[str, ...]]:
-        """Keys of every parameter of these loads in a scene, from the outermost table in."""
-        return self._places
-
-    @cached_property
-    def _places(self) -> dict[str, tuple[str, ...]]:
-        return {
-            one.name: ("loads", *keys, *one.keys)
-            for name, keys in self._tables.items()
-            for one in TERMS[name].parameters
-        }
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Parameters of these loads."""
-        return tuple(self.places)
-
-    def structure(self, links: int) -> tuple[str, ...]:
-        """These loads as a structure of so many links has them."""
-        found = []
-        for name, keys in self._tables.items():
-            place = place_of(getattr(entry(self, *keys), "at", 1.0), links)
-            found.append(f"{TERMS[name].kind_name}@{place}" if place else TERMS[name].kind_name)
-        return tuple(found)
-
-    def value(self, name: str) -> Any:
-        """Value of one of these parameters, as the scene has it."""
-        return entry(self, *self.places[name][1:])
-
-
-if TYPE_CHECKING:
-    Loads = LoadTables
-else:
-    Loads = create_model(
-        "Loads",
-        __base__=LoadTables,
-        __module__=__name__,
-        __doc__="The loads that the scene has; those that are absent are not in its equations.",
-        **{term.table: (_tables_of(term), None) for term in LOADS},
+    at: Share = Field(description="s of the point, from 0 (nose or root) to 1 (tail)")
+    to: Pair | None = Field(
+        default=None,
+        description="fixed point `[x, y]` [m] to which the springs pull; without it where the "
+        "straight rod has that point",
+    )
+    stiffness: NotNegativePair = Field(
+        default=[0.0, 0.0], description="in x and y, `[k_x, k_y]` [N/m], each at least 0"
+    )
+    damping: NotNegativePair = Field(
+        default=[0.0, 0.0], description="in x and y, `[c_x, c_y]` [N s/m], each at least 0"
+    )
+    rotation: NotNegative = Field(
+        default=0.0,
+        description="spring against rotation of its link out of the direction of the straight rod "
+        "[N m/rad]",
+    )
+    rotation_damping: NotNegative = Field(
+        default=0.0, description="damper against rotation [N m s/rad]"
     )
 
 
-class Initial(Table):
-    """Initial state, by default straight (along the clamp) and at rest; phi and omega are a
-    number, a list over the moving links, or an expression in s, the middle of the link from 0 at
-    the nose to 1 at the tail."""
+class Foundation(Table):
+    """Springs and dampers all along the rod, which act across the straight rod through the
+    origin."""
 
-    position: Pair | None = None
-    velocity: Pair | None = None
-    phi: Finite | Values | str | None = None
-    omega: Finite | Values | str | None = None
+    stiffness: NotNegative | str = Field(
+        description="per length [N/m^2]: a number or an expression in s"
+    )
+    damping: NotNegative = Field(default=0.0, description="per length [N s/m^2]")
+
+
+class Initial(Table):
+    """The state at the start of the span; s in an expression is that of the middle of a link."""
+
+    position: Pair | None = Field(
+        default=None,
+        description="of joint 0 [m], `[x, y]`; only where it is free; without it `[0, 0]`",
+    )
+    velocity: Pair | None = Field(
+        default=None,
+        description="of joint 0 [m/s], `[x, y]`; only where it is free; without it `[0, 0]`",
+    )
+    phi: Finite | Values | str | None = Field(
+        default=None,
+        description="absolute angles [rad]: a number, a list over the moving links, or an "
+        "expression in s; without it straight, along the clamp",
+    )
+    omega: Finite | Values | str | None = Field(
+        default=None,
+        description="their rates [rad/s]: a number, a list over the moving links, or an "
+        "expression in s; without it 0",
+    )
 
     def of_links(
         self, name: str, rod: Rod, numbers: tuple[tuple[str, float], ...]
@@ -361,37 +289,3 @@ class Initial(Table):
         if len(wrong):
             raise SceneError(field, value, f"finite at every link (not at link {wrong[0]})")
         return values
-
-
-class Event(Table):
-    """A state or a derived quantity that crosses a value: the run stops, or it is recorded."""
-
-    quantity: str
-    value: Finite
-    direction: str = "either"
-    action: str = "record"
-    name: str = Field(default_factory=lambda it: f"{it.get('quantity')} = {it.get('value')!r}")
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        st.choose("direction", self.direction, DIRECTIONS)
-        st.choose("action", self.action, ACTIONS)
-        return self
-
-
-def check_events(events: list[Event], rod: Rod, states: Iterable[str]) -> None:
-    """Raise SceneError unless this rod has all quantities and every event a name of its own;
-    states: names of those that are added."""
-    known = [*watched(BOUNDARIES[rod.boundary], rod.links), *((name, range(1)) for name in states)]
-    first: dict[str, int] = {}
-    for i, event in enumerate(events):
-        if not any(number_in(event.quantity, name) in span for name, span in known):
-            ends = [(name.format(span[0]), name.format(span[-1])) for name, span in known]
-            shown = ", ".join(" to ".join(dict.fromkeys(pair)) for pair in ends)
-            allowed = f"one of {shown}{meant(event.quantity, sum(ends, ()))}"
-            raise SceneError(f"events[{i}].quantity", event.quantity, allowed)
-        name, place = event.name, f"events[{i}].name"
-        if not (0 < len(name) <= 64 and name.isprintable() and name.strip()):
-            raise SceneError(place, name, "1 to 64 printable characters")
-        if first.setdefault(name, i) != i:
-            raise SceneError(place, name, f"unlike that of events[{first[name]}]")

@@ -20,8 +20,8 @@ from rodgen.model.parameter import typeset
 from rodgen.model.term import FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
-from rodgen.show.canvas import CURVE, FAINT, INK, LINE, ROD, SPECIAL, canvas, fit
-from rodgen.show.pictures import draw_anchors, draw_bodies
+from rodgen.show.canvas import CURVE, FAINT, LINE, ROD, SPECIAL, canvas, fit
+from rodgen.show.rod_marks import draw_marks, marks_in_words
 
 PANELS = 6  # modes drawn
 AMPLITUDE = 0.1  # of the length
@@ -51,16 +51,19 @@ def mode_shapes(modes: Modes, scene: Scene) -> Figure:
     for at, axes in enumerate(panels.flat):
         if at < count:
             _mode(axes, modes.joints, moved[at])
-            draw_bodies(axes, scene, modes.joints + moved[at].real, ROD)
-            draw_anchors(axes, scene, modes.joints + moved[at].real, ROD)
+            draw_marks(axes, scene, modes.joints + moved[at].real, ROD)
             axes.set_title(_label(modes, at), fontsize="small")
             axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
             axes.tick_params(labelsize="x-small")
         else:
             axes.set_visible(False)
-    figure.suptitle(f"{scene.name}: modes about the state: {modes.state}", fontsize="medium")
-    figure.supxlabel("x [m]", fontsize="small")
-    figure.supylabel("y [m]", fontsize="small")
+    every = len(modes.frequencies)
+    which = "modes" if count == every else f"the first {count} of {every} modes"
+    figure.suptitle(f"{scene.name}: {which} about the state: {modes.state}", fontsize="medium")
+    pale = "the other end of the motion" if np.isrealobj(moved) else "other phases of the motion"
+    words = f"dashed: the state; pale: {pale}; {marks_in_words(scene)}"
+    figure.supxlabel(f"x [m]\n{words}", fontsize="small")
+    figure.supylabel("y [m], motions of arbitrary size", fontsize="small")
     return figure
 
 
@@ -73,7 +76,6 @@ def _mode(axes: Axes, joints: Array, moved: Complex | Array) -> None:
         axes.plot(*shape.T, "-", color=ROD, alpha=0.3, linewidth=0.8)
     shape = joints + moved.real
     axes.plot(*shape.T, "-", color=ROD, linewidth=LINE)
-    axes.plot(*shape[0], "o", color=ROD, markersize=3)
     axes.grid(alpha=0.3)
 
 
@@ -104,9 +106,7 @@ def equilibrium_shape(rest: Equilibrium, system: System) -> Figure:
     dots = "o-" if len(joints) <= 60 else "-"
     scale = f" (displacements x {times:g})" if times > 1 else ""
     axes.plot(*joints.T, dots, color=ROD, markersize=2.5, label=f"equilibrium{scale}")
-    draw_bodies(axes, system.scene, joints, ROD)
-    draw_anchors(axes, system.scene, joints, ROD)
-    axes.plot(*joints[0], "s" if system.clamped else "o", color=INK, markersize=6)
+    draw_marks(axes, system.scene, joints, ROD)
     side = -1.0 if straight[-1, 0] > joints[-1, 0] else 1.0  # where the straight rod is not
     drawn = draw_loads(axes, system, joints, rest.y, side)
     points = np.concatenate((straight, joints, *drawn))
@@ -119,7 +119,8 @@ def equilibrium_shape(rest: Equilibrium, system: System) -> Figure:
     fit(figure, min(5.2 * half[1] / half[0] + 1.5, 6.5))
     state = ", unstable" if rest.stable is False else ""
     unit = "m" if times == 1 else f"m, but displacements x {times:g}"
-    axes.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]", title=f"{name}: static equilibrium{state}")
+    axes.set(xlabel=f"x [{unit}]\n{marks_in_words(system.scene)}", ylabel=f"y [{unit}]")
+    axes.set_title(f"{name}: static equilibrium{state}")
     handles = [*axes.get_legend_handles_labels()[0], *load_keys(system, rest.y)]
     figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize="small")
     return figure

@@ -9,18 +9,13 @@ from dataclasses import dataclass
 from functools import partial
 from html import escape
 from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from rodgen.analyse.branches import boundary
-from rodgen.analyse.branches import branch_data as branches
 from rodgen.analyse.chaos.exponents import Exponents
 from rodgen.analyse.critical import Critical, family_of
-from rodgen.analyse.curves.datasets import scene_of
-from rodgen.analyse.cycles import branch_data as cycle_branches
-from rodgen.analyse.cycles import nonlinear_modes
 from rodgen.analyse.cycles.cycle import Cycle
 from rodgen.analyse.cycles.floquet import Floquet
 from rodgen.analyse.errors import AnalysisError
@@ -38,19 +33,16 @@ from rodgen.show import result_tables as tables
 from rodgen.show.analysis_pictures import equilibrium_shape, mode_shapes, stability_curves
 from rodgen.show.animation.times import Settings
 from rodgen.show.animation.video import Video, make_video
-from rodgen.show.branch_pictures import bifurcation_diagram, boundary_curve
 from rodgen.show.canvas import drawing
-from rodgen.show.cycle_pictures import amplitudes, family, film_strip, multiplier_plane, unit_circle
+from rodgen.show.cycle_pictures import film_strip, multiplier_plane, unit_circle
 from rodgen.show.exponent_pictures import convergence
 from rodgen.show.pictures import PICTURES, drawable
+from rodgen.show.precision_pictures import work_precision
 from rodgen.show.result_tables import ResultTable
 from rodgen.show.scene_picture import at_start
 from rodgen.show.spectrum_picture import spectral_density
-from rodgen.show.study_pictures import pictures_of
 from rodgen.shown import Shown, Told
-
-if TYPE_CHECKING:
-    import xarray
+from rodgen.studies.specification import Study
 
 DOTS_PER_INCH = 80  # of pictures in notebooks
 
@@ -85,6 +77,13 @@ def _critical(found: Critical) -> Figure:
     return stability_curves(found, family_of(scene, found.t, speed, load=found.load))
 
 
+def _work_precision(found: WorkPrecision) -> Figure:
+    drawn = work_precision(found.rows, found.measure, found.trusted[found.measure] or 0.0)
+    if drawn is None:
+        raise SceneError("rows", len(found.rows), "at least one that can be drawn")
+    return drawn
+
+
 LOOKS: dict[type[Told], Look] = {
     Scene: Look(tables.of_scene, {"start": at_start}),
     Solution: Look(tables.of_solution, {name: _of_run(draw) for name, draw in PICTURES.items()}),
@@ -102,40 +101,19 @@ LOOKS: dict[type[Told], Look] = {
     Spectrum: Look(tables.of_spectrum, {"density": spectral_density}),
     Extrapolation: Look(tables.of_extrapolation, {}),
     SimulatedCritical: Look(tables.of_simulated_critical, {}),
-    WorkPrecision: Look(tables.of_work_precision, {}),
+    WorkPrecision: Look(tables.of_work_precision, {"diagram": _work_precision}),
     Ensemble: Look(tables.of_ensemble, {}),
-}
-
-
-# Of Datasets, by the attribute `format` that they have.
-CURVES: dict[str, tuple[str, Callable[[Any, Scene], Figure]]] = {
-    branches.FORMAT: ("branch", lambda data, scene: bifurcation_diagram([data], scene)),
-    boundary.FORMAT: ("boundary", boundary_curve),
-    cycle_branches.FORMAT: ("cycles", amplitudes),
-    nonlinear_modes.FORMAT: ("mode", family),
+    Study: Look(tables.of_study, {}),
 }
 
 
 def plot(shown: Shown, picture: str | None, figure: Figure | SubFigure | None) -> Axes:
     """Draw one of its pictures; returns the first axes. Raises SceneError for one it has not."""
     pictures = LOOKS[type(shown)].pictures
-    return _drawn({k: partial(draw, shown) for k, draw in pictures.items()}, picture, figure)
+    return drawn({k: partial(draw, shown) for k, draw in pictures.items()}, picture, figure)
 
 
-def plot_dataset(
-    data: xarray.Dataset, picture: str | None, figure: Figure | SubFigure | None
-) -> Axes:
-    """Draw a branch, a boundary or a study as `plot` does. Raises SceneError for another one."""
-    if "status" in data and "digest" in data.attrs:
-        return _drawn(pictures_of(data), picture, figure)
-    form = data.attrs.get("format")
-    if form not in CURVES:
-        raise SceneError("data", form, f"a Dataset of one of the formats {', '.join(CURVES)}")
-    name, draw = CURVES[form]
-    return _drawn({name: partial(draw, data, scene_of(data))}, picture, figure)
-
-
-def _drawn(
+def drawn(
     pictures: Mapping[str, Callable[[], Figure]],
     picture: str | None,
     figure: Figure | SubFigure | None,
@@ -158,12 +136,19 @@ def video(solution: Solution, **settings: Any) -> Video:
 def html(shown: Told) -> str:
     """Its first picture, where it can be drawn, and its table."""
     look = LOOKS[type(shown)]
-    parts = []
-    with suppress(AnalysisError, SceneError):  # the table says what there is
-        for draw in list(look.pictures.values())[:1]:
-            parts.append(_image(draw(shown), repr(shown)))
-    parts.append(_table(look.table(shown)))
-    return f"<div><p>{escape(repr(shown))}</p>{''.join(parts)}</div>"
+    draw = next(iter(look.pictures.values()), None)
+    return page(repr(shown), draw and partial(draw, shown), look.table(shown))
+
+
+def page(
+    words: str, draw: Callable[[], Figure] | None, table: Mapping[str, str] | ResultTable
+) -> str:
+    """A line, a picture, where there is one that can be drawn, and a table."""
+    parts = [f"<p>{escape(words)}</p>"]
+    if draw is not None:
+        with suppress(AnalysisError, SceneError):  # the table says what there is
+            parts.append(_image(draw(), words))
+    return f"<div>{''.join(parts)}{_table(table)}</div>"
 
 
 def _image(figure: Figure, words: str) -> str:

@@ -19,6 +19,7 @@ from rodgen.integrate.stepper import Array
 from rodgen.model.terms import TERMS, axis_label
 from rodgen.scene import Scene, SceneError
 from rodgen.show.canvas import CURVE, INK, LINE, SERIES, SPECIAL, canvas, mark_of
+from rodgen.show.rod_marks import draw_marks, marks_in_words
 
 if TYPE_CHECKING:
     import xarray
@@ -118,9 +119,10 @@ def equilibrium_shapes(found: list[Equilibrium], scene: Scene) -> Figure:
         axes.plot(
             *one.joints.T, color=SERIES[number % len(SERIES)], linestyle=style, linewidth=LINE
         )
-    axes.plot(*found[0].joints[0], "s" if scene.hold.clamped else "o", color=INK, markersize=6)
+        draw_marks(axes, scene, one.joints, SERIES[number % len(SERIES)])
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{scene.name}: {len(found)} equilibria")
+    axes.set(xlabel=f"x [m]\n{marks_in_words(scene)}", ylabel="y [m]")
+    axes.set_title(f"{scene.name}: {len(found)} equilibria")
     words = {0: "stable", 1: "unstable", -1: "stability not known"}
     kinds = {-1 if one.stable is None else int(not one.stable) for one in found}
     handles = [Line2D([], [], color=INK, linestyle=STYLES[at], label=words[at]) for at in kinds]

@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any, cast
 
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure, SubFigure
@@ -37,6 +39,7 @@ MARKS = {
     "torus": ("v", "torus"),
 }
 VALUES = "viridis"  # of maps, which are filled
+SLIVER = 0.05  # width over length
 
 
 def canvas(width: float, height: float) -> Figure:
@@ -78,3 +81,20 @@ def fit(figure: Figure, height: float) -> None:
     """Give a figure another height [inches], unless somebody else has chosen its size."""
     if callable(_given.get()):
         figure.set_figheight(height)
+
+
+def frame(axes: Axes, points: np.ndarray) -> None:
+    """Show all points (..., 2), with equal scales unless the picture would be a sliver in which
+    nothing is seen."""
+    flat = points.reshape(-1, 2)
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    middle, half = (low + high) / 2, (high - low) / 2
+    equal = half.min() > SLIVER * half.max() or half.min() < 1e-9 * half.max()
+    least = half.max() * 0.4 if equal else 0.0
+    half = 1.05 * np.maximum(half, max(least, 1e-9))
+    axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
+    axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
+    if equal:
+        axes.set_aspect("equal")
+    else:
+        axes.set_title(axes.get_title() + ", scales differ")

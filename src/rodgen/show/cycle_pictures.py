@@ -15,7 +15,7 @@ from rodgen.integrate.stepper import Array
 from rodgen.model.terms import axis_label
 from rodgen.scene import Scene
 from rodgen.show.canvas import CURVE, FAINT, INK, LINE, ROD, SPECIAL, canvas, mark_of
-from rodgen.show.pictures import draw_anchors, draw_bodies
+from rodgen.show.rod_marks import draw_marks, marks_in_words
 
 if TYPE_CHECKING:
     import xarray
@@ -47,9 +47,7 @@ def film_strip(cycle: Cycle) -> Figure:
             before = (at - back * step // TRAIL) % (len(joints) - 1)
             axes.plot(*joints[before].T, "-", color=ROD, alpha=0.7 - 0.14 * back, linewidth=0.8)
         axes.plot(*joints[at].T, "-", color=ROD, linewidth=LINE)
-        axes.plot(*joints[at, 0], "o", color=INK, markersize=3)
-        draw_bodies(axes, cycle.scene, joints[at], ROD)
-        draw_anchors(axes, cycle.scene, joints[at], ROD)
+        draw_marks(axes, cycle.scene, joints[at], ROD)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axes.set_title(f"{frame}/{FRAMES} T", fontsize="small")
         axes.tick_params(labelsize="x-small")
@@ -59,7 +57,7 @@ def film_strip(cycle: Cycle) -> Figure:
     figure.suptitle(
         f"{cycle.scene.name}: {kind} cycle, T = {cycle.period:.6g} s{seen}", fontsize="medium"
     )
-    figure.supxlabel("x [m]", fontsize="small")
+    figure.supxlabel(f"x [m]\n{marks_in_words(cycle.scene)}", fontsize="small")
     figure.supylabel("y [m]", fontsize="small")
     return figure
 

@@ -10,37 +10,19 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from rodgen.integrate import Solution
-from rodgen.model.terms import TERMS, words_of
-from rodgen.scene import Scene
-from rodgen.show.canvas import (
-    ALONG,
-    BED,
-    CENTRE,
-    CURVE,
-    FAINT,
-    FIXED,
-    INK,
-    LINE,
-    PAPER,
-    SERIES,
-    SPECIAL,
-    TAIL,
-    canvas,
-)
-from rodgen.show.time_pictures import NAMED, acting, mark_times, moments, tail
+from rodgen.model.terms import words_of
+from rodgen.show.canvas import CENTRE, FAINT, INK, LINE, PAPER, SERIES, TAIL, canvas, frame
+from rodgen.show.phase_picture import phase_plot
+from rodgen.show.shape_picture import shapes
+from rodgen.show.time_pictures import NAMED, acting, bends, mark_times, moments, tail
 
-SHAPES = 12  # rods drawn in one picture
-FAR = 20.0  # lengths, beyond which a rod is a dot on its way
-LONG = 25.0  # sides of its picture, beyond which a path is drawn thin
+LONG = 10.0  # sides of its picture, beyond which a path goes to and fro: thin, without rings
+RINGS = 10  # steps between them, at most
 DOTS_PER_INCH = 200
-SLIVER = 0.05  # width over length
-DISC = 16.0  # points across: of a body that is the whole mass
-SHARP, MOST_SHARP = 0.5, 0.25  # cosine of a turn of 60 degrees; share of turns beyond in a curve
 DASHES = (0, (4, 2)), (0, (4, 2, 1, 2)), (0, (1, 1))  # of works
 # Of a word over a curve.
 BEHIND = {"boxstyle": "square,pad=0.1", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8}
@@ -50,12 +32,15 @@ LARGEST = 1e12  # of any state: beyond, nothing of the picture can be read
 def save_pictures(solution: Solution, folder: Path) -> list[Path]:
     """Write every picture of a run as PNG into a folder that exists; returns the files.
 
-    Of a run that blew up only what can be drawn is drawn.
+    Of a run that blew up only what can be drawn is drawn; moments of a rod that has some.
     """
     shown = drawable(solution)
     if not len(shown.t):
         return []
-    return save_figures(((name, draw(shown)) for name, draw in PICTURES.items()), folder)
+    there = {k: draw for k, draw in PICTURES.items() if k != "moment" or bends(shown)}
+    for name in PICTURES.keys() - there:  # of an earlier run
+        (folder / f"{name}.png").unlink(missing_ok=True)
+    return save_figures(((name, draw(shown)) for name, draw in there.items()), folder)
 
 
 def drawable(solution: Solution) -> Solution:
@@ -74,73 +59,33 @@ def save_figures(figures: Iterable[tuple[str, Figure]], folder: Path) -> list[Pa
         return [picture.replace(folder / picture.name) for picture in made]
 
 
-def shapes(solution: Solution) -> Figure:
-    """The rod at several times, coloured by time; one that has flown so far that it would be a dot,
-    each shape beside the one before."""
-    figure, axes = _figure(6.0, 5.0)
-    times = np.unique(np.linspace(0, len(solution.t) - 1, SHAPES).round().astype(int))
-    every, far = solution.joints[times], solution.scene.rod.length
-    way = float(np.ptp(every, axis=(0, 1)).max())
-    apart = solution.scene.hold.translates and way > FAR * far
-    if apart:
-        centres = solution.centre_of_gravity[times][:, None]
-        every = every - centres + far * np.stack((np.arange(len(times)), 0 * times), -1)[:, None]
-    colours = ScalarMappable(Normalize(solution.t[0], max(solution.t[-1], 1e-300)), ALONG)
-    for at, joints in zip(times, every, strict=True):
-        x, y = joints.T
-        colour = colours.to_rgba(solution.t[at])
-        axes.plot(x, y, "-", color=colour, linewidth=LINE)
-        axes.plot(x[0], y[0], "o", color=colour, markersize=3.5)
-        draw_bodies(axes, solution.scene, joints, colour)
-        if not apart:
-            draw_anchors(axes, solution.scene, joints, colour)
-    bodies = "; discs: bodies, by mass" * bool(solution.scene.bodies)
-    legend = f"dot: {first_end(solution.scene)}{bodies}"
-    beside = " from the centre of gravity, each shape beside the one before" * apart
-    across = " from the centre of gravity" * apart
-    axes.set(xlabel=f"x{beside} [m]\n{legend}", ylabel=f"y{across} [m]")
-    axes.set_title(f"{solution.scene.name}: shape")
-    fixed = [] if apart else [(tie.x, tie.y) for tie in solution.scene.anchors.ties]
-    frame(axes, np.concatenate((every.reshape(-1, 2), np.reshape(fixed, (-1, 2)))))
-    figure.colorbar(colours, ax=axes, label="t [s]")
-    return figure
-
-
-def first_end(scene: Scene) -> str:
-    """What joint 0 is called."""
-    return "nose" if scene.hold.support == "none" else "root"
-
-
-def draw_anchors(axes: Axes, scene: Scene, joints: np.ndarray, colour: Any) -> None:
-    """Supports as dotted lines to triangles, where they are fixed; a foundation as a broad line."""
-    anchors = scene.anchors
-    axes.plot(*anchors.bed.T, "-", color=BED, linewidth=6 * LINE, zorder=0)
-    for tie in anchors.ties:
-        axes.plot(*tie.way(joints).T, ":", color=colour, linewidth=LINE)
-        axes.plot(tie.x, tie.y, "^", color=FIXED, markersize=7)
-
-
-def draw_bodies(axes: Axes, scene: Scene, joints: np.ndarray, colour: Any) -> None:
-    """Bodies as discs, their areas by their masses, on a rod whose joints are at (n+1, 2)."""
-    for mark in scene.distribution.marks:
-        place = mark.places(joints)
-        axes.plot(*place, "o", color=colour, alpha=0.6, markersize=DISC * mark.size)
-
-
 def trajectories(solution: Solution) -> Figure:
-    """Paths of the centre of gravity and of the tail."""
-    figure, axes = _figure(6.0, 5.0)
+    """Paths of the centre of gravity and of the tail, with rings at even times where a path does
+    not go to and fro."""
+    figure = canvas(6.0, 5.0)
+    axes = figure.add_subplot()
+    axes.grid(alpha=0.3)
+    t = solution.t
+    ticks = MaxNLocator(RINGS, steps=[1, 2, 5, 10]).tick_values(t[0], t[-1])
+    times = ticks[(ticks > t[0]) & (ticks < t[-1])]
     paths = {"tail": solution.tip, "centre of gravity": solution.centre_of_gravity}
-    for (name, path), line, colour in zip(paths.items(), ("--", "-"), (TAIL, CENTRE), strict=True):
+    ringed = False
+    for (name, path), colour in zip(paths.items(), (TAIL, CENTRE), strict=True):
         steps = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
-        thin = steps > LONG * np.ptp(path, axis=0).max()  # of one that goes to and fro, no dashes
-        style = ("-", LINE / 4) if thin else (line, LINE)
-        axes.plot(*path.T, style[0], color=colour, label=name, linewidth=style[1])
-        axes.plot(*path[0], "o", color=colour, markersize=4)
+        long = steps > LONG * np.ptp(path, axis=0).max()
+        width = LINE / 2 if long else LINE
+        axes.plot(*path.T, "-", color=colour, label=name, linewidth=width)
+        axes.plot(*path[0], "o", color=colour, markersize=5, zorder=3)
+        axes.plot(*path[-1], "s", color=colour, markersize=5, zorder=3)
+        if not long and len(times):
+            rings = [np.interp(times, t, part) for part in path.T]
+            axes.plot(*rings, "o", color=colour, markerfacecolor=PAPER, markersize=3.5)
+            ringed = True
     _say(axes, solution)
-    axes.set(
-        xlabel="x [m]", ylabel="y [m]", title=f"{solution.scene.name}: trajectories (dot: start)"
-    )
+    every = f"; rings: every {ticks[1] - ticks[0]:.3g} s" if ringed else ""
+    marks = f"dot: start; square: end, after {t[-1] - t[0]:.4g} s{every}"
+    axes.set(xlabel=f"x [m]\n{marks}", ylabel="y [m]")
+    axes.set_title(f"{solution.scene.name}: trajectories")
     frame(axes, np.concatenate(list(paths.values())))
     figure.legend(loc="outside lower center", ncols=2)
     return figure
@@ -163,21 +108,29 @@ def _say(axes: Axes, solution: Solution) -> None:
 
 
 def energies(solution: Solution) -> Figure:
-    """Energies and work over time; below, by how much they do not balance."""
+    """Energies and work over time, that in gravity from the start on, as a height far from zero
+    swamps all else; below, by how much they do not balance."""
     figure = canvas(6.0, 6.0)
     axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     t, energy = solution.t, solution.energy
-    axes.plot(t, energy.kinetic, color=SERIES[0], label="kinetic", linewidth=LINE)
-    if energy.spring.any():
-        axes.plot(t, energy.spring, color=SERIES[2], label="springs", linewidth=LINE)
-    if "gravity" in solution.scene.loads.terms:
-        colour = TERMS["gravity"].colours[0]
-        axes.plot(t, energy.gravity, color=colour, label="gravity", linewidth=LINE)
-    axes.plot(t, energy.total, color=INK, label="total", linewidth=LINE)
-    for (name, work), dashes in zip(solution.work.items(), cycle(DASHES), strict=False):
-        label = f"work of {words_of(name)}"
-        colour = TERMS[name].colours[0] if name in TERMS else FAINT
-        axes.plot(t, work, linestyle=dashes, color=colour, label=label, linewidth=LINE)
+    gravity = energy.gravity - energy.gravity[0]
+    from_start = bool(energy.gravity.any())
+    total = "total with gravity from the start" if from_start else "total"
+    rows = [
+        ("kinetic", energy.kinetic, True),
+        ("springs", energy.spring, energy.spring.any()),
+        ("gravity from the start", gravity, from_start),
+        (total, energy.kinetic + energy.spring + gravity, True),
+    ]
+    there = [(label, values) for label, values, is_there in rows if is_there]
+    # In the order, and so in the colours, of the live view.
+    colours = cycle(SERIES)
+    for label, values in there:
+        axes.plot(t, values, color=next(colours), label=label, linewidth=LINE)
+    done = [(name, work) for name, work in solution.work.items() if work.any()]
+    for (name, work), dashes in zip(done, cycle(DASHES), strict=False):
+        style = {"linestyle": dashes, "color": next(colours), "linewidth": LINE}
+        axes.plot(t, work, label=f"work of {words_of(name)}", **style)
     mark_times(axes, solution)
     axes.set(ylabel="energy [J]", title=f"{solution.scene.name}: energies and work")
     axes.grid(alpha=0.3)
@@ -190,37 +143,6 @@ def energies(solution: Solution) -> Figure:
     return figure
 
 
-def phase_plot(solution: Solution) -> Figure:
-    """How far the rod is bent against how fast it bends: tail link relative to first link."""
-    figure, axes = _figure(6.0, 5.0)
-    if solution.scene.rod.links > 1:
-        angle = solution.phi[:, -1] - solution.phi[:, 0]
-        rate = solution.omega[:, -1] - solution.omega[:, 0]
-        labels = (r"$\varphi_{n-1}-\varphi_0$ [rad]", r"$\omega_{n-1}-\omega_0$ [rad/s]")
-    else:
-        angle, rate = solution.phi[:, 0], solution.omega[:, 0]
-        labels = (r"$\varphi_0$ [rad]", r"$\omega_0$ [rad/s]")
-    joined = _is_curve(angle, rate)
-    axes.plot(angle, rate, "-" if joined else ".", linewidth=0.8, markersize=1.5, color=CURVE)
-    axes.plot(angle[0], rate[0], "o", markersize=4, color=INK, label="start")
-    axes.plot(angle[-1], rate[-1], "s", markersize=5, color=SPECIAL, label="end")
-    apart = "" if joined else " (samples: too far apart for a curve)"
-    axes.set(xlabel=labels[0], ylabel=labels[1], title=f"{solution.scene.name}: phase plot{apart}")
-    axes.legend()
-    return figure
-
-
-def _is_curve(x: np.ndarray, y: np.ndarray) -> bool:
-    """Whether lines between samples follow the motion: where these are too far apart, most turn
-    back sharply."""
-    steps = np.stack([np.diff(v) / (np.ptp(v) or 1.0) for v in (x, y)], axis=-1)
-    before, after = steps[:-1], steps[1:]
-    sizes = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
-    moving = sizes > 1e-12
-    back = (before * after).sum(axis=1)[moving] < SHARP * sizes[moving]
-    return not moving.any() or float(back.mean()) < MOST_SHARP
-
-
 PICTURES: dict[str, Callable[[Solution], Figure]] = {
     "shape": shapes,
     "trajectory": trajectories,
@@ -229,26 +151,3 @@ PICTURES: dict[str, Callable[[Solution], Figure]] = {
     "tail": tail,
     "moment": moments,
 }
-
-
-def _figure(width: float, height: float) -> tuple[Figure, Axes]:
-    figure = canvas(width, height)
-    axes = figure.add_subplot()
-    axes.grid(alpha=0.3)
-    return figure, axes
-
-
-def frame(axes: Axes, points: np.ndarray) -> None:
-    """Equal scales, unless the picture would be a sliver in which nothing is seen."""
-    flat = points.reshape(-1, 2)
-    low, high = flat.min(axis=0), flat.max(axis=0)
-    middle, half = (low + high) / 2, (high - low) / 2
-    equal = half.min() > SLIVER * half.max() or half.min() < 1e-9 * half.max()
-    least = half.max() * 0.4 if equal else 0.0
-    half = 1.05 * np.maximum(half, max(least, 1e-9))
-    axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
-    axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
-    if equal:
-        axes.set_aspect("equal")
-    else:
-        axes.set_title(axes.get_title() + ", scales differ")

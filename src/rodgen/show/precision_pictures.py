@@ -9,13 +9,12 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import Formatter, FuncFormatter, NullFormatter
 
 from rodgen.analyse.precision.contestant import Row
 from rodgen.analyse.precision.rows import fine, front, grouped, label, number, text
-from rodgen.show.canvas import FAINT, GUIDE, INK, SERIES, TAIL
+from rodgen.show.canvas import FAINT, GUIDE, INK, SERIES, TAIL, canvas, without_window
 
 # The colour of the series, from 1 on, and the mark.
 OURS = {
@@ -102,8 +101,7 @@ def _code(name: str) -> int:
 def axes(width: float, height: float, x: str, y: str, fixed: bool = False) -> tuple[Figure, Axes]:
     """A picture of one diagram with a pale grid; sizes in inches. fixed: nothing is outside of
     the diagram, so that its place need not be looked for, which takes half of the time."""
-    figure = Figure(figsize=(width, height), layout=None if fixed else "constrained")
-    FigureCanvasAgg(figure)
+    figure = without_window(figsize=(width, height)) if fixed else canvas(width, height)
     place = LEFT / width, BELOW / height, 1 - (LEFT + 0.1) / width, 1 - (BELOW + 0.1) / height
     frame = figure.add_axes(place) if fixed else figure.add_subplot()
     frame.grid(color=GUIDE, alpha=0.3, linewidth=0.6)

@@ -11,7 +11,7 @@ from rodgen.analyse.critical import Critical
 from rodgen.analyse.cycles.cycle import Cycle
 from rodgen.analyse.cycles.floquet import Floquet
 from rodgen.analyse.extrapolate import Extrapolation
-from rodgen.analyse.family import factor_of, label_of
+from rodgen.analyse.family import GROUPS, factor_of, label_of
 from rodgen.analyse.fourier import Spectrum
 from rodgen.analyse.growth import SimulatedCritical
 from rodgen.analyse.modes import Modes
@@ -23,6 +23,7 @@ from rodgen.integrate.endings import FAILED
 from rodgen.integrate.ensemble import Ensemble
 from rodgen.scene import Scene
 from rodgen.scene.contents import in_words
+from rodgen.studies.specification import Study
 
 STABLE = {"": "yes", None: "not looked at (more than 200 links)"}
 ROUNDING = 1e-15  # of the largest coordinate
@@ -110,6 +111,7 @@ def of_critical(found: Critical) -> dict[str, str]:
         factor_of(found.load): digits(
             found.factor, found.error * found.factor / (found.force or 1)
         ),
+        **_stiffness(found),
         "kind": found.kind + ", where stability is regained" * (found.end == "lower"),
         "frequency at onset": f"{digits(found.frequency, found.frequency_error)} Hz",
         "modes": f"{first} and {second}" if first != second else str(first),
@@ -126,6 +128,14 @@ def of_critical(found: Critical) -> dict[str, str]:
     if found.turning:
         rows["apart from that"] = f"the rod turns as a whole, with {found.turning:.4g} 1/s"
     return rows
+
+
+def _stiffness(found: Critical) -> dict[str, str]:
+    """The EI of the factor, of a rod along which it differs."""
+    if found.scene.distribution.stiffness is not None or found.load in GROUPS:
+        return {}
+    what = "the mean of the springs of the inner joints times the length of a link"
+    return {"EI in it": f"{found.stiffness:.10g} N m^2, {what}"}
 
 
 def of_modes(found: Modes) -> ResultTable:
@@ -201,6 +211,19 @@ def of_work_precision(found: WorkPrecision) -> ResultTable:
         for row in found.front()
     ]
     return ResultTable.of_rows(("method", "setting", "seconds", found.measure), rows)
+
+
+def of_study(given: Study) -> ResultTable:
+    """What is varied."""
+    rows = [
+        (
+            one.name,
+            f"{len(one.values)} values" if one.values else one.scale,
+            *map(str, one.ends),
+        )
+        for one in given.axes
+    ]
+    return ResultTable.of_rows(("key", "", "from", "to"), rows)
 
 
 def of_ensemble(found: Ensemble) -> ResultTable:

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from rodgen.analyse.system import System
 from rodgen.scene import Scene
 from rodgen.show.analysis_pictures import draw_loads, load_keys
-from rodgen.show.canvas import INK, LINE, ROD, canvas
-from rodgen.show.pictures import draw_anchors, draw_bodies, first_end, frame
+from rodgen.show.canvas import LINE, ROD, canvas, frame
+from rodgen.show.rod_marks import draw_marks, marks_in_words
 
 
 def at_start(scene: Scene) -> Figure:
@@ -21,17 +21,11 @@ def at_start(scene: Scene) -> Figure:
     axes = figure.add_subplot()
     axes.grid(alpha=0.3)
     axes.plot(*joints.T, "-", color=ROD, linewidth=LINE)
-    axes.plot(*joints[0], "s" if scene.hold.clamped else "o", color=INK, markersize=5)
-    draw_bodies(axes, scene, joints, ROD)
-    draw_anchors(axes, scene, joints, ROD)
+    draw_marks(axes, scene, joints, ROD)
     drawn = draw_loads(axes, system, joints, y, 1.0)
-    mark = "square" if scene.hold.clamped else "dot"
     fixed = [(tie.x, tie.y) for tie in scene.anchors.ties]
-    axes.set(
-        xlabel="x [m]",
-        ylabel="y [m]",
-        title=f"{scene.name} at the start ({mark}: {first_end(scene)})",
-    )
+    axes.set(xlabel=f"x [m]\n{marks_in_words(scene)}", ylabel="y [m]")
+    axes.set_title(f"{scene.name} at the start")
     frame(axes, np.concatenate((joints, *drawn, np.reshape(fixed, (-1, 2)))))
     if keys := load_keys(system, y):
         figure.legend(handles=keys, loc="outside lower center", ncols=2, fontsize="small")

@@ -15,11 +15,12 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from rodgen.integrate.endings import FAILED, FINISHED
-from rodgen.show.canvas import BED, INK, LINE, SERIES, SPECIAL, VALUES, canvas
+from rodgen.show.canvas import BED, INK, LINE, PAPER, SERIES, SPECIAL, VALUES, canvas
 from rodgen.show.pictures import save_figures
 from rodgen.show.study_results import Results, logarithmic
 
@@ -154,7 +155,9 @@ def map_of(of: Results, name: str) -> Figure:
     values, classes = of.numbers(name)
     scale = _scale(values, classes)
     _panel(axes, of, of.axes, values, of.status, scale, classes, lines=True)
-    axes.set_title(f"{of.title}: {name}")
+    all_alike = len(classes) == 1 and bool((of.status == FINISHED).all())
+    everywhere = f": {classes[0]} everywhere" if all_alike else ""
+    axes.set_title(f"{of.title}: {name}{everywhere}")
     _legend(figure, axes, of, name, scale, classes)
     return figure
 
@@ -261,7 +264,8 @@ def _panel(
     if lines and min(values.shape) > 1 and not classes and np.isfinite(filled).sum() > 3:
         locator = LogLocator() if isinstance(scale[0], LogNorm) else None
         drawn = axes.contour(x, y, filled, LEVELS, locator=locator, colors=INK, linewidths=0.5)
-        axes.clabel(drawn, fontsize="xx-small", fmt="%.3g")
+        for text in axes.clabel(drawn, fontsize="xx-small", fmt="%.3g"):
+            text.set_path_effects([withStroke(linewidth=2.0, foreground=PAPER)])
     elif min(values.shape) > 1 and len(classes) > 1:
         axes.contour(x, y, filled, np.arange(len(classes) - 1) + 0.5, colors=INK, linewidths=0.8)
     X, Y = np.meshgrid(x, y)

@@ -43,7 +43,7 @@ def tail(solution: Solution) -> Figure:
         found = amplitudes_of(signal[even][:, None], WINDOW)
         frequencies = np.fft.rfftfreq(len(even), steps)
         below.semilogy(frequencies[1:], found[1:], color=CURVE, linewidth=0.8)
-        below.set(xlabel="frequency [Hz]", ylabel="amplitude [m]")
+        below.set(xlabel=f"frequency [Hz], {WINDOW.capitalize()} window", ylabel="amplitude [m]")
     else:
         below.text(0.5, 0.5, "no spectrum: too few samples", ha="center", va="center")
         below.set_axis_off()
@@ -78,9 +78,12 @@ def moments(solution: Solution) -> Figure:
     axes = figure.add_subplot()
     kept = np.unique(np.linspace(0, len(solution.t) - 1, COLUMNS).round().astype(int))
     found = solution.bending_moments[kept]
-    limit = float(np.abs(found).max()) or 1.0
-    if not found.any():
-        axes.text(0.5, 0.5, "none anywhere", ha="center", va="center", transform=axes.transAxes)
+    axes.set_title(f"{solution.scene.name}: bending moment")
+    if not bends(solution):
+        axes.text(0.5, 0.5, "none anywhere, at any time", ha="center", va="center")
+        axes.set_axis_off()
+        return figure
+    limit = float(np.abs(found).max())
     s = np.linspace(0.0, 1.0, found.shape[1])
     mesh = axes.pcolormesh(
         solution.t[kept],
@@ -96,11 +99,15 @@ def moments(solution: Solution) -> Figure:
         xlabel="t [s]",
         ylabel="s along the rod (1: tail)",
         ylim=(0.0, 1.0),
-        title=f"{solution.scene.name}: bending moment",
     )
     mark_times(axes, solution)
     figure.colorbar(mesh, ax=axes, label="bending moment [N m]")
     return figure
+
+
+def bends(solution: Solution) -> bool:
+    """Whether there is a bending moment at all: a chain has none."""
+    return bool(solution.bending_moments.any())
 
 
 def mark_times(axes: Axes, solution: Solution) -> None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from rodgen.integrate.endings import FAILED
-from rodgen.progress import counting, working
+from rodgen.progress import counting, telling, working
 from rodgen.scene import Scene, SceneError
 from rodgen.studies.adaptive import Rounds
 from rodgen.studies.adaptive import rounds as rounds_of
@@ -76,6 +76,7 @@ def study(
     adaptive: float | None = None,
     by: str | None = None,
     yes: bool = False,
+    progress: bool | None = None,
 ) -> xr.Dataset:
     """Compute a scene at many values of its keys.
 
@@ -91,29 +92,30 @@ def study(
     what
         "run", "critical", "modes", "static", "lyapunov", "floquet" or "cycle".
     keep
-        Reductions of a run such as "max(phi_19)", quantities of an analysis, or functions of a
-        Solution.
+        What is kept of every point: reductions of a run such as "max(phi_19)", quantities of an
+        analysis, or functions of a Solution.
     sample
-        {method, count, seed}, to draw points from ranges in place of a grid.
+        {method, count, seed}: draw points from ranges, in place of a grid.
     options
-        What the analysis takes besides.
+        Further arguments of the analysis.
     out
-        Folder of the store, a Zarr group that keeps what is done. Without it nothing is kept.
+        Folder of the store, a Zarr group. Without it nothing is stored.
     workers
-        Processes; by default one a processor, or one alone for studies that take it less than 15
-        seconds. With 1 there is no Dask: everything is computed in one that is forked off this
-        one, to the same bits.
+        Number of processes. By default one for each processor, or a single one if it takes less
+        than 15 s. With 1 there is no Dask; the results are the same to the bit.
     scheduler
-        Address of a Dask scheduler whose workers are taken instead.
+        Address of a Dask scheduler, whose workers are then used.
     resume
-        Go on with the store that is there.
+        Continue with an existing store.
     adaptive
-        Of a grid of two axes, compute only what is needed to find where neighbours differ, to this
-        share of an axis. The other points have the status "".
+        In a grid of two axes, compute only the points that are needed to find where neighbours
+        differ, to this share of an axis (dimensionless). The other points have the status "".
     by
-        In what neighbours differ: a variable, or "variable > level"; by default the first.
+        The variable in which neighbours differ, or "variable > level". By default the first.
     yes
-        Also where there are more than 1e8 points.
+        Allow more than 1e8 points.
+    progress
+        False for no bar; by default there is one in a terminal and in a notebook.
 
     Returns
     -------
@@ -123,9 +125,9 @@ def study(
     Raises
     ------
     SceneError
-        For what cannot be used, before anything is computed.
+        For values that cannot be used, before anything is computed.
     StudyError
-        Where workers or the scheduler are lost. What is marked in the store is kept.
+        If workers or the scheduler are lost. The store keeps the points that are done.
     ImportError
         Without the extra `study`.
 
@@ -142,6 +144,8 @@ def study(
     made = scene if isinstance(scene, Study) else _made(scene, vary, what, keep, sample, options)
     temporary = out is None
     with ExitStack() as stack:
+        if progress is False:
+            stack.enter_context(telling(lambda _: None))
         if out is None:
             out = Path(stack.enter_context(tempfile.TemporaryDirectory()), "study.zarr")
         run(

@@ -4,7 +4,7 @@ from rodgen.extras import how_to_have
 
 
 class StudyError(RuntimeError):
-    """A study that could not be finished; what is marked in its store is kept.
+    """A study could not be finished. Its store keeps the points that are done.
 
     Examples
     --------

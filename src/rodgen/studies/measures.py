@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rodgen.integrate.ensemble import Ensemble
     from rodgen.integrate.equations import Equations
     from rodgen.integrate.stepper import Array
-    from rodgen.scene.tables import Event
+    from rodgen.scene.event import Event
 
 MOST_POINTS = 1000  # of a section, where no other number is given
 EVERY = -math.inf, math.inf

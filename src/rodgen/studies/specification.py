@@ -9,14 +9,15 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from html import escape
 from pathlib import Path
 from typing import Any, Self
 
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.errors import check_type, meant
+from rodgen.scene.exchange import with_values
 from rodgen.scene.keys import key_place
 from rodgen.scene.plain import plain, read_table
+from rodgen.shown import Told
 from rodgen.studies.axis import EXTENDABLE, Axis, Sample, Value, axis
 from rodgen.studies.points import points
 
@@ -45,21 +46,25 @@ Kept = str | Callable[..., Any]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Study:
-    """A study, checked. Raises SceneError for what is none, before anything is computed.
+class Study(Told):
+    """A study. Its checks raise SceneError before anything is computed.
 
-    scene: tables of the scene as it stands, checked; axes: what is varied, in order; sample: how
-    points are drawn from them, None for a grid; what: one of WHAT;
-    keep: what is kept of every point, texts or functions; options: of what is computed.
-    Two studies are equal where their `digest` is.
+    name: of the study and its store; scene: tables of the scene; axes: keys that are varied, in
+    order, with their values; sample: how points are drawn from them, None for a grid; what: the
+    analysis; keep: what is kept of every point, texts or functions; options: further arguments of
+    the analysis.
+
+    Two studies are equal if their ``digest`` is.
 
     Examples
     --------
     >>> import rodgen
     >>> scene, vary = rodgen.Scene.example("ziegler"), {"loads.follower.force": [1.5, 3.0]}
     >>> study = rodgen.Study.of(scene, vary, what="modes", keep=["stable"])
-    >>> study.count, study.dims
-    (2, ('loads.follower.force',))
+    >>> study.count, study.shape, study.dims
+    (2, (2,), ('loads.follower.force',))
+    >>> study.scene_at({"loads.follower.force": 3.0}).loads.follower.force, len(study.digest)
+    (3.0, 64)
     """
 
     name: str
@@ -74,21 +79,13 @@ class Study:
         points = " x ".join(map(str, self.shape))
         return f"<Study {self.name}: {self.what} at {points} of {', '.join(self.dims)}>"
 
-    def _repr_html_(self) -> str:
-        """A table of what is varied, for notebooks."""
-        rows = [
-            (one.name, f"{len(one.values)} values" if one.values else one.scale, *one.ends)
-            for one in self.axes
-        ]
-        head = "<tr><th>key</th><th></th><th>from</th><th>to</th></tr>"
-        cells = ("".join(f"<td>{escape(str(cell))}</td>" for cell in row) for row in rows)
-        body = "".join(f"<tr>{row}</tr>" for row in cells)
-        return f"<div><p>{escape(repr(self))}</p><table>{head}{body}</table></div>"
-
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
         """Read a study from a TOML file; its scene is a table of it, or a file by its path from
-        the folder of the study."""
+        the folder of the study.
+
+        path: of the file.
+        """
         path = Path(path)
         try:
             table = read_table(path)
@@ -122,8 +119,13 @@ class Study:
         options: Mapping[str, Any] | None = None,
         name: str | None = None,
     ) -> Self:
-        """A study from Python: vary has values (a list, an array) or a table {from, to, count,
-        scale} for every key, sample {method, count, seed}."""
+        """A study from Python.
+
+        scene: the scene; vary: for every key its values (a list, an array) or a table {from, to,
+        count, scale}, in SI units; what: the analysis; keep: what is kept of every point; sample:
+        {method, count, seed}, if points are drawn; options: further arguments of the analysis;
+        name: of the study, by default that of the scene.
+        """
         check_type("scene", scene, Scene, see="Scene.from_toml")
         if name is not None and not (isinstance(name, str) and name.isidentifier()):
             raise SceneError("name", name, "a plain identifier")
@@ -212,17 +214,27 @@ class Study:
     @cached_property
     def places(self) -> dict[str, tuple[str, ...]]:
         """Keys of tables and lists of the scene that are varied, by name."""
-        return {one.name: key_place(self.scene, one.name) for one in self.axes}
+        values = (one.values for one in self.axes if isinstance(one.values, tuple))
+        laws = [value for of in values for value in of if isinstance(value, str)]
+        return {one.name: key_place(self.scene, one.name, others=laws) for one in self.axes}
 
     def place(self, name: str) -> tuple[str, ...]:
-        """Keys of tables and lists where a varied name stands in the scene, a body by its place
-        in the list."""
+        """Keys of tables and lists where a varied key stands in the scene, a body by its place in
+        the list.
+
+        name: the dotted name of the key.
+        """
         return self.places[name]
 
     def scene_at(self, point: Mapping[str, Value]) -> Scene:
-        """The scene with the values of a point, which may leave keys as they are. Another number
-        of links converts damping as `Scene.with_links` does. Raises SceneError."""
-        return self.base.replace(point)
+        """The scene of a point. Another number of links converts damping as `Scene.with_links`
+        does.
+
+        point: values of the varied keys, in SI units; it may leave keys as they are.
+
+        Raises SceneError.
+        """
+        return with_values(self.base, point)
 
     @cached_property
     def contents(self) -> dict[str, str]:
@@ -244,7 +256,7 @@ class Study:
 
     @cached_property
     def digest(self) -> str:
-        """Content hash."""
+        """A hash of the contents, equal for equal studies."""
         return hashlib.sha256("\0".join(self.contents.values()).encode()).hexdigest()
 
     def __eq__(self, other: object) -> bool:

@@ -19,6 +19,7 @@ from pydantic import TypeAdapter, ValidationError
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.expression import Expression
+from rodgen.scene.keys import texts
 from rodgen.scene.plain import entry, is_number, put
 from rodgen.scene.tables import Finite, Table
 from rodgen.studies.points import Point
@@ -179,17 +180,8 @@ def _laws(scene: Scene, number: str) -> tuple[Expression, ...] | None:
     if any(e.tabulated or e.text in along for e in laws):
         return None
     known, naming = {e.text for e in laws}, re.compile(rf"\b{re.escape(number)}\b")
-    texts = [text for text in _texts(scene.model_dump(exclude_none=True)) if naming.search(text)]
-    return tuple(laws) if {*texts} <= known else None
-
-
-def _texts(table: Any) -> Iterator[str]:
-    """All texts that stand in tables and lists."""
-    if isinstance(table, str):
-        yield table
-    elif isinstance(table, dict | list):
-        for inner in table.values() if isinstance(table, dict) else table:
-            yield from _texts(inner)
+    found = {text for text in texts(scene.model_dump(exclude_none=True)) if naming.search(text)}
+    return tuple(laws) if found <= known else None
 
 
 def groups(points: Sequence[Point], names: Sequence[str]) -> Iterator[tuple[Point, list[int]]]:

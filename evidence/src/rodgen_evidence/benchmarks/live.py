@@ -3,13 +3,17 @@
     make bench-live [SECONDS=20] [LINKS="50 500"] [AGAINST=CHECKOUT]
 
 A free rod under thrust with four strip charts, of 50 and of 500 links. Frames are counted in the
-page (window.rodgenLive); memory is that of the server and of the page's script. AGAINST: another
-checkout, which has .venv/bin/rodgen: both run by turns, and ratios are of neighbouring turns.
+page (window.rodgenLive); memory is that of the server and of the page's script. In the end, 20 000
+samples are dragged through on the time line. AGAINST: another checkout, which has .venv/bin/rodgen:
+both run by turns, and ratios are of neighbouring turns. The effect of a slider has come when a
+frame is drawn with the thrust to which a step of the slider has set it, ten times a second.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
+import os
 import re
 import shutil
 import statistics
@@ -38,6 +42,8 @@ force = 300.0
 coefficient = 0.01
 [initial]
 phi = "0.1*cos(pi*s)"
+[integrate]
+output_every = {every}
 """
 LINKS = (50, 500)
 CHARTS = (("omega", "omega_3"), ("tip_y", "tip_y"))  # beside the two that a page has at first
@@ -54,19 +60,65 @@ ANSWER = """async ([name, other]) => {
     while (!find(other)) await new Promise(done => setTimeout(done, 1));
     return performance.now() - start;
 }"""
-
+# Milliseconds from each step of the slider of the thrust to the frame that shows it.
+EFFECTS = """async ([steps, key]) => {
+    const { hub } = await import("rodgen-live/hub.js");
+    const wait = ms => new Promise(done => setTimeout(done, ms));
+    const slider = document.querySelector(".q-slider[aria-label='follower force P']");
+    const track = slider.querySelector("[tabindex]");
+    const place = () => Number(track.closest("[aria-valuenow]").ariaValueNow);
+    const force = () => Math.hypot(...hub.rod.forces.follower);
+    const settled = async () => {
+        for (let last = 0, same = 0; same < 10; last = force()) {
+            await wait(100);
+            same = Math.abs(force() - last) < 1e-6 * last ? same + 1 : 0;
+        }
+        return [place(), force()];
+    };
+    const [moved, drawn] = [[], []];
+    const [from, least] = await settled();
+    const note = () => drawn.push([performance.now(), force()]);
+    const painter = { paint: (now, fresh) => fresh && note() && false };
+    hub.painters.add(painter);
+    for (let step = 0; step < steps; step++) {
+        const at = performance.now();
+        const of = { keyCode: key, ctrlKey: true, bubbles: true };
+        for (const kind of ["keydown", "keyup"]) track.dispatchEvent(new KeyboardEvent(kind, of));
+        await wait(0);
+        moved.push([at, place()]);
+        await wait(100);
+    }
+    const [to, most] = await settled();
+    hub.painters.delete(painter);
+    const near = 0.5 / steps;
+    const shows = (value, force) =>
+        (force - least) / (most - least) > (value - from) / (to - from) - near;
+    return moved.map(([at, value]) => drawn.find(([, force]) => shows(value, force))[0] - at);
+}"""
+RIGHT, LEFT = 39, 37  # keys
+STEPS = 30  # of the slider
+# Times at which frames were drawn.
+DRAWN = """async () => {
+    const { hub } = await import("rodgen-live/hub.js");
+    window.drawn = [];
+    hub.painters.add({ paint: (now, fresh) => fresh && drawn.push(performance.now()) && false });
+}"""
+SAMPLES = 20_000
 
 ROUNDS = 4  # by turns
 
 
 @dataclass
 class Turn:
-    """Some seconds of a run: frames and simulated seconds per second, and how long the page was
-    busy for each frame [ms], which other processes do not change much."""
+    """Some seconds of a run: frames and simulated seconds per second, how long the page was busy
+    for each frame and how long its scripts took of that, which other processes do not change much,
+    and how long the effect of a slider took [ms]."""
 
     frames: float
     pace: float
     busy: float
+    scripts: float
+    effect: float
 
 
 def live(seconds: float = 20.0, numbers: Sequence[int] = LINKS) -> None:
@@ -75,6 +127,11 @@ def live(seconds: float = 20.0, numbers: Sequence[int] = LINKS) -> None:
         for links in numbers:
             with viewed(browser, Path(sys.executable).parent, links) as (page, process):
                 watch(page, process, links, seconds)
+        with viewed(browser, Path(sys.executable).parent, numbers[0], every=0.001) as (
+            page,
+            process,
+        ):
+            scrub(page, process, numbers[0])
 
 
 def compare(other: Path, seconds: float, numbers: Sequence[int] = LINKS) -> None:
@@ -92,19 +149,26 @@ def compare(other: Path, seconds: float, numbers: Sequence[int] = LINKS) -> None
                     {name: turn(page, seconds) for name, page in pages.items()}
                     for _ in range(ROUNDS)
                 ]
-            print(f"\nn = {links}, four charts\n       frames/s  of real time  busy a frame")
+            print(f"\nn = {links}, four charts")
+            print(
+                "       frames/s  of real time  busy a frame  scripts of that  effect of a slider"
+            )
             for name in pages:
-                frames, pace, busy = medians([turns[name] for turns in rounds])
-                print(f"{name:5}  {frames:8.1f} {pace:13.3f} {busy:10.2f} ms")
+                found = medians([turns[name] for turns in rounds])
+                print(
+                    "{:5} {:9.1f} {:13.3f} {:10.2f} ms {:8.2f} ms {:16.0f} ms".format(name, *found)
+                )
             ratios = [
                 Turn(*(getattr(r["this"], k) / getattr(r["other"], k) for k in MEASURES))
                 for r in rounds
             ]
-            frames, pace, busy = medians(ratios)
-            print(f"ratio  {frames:8.2f} {pace:13.2f} {busy:10.2f}", flush=True)
+            print(
+                "ratio {:9.2f} {:13.2f} {:10.2f} {:11.2f} {:19.2f}".format(*medians(ratios)),
+                flush=True,
+            )
 
 
-MEASURES = ("frames", "pace", "busy")
+MEASURES = ("frames", "pace", "busy", "scripts", "effect")
 
 
 def medians(turns: Sequence[Turn]) -> tuple[float, ...]:
@@ -120,20 +184,26 @@ def turn(page: Page, seconds: float) -> Turn:
     time.sleep(1.0)
     session = page.context.new_cdp_session(page)
     session.send("Performance.enable")
-    before, busy, since = shown(page), tasks(session), time.monotonic()
+    before, since = shown(page), time.monotonic()
+    busy, scripts = (-spent(session, name) for name in SPENT)
     time.sleep(seconds)
     after, took = shown(page), time.monotonic() - since
-    spent = tasks(session) - busy
+    busy, scripts = busy + spent(session, SPENT[0]), scripts + spent(session, SPENT[1])
     session.detach()
+    effects = [took for key in (RIGHT, LEFT) for took in page.evaluate(EFFECTS, [STEPS, key])]
     page.get_by_role("button", name="Pause (").click()
     frames = after["frames"] - before["frames"]
-    return Turn(frames / took, (after["t"] - before["t"]) / took, 1000 * spent / max(frames, 1))
+    pace, each = (after["t"] - before["t"]) / took, 1000 / max(frames, 1)
+    return Turn(frames / took, pace, busy * each, scripts * each, statistics.median(effects))
 
 
-def tasks(session: CDPSession) -> float:
-    """Seconds for which a page has been busy."""
+SPENT = ("TaskDuration", "ScriptDuration")
+
+
+def spent(session: CDPSession, name: str) -> float:
+    """Seconds that a page has spent so far, of one of SPENT."""
     found = session.send("Performance.getMetrics")["metrics"]
-    return float(next(row["value"] for row in found if row["name"] == "TaskDuration"))
+    return float(next(row["value"] for row in found if row["name"] == name))
 
 
 @contextmanager
@@ -149,11 +219,14 @@ def browsing() -> Iterator[Browser]:
 
 
 @contextmanager
-def viewed(browser: Browser, folder: Path, links: int) -> Iterator[tuple[Page, int]]:
-    """A page with four charts of the rodgen of a folder, and the process that serves it."""
+def viewed(
+    browser: Browser, folder: Path, links: int, every: float = 0.01
+) -> Iterator[tuple[Page, int]]:
+    """A page with four charts of the rodgen of a folder, and the process that serves it; every:
+    seconds between two samples."""
     with tempfile.TemporaryDirectory() as place:
         path = Path(place, f"links_{links}.toml")
-        path.write_text(SCENE.format(links=links))
+        path.write_text(SCENE.format(links=links, every=every))
         view = [str(folder / "rodgen"), "view"]
         told = subprocess.run([*view, "--help"], capture_output=True, text=True, check=True).stdout
         held = ["--paused"] * ("--paused" in told)  # an older checkout begins so
@@ -166,6 +239,7 @@ def viewed(browser: Browser, folder: Path, links: int) -> Iterator[tuple[Page, i
                 page = browser.new_page(viewport={"width": 1280, "height": 1100})
                 page.set_default_timeout(600_000)  # ms: it may be busy with more than this
                 page.goto(found[0])
+                page.get_by_role("tab", name="Parameters").click()
                 for kind, name in CHARTS:
                     add(page, kind, name)
                 yield page, server.pid
@@ -208,6 +282,50 @@ def watch(page: Page, process: int, links: int, seconds: float) -> None:
     print(
         f"a click is answered in {statistics.median(answers):.0f} ms (at most {max(answers):.0f})"
     )
+
+
+def scrub(page: Page, process: int, links: int) -> None:
+    """Drag along the time line, there and back, and print how far apart frames are."""
+    page.get_by_role("button", name="Run (").click()
+    page.wait_for_function(f"Object.values(rodgenLive.plots)[0].rows >= {SAMPLES}")
+    page.get_by_role("button", name="Pause (").click()
+    page.evaluate(DRAWN)
+    box = page.get_by_role("slider", name="Time that is shown").bounding_box()
+    assert box is not None
+    y, left, wide = box["y"] + box["height"] / 2, box["x"] + 12, box["width"] - 24
+    page.mouse.move(left + wide, y)
+    page.mouse.down()
+    before = processor(page, process)
+    for share in (0.0, 1.0) * 2:
+        page.mouse.move(left + share * wide, y, steps=200)
+    page.mouse.up()
+    times = page.evaluate("drawn")
+    apart = sorted(after - before for before, after in itertools.pairwise(times))
+    most, spent = (
+        apart[9 * len(apart) // 10],
+        1000 * (processor(page, process) - before) / len(times),
+    )
+    print(
+        f"\nn = {links}, {SAMPLES} samples, dragged through\n"
+        f"a frame each {statistics.median(apart):.0f} ms, "
+        f"nine of ten within {most:.0f} ms; server and page compute for {spent:.1f} ms a frame"
+    )
+
+
+def processor(page: Page, process: int) -> float:
+    """Processor time of a server and of the pages of a browser [s]; nan where the system does not
+    tell."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return float("nan")
+    browser = page.context.browser
+    assert browser is not None
+    session = browser.new_browser_cdp_session()
+    found = session.send("SystemInfo.getProcessInfo")["processInfo"]
+    session.detach()
+    pages = sum(row["cpuTime"] for row in found if row["type"] == "renderer")
+    return float(pages) + sum(map(int, fields[11:13])) / os.sysconf("SC_CLK_TCK")
 
 
 def shown(page: Page) -> dict[str, Any]:

@@ -22,23 +22,26 @@ if TYPE_CHECKING:
 def report(
     scene_files: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="[SCENE]...", help="Scenes, in TOML; if not given, a fixed set."),
+        typer.Argument(metavar="[SCENE]...", help="Scenes, in TOML. Default: a fixed set."),
     ] = None,
     only: Annotated[
-        list[str] | None, typer.Option(help="A section to measure; can be given several times.")
+        list[str] | None, typer.Option(help="Section to measure. Can be given several times.")
     ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer scenes, settings, cases.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Measure fewer scenes, settings and cases.")
+    ] = False,
     resumed: Annotated[
-        bool, typer.Option("--resume", help="Take what the folder has measured already.")
+        bool, typer.Option("--resume", help="Keep the measurements that the folder already has.")
     ] = False,
     out_folder: Annotated[
         Path, typer.Option("--out", help="Folder for the page, tables and pictures.")
     ] = Path("results/report"),
 ) -> None:
-    """Measure methods, steps and forms against each other; how far the numbers can be trusted.
+    """Compare methods, steps, forms and other programs, and show how far to trust the numbers.
 
-    Without a SCENE: the fixed set, costs, stability and extreme cases, in half an hour
-    on two cores, with --quick in three. Peers take part as far as they are installed.
+    Without a SCENE, the report has a fixed set of scenes, costs, stability and extreme cases. It
+    takes half an hour on two cores, with --quick three minutes. Other programs take part if
+    installed.
     """
     from rodgen_evidence.pages.report_page import write_report
     from rodgen_evidence.report.report import OF_SCENES, SECTIONS, measure, needed

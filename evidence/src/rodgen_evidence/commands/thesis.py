@@ -18,7 +18,7 @@ def thesis(
         Path, typer.Option("--out", help="Folder for the page, tables and figures.")
     ] = Path("results/thesis"),
 ) -> None:
-    """Rebuild the tables and figures of the thesis beside exact values: one to five minutes."""
+    """Rebuild the tables and figures of the thesis beside exact values, in one to five minutes."""
     from rodgen_evidence.pages.thesis_page import deviations, summary, write_thesis
     from rodgen_evidence.thesis.rebuild import TABLES, rebuild
 

@@ -20,30 +20,32 @@ from rodgen_evidence.thesis.audit.claim import LINKS, NOT_PRINTED, Finding, Verd
 from rodgen_evidence.thesis.audit.java_steppers import Order
 
 INTRODUCTION = (
-    "J. Masek, Modelling of free beam loaded by follower load, Brno 2014: every numbered equation "
-    "from 2.1 to 2.65 and every method of the Java listing is written down as it is printed, with "
-    "the printed limits, factors, indices and signs, and compared with what rodgen derives: the "
-    "equations of a chain of n rigid links by Lagrange's method, their loads by virtual work. Left "
-    "out is the Gauss elimination that getSolution calls, of a library that is not printed. "
-    f"If nothing else is said, n goes from {LINKS[0]} to {LINKS[-1]}.",
-    "Every verdict is computed. Two expressions are equal if their normal forms are: polynomials "
-    "with rational coefficients in the letters and in the cosines and sines of the angles, in "
-    "which no sine is squared. No equality rests on floating point. What is written by hand is the "
-    "printed form, its readings where the text allows several, the form put right, which must "
-    "equal the truth, and the notes; what is a hypothesis is called one.",
+    "This page compares J. Masek, Modelling of free beam loaded by follower load, Brno 2014, with "
+    "what rodgen derives. Every numbered equation from 2.1 to 2.65 and every method of the Java "
+    "listing is written down as it is printed, with the printed limits, factors, indices and "
+    "signs. It is compared with the equations of a chain of n rigid links by Lagrange's method, "
+    "and with their loads by virtual work. The Gauss elimination that getSolution calls is not "
+    "compared, because its library is not printed. Unless stated otherwise, n goes from "
+    f"{LINKS[0]} to {LINKS[-1]}.",
+    "Every verdict is computed. Two expressions are equal if their normal forms are equal: "
+    "polynomials with rational coefficients in the letters and in the cosines and sines of the "
+    "angles, in which no sine is squared. Floating point decides no equality. Some parts are "
+    "written by hand: the printed form, its readings if the text allows several, the corrected "
+    "form, and the notes. The corrected form must equal the derived one. A note says so if it is "
+    "a hypothesis.",
 )
 MEANING = {
-    Verdict.EXACT: "equal to what is derived",
-    Verdict.MISPRINT: "differs; the form put right does not",
-    Verdict.SIGN: "right but for a sign: of the whole, or of some entries",
-    Verdict.INCOMPLETE: "what is printed is right, terms or entries are left out",
-    Verdict.MISSING: "nothing is printed for what is needed",
-    Verdict.AMBIGUOUS: "can be read in several ways, of which some are right and some are not",
+    Verdict.EXACT: "equal to the derived form",
+    Verdict.MISPRINT: "differs from the derived form; the corrected form is equal to it",
+    Verdict.SIGN: "right except for a sign, of the whole or of some entries",
+    Verdict.INCOMPLETE: "the printed part is right, but terms or entries are left out",
+    Verdict.MISSING: "something that is needed is not printed",
+    Verdict.AMBIGUOUS: "can be read in several ways, some of them right and some wrong",
 }
 STEPPERS = (
-    "The listing's steppers, as printed, run in floating point on a rod of three links, beside "
-    "DOP853 on the derived equations. The order is the power of the step with which the error "
-    "falls, fitted over several steps; it is exact where it is within 0.2 of the claimed one."
+    "The listing's steppers, as printed, run in floating point on a rod of three links. DOP853 on "
+    "the derived equations is the reference. The order is the power of the step with which the "
+    "error falls, fitted over several steps. It is exact if it is within 0.2 of the claimed order."
 )
 FINDINGS = (
     *("number", "title", "verdict", "why", "reading", "n", "entry", "difference"),
@@ -165,7 +167,7 @@ def steppers_csv(steppers: Sequence[dict[str, Any]]) -> str:
 
 
 def _in_words(difference: str | None) -> str:
-    """Printed less true."""
+    """Printed minus derived."""
     return "nothing is printed" if difference is None else difference
 
 

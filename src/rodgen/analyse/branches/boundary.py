@@ -50,13 +50,13 @@ def stability_boundary(
 ) -> xarray.Dataset:
     """Follow the curve on which flutter or divergence begins, in the plane of two numbers.
 
-    Where one number is the size of a load, `critical_force` finds it for the other's value in the
-    scene (for a little damping, where it is that of none); else the first is searched through for
-    where a motion begins or ceases to grow. From there the curve is followed both ways. Its limit
-    for vanishing damping is a point of it; that is not the onset of the rod without damping (H.
-    Ziegler, Ingenieur-Archiv 20 (1952) 49-56). Where another motion becomes unstable first, or
-    flutter becomes divergence, it goes on along what begins there: it is the outline of what is
-    stable around its start.
+    If one number is the size of a load, `critical_force` finds the first point, at the scene's
+    value of the other number (at a little damping, if that is zero damping). Otherwise the first
+    number is searched for a value at which a motion begins or ceases to grow. From there the curve
+    is followed both ways. It is the outline of the stable region around its start: if another
+    motion becomes unstable first, or flutter becomes divergence, the curve goes on along the
+    boundary that begins there. The limit of vanishing damping is a point of the curve. It differs
+    from the onset of the rod without damping (H. Ziegler, Ingenieur-Archiv 20 (1952) 49-56).
 
     Parameters
     ----------
@@ -66,19 +66,20 @@ def stability_boundary(
         Both numbers, named as in a study, such as loads.follower.force and
         loads.material_damping.time.
     ranges
-        Ends of both; by default 0 and what is as good as no end: of damping, of which only the
-        logarithm counts there, until nothing changes any more.
+        First and last value of each number, in SI units. By default they go from 0 to practically
+        no limit.
     step
-        The longest, in units over which the linearised equations change by their own size.
+        Length of the longest step, dimensionless. In steps of 1 the linearised equations change by
+        their own size.
     most
-        Points to either side.
+        Largest number of points to either side.
     t
         Time whose loads are taken [s].
     resume, at
-        A boundary of the same scene and numbers that is gone on with from its point ``at``, in its
-        direction.
+        An earlier boundary of the same scene and numbers, which is continued from its point ``at``.
     watch
-        Called with every point.
+        A function that is called with every point: both numbers in SI units, and the frequency
+        [Hz].
 
     Returns
     -------
@@ -92,11 +93,11 @@ def stability_boundary(
     Raises
     ------
     SceneError
-        For numbers that cannot be varied so.
+        For numbers that cannot be varied, and for ranges that are not allowed.
     AnalysisError
-        Where nothing begins.
+        If no motion begins to grow in the range.
     BranchInterrupted
-        On Ctrl-C, with what there is.
+        On Ctrl-C. It carries the points so far.
 
     Examples
     --------

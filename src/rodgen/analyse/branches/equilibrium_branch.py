@@ -74,9 +74,9 @@ def continue_equilibria(
     t: float | None = None,
     watch: Callable[[float], None] = lambda value: None,
 ) -> xarray.Dataset:
-    """Follow the branch of equilibria, or of steady motions, of a scene along one number of it.
+    """Follow a branch of equilibria, or of steady motions, while one number of a scene changes.
 
-    The branch begins at the first end and is followed to where it leaves the range, through folds.
+    The branch begins at the first value. It is followed through folds until it leaves the range.
 
     Parameters
     ----------
@@ -85,29 +85,29 @@ def continue_equilibria(
     key
         The number, named as in a study, such as loads.follower.force.
     ends
-        Between which it is varied.
+        First and last value of the number, in SI units.
     start
-        Another value in the range to begin at, from which the branch is followed both ways.
+        A value within the range, in SI units. The branch begins there and is followed both ways.
     switch
-        Follow, instead of it, the other branch, both ways, from the branch point of this number (1
-        is the first).
+        Number of a branch point, from 1. The other branch through it is followed, both ways.
     resume, at
-        A branch of the same scene and key that is gone on with from its point ``at``, in its
-        direction.
+        An earlier branch of the same scene and key, which is continued from its point ``at``.
     imperfection
-        Begin with the bent equilibrium that `static_equilibrium` finds with it.
+        Begin with the bent equilibrium that `static_equilibrium` finds with this imperfection
+        [rad].
     motion
-        Of a rod that nothing holds in place, follow steady motions (bent or not, accelerated,
-        dragged, turning) from the one near the scene's initial state ("initial"), or that a run
-        over its span leads to ("run").
+        Follow steady motions of a rod that nothing holds in place: bent or straight, accelerated,
+        dragged, turning. "initial" begins with the motion near the scene's initial state, "run"
+        with the motion to which a run over the span leads.
     step
-        The longest, as a share of the range and in rad of the mean square of all angles.
+        Length of the longest step: a share of the range (dimensionless), and the root mean square
+        of all angles [rad].
     most
-        Points.
+        Largest number of points.
     t
         Time whose loads are taken [s].
     watch
-        Called with every value.
+        A function that is called with every value, in SI units.
 
     Returns
     -------
@@ -121,11 +121,11 @@ def continue_equilibria(
     Raises
     ------
     SceneError
-        For what cannot be varied so.
+        For a key that cannot be varied, and for values that are not allowed.
     AnalysisError
-        Where nothing is found to start with.
+        If there is no state to start with.
     BranchInterrupted
-        On Ctrl-C, with what there is.
+        On Ctrl-C. It carries the points so far.
 
     Examples
     --------

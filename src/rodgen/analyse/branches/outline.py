@@ -86,7 +86,7 @@ class Outline:
             try:
                 boundary, first = self._beyond(boundary, corner, omega)
             except AnalysisError as error:
-                whole.end = f"{kind}: {error}"
+                whole.end = f"{kind}, beyond which the boundary was not found ({error})"
                 break
         return whole
 

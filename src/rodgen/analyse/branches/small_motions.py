@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.linalg import eigh
 
 from rodgen.analyse.curves.curve import BRANCH, Point, Special, corrected
 from rodgen.analyse.curves.special_points import on_chord
-from rodgen.analyse.eigen import Complex, Modal, Motions, lowest_values
+from rodgen.analyse.eigen import Complex, Modal, Motions, all_shapes, lowest_shapes
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import RIGID, RIGID_DENSE, ROUNDED
 from rodgen.analyse.onset import Onset, onset
@@ -75,26 +74,14 @@ def grown(found: Motions) -> Complex:
 def _modes(start: Steady, linear: Linear, every: bool) -> tuple[Array, Array]:
     """Squared frequencies and shapes (coordinates, k), the slowest first."""
     if isinstance(linear, Pencil) and linear.cells > MOST_DENSE:
-        bare = Pencil(linear.S0, np.zeros_like(linear.S1), linear.S2)
-        turns = start.turns_freely
-        found = lowest_values(bare, MODES, start.turning if turns else None)
-        first = np.argsort(np.abs(found.s))[:MODES]
-        shapes = found.vectors[:, first].real
-        if turns:  # virtual work on turning the whole rod is to be none
-            turn = np.ones((len(shapes), 1))
-            pull = bare.eliminated(turn)[2].T
-            shapes = shapes - turn @ (pull @ shapes) / (pull @ turn)
-        return -(found.s[first] ** 2).real, shapes / np.abs(shapes).max(axis=0)
+        return lowest_shapes(linear, MODES, start.turning if start.turns_freely else None)
     assert isinstance(linear, Pencil | Dense)
-    dense = linear.reduced()
-    own = len(dense.K) - dense.added
-    K, M = ((matrix + matrix.T)[:own, :own] / 2 for matrix in (dense.K, dense.M))
-    squares, shapes = eigh(K, M)
+    squares, found = all_shapes(linear.reduced())
     order = np.argsort(np.abs(squares), kind="stable")
     if isinstance(linear, Pencil):  # turning alone, which every load leaves as it is
         order = order[int(start.turns_freely) :]
     order = order[: None if every else MODES]
-    return squares[order], shapes[:, order]
+    return squares[order], found[:, order]
 
 
 def crossing(problem: Equilibria, a: Point, b: Point) -> list[Special]:

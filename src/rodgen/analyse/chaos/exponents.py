@@ -47,13 +47,13 @@ STABLE = 6.0  # of these radians, about what is stable
 class Exponents(Shown):
     """Lyapunov exponents of a motion, the largest first.
 
-    exponents, errors (k,): [1/s]; t (T,): times [s] at which running (T, k) are the means so far;
-    rates (T, k): of the pieces before these; transient: seconds at the start that were left out;
-    zero_one: the 0-1 test of the velocity of the tail's link, about 0 for regular and about 1 for
-    chaotic motion, not-a-number where the samples are too few; divergence: mean of the trace of the
-    Jacobian [1/s], at which volumes of the state's numbers grow, not-a-number unless all exponents
-    were asked for; zeros: how many exponents are zero by what the motion keeps and by where and
-    when it is, by reason; notes: what else is to be said; scene: whose motion it is.
+    exponents, errors (k,): growth rates [1/s]; t (T,): times [s]; running (T, k): the means up to
+    these times [1/s]; rates (T, k): of the pieces between these [1/s]; transient: time left out at
+    the start [s]; zero_one: the 0-1 test of the velocity of the tail's link, dimensionless, about 0
+    for regular and about 1 for chaotic motion, not-a-number where the samples are too few;
+    divergence: mean of the trace of the Jacobian [1/s], at which volumes of the state's numbers
+    grow, not-a-number unless all exponents were asked for; zeros: how many exponents are zero for
+    every motion, by reason; notes: what else to know; scene: the scene that moves.
 
     Examples
     --------
@@ -104,27 +104,27 @@ def lyapunov_exponents(
 ) -> Exponents:
     """Return the Lyapunov exponents of the motion of a scene from its initial state on.
 
-    Lengths of tangents are those of the state's numbers. Where all exponents are asked for, they
-    are those of the metric of kinetic energy, in which a motion without damping keeps volumes. An
-    error has a standard error by batch means in it, widened where these are correlated, half the
-    difference of both halves of the time, and what an exponent of zero may look like at the end of
-    such a span.
+    Tangents are measured by the numbers of the state. If all exponents are computed, tangents are
+    measured by kinetic energy, and a motion without damping then keeps volumes. The error of an
+    exponent has three parts: the standard error of batch means, larger if these are correlated;
+    half the difference between both halves of the time; and the size that an exponent of zero may
+    have after such a span.
 
     Parameters
     ----------
     scene
         The scene.
     count
-        How many, from the largest on; all of the state if not given.
+        Number of exponents, from the largest on. By default all are computed.
     span
-        Seconds of motion; those of the scene if not given.
+        Length of the motion [s]. By default it is the span of the scene.
     transient
-        Seconds at its start that are left out of the means, in which tangents find their
-        directions; a tenth if not given.
+        Time at the start that is left out of the means [s], while tangents find their directions.
+        By default it is a tenth of the span.
     model
         A module that `build` has made before.
     progress
-        Called with the time [s].
+        A function that is called with the time [s].
 
     Returns
     -------
@@ -134,9 +134,9 @@ def lyapunov_exponents(
     Raises
     ------
     SceneError
-        For what is not possible.
+        For values that cannot be used.
     AnalysisError
-        Where the motion cannot go on.
+        If the motion cannot be continued.
 
     Examples
     --------

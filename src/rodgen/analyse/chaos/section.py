@@ -30,18 +30,19 @@ def poincare_section(
 ) -> xarray.Dataset:
     """Return the states of a motion where a quantity crosses a level.
 
-    Crossings are found as events of the run are, on its dense output, and not between samples.
+    Crossings are found like events of a run, on its dense output. They do not depend on samples.
 
     Parameters
     ----------
     motion
-        A scene, which is run over its span, or a run, which is made again from its start.
+        A scene, which is run over its span, or a `Solution`, whose run is repeated.
     where
-        The quantity, a state or a derived one as events name it, such as phi_0, omega_3 or tip_y.
+        Name of the quantity, as in an event: phi_0, omega_3 or tip_y, for example.
     rising, falling, either
-        One of them: the level in its unit, and in which direction it is crossed.
+        One of these: the level, in the unit of the quantity, and the direction in which it is
+        crossed.
     transient
-        Seconds at the start whose crossings are left out.
+        Time at the start whose crossings are left out [s].
 
     Returns
     -------
@@ -51,9 +52,9 @@ def poincare_section(
     Raises
     ------
     SceneError
-        For what cannot be crossed so.
+        For a quantity that does not exist, or without exactly one level.
     RunError
-        Where the run fails.
+        If the run fails.
 
     Examples
     --------

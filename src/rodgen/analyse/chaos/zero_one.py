@@ -19,25 +19,27 @@ FREQUENCIES = np.pi / 5, 4 * np.pi / 5  # away from resonances of the sampling
 def zero_one_test(series: ArrayLike, *, count: int = 100, seed: int = 0) -> float:
     """Return K of a series: about 0 for regular, about 1 for chaotic motion.
 
-    The series drives a walk in a plane that turns by c from sample to sample. Its mean square
-    displacement, less the part that oscillates, grows with the lag where the motion is chaotic. K
-    is the median over ``count`` frequencies c of the correlation of displacement and lag. Samples
-    that follow one another too closely look regular: a few in a period are best. Source: G. A.
-    Gottwald, I. Melbourne, SIAM J. Appl. Dyn. Syst. 8 (2009) 129-145.
+    The series drives a walk in a plane, which turns by an angle c from sample to sample. If the
+    motion is chaotic, the mean square displacement of the walk (less the part that oscillates)
+    grows with the lag. K is the median, over ``count`` angles c, of the correlation between
+    displacement and lag. Samples too close in time look regular: a few in a period are best.
+    Source: G. A. Gottwald, I. Melbourne, SIAM J. Appl. Dyn. Syst. 8 (2009) 129-145.
 
     Parameters
     ----------
     series
-        Samples (T,), evenly spaced in time.
+        Samples (T,), evenly spaced in time, in units of any kind: a multiple of the series has the
+        same K.
     count
-        How many frequencies.
+        Number of angles c.
     seed
-        Of the random numbers that choose them.
+        Seed of the random numbers that choose them.
 
     Returns
     -------
     float
-        K; not-a-number for a series that is not finite, zero for one that does not vary.
+        K, dimensionless: about 0 for regular and about 1 for chaotic motion, not-a-number for a
+        series that is not finite, zero for one that does not vary.
 
     Raises
     ------

@@ -69,7 +69,7 @@ def continue_cycles(
     target: str | None = None,
     watch: Callable[[float], None] = lambda value: None,
 ) -> xarray.Dataset:
-    """Follow the branch of cycles of a scene along one number of it, stable or not.
+    """Follow a branch of limit cycles, stable or not, while one number of a scene changes.
 
     Parameters
     ----------
@@ -78,29 +78,27 @@ def continue_cycles(
     key
         The number, named as in a study, such as loads.follower.force.
     ends
-        Between which it is varied.
+        First and last value of the number, in SI units.
     start
-        "hopf", the first Hopf point from the first end on, of the equilibrium of the straight rod;
-        "run", the cycle that the scene settles on at its own value; a cycle that was found (from
-        these two the branch is followed both ways); or a branch of equilibria of
-        `continue_equilibria`, from whose Hopf point ``at`` (1 is the first special point) cycles
-        begin.
+        Where the branch begins. "hopf": in the first Hopf point of the straight rod. "run": with
+        the cycle on which the scene settles; the branch is then followed both ways. A `Cycle`:
+        with this cycle, both ways. A branch of `continue_equilibria`: in its Hopf point ``at``
+        (1 is the first special point).
     resume, at
-        A branch of the same scene and key that is gone on with from its point ``at``, in its
-        direction.
+        An earlier branch of the same scene and key, which is continued from its point ``at``.
     switch
-        Follow, instead of it, the branch that begins in the special point of this number (1 is the
-        first): a branch point, or a period doubling, from which cycles of twice the period go.
+        Number of a special point, from 1. The branch that begins there is followed instead: the
+        other branch of a branch point, or the cycles of twice the period of a period doubling.
     segments
-        As `find_cycle` has them.
+        Number of parts into which the period is cut, as in `find_cycle`.
     step
-        The longest along the branch.
+        Length of the longest step along the branch, dimensionless.
     most
-        Points, each way.
+        Largest number of points, each way.
     target
         "c" or "numpy"; if not given, C where it can be built.
     watch
-        Called with every value.
+        A function that is called with every value, in SI units.
 
     Returns
     -------
@@ -115,11 +113,11 @@ def continue_cycles(
     Raises
     ------
     SceneError
-        For what cannot be varied so.
+        For a key that cannot be varied, and for values that are not allowed.
     AnalysisError
-        Where there is nothing to begin with.
+        If there is no cycle or Hopf point to begin with.
     BranchInterrupted
-        On Ctrl-C, with what there is.
+        On Ctrl-C. It carries the points so far.
 
     Examples
     --------

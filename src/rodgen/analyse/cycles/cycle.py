@@ -23,25 +23,27 @@ STABLE = 1e-7  # by which a multiplier may exceed 1: beyond it, a cycle is unsta
 class Cycle(Shown):
     """A periodic motion.
 
-    scene: with loads as they are then, and starting on it; t: the time of y0 [s], which counts
-    under loads that repeat; period [s]; y0: a state on it (states,); multipliers: Floquet
-    multipliers, the largest first, of the states that count: where nothing depends on the place of
-    joint 0 (and, without drag, on its velocity), these states have none; trivial: how many of them
-    are 1 by symmetry (one in time, one where the rod may be turned; one for each conserved
-    quantity); trivial_error: the largest difference of these from 1, a measure of the error of all;
-    angle: by which the rod as a whole is turned after a period [rad]; energy: of y0 [J];
+    scene: the scene with the loads of the cycle, starting on it; t: time of y0 [s], which counts if
+    loads repeat; period: of the motion [s]; y0: a state on the cycle (states,), in SI units;
+    multipliers: Floquet multipliers, the largest first (the place of joint 0 has none if nothing
+    depends on it, and without drag its velocity neither); trivial: how many of them are 1 by
+    symmetry (one for time, one if the rod may be turned, one for each conserved quantity);
+    trivial_error: the largest difference of these from 1, dimensionless, a measure of the error of
+    all; angle: by which the rod as a whole is turned after a period [rad]; energy: of y0 [J];
     amplitude: the largest deviation of an angle from its mean [rad]; forced: whether the period is
-    that of the loads, or a whole number of them; residual: of the closing, over the size of the
-    motion; iterations: of Newton's method; by: "collocation" or "shooting"; error: of the period
-    and the larger multipliers, as collocation sees it from two meshes; after: of the run that led
-    to it [s].
+    that of the loads, or a whole multiple of it; residual: how far the motion is from closing, over
+    its size, dimensionless; iterations: number of Newton's corrections; by: "collocation",
+    "shooting" or "picard"; error: of the period and the larger multipliers, relative,
+    dimensionless, from two meshes of collocation; after: length of the run that led to the cycle
+    [s]; model: the generated module, if it is there already; orbit: the mesh of the motion, from
+    which branches go on.
 
     Examples
     --------
     >>> import rodgen
     >>> cycle = rodgen.find_cycle(rodgen.Scene.example("beck_after_flutter"))
-    >>> cycle.stable, bool(abs(cycle.nontrivial[0]) < 1)
-    (True, True)
+    >>> cycle.stable, bool(abs(cycle.nontrivial[0]) < 1), cycle.drift.tolist()
+    (True, True, [0.0, 0.0])
     """
 
     scene: Scene

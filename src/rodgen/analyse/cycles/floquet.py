@@ -45,11 +45,12 @@ CLOSED, FAR = 1e-9, 30.0  # of the state: a motion is periodic, and is none that
 class Floquet(Shown):
     """Multipliers of a periodic motion, the largest first.
 
-    multipliers (k,): factors by which small changes of the state grow in a period; period [s]; y:
-    the state (states,) at the start of the span, to which the motion returns; error: of the
-    larger multipliers, relative to the largest; closed: how far the motion is from its start after
-    a period; places: of the numbers in y that the multipliers are of (of a rod that flies, those
-    beside its place).
+    multipliers (k,): factors by which small changes of the state grow in a period; period: of the
+    motion [s]; y: the state (states,) at the start of the span, in SI units, to which the motion
+    returns; error: of the larger multipliers, relative to the largest, dimensionless; closed: how
+    far the motion is from its start after a period, over 1 + its largest number, dimensionless;
+    places: indices in y of the numbers whose changes are followed (without the place of a rod that
+    flies).
 
     Examples
     --------
@@ -66,6 +67,8 @@ class Floquet(Shown):
     >>> found = rodgen.floquet(scene)
     >>> found.multipliers.shape, found.stable
     ((2,), True)
+    >>> round(found.modulus, 6), 0 < found.argument < 3.142
+    (1.0, True)
     """
 
     multipliers: Complex
@@ -82,12 +85,13 @@ class Floquet(Shown):
 
     @property
     def modulus(self) -> float:
-        """Of the largest multiplier."""
+        """Absolute value of the largest multiplier, dimensionless."""
         return float(np.abs(self.multipliers[0]))
 
     @property
     def argument(self) -> float:
-        """Of the largest multiplier, from 0 to pi [rad]: 0 grows with the period, pi with twice."""
+        """Angle of the largest multiplier in the complex plane [rad], from 0 to pi: at 0 a change
+        grows with the period, at pi with twice the period."""
         return float(abs(np.angle(self.multipliers[0])))
 
     @property
@@ -113,21 +117,20 @@ def floquet(
 ) -> Floquet:
     """Return the multipliers of the periodic motion of a scene under its periodic loads.
 
-    Rest is such a motion, too.
-
-    The place of a free rod that its motion does not depend on is left out.
+    Rest is such a motion, too. The place of a free rod is left out if its motion does not depend on
+    it.
 
     Parameters
     ----------
     scene
         The scene.
     period
-        Seconds; found from the sines in the loads if not given.
+        Period [s]. By default it is found from the sines in the loads.
     y
-        A state near which the motion is looked for; that of rest in the shape of the initial state
-        if not given, else in the equilibrium of the start.
+        A state (states,) near the motion, in SI units. By default it is rest, in the shape of the
+        initial state if the scene has one, else in equilibrium.
     segments
-        Of the period, between which tangents begin anew.
+        Number of parts of the period. Tangents begin anew in each.
     model
         A module that `build` has made before.
 
@@ -139,9 +142,9 @@ def floquet(
     Raises
     ------
     SceneError
-        For what is not possible.
+        For values that cannot be used.
     AnalysisError
-        Where there is no such motion.
+        If there is no periodic motion.
 
     Examples
     --------

@@ -193,13 +193,13 @@ def continue_mode(
     mode
         Number of the mode, 1 is the slowest.
     energy
-        Above that of rest [J], up to which the family is followed.
+        Energy above rest [J], up to which the family is followed.
     segments
-        As `find_cycle` has them.
+        Number of parts into which the period is cut, as in `find_cycle`.
     step
-        The longest along the family.
+        Length of the longest step along the family, dimensionless.
     most
-        Points.
+        Largest number of points.
     target
         "c" or "numpy"; if not given, C where it can be built.
 
@@ -216,9 +216,9 @@ def continue_mode(
     SceneError
         For a scene with dissipation or changing loads.
     AnalysisError
-        Where there is no family.
+        If no family of motions is found.
     BranchInterrupted
-        On Ctrl-C, with what there is.
+        On Ctrl-C. It carries the points so far.
 
     Examples
     --------
@@ -296,7 +296,7 @@ def nonlinear_mode(
     segments: int = SEGMENTS,
     target: str | None = None,
 ) -> Cycle:
-    """Return the periodic motion with an energy [J] above rest, of the family of a linear mode.
+    """Return the periodic motion with a given energy, of the family of a linear mode.
 
     Parameters
     ----------
@@ -305,9 +305,9 @@ def nonlinear_mode(
     mode
         Number of the mode, 1 is the slowest.
     energy
-        Above that of rest [J].
+        Energy above rest [J].
     segments
-        As `find_cycle` has them.
+        Number of parts into which the period is cut, as in `find_cycle`.
     target
         "c" or "numpy"; if not given, C where it can be built.
 
@@ -321,7 +321,7 @@ def nonlinear_mode(
     SceneError
         For a scene with dissipation or changing loads.
     AnalysisError
-        Where there is no such motion.
+        If there is no motion with this energy.
 
     Examples
     --------

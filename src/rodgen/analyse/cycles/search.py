@@ -62,30 +62,30 @@ def find_cycle(
 ) -> Cycle:
     """Return the periodic motion that a scene settles on, with its Floquet multipliers.
 
-    The scene is run from its initial state over its span, and on where it has not settled, up to 16
-    spans. From where it comes back to itself Newton's method goes on. Loads that repeat give the
-    period, which may be a whole number of theirs; loads that come to rest are taken as they are at
-    the end of the span. A cycle may come back moved and turned where nothing depends on that; a rod
-    that turns over and over comes back turned by whole turns. Without dissipation nothing settles:
-    then it is the motion of the nonlinear mode that has most of the energy of the initial state,
-    with that energy (see `nonlinear_mode`).
+    The scene runs from its initial state over its span, or up to 16 spans until it settles. When
+    the motion comes back to itself, Newton's method takes over. Loads that repeat give the period,
+    or a whole multiple of it. Loads that come to rest are taken as they are at the end of the span.
+    A cycle may come back in another place and direction if nothing depends on these; a rod that
+    turns over and over comes back turned by whole turns. Without dissipation no motion settles. The
+    result is then the nonlinear mode that has most of the energy of the initial state, at that
+    energy (see `nonlinear_mode`).
 
     Parameters
     ----------
     scene
         The scene.
     by
-        "collocation", on a mesh of the period that becomes finer until that changes nothing;
-        "shooting", in so many segments; or "picard", Newton's method for so many leading
-        multipliers and Picard's iteration for the rest. If not given, what segments or multipliers
-        belong to, else collocation up to 100 states that count, and "picard" beyond.
+        "collocation": on a mesh of the period, refined until nothing changes. "shooting": in equal
+        segments. "picard": Newton's method in the directions of the leading multipliers, Picard's
+        iteration for the rest. By default, the method to which ``segments`` or ``multipliers``
+        belong, else collocation up to 100 states that count, and "picard" beyond.
     segments
-        Equal parts of the period, of shooting.
+        Number of equal parts of the period, for "shooting".
     multipliers
-        How many leading ones are computed, of "picard"; 10, if not given.
+        Number of leading multipliers, for "picard". The default is 10.
     y0, period
-        A state (states,) near a cycle, stable or not, and nearly its period [s], from which
-        Newton's method begins instead.
+        A state (states,) near a cycle, stable or not, and its approximate period [s]. Newton's
+        method then begins there, without a run.
     target
         "c" or "numpy"; if not given, C where it can be built.
 
@@ -99,7 +99,7 @@ def find_cycle(
     SceneError
         For values that cannot be used.
     AnalysisError
-        Where the motion comes to rest or does not settle, and where Newton's method finds no cycle.
+        If the motion comes to rest or does not settle, or if Newton's method finds no cycle.
 
     Examples
     --------

@@ -33,7 +33,7 @@ from rodgen.analyse.precision.rows import cheapest, front
 from rodgen.integrate.stability import LIMITS, dominant, limit
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.errors import check_type
-from rodgen.shown import Told
+from rodgen.shown import Shown
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -135,16 +135,17 @@ def _tightest(job: Job, method: str, seconds: float) -> Solved:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class WorkPrecision(Told):
+class WorkPrecision(Shown):
     """Errors and run times of methods and settings on a scene.
 
-    rows: one for each setting, loose to tight by method, with `who`, `method`, `kind` ("step" or
-    "rtol") and `setting`, `seconds`, `error_phi` [rad], `error_tail` [m], `error_modes` [rad],
-    `error_energy`, counts, and `failed`, why a setting came to nothing; reference: method, order
-    and tolerance of the reference solution, and by what it is checked; trusted: its own error
-    estimate of every measure, below which errors mean nothing; limits: largest stable step [s] by
-    explicit method at the start of the scene, 0 where no step is stable, infinite where any is;
-    measure: what errors are held by, `error_phi`, or `error_tail` of a rod that does not turn.
+    scene: the scene; rows: one for each setting, loose to tight by method, with `who`, `method`,
+    `kind` ("step" or "rtol") and `setting`, `seconds`, `error_phi` [rad], `error_tail` [m],
+    `error_modes` [rad], `error_energy`, counts, and `failed`, why a setting came to nothing;
+    reference: method, order and tolerance of the reference solution, and the method that checks it;
+    trusted: error of the reference in every measure, in its unit [rad or m], below which errors
+    mean nothing; limits: largest stable step of every explicit method at the start of the scene
+    [s], 0 if no step is stable, infinite if any is; measure: the measure of errors, `error_phi`, or
+    `error_tail` for a rod that does not turn.
 
     Examples
     --------
@@ -152,6 +153,10 @@ class WorkPrecision(Told):
     >>> found = rodgen.work_precision(rodgen.Scene.example("missile"), seconds=2.0)
     >>> found.measure, "dop853" in {row["method"] for row in found.rows}
     ('error_phi', True)
+    >>> found.front()[-1]["error_phi"] < 1e-6, found.cheapest(1e-3)["seconds"] < 1
+    (True, True)
+    >>> len(found.table) == len(found.to_dict()["rows"]) == len(found.rows)
+    True
     """
 
     scene: Scene
@@ -173,12 +178,19 @@ class WorkPrecision(Told):
         return DataFrame(self.rows)
 
     def front(self, measure: str | None = None) -> list[Row]:
-        """Rows than which none is both faster and closer, by rising seconds."""
+        """Rows than which none is both faster and closer, by rising seconds.
+
+        measure: of errors, by default that of the result.
+        """
         measure = measure or self.measure
         return front(self.rows, measure, self.trusted[measure] or 0.0)
 
     def cheapest(self, error: float, measure: str | None = None, **of: str) -> Row | None:
-        """The fastest row within an error, of those with certain entries such as method="rk4"."""
+        """The fastest row within an error; None if there is none.
+
+        error: the largest that is allowed, in SI units; measure: of errors, by default that of the
+        result; of: entries that the row must have, such as method="rk4".
+        """
         rows = (row for row in self.rows if all(row[key] == value for key, value in of.items()))
         return cheapest(rows, error, measure or self.measure)
 
@@ -202,17 +214,18 @@ def work_precision(
 ) -> WorkPrecision:
     """Measure errors against run time, of rodgen's methods in C and SciPy's on the same rates.
 
-    Errors are held against a solution by another family of methods at its tightest tolerance, of
-    which a third family tells how good it is. A scene's events take no part.
+    Errors are differences from a solution by another family of methods at its tightest tolerance. A
+    third family tells how good this reference is. Events of the scene are left out.
 
     Parameters
     ----------
     scene
         The scene.
     seconds
-        About how long that takes besides making the module, a share for every method.
+        About how long the measurement takes [s], shared by all methods. Making the module comes on
+        top.
     progress
-        Told the method that is tried.
+        A function that is called with the method that is tried.
 
     Returns
     -------
@@ -226,7 +239,7 @@ def work_precision(
     BuildError
         Without a C compiler.
     AnalysisError
-        Where there is no reference in time.
+        If no reference is found in this time.
 
     Examples
     --------

@@ -116,7 +116,7 @@ class LoopWriter:
             return
         if st.kind == TOTAL:
             terms = str(st.expr)
-            count = self._arrays[terms][0]
+            count = self._analysis.statements[terms].count
             if count < 1:
                 group.numbers += [st.name] if laned else []
                 lines.append((f"{'' if laned else 'const double '}{st.name}{lane} = 0.0;", laned))

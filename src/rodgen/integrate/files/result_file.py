@@ -228,7 +228,8 @@ def header_of(path: Path) -> Header:
                 raise ValueError("HDF5: from rodgen before 'rodgen 2'")
             header = read_header(file)
     except (OSError, ValueError) as error:
-        reason = str(error).splitlines()[0]
+        scene = Path(path).suffix == ".toml"
+        reason = "Scene.from_toml reads scenes" if scene else str(error).splitlines()[0]
         raise SceneError("file", str(path), f"a NetCDF file that can be read ({reason})") from None
     if header.attributes.get("format") not in (FORMAT, BEFORE):
         raise SceneError("file", str(path), f"written by rodgen (format {FORMAT!r})")

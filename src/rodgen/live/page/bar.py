@@ -103,11 +103,10 @@ class Bar:
     def refresh(self) -> None:
         """Show the run as it is now."""
         run, scene = self.page.run, self.page.scene
-        undone = [run.undo.next(forth) is not None for forth in (False, True)]
-        self.undo.set_enabled(undone[0])
-        self.redo.set_enabled(undone[1])
+        self._refresh_undo()
         here = (run.status, run.goes_round, run.message, run.taken, run.file)
-        now = (*here, run.live.rough, scene.integrate)
+        live = run.live
+        now = (*here, live.rough, live.settings, live.choice.method, scene.integrate)
         if now == self._now:
             return
         self._now = now
@@ -119,21 +118,29 @@ class Bar:
         self.failure.set_text(_told(run) if stopped else "")
         self.failure.set_visibility(stopped)
         self._list(scene.name)
-        own, used = scene.integrate, run.live.settings
+        own, used = scene.integrate, live.settings
         by = f"step {own.step:g} s" if own.fixed else f"rtol {own.rtol:g}"
-        method = run.live.choice.method
+        method = live.choice.method
         self.looking.set_text(
             f"For looking: {used.method} at rtol {used.rtol:g}, as real time is missed with "
             f"{method}, {by}."
         )
         self.back.set_text(f"Back to {method}, {by}")
-        self.rough.set_visibility(run.live.rough)
+        self.rough.set_visibility(bool(live.rough))
+
+    def _refresh_undo(self) -> None:
+        """Say what is undone next, and redone."""
+        buttons = (self.undo, "Undo", "Ctrl+z"), (self.redo, "Redo", "Ctrl+Shift+z")
+        for forth, (button, verb, key) in enumerate(buttons):
+            kept = self.page.run.undo.next(bool(forth))
+            button.set_enabled(kept is not None)
+            button.rename(f"{verb}{f': {kept.what}' if kept else ''} ({key})", verb.lower())
 
     # Scenes of the folder ----------------------------------------------------------------------
 
     def _first_file(self) -> str:
-        """The file of the folder that holds the scene of the run, or nothing."""
-        scene, folder = self.page.scene, self._folder
+        """The file of the folder that holds the scene that the run was made of, or nothing."""
+        scene, folder = self.page.run.undo.file, self._folder
         names = sorted(folder.names(), key=lambda name: name != scene.name)  # the likely one first
         for name in names[:MOST_COMPARED]:
             with suppress(SceneError):

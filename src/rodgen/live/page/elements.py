@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+import nicegui
 from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
@@ -21,7 +22,9 @@ from rodgen.model.term import DRAG, FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS
 
 STATIC = Path(__file__).parents[1] / "static"
+LIBRARY = Path(nicegui.__file__).parent / "static"
 SHEETS = "vendor/uPlot.min.css", "page.css"
+ICONS = STATIC / "vendor" / "icons.woff2"  # made by `--update` of tests/live/test_icons.py
 View = Literal["fixed", "centre", "axes"]
 
 
@@ -121,7 +124,8 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
     acts on joints), and "point": [x, y of the centre of gravity from the origin [m], angle of a
     principal axis [rad], gravity [m/s^2] (left out, or 0, where there is none)]. What a state does
     not have is not drawn. "trail" are places of the tail and the centre of gravity since
-    the message before, "trail!" all of them: [x, y of either in the world [m]] of every sample.
+    the message before, "trail!" all of them: [x, y of either in the world [m], t [s]] of every
+    sample.
 
     Props: show {name: bool} (see LAYERS), loads (those that are drawn, as the vocabulary has them),
     bodies [{name, link, along, across, size}] (see scene.along.Mark), ties [{link, share, x, y}]
@@ -198,14 +202,17 @@ class Plots(Element, component=STATIC / "plots.js"):
     each.
 
     A plot is zoomed by dragging over it, by the wheel with Ctrl or once it was clicked, by + - and
-    arrows; double click or 0 resets. While zoomed or paused, rows are kept and not shown.
+    arrows; double click or 0 resets. While paused, and while zoomed after a run has begun anew,
+    rows are kept and not shown.
 
     Props: specs, a list of plots as JSON, in the order shown: {"id", "kind" ("time", "phase",
-    "profile", "spectrum", "poincare"), "title", "x": {"label", "unit", "log", "period"}, "y":
-    {"label", "unit", "log"}, "series": [{"name", "label", "unit", "period"}], "window": s}; log:
-    whether the axis is logarithmic; period: by what a quantity jumps, 0 if it does not.
-    Events: "removed" {id}, "moved" {ids} (all, in the new order). Removing and moving is taken up
-    in specs before a handler is called.
+    "profile", "spectrum", "poincare"), "title", "x": {"label", "unit", "log", "least", "period",
+    "turn"}, "y": {"label", "unit", "log", "least"}, "series": [{"name", "label", "unit",
+    "period", "turn"}], "window": s, "wrapped"}; log: whether the axis is logarithmic; least: of
+    what moves by less, the scale is that of this; period: by what a quantity jumps; turn: the whole
+    turn of an angle, 0 if it has none; wrapped: whole turns are not shown.
+    Events: "removed" {id}, "moved" {ids} (all, in the new order), "wrapped" {id, wrapped}. They are
+    taken up in specs before a handler is called.
     Rows that come before their plot are kept for it.
     """
 
@@ -214,6 +221,7 @@ class Plots(Element, component=STATIC / "plots.js"):
         self.put([])
         _listen(self, "removed", ["id"], lambda e: self.drop(str(e["id"])))
         _listen(self, "moved", ["ids"], lambda e: self._arrange(e["ids"]))
+        _listen(self, "wrapped", ["id", "wrapped"], lambda e: self._wrap(e["id"], e["wrapped"]))
 
     @property
     def specs(self) -> list[dict[str, Any]]:
@@ -232,8 +240,17 @@ class Plots(Element, component=STATIC / "plots.js"):
         place = {plot: k for k, plot in enumerate(ids)} if isinstance(ids, list) else {}
         self.put(sorted(self.specs, key=lambda spec: place.get(spec["id"], len(place))))
 
+    def _wrap(self, plot: Any, wrapped: Any) -> None:
+        one = {"wrapped": bool(wrapped)}
+        self.put([spec | one if spec["id"] == plot else spec for spec in self.specs])
+
     def on_removed(self, handler: Callable[[str], None]) -> None:
         _listen(self, "removed", ["id"], lambda e: handler(str(e["id"])))
 
     def on_moved(self, handler: Callable[[list[str]], None]) -> None:
         _listen(self, "moved", ["ids"], lambda e: handler([str(plot) for plot in e["ids"]]))
+
+    def on_wrapped(self, handler: Callable[[str, bool], None]) -> None:
+        _listen(
+            self, "wrapped", ["id", "wrapped"], lambda e: handler(str(e["id"]), bool(e["wrapped"]))
+        )

@@ -12,23 +12,20 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import nicegui
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from rodgen.integrate.solution import Solution
 from rodgen.live.catalogue import Catalogue
-from rodgen.live.page.elements import SHOWN, STATIC, arrows_of, style
+from rodgen.live.page.elements import ICONS, LIBRARY, SHOWN, STATIC, arrows_of, style
 from rodgen.live.page.plots import first_plots
 from rodgen.live.page.rod import description, drawn_of, first_view
 from rodgen.live.replay import Replay, replay
 from rodgen.scene import Scene, SceneError
 
 GENERATOR = "rodgen view --export"
-PAGE, RUN, ICONS, PLOTTER = "index.html", "run.js", "icons.woff2", "uPlot.iife.min.js"
-FILES = {PAGE, RUN, ICONS, PLOTTER}
-LIBRARY = Path(nicegui.__file__).parent / "static"
+PAGE, RUN, PLOTTER = "index.html", "run.js", "uPlot.iife.min.js"
+FILES = {PAGE, RUN, ICONS.name, PLOTTER}
 VUE = "vue.esm-browser.prod.js"
-ICON_FONT = re.compile(r'"Material Icons";[^}]*url\(([^)]*)\)')
 ICON = (
     "@font-face { font-family: 'Material Icons'; src: url(%s); }\n"
     ".material-icons { font: normal 20px 'Material Icons'; display: inline-block; }\n"
@@ -74,15 +71,13 @@ def _refused(folder: Path, allowed: str) -> SceneError:
 
 
 def _write(folder: Path, scene: Scene, recorded: Replay) -> None:
-    icons = ICON_FONT.search((LIBRARY / "fonts.css").read_text("utf-8"))
-    assert icons is not None
-    shutil.copyfile(LIBRARY / icons[1].strip("'\""), folder / ICONS)
+    shutil.copyfile(ICONS, folder / ICONS.name)
     shutil.copyfile(STATIC / "vendor" / PLOTTER, folder / PLOTTER)
     (folder / RUN).write_text(f"window.rodgenRun = {_run(scene, recorded)};\n", "utf-8")
     template = Environment(
         loader=FileSystemLoader(STATIC), autoescape=True, undefined=StrictUndefined
     ).get_template("replay.html")
-    styles = [style(), ICON % ICONS]
+    styles = [style(), ICON % ICONS.name]
     modules = json.dumps({"imports": dict(_modules())})
     text = template.render(title=scene.name, generator=GENERATOR, styles=styles, modules=modules)
     (folder / PAGE).write_text(text, "utf-8")

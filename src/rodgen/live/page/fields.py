@@ -105,7 +105,7 @@ class Entry:
 
     def compare(self, text: str, filed: str | None) -> None:
         """Say what the scene's file has, where that is another value; None: it has none."""
-        said = f"in the file: {filed}" if filed is not None and filed != text else None
+        said = None if filed in (None, text) else f"in the file: {filed or 'none'}"
         if said == self.field.props.get("hint"):
             return
         self.field.props.pop("hint", None)

@@ -9,7 +9,8 @@ from nicegui import ui
 from rodgen.live.page.fields import dialog
 
 SPACE = "space"
-# What takes keys while it has the focus: static/rod.js, static/timeline.js.
+# What takes keys while it has the focus: static/rod.js, static/timeline.js,
+# static/chart_pointer.js.
 IN_FOCUS = {
     "The rod, in focus": {
         "← → ↑ ↓": "Move the picture",
@@ -23,6 +24,11 @@ IN_FOCUS = {
         "page up, page down": "A tenth of the line",
         "Home, End": "The first sample, the present",
         "a, b": "Ends of the loop",
+    },
+    "A plot, in focus": {
+        "+ −": "Zoom, as the wheel does",
+        "← →": "Move along it",
+        "0": "All of it, as a double click does",
     },
 }
 

@@ -1,8 +1,9 @@
-"""Mode shapes drawn over the rod, about the state that it has when they are asked for."""
+"""Mode shapes drawn over the rod, about the state that is shown."""
 
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -12,28 +13,36 @@ from rodgen.live.page.fields import IconButton
 from rodgen.live.page.runs import PageRun
 from rodgen.live.run.aside import ASIDE, Answer, Errand
 
-COMPUTING = ""  # in the list, until there are modes
+COMPUTING = ""  # in the list, while there are no modes
 ASKED = "Mode shapes about the present state"
+AGAIN = 0.3  # seconds after which another state is looked for
+RESTS = 3  # times as long as modes took to be computed, until others are
 
 
 class ModeShapes:
-    """A button that has modes computed and shown, or takes them away; a list of them beside it."""
+    """A button that has modes computed and shown, or takes them away; a list of them beside it.
+    While they are shown, they follow the state that the page looks at, and the scene."""
 
     def __init__(self, page: PageRun, show: Callable[[dict[str, Any] | None], object]):
         """show: draws a mode, {re, im: displacements of the joints, x0, y0, ..., text}, or none."""
         self.page, self._show = page, show
+        self._on = False
         self._errand: Errand | None = None
+        self._of: object = None  # the state and the scene of the errand, or of the modes
+        self._begun = self._due = 0.0
         self._modes: list[dict[str, Any]] = []
         IconButton("waves", ASKED, self._toggle)
         self.list = ui.select({}, label="Mode", on_change=self._chosen)
         self.list.props("dense outlined options-dense").classes("rg-mode")
         self.list.set_visibility(False)
+        self._timer = ui.timer(AGAIN, self._follow, active=False)
         page.client.on_delete(self._drop)
 
     def hide(self) -> None:
         """Show none: they belong to another rod."""
         self._drop()
-        self._modes = []
+        self._on, self._of, self._modes = False, None, []
+        self._timer.deactivate()
         self.list.set_visibility(False)
         self._show(None)
 
@@ -43,21 +52,30 @@ class ModeShapes:
             self._errand = None
 
     def _toggle(self) -> None:
-        if self._modes or self._errand:
+        if self._on:
             self.hide()
             return
+        self._on, self._due = True, 0.0
         self.list.set_options({COMPUTING: "computing"}, value=COMPUTING)
         self.list.set_visibility(True)
+        self._timer.activate()
+        background_tasks.create(self._follow(), context=self.page.client)
+
+    async def _follow(self) -> None:
+        """Ask for the modes of the state that is shown, if those there are of another."""
+        if self._errand is not None or time.monotonic() < self._due:
+            return
         loop, run = asyncio.get_running_loop(), self.page.run
+        seen, begun, scene = await self.page.do(lambda: (run.seen, run.begun, run.live.placed))
+        t, y, p = float(seen.t[-1]), seen.y[-1].tolist(), seen.p.tolist()
+        if not self._on or self._errand is not None or self._of == (t, p, begun, scene):
+            return
 
         def told(answer: Answer) -> None:
             loop.call_soon_threadsafe(self._take, answer)
 
-        async def ask() -> None:
-            t, y = await self.page.do(lambda: (float(run.seen.t[-1]), run.seen.y[-1].tolist()))
-            self._errand = ASIDE.ask("modes", self.page.scene, told, t=t, y=y)
-
-        background_tasks.create(ask(), context=self.page.client)
+        self._of, self._begun = (t, p, begun, scene), time.monotonic()
+        self._errand = ASIDE.ask("modes", scene, told, t=t, y=y, p=p)
 
     def _take(self, answer: Answer) -> None:
         if self._errand is None or self.page.client.is_deleted:
@@ -67,19 +85,23 @@ class ModeShapes:
                 self.hide()
             self.page.say(answer.refused)
         elif answer.value is not None:
-            self._errand, self._modes = None, answer.value
+            now, self._errand = time.monotonic(), None
+            self._due = now + RESTS * (now - self._begun)
             with self.page.client:
-                self._offer()
+                self._offer(answer.value)
 
-    def _offer(self) -> None:
-        if not self._modes:
-            self.hide()
-            self.page.say("Nothing oscillates about this state")
-            return
-        names = {str(at): mode["name"] for at, mode in enumerate(self._modes)}
-        self.list.set_options(names, value="0")
-        self._show(self._modes[0])
+    def _offer(self, modes: list[dict[str, Any]]) -> None:
+        """Show one of these: the one that was chosen among those before."""
+        number = int(self.list.value or 0) if self._modes else 0
+        self._modes = modes
+        names = {str(at): mode["name"] for at, mode in enumerate(modes)} or {
+            COMPUTING: "nothing oscillates"
+        }
+        chosen = str(min(number, len(modes) - 1)) if modes else COMPUTING
+        self.list.set_options(names, value=chosen)
+        self._chosen()
 
     def _chosen(self) -> None:
-        if self._modes and self.list.value != COMPUTING:
-            self._show(self._modes[int(self.list.value)])
+        if self._on:
+            at = self.list.value
+            self._show(None if at in (None, COMPUTING) else self._modes[int(at)])

@@ -5,9 +5,10 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, MutableMapping
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
-from nicegui import app, ui
+from nicegui import Client, app, ui
 
 from rodgen.live.page.bar import Bar
 from rodgen.live.page.downloads import Downloads
@@ -75,6 +76,7 @@ class Page:
             await client.connected()
             if client.is_deleted:  # it was asked for, and never shown
                 return
+            client.on_connect(partial(_show_anew, client))  # whenever it comes back from now on
             # Once: the connection may be gone for a moment whenever it is looked for.
             tab = app.storage.tab
             run = self._sessions.claim(tab.get(RUN))
@@ -174,6 +176,15 @@ async def _is_left(run: LiveRun) -> bool:
             return True
         await asyncio.sleep(0.1)
     return False
+
+
+async def _show_anew(client: Client) -> None:
+    """Send a page that was cut off for a moment all its elements as they are: what it missed comes
+    to it behind what is newer, and would stay."""
+    while client.outbox.messages:  # what it missed
+        await asyncio.sleep(0.05)
+    for element in list(client.elements.values()):
+        element.update()
 
 
 def _set_shade() -> None:

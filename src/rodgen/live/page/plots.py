@@ -17,15 +17,13 @@ from rodgen.live.run.curves import DIRECTIONS
 from rodgen.live.run.plot_spec import AXES, PLOT_KINDS
 from rodgen.scene import SceneError
 
-ENERGIES = ("kinetic_energy", "spring_energy", "gravity_energy", "total_energy")
 OWN = "A quantity may be an expression: type it, such as phi_1 - phi_0 or d/dt(tip_x), and Enter."
 TITLE = {"title": "title (made from what is shown if empty)"}
-WRAPPED = {"wrapped": "angles"}
 # By kind of plot: what is asked, by the key of PlotSpec that it is for.
 FIELDS = {
-    "time": {"y": "quantities", "window": "window", **WRAPPED, **TITLE},
+    "time": {"y": "quantities", "window": "window", **TITLE},
     "difference": {"y": "quantities", "window": "window", **TITLE},
-    "phase": {"y": "quantity", "x": "over", "window": "window", **WRAPPED, **TITLE},
+    "phase": {"y": "quantity", "x": "over", "window": "window", **TITLE},
     "poincare": {
         "y": "quantity",
         "x": "over",
@@ -33,7 +31,6 @@ FIELDS = {
         "value": "reaches the value",
         "every": "and again after every further (never if empty)",
         "direction": "while it is",
-        **WRAPPED,
         **TITLE,
     },
     "profile": {"y": "kind of quantity", **TITLE},
@@ -42,7 +39,6 @@ FIELDS = {
 CHOSEN: dict[str, dict[Any, str]] = {  # and by the key, what can be chosen, in words
     "direction": dict(zip(DIRECTIONS, DIRECTIONS, strict=True)),
     "axes": AXES,
-    "wrapped": {False: "as they are", True: "within half a turn of zero"},
 }
 TYPED = {"window": "10", "value": "0", "every": "", "title": ""}  # and what stands there at first
 
@@ -57,6 +53,7 @@ class PlotsPanel:
             self.grid = Plots()
         self.grid.on_removed(self._removed)
         self.grid.on_moved(self._moved)
+        self.grid.on_wrapped(self._wrapped)
         if not page.run.plots and not page.run.greeted:
             for choice in first_plots(self.catalogue):
                 page.soon(partial(page.run.add_plot, choice))
@@ -67,7 +64,10 @@ class PlotsPanel:
         return self.page.run.catalogue
 
     def refresh(self) -> None:
-        """Show the plots that the run has now."""
+        """Show the plots that the run has now, and say what another rod does not have."""
+        lost, self.page.run.unplotted = self.page.run.unplotted, ()
+        if lost:
+            self.page.say(f"No longer plotted, as this scene has none: {', '.join(lost)}")
         specs = [plot.to_json() for plot in list(self.page.run.plots.values())]
         if specs != self.grid.specs:
             self.grid.put(specs)
@@ -78,6 +78,9 @@ class PlotsPanel:
 
     def _removed(self, name: str) -> None:
         self.page.soon(lambda: self.page.run.remove_plot(name))
+
+    def _wrapped(self, name: str, wrapped: bool) -> None:
+        self.page.soon(lambda: self.page.run.wrap_plot(name, wrapped))
 
     def _moved(self, ids: list[str]) -> None:
         self.page.soon(lambda: self.page.run.arrange_plots(ids))
@@ -178,5 +181,4 @@ def first_plots(catalogue: Catalogue) -> Iterator[dict[str, Any]]:
     """Plots that a page shows at first."""
     phi = catalogue.kinds["phi"]
     yield {"kind": "time", "y": list(dict.fromkeys((phi[0], phi[-1]))), "window": 10.0}
-    energies = [name for name in ENERGIES if name in catalogue.quantities]
-    yield {"kind": "time", "y": energies, "window": 10.0, "title": "energies"}
+    yield {"kind": "time", "y": ["energy"], "window": 10.0}

@@ -150,7 +150,7 @@ def usual(scene: Scene) -> tuple[float, float]:
     it: it swings in about two seconds on it; where it is clamped, the spring is at least as stiff
     as the rod. What flies is not braked."""
     rate, rod = 2 * math.pi / SWING, scene.rod
-    bending = float(scene.parameters["bending_stiffness"]) / rod.length**3
+    bending = scene.distribution.usual_stiffness / rod.length**3
     stiffness = max(scene.mass * rate**2, 3 * bending if scene.hold.clamped else 0.0)
     damping = 0.0 if scene.hold.translates else DAMPED * 2 * math.sqrt(stiffness * scene.mass)
     return float(f"{stiffness:.2g}"), float(f"{damping:.2g}")

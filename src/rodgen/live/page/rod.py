@@ -19,7 +19,7 @@ from rodgen.scene.contents import in_words
 
 SHOWN = "What is shown"
 MENU = f'auto-close=false role=dialog aria-label="{SHOWN}"'
-ENLARGED = {1: "true", 10: "× 10", 100: "× 100", 1000: "× 1000", 10_000: "× 10 000"}
+ENLARGED = {1: "as they are", 10: "× 10", 100: "× 100", 1000: "× 1000", 10_000: "× 10 000"}
 VIEWS = {"fixed": "fixed", "centre": "follows the centre of gravity", "axes": "turns with the axes"}
 
 

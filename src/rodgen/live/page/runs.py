@@ -216,12 +216,21 @@ class PageRun:
         )
 
     async def undo(self, forth: bool = False) -> None:
-        """Go back to the scene before the last change, or forth again. Raises SceneError."""
-        undo = self.run.undo
+        """Go back to the scene before the last change, or before the last kick or pull; or forth
+        again. Raises SceneError."""
+        run, undo = self.run, self.run.undo
         if (kept := undo.next(forth)) is None:
             return
         said = "redo" if forth else "undo"
-        act = self.run.take if kept.anew else lambda scene: self.run.change(scene, said)
+
+        def act(scene: Scene) -> None:
+            if kept.mark is not None:
+                run.back_to(kept.mark)
+            elif kept.anew:
+                run.take(scene)
+            else:
+                run.change(scene, said)
+
         await self.alter(lambda _: kept.scene, act, lambda before: undo.go(before, forth))
 
     async def alter(

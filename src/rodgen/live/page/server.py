@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import mimetypes
 import secrets
 import socket
 import webbrowser
@@ -13,13 +14,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
+import nicegui
 import uvicorn
 from fastapi import FastAPI, Response, WebSocket, WebSocketDisconnect
+from fastapi.middleware.gzip import GZipMiddleware
 from nicegui import app, background_tasks, ui
 
 from rodgen.live.page.answers import take_up
 from rodgen.live.page.bar import SKETCH
+from rodgen.live.page.elements import STATIC
 from rodgen.live.page.guard import OWN, TOKEN, Guard
+from rodgen.live.page.lean import replacements
 from rodgen.live.page.module_process import Modules
 from rodgen.live.page.page import ADDRESS, Page
 from rodgen.live.page.runs import Sessions
@@ -104,6 +109,9 @@ def _site(settings: Settings, modules: Modules, told: str, opened: str) -> FastA
         except SceneError as error:
             return Response(str(error), 404, media_type="text/plain")
 
+    for place, content in replacements().items():
+        _replace(site, place, content)
+
     async def begin() -> None:
         settings.said(told)
         background_tasks.create(_sweep(sessions))
@@ -115,14 +123,27 @@ def _site(settings: Settings, modules: Modules, told: str, opened: str) -> FastA
     ui.run_with(
         site,
         title="rodgen",
+        favicon=(STATIC / "icon.svg").read_text("utf-8"),
         dark=None,
         language="en-US",
         tailwind=False,
         reconnect_timeout=RECONNECT,
         binding_refresh_interval=None,
         show_welcome_message=False,
+        gzip_middleware_factory=None,
     )
+    site.add_middleware(GZipMiddleware)
     return site
+
+
+def _replace(site: FastAPI, place: str, content: bytes) -> None:
+    """Serve something in place of a file of NiceGUI."""
+    kind, _ = mimetypes.guess_type(place)
+
+    @site.get(f"/_nicegui/{nicegui.__version__}/static/{place}")
+    def answer() -> Response:
+        # Asked for again: another rodgen may have less left out.
+        return Response(content, headers={"Cache-Control": "no-cache"}, media_type=kind)
 
 
 async def _sweep(sessions: Sessions) -> None:

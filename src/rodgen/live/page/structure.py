@@ -95,7 +95,7 @@ class StructurePanel:
             await self.page.alter(
                 lambda scene: reshape(scene, form, starts),
                 run.restart,
-                lambda before: run.undo.note(before, "", anew=True),
+                lambda before: run.undo.note(before, "structure and initial state", anew=True),
             )
         except SceneError as error:
             named = (name for name in self.fields if f"{error.field}.".startswith(f"{name}."))

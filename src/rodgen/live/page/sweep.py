@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
@@ -28,8 +29,15 @@ class Sweep:
     """The range, which is swept as soon as it is chosen, and the diagrams; a click on a point of
     the stability map takes its value, on one of the equilibria its state as well."""
 
-    def __init__(self, page: PageRun, field: Field, reach: tuple[float, float]):
-        self.page, self.field, self._reach = page, field, reach
+    def __init__(
+        self,
+        page: PageRun,
+        field: Field,
+        reach: tuple[float, float],
+        mark: Callable[[float | None], object],
+    ):
+        """reach: the first range; mark: called with the critical value, or None."""
+        self.page, self.field, self._reach, self._mark = page, field, reach, mark
         self._errand: Errand | None = None
         self._loop = asyncio.get_running_loop()
         self.low, self.high = reach
@@ -37,7 +45,7 @@ class Sweep:
         with self._box.props(f'role="group" aria-label="{self.name}"'):
             self._range = ui.range(
                 min=0, max=STEPS, value={"min": 0, "max": STEPS}, on_change=self._dragged
-            ).props(f'dense throttle=200 aria-label="range of the {self.name}"')
+            ).props(f'dense throttle=200 aria-label="{self.name} from|{self.name} to"')
             with ui.element("div").classes("rg-ends"):
                 self._ends = [
                     Entry(end, plain(value), self._typed(at), unit=field.unit)
@@ -58,6 +66,7 @@ class Sweep:
     def close(self) -> None:
         """Take it from the page."""
         self._drop()
+        self._mark(None)
         self._box.delete()
 
     def _drop(self) -> None:
@@ -74,11 +83,19 @@ class Sweep:
 
     # The range ---------------------------------------------------------------------------------
 
+    def _places(self) -> dict[str, float]:
+        """Where on the slider the ends are."""
+        low, high = self._reach
+        ends = {"min": self.low, "max": self.high}
+        return {name: round(STEPS * (end - low) / (high - low)) for name, end in ends.items()}
+
     def _dragged(self) -> None:
         low, high = self._reach
-        places = self._range.value["min"], self._range.value["max"]
-        ends = [float(f"{low + place / STEPS * (high - low):.4g}") for place in places]
-        if ends != [self.low, self.high] and ends[0] < ends[1]:
+        places = self._range.value
+        if places == self._places() or not places["min"] < places["max"]:
+            return
+        ends = [float(f"{low + places[end] / STEPS * (high - low):.4g}") for end in ("min", "max")]
+        if ends[0] < ends[1]:
             self.low, self.high = ends
             for entry, value in zip(self._ends, ends, strict=True):
                 entry.show(plain(value))
@@ -93,6 +110,8 @@ class Sweep:
                     self.field.key, text, "ends of a range, the first below the second"
                 )
             self.low, self.high = ends
+            self._reach = min(self._reach[0], ends[0]), max(self._reach[1], ends[1])
+            self._range.set_value(self._places())
             self._start()
 
         return put
@@ -111,6 +130,10 @@ class Sweep:
     def _start(self) -> None:
         self._drop()
         self._clear()
+        self._mark(None)
+        ends = (f"{plain(end)} {self.field.unit}".strip() for end in (self.low, self.high))
+        self._range.props["aria-valuetext"] = "|".join(ends)
+        self._range.update()
         self._note.set_text("computing")
 
         def told(answer: Answer) -> None:
@@ -134,7 +157,9 @@ class Sweep:
         for value, growth, _, stable in part.get("rows", ()):
             if growth is not None:
                 self._map.points.append(Point(value, growth, stable))
-        self._critical = part.get("critical", self._critical)
+        if "critical" in part:
+            self._critical = part["critical"]
+            self._mark(self._critical)
         self._special = part.get("special", self._special)
         if branch := part.get("branch"):
             columns = (branch[key] for key in ("value", "away", "unstable", "state"))
@@ -178,17 +203,18 @@ class Sweep:
 
     async def _load(self, point: Point) -> None:
         changes = self.field.changes(point.value)
-        run = self.page.run
+        run, at = self.page.run, f"{self.field.key} = {plain(point.value)}"
 
         def there(scene: Scene) -> Scene:
             return with_state(edit(scene, changes), list(point.state))
 
         try:
             if point.state:
+                what = f"equilibrium at {at}"
                 await self.page.alter(
-                    there, run.restart, lambda before: run.undo.note(before, "", anew=True)
+                    there, run.restart, lambda before: run.undo.note(before, what, anew=True)
                 )
             else:
-                await self.page.change(changes, f"{self.field.key} = {plain(point.value)}")
+                await self.page.change(changes, at)
         except SceneError as error:
             self.page.say(str(error))

@@ -48,11 +48,12 @@ class Diagram:
         return LEFT + (value - self.low) / (self.high - self.low) * (WIDTH - LEFT - RIGHT)
 
     def nearest(self, x: float, y: float) -> Point | None:
-        """The point that is nearest to a place in the SVG."""
+        """The point that is nearest to a place in the SVG; of a curve over all values, without
+        states, the one below or above it."""
 
         def far(point: Point) -> float:
             across, down = self.at(point)
-            return (across - x) ** 2 + (down - y) ** 2
+            return (across - x) ** 2 + ((down - y) ** 2 if point.state else 0.0)
 
         return min(self.points, key=far, default=None)
 

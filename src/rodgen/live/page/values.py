@@ -18,6 +18,7 @@ from rodgen.scene.integration import AUTO
 
 THROTTLE = 0.04  # seconds between two values of a slider that is dragged
 STEPS = 1000  # of a slider
+MARKS = "marker-labels"  # prop of it
 SETTINGS = {"step": "s", "rtol": "", "atol": "", "output_every": "s"}
 
 
@@ -71,6 +72,7 @@ class Knob:
     def __init__(self, page: PageRun, field: Field):
         self.page, self.field, self._scale = page, field, scale_of(field)
         self._waiting: float | None = None  # where the slider is by now
+        self._critical: float | None = None  # that a sweep has found
         self.sweep: Sweep | None = None
         text = shown_of(field)
         with ui.element("div").classes("rg-knob") as self._box:
@@ -95,7 +97,18 @@ class Knob:
             return
         with self._box:
             low, high = self.field.reach(self._scale)
-            self.sweep = Sweep(self.page, self.field, (low, high))
+            self.sweep = Sweep(self.page, self.field, (low, high), self._mark)
+
+    def _mark(self, critical: float | None) -> None:
+        """Mark the value on the slider at which stability changes, if it reaches so far."""
+        self._critical = critical
+        low, high = self.field.reach(self._scale)
+        marks = []
+        if critical is not None and low <= critical <= high:
+            marks = [{"value": self._place(critical), "label": f"critical {critical:.4g}"}]
+        if self.slider is not None and self.slider.props.get(MARKS, []) != marks:
+            self.slider.props[MARKS] = marks
+            self.slider.update()
 
     def _place(self, value: float) -> float:
         """Where on the slider a value is."""
@@ -144,6 +157,7 @@ class Knob:
         ):
             self._scale = abs(value)
             self.slider.set_value(self._place(value))
+            self._mark(self._critical)
 
     async def _typed(self, text: str) -> None:
         try:
@@ -179,6 +193,7 @@ class Knob:
         low, high = field.reach(self._scale)
         if not low <= field.value <= high:
             self._scale = scale_of(field)
+            self._mark(self._critical)
         self._spoken(field.value)
         place = self._place(field.value)
         if self._waiting is None and self.slider.value != place:
@@ -227,7 +242,7 @@ class Parameters:
             await self.page.alter(
                 by_method,
                 lambda scene: run.change(scene, f"method {method}"),
-                lambda before: run.undo.note(before, "method"),
+                lambda before: run.undo.note(before, f"method {method}"),
             )
         except SceneError as error:
             self.page.say(str(error))
@@ -235,7 +250,7 @@ class Parameters:
 
     def _looking(self) -> None:
         run, on = self.page.run, bool(self.looking.value)
-        if on != run.live.rough:
+        if on != bool(run.live.rough):
             self.page.soon(lambda: run.roughen(on))
 
     def refresh(self) -> None:
@@ -261,6 +276,5 @@ class Parameters:
         self._settings["step"].field.set_visibility(settings.fixed)
         for name in ("rtol", "atol"):
             self._settings[name].field.set_visibility(not settings.fixed)
-        if self.looking.value != self.page.run.live.rough:
-            self.looking.set_value(self.page.run.live.rough)
+        self.looking.set_value(bool(self.page.run.live.rough))
         self.warned.set_text("; ".join(self.page.run.warnings))

@@ -34,15 +34,15 @@ def critical(scene: Scene) -> Work:
     yield critical_force(scene, t=scene.integrate.span[0]).force
 
 
-def modes(scene: Scene, t: float, y: list[float]) -> Work:
-    """Modes about the positions of a state at time t [s], for the page: names, displacements of the
-    joints x0, y0, ..., real and imaginary, and what is said of them."""
+def modes(scene: Scene, t: float, y: list[float], p: list[float]) -> Work:
+    """Modes about the positions of a state at time t [s], with the parameters p of the module, for
+    the page: names, displacements of the joints x0, y0, ..., real and imaginary, and what is said
+    of them."""
     if scene.rod.links > MOST_LINKS:
         links = scene.rod.links
         raise SceneError("rod.links", links, f"at most {MOST_LINKS} for modes on the page")
     model = build_fastest(scene)
-    p = model.parameters(**scene.parameters)
-    found = modes_about(model, t, np.array(y), p, MOST_MODES)
+    found = modes_about(model, t, np.array(y), np.array(p), MOST_MODES)
     named = [
         f"{k}: {hertz:.4g} Hz" + (", grows" if rate > GROWS * hertz else "")
         for k, (hertz, rate) in enumerate(zip(found.frequencies, found.growth, strict=True), 1)

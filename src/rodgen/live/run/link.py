@@ -59,18 +59,21 @@ class State:
 @dataclass(frozen=True)
 class Link:
     """A scene; plots, as PlotSpec.from_dict takes them; view of the rod; the state to begin in, or
-    None for its own."""
+    None for its own; file: the scene that it was made of by changes, or None where it is that."""
 
     scene: Scene
     plots: tuple[dict[str, Any], ...] = ()
     view: str = ""
     state: State | None = None
+    file: Scene | None = None
 
     def pack(self) -> str:
         """The link in letters, digits, - and _, for an address."""
         page: dict[str, Any] = {"plots": list(self.plots), "view": self.view}
         if self.state is not None and len(self.state.y) <= MOST_STATES:
             page["state"] = self.state.to_dict()
+        if self.file is not None:
+            page["file"] = self.file.to_dict()
         text = self.scene.to_toml() + "\n" + tomli_w.dumps({PAGE: page})
         return base64.urlsafe_b64encode(zlib.compress(text.encode(), 9)).decode().rstrip("=")
 
@@ -90,11 +93,13 @@ class Link:
         if not isinstance(page, dict):
             raise _refused(PAGE, page)
         plots, view, state = page.get("plots", []), page.get("view", ""), page.get("state")
+        file = Scene.from_dict(page["file"]) if "file" in page else None
         if not (isinstance(plots, list) and all(isinstance(one, dict) for one in plots)):
             raise _refused("page.plots", plots)
         if not isinstance(view, str):
             raise _refused("page.view", view)
-        return cls(scene, tuple(plots), view, None if state is None else State.from_dict(state))
+        begun = None if state is None else State.from_dict(state)
+        return cls(scene, tuple(plots), view, begun, file)
 
 
 def _refused(field: str, value: Any) -> SceneError:
@@ -102,8 +107,8 @@ def _refused(field: str, value: Any) -> SceneError:
 
 
 def link_to(run: LiveRun, view: str) -> Link:
-    """The scene of a run, its plots, a view, and the state that its page looks at. In the thread of
-    the run."""
+    """The scene of a run and that of its file, its plots, a view, and the state that its page looks
+    at. In the thread of the run."""
     sample, placed = run.seen, run.live.placed
     now = replace(sample, p=run.model.parameters(**placed.parameters))  # without a pull
     before, after = (
@@ -120,12 +125,14 @@ def link_to(run: LiveRun, view: str) -> Link:
         start=sample.start,
     )
     choices = ({key: plot[key] for key in plot if key != "id"} for plot in plots)
-    return Link(run.live.scene, tuple(choices), view, state)
+    scene, file = run.live.scene, run.undo.file
+    return Link(scene, tuple(choices), view, state, None if file == scene else file)
 
 
 def follow(run: LiveRun, link: Link) -> None:
     """Have a run of the scene of a link begin as that says. In the thread of the run. Raises
     SceneError for what cannot be had."""
+    run.undo.file = link.file or link.scene
     if link.state is not None:
         state, live = link.state, run.live
         if (len(state.y), len(state.work)) != (live.states, len(live.works)):

@@ -6,7 +6,6 @@ import itertools
 import math
 import time
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -18,7 +17,6 @@ from rodgen.live.run.critical import Critical
 from rodgen.live.run.marks import Marks
 from rodgen.live.run.page_state import PageState
 from rodgen.live.run.plot import Plot
-from rodgen.live.run.plot_spec import PlotSpec, transfer
 from rodgen.live.run.pulling import Pulling
 from rodgen.live.run.undo import Undo
 from rodgen.live.run.worker import FRAME, Pace, Worker
@@ -32,7 +30,6 @@ RUNNING, PAUSED, STOPPED = "running", "paused", "stopped"
 SLICE = 0.012  # seconds of a frame, for steps
 BEYOND = 1e6  # times the initial state, or 1
 MADE = 0.1  # of all energies, from which on what a balance lacks was made by the method
-MOST_PLOTS = 24
 
 
 class LiveRun(Worker, Pulling):
@@ -123,7 +120,7 @@ class LiveRun(Worker, Pulling):
             self._stop(failure)
         elif self.goes_round and self.past is None and self._ended:
             self.restart()
-        elif self.pace.missed and not (self.live.rough or self.strict):
+        elif self.pace.missed and not (self.live.coarsest or self.strict):
             self._roughen()
 
     def _took(self, samples: Samples) -> None:
@@ -150,11 +147,7 @@ class LiveRun(Worker, Pulling):
         if self.taken:
             self._keep()
         live, catalogue = Live(scene, model, self._every(scene)), Catalogue(scene, model)
-        plots = self.plots.values()
-        specs = [transfer(p.spec, self.new_name(), p.catalogue, catalogue) for p in plots]
-        self.plots = {spec.id: Plot(spec, catalogue) for spec in specs if spec}
-        for plot in self.plots.values():
-            plot.beside = self.ghost
+        self._transfer_plots(catalogue)
         self.model, self.live, self.catalogue = model, live, catalogue
         self.taken += 1
         self.strict = False
@@ -180,6 +173,7 @@ class LiveRun(Worker, Pulling):
         self.store = Store(live.states, live.works, live.energy_start)
         self.store.change(live.p, live.given)
         self.marks, self.past = Marks(), None
+        self.undo.begin()
         if self.status != RUNNING:
             self.status = PAUSED
         self.message = ""
@@ -258,12 +252,13 @@ class LiveRun(Worker, Pulling):
             self.strict = False
         if p is not self.live.p:
             self._changed_motion(what)
+            self._renew_plots()
             self.critical.look(scene)
         self._mended()
 
     def roughen(self, on: bool) -> None:
-        """Go on by a method and tolerances for looking, or by those of the scene, whatever time
-        that takes. Raises SceneError."""
+        """Go on by a method and coarser tolerances for looking, or by those of the scene, whatever
+        time that takes. Raises SceneError."""
         self.live.roughen(on)
         self.strict = not on
         used = self.live.settings
@@ -273,11 +268,13 @@ class LiveRun(Worker, Pulling):
         self._changed()
 
     def _roughen(self) -> None:
-        """Take a tolerance for looking, where that can be had."""
+        """Take a tolerance for looking, where that can be had; a loop goes on."""
+        around = self.goes_round
         try:
             self.roughen(True)
         except SceneError:
             self.strict = True
+        self.goes_round = around
 
     def _mended(self) -> None:
         """After a change, let a run that was stopped go on, if its state is of use."""
@@ -333,34 +330,6 @@ class LiveRun(Worker, Pulling):
         """Show the page the present again."""
         self.past = None
         self.page.touched()
-
-    # Plots -------------------------------------------------------------------------------------
-
-    def new_name(self) -> str:
-        """A name of a plot, unlike all before."""
-        return f"p{next(self._numbers)}"
-
-    def add_plot(self, choice: dict[str, Any]) -> None:
-        """Add a plot, which begins with what was before it. Raises SceneError."""
-        if len(self.plots) >= MOST_PLOTS:
-            raise SceneError("plots", len(self.plots) + 1, f"at most {MOST_PLOTS} on a page")
-        spec = PlotSpec.from_dict({**choice, "id": self.new_name()}, self.catalogue)
-        self.plots[spec.id] = plot = Plot(spec, self.catalogue)
-        plot.beside = self.ghost
-        self.page.added(plot, self.store.chunks())
-        self._changed()
-
-    def remove_plot(self, name: str) -> None:
-        """Remove the plot of this name, if it is there."""
-        self.plots.pop(name, None)
-        self.page.removed(name)
-        self._changed()
-
-    def arrange_plots(self, names: list[str]) -> None:
-        """Show the plots in another order."""
-        place = {name: at for at, name in enumerate(names)}
-        ordered = sorted(self.plots, key=lambda name: place.get(name, len(place)))
-        self.plots = {name: self.plots[name] for name in ordered}
 
     # What is taken away -------------------------------------------------------------------------
 

@@ -30,3 +30,8 @@ class Marks:
         if is_change and kept and kept[-1].what.startswith(f"{name} = "):
             kept = kept[:-1]
         self.every = (*kept[: MOST - 1], Mark(t, what))
+
+    def back_to(self, mark: Mark) -> None:
+        """Forget a mark, and those after it."""
+        kept = self.every[: self.every.index(mark)] if mark in self.every else self.every
+        self.every = tuple(one for one in kept if one.t <= mark.t)

@@ -147,15 +147,15 @@ class Trail:
             self._waiting = _halved(self._waiting)
 
     def take(self, model: ModuleType, store: Store) -> Array:
-        """Tail x, y and centre of gravity x, y [m], (K, 4), that the page is to be told of; none
-        of them waits from then on."""
+        """Tail x, y and centre of gravity x, y [m], and the time [s], (K, 5), that the page is to
+        be told of; none of them waits from then on."""
         chunks = _last(store.chunks(), TRAIL_AT_FIRST) if self.anew else self._waiting
         self._waiting, self.anew = [], False
         return _places(model, chunks)
 
 
 def _places(model: ModuleType, chunks: Sequence[Chunk]) -> Array:
-    found = [np.zeros((0, 4))]
+    found = [np.zeros((0, 5))]
     # In as few calls as there are sets of parameters: most chunks have a sample or two.
     for _, group in itertools.groupby(chunks, lambda chunk: id(chunk.p)):
         same = list(group)
@@ -164,7 +164,7 @@ def _places(model: ModuleType, chunks: Sequence[Chunk]) -> Array:
         with np.errstate(all="ignore"):  # a state may have stopped being finite
             tail = model.joints(y, p)[:, -1]
             centre = asked(model, "centre_of_gravity", t, y, p)
-        found.append(np.concatenate((tail, centre), axis=1))
+        found.append(np.column_stack((tail, centre, t)))
     return np.concatenate(found)
 
 

@@ -168,6 +168,7 @@ class PageState:
 
     def _message(self, run: LiveRun, frame: int) -> bytes:
         header: dict[str, Any] = {"frame": frame, "state": run.status, "begun": run.begun}
+        header["loops"] = run.goes_round
         arrays: list[Named] = []
         if np.isfinite(run.seen.y[-1]).all():
             header["t"] = float(run.seen.t[-1])
@@ -212,9 +213,10 @@ class PageState:
     def _plotted(self, run: LiveRun) -> list[Named]:
         """Rows of plots to send; what a page was not there for is kept until it is."""
         found: list[Named] = []
-        for name in self._compared & run.plots.keys():
-            rows = run.ghost.rows(run.plots[name]) if run.ghost else np.zeros(0)
-            found.append((f"ghost:{name}", rows.ravel()))
+        for name, plot in run.plots.items():
+            if name in self._compared or (run.ghost and plot.spec.kind == "profile"):
+                rows = run.ghost.rows(plot, run.seen) if run.ghost else np.zeros(0)
+                found.append((f"ghost:{name}", rows.ravel()))
         self._compared.clear()
         for name, plot in run.plots.items():
             waiting = self._rows.pop(name, [])

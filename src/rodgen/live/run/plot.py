@@ -9,13 +9,15 @@ from typing import Any, Protocol
 import numpy as np
 
 from rodgen.integrate.stepper import Array
-from rodgen.live.catalogue import KINDS, PERIODS, Catalogue, Shown
+from rodgen.live.catalogue import KINDS, PERIODS, TURNS, Catalogue, Shown
 from rodgen.live.run.curves import MOST_ROWS, Condition, Section, Window, spectrum, thin
 from rodgen.live.run.plot_spec import PlotSpec, title_of
 from rodgen.live.samples import Chunk
 
-TURN = 2 * np.pi
-FROM_START = "gravity_energy", "total_energy"  # over time: else a height far from zero swamps all
+# Over time energy in gravity counts from there: else a height far from zero swamps all.
+FROM_START = {"gravity_energy": "from the start", "total_energy": "with gravity from the start"}
+TURNED = "time", "phase", "poincare", "profile"  # plots of angles without their whole turns
+NO_JUMPS = {"period": 0.0, "turn": 0.0}
 MOST_SERIES = 200  # of one plot; of more, every k-th is shown
 SPECTRA = 0.25  # seconds of wall time between two
 PIECE = 1024  # samples that are taken at once
@@ -24,8 +26,8 @@ PIECE = 1024  # samples that are taken at once
 class Beside(Protocol):
     """A run to compare with."""
 
-    def values(self, names: tuple[str, ...], times: Array) -> Array:
-        """Quantities at times, (N, names); not-a-number where it has none."""
+    def values(self, names: tuple[str, ...], of: Catalogue, times: Array) -> Array:
+        """Quantities of a rod at times, (N, names); not-a-number where this run has none."""
 
 
 class Plot:
@@ -51,6 +53,7 @@ class Plot:
         period = PERIODS.get(spec.when, 0.0)
         condition = Condition(spec.value, spec.direction, spec.every, period)
         self._section = Section(condition)
+        self._least = {"x": catalogue.least([spec.x]), "y": catalogue.least(self.names)}
         self.reset()
 
     def reset(self) -> None:
@@ -59,7 +62,8 @@ class Plot:
         self._section.reset()
         self._before: Chunk | None = None
         self._due, self.owes = -np.inf, False
-        self._start: float | None = None  # energy in gravity at the start [J]
+        self.first: Chunk | None = None  # sample of the run, from which energies count
+        self._start = 0.0  # energy in gravity there [J]
 
     def feed(self, chunk: Chunk) -> Array | None:
         """Rows to append: t and what is shown at that time; or None where there are none (always
@@ -67,7 +71,7 @@ class Plot:
         if not len(chunk):
             return None
         rows = self._fed(chunk)
-        return self._wrapped(rows) if rows is not None and len(rows) else None
+        return rows if rows is not None and len(rows) else None
 
     def _fed(self, chunk: Chunk) -> Array | None:
         match self.spec.kind:
@@ -88,36 +92,25 @@ class Plot:
     def _offsets(self, chunk: Chunk) -> Array:
         """What the columns of a row over time are counted from, of the first sample of the run."""
         raised = np.isin(self._row, self._raised)
-        if self._start is None and raised.any():
-            first = chunk.some(slice(1))
-            self._start = float(self.catalogue.columns(("gravity_energy",), first)[0, 0])
-        return np.where(raised, self._start or 0.0, 0.0)
+        if self.first is None and raised.any():
+            self._count_from(chunk.some(slice(1)))
+        return np.where(raised, self._start, 0.0)
+
+    def _count_from(self, first: Chunk) -> None:
+        self.first = first
+        self._start = float(self.catalogue.columns(("gravity_energy",), first)[0, 0])
 
     @property
     def _raised(self) -> tuple[str, ...]:
         """Quantities that are counted from the start."""
         heavy = self.spec.kind == "time" and "gravity_energy" in self.catalogue.quantities
-        return FROM_START if heavy else ()
-
-    def _wrapped(self, rows: Array) -> Array:
-        """Rows with angles within half a turn of zero, where that was chosen."""
-        if not self.spec.wrapped:
-            return rows
-        turns = [self._period(name) for name in self._row[: rows.shape[1]]]
-        period = np.array([turn or np.inf for turn in turns])
-        with np.errstate(invalid="ignore"):  # of what is not finite
-            times = np.where(np.isfinite(period), np.round(rows / period), 0.0)
-        found: Array = rows - times * np.where(np.isfinite(period), period, 0.0)
-        return found
-
-    def _period(self, name: str) -> float:
-        """By what a quantity jumps in this plot; 0: it does not."""
-        turns = self.spec.wrapped and self.catalogue.quantities[name].unit == "rad"
-        return PERIODS.get(name, TURN if turns else 0.0)
+        return tuple(FROM_START) if heavy else ()
 
     def _less(self, rows: Array) -> Array:
         """The rows, less those of the run beside this one; not-a-number where there is none."""
-        rows[:, 1:] -= self.beside.values(self.names, rows[:, 0]) if self.beside else np.nan
+        rows[:, 1:] -= (
+            self.beside.values(self.names, self.catalogue, rows[:, 0]) if self.beside else np.nan
+        )
         return rows
 
     def present(self, chunk: Chunk, before: Iterable[Chunk] | None = None) -> Array | None:
@@ -145,14 +138,15 @@ class Plot:
         self._due = self._clock() + SPECTRA
         return rows if len(rows) or before is not None else None
 
-    def backlog(self, before: Iterable[Chunk]) -> Array:
+    def backlog(self, before: Iterable[Chunk], first: Chunk | None = None) -> Array:
         """Rows of what was before the plot was there, at most 5000: of a curve those of the last
         ``window`` seconds, thinned but with its extremes, of a section the last points; and the
-        present of the others. Chunks that are fed later follow these."""
+        present of the others. Chunks that are fed later follow these. first: the sample from which
+        energies count, by default the first of all."""
         self.reset()
         chunks = [chunk for chunk in before if len(chunk)]
         if chunks and self.spec.kind == "time":
-            self._offsets(chunks[0])
+            self._offsets(first or chunks[0])
         if self.spec.kind != "poincare":
             chunks = _since(chunks, self.spec.window)
         rows = [found for chunk in _pieces(chunks) if (found := self.feed(chunk)) is not None]
@@ -192,20 +186,34 @@ class Plot:
                 "label": x[0],
                 "unit": x[1],
                 "log": self.spec.axes == "log",
-                "period": self._period(self.spec.x) if plane else 0.0,
+                "least": self._least["x"],
+                **(self._jumps(self.spec.x) if plane else NO_JUMPS),
             },
-            "y": {"label": y[0], "unit": y[1], "log": self.spec.axes != "linear"},
+            "y": {
+                "label": y[0],
+                "unit": y[1],
+                "log": self.spec.axes != "linear",
+                "least": self._least["y"],
+            },
             "series": [self._series(self.catalogue.quantities[name]) for name in self.names],
             "window": self.spec.window,
+            "wrapped": self.spec.wrapped,
         }
 
     def _series(self, one: Shown) -> dict[str, Any]:
-        """Name, label, unit of a curve, and by what it jumps."""
-        found = {**one._asdict(), "period": self._period(one.name)}
+        """Name, label, unit of a curve, and how it jumps."""
+        found = {**one._asdict(), **self._jumps(one.name)}
         if one.name in self._raised:
-            found["name"] += "_from_start"
-            found["label"] += " from the start"
-        return {key: found[key] for key in ("name", "label", "unit", "period")}
+            words = FROM_START[one.name]
+            found["name"] += f"_{words.replace(' ', '_')}"
+            found["label"] += f" {words}"
+        return {key: found[key] for key in ("name", "label", "unit", *NO_JUMPS)}
+
+    def _jumps(self, name: str) -> dict[str, float]:
+        """By what a quantity jumps, and the whole turn that can be taken from it."""
+        turns = self.spec.kind in TURNED
+        kind = self.catalogue.quantities[name].kind
+        return {"period": PERIODS.get(name, 0.0), "turn": TURNS.get(kind, 0.0) * turns}
 
     def _axes(self) -> tuple[tuple[str, str], tuple[str, str]]:
         """Label and unit of x and y."""

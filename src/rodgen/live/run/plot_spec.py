@@ -33,8 +33,8 @@ class PlotSpec:
     (profile: one kind that goes along the rod; phase, poincare and spectrum: one quantity); x: of
     phase and poincare; window: seconds that are shown, or that a spectrum is of; poincare: points
     where ``when`` reaches ``value`` (plus whole numbers of ``every``, if not 0), ``direction``
-    rising, falling or either; wrapped: angles of time, phase and poincare within half a turn of
-    zero; axes: of a spectrum (AXES). title: made where it is empty."""
+    rising, falling or either; wrapped: angles are shown without their whole turns, within half a
+    turn of zero; axes: of a spectrum (AXES). title: made where it is empty."""
 
     id: str
     kind: str
@@ -46,7 +46,7 @@ class PlotSpec:
     value: float = 0.0
     direction: str = "rising"
     every: float = 0.0
-    wrapped: bool = False
+    wrapped: bool = True
     axes: str = "linear"
 
     @classmethod
@@ -83,7 +83,7 @@ def _checked(choice: dict[str, Any], catalogue: Catalogue) -> PlotSpec:
             choice[name] = _number(f"plot.{name}", choice[name], low, high)
     choose("plot.direction", choice.get("direction", "rising"), DIRECTIONS)
     choose("plot.axes", choice.get("axes", "linear"), AXES)
-    if not isinstance(choice.get("wrapped", False), bool):
+    if not isinstance(choice.get("wrapped", True), bool):
         raise SceneError("plot.wrapped", choice["wrapped"], "true or false")
     y = choice["y"]
     y = (y,) if isinstance(y, str) else y
@@ -156,19 +156,31 @@ def _own(text: str, after: Catalogue) -> str | None:
         return None
 
 
+def counterpart(name: str, before: Catalogue, after: Catalogue) -> str | None:
+    """A quantity or kind of one rod in another, or None where that has none. What was the last of
+    its kind (the tail's) is so again."""
+    if name in before.quantities:
+        kind = before.quantities[name].kind
+        known, now = before.kinds.get(kind, []), after.kinds.get(kind, [])
+        if len(known) > 1 and name == known[-1] and now:
+            return now[-1]
+        if kind == OWN:
+            return _own(name, after)
+    return name if name in after.quantities or name in after.kinds else None
+
+
+def lacking(spec: PlotSpec, before: Catalogue, after: Catalogue) -> list[str]:
+    """What of a plot of one rod another rod does not have, in words."""
+    names = dict.fromkeys(filter(None, (*spec.y, spec.x, spec.when)))
+    return [_label(name, before) for name in names if counterpart(name, before, after) is None]
+
+
 def transfer(spec: PlotSpec, name: str, before: Catalogue, after: Catalogue) -> PlotSpec | None:
     """A plot of one rod as a plot of another, under another name, or None where nothing of it is
-    left. What was the last of its kind (the tail's) is so again."""
+    left."""
 
     def same(quantity: str) -> str | None:
-        if quantity in before.quantities:
-            kind = before.quantities[quantity].kind
-            known, now = before.kinds.get(kind, []), after.kinds.get(kind, [])
-            if len(known) > 1 and quantity == known[-1] and now:
-                return now[-1]
-            if kind == OWN:
-                return _own(quantity, after)
-        return quantity if quantity in after.quantities or quantity in after.kinds else None
+        return counterpart(quantity, before, after)
 
     y = tuple(dict.fromkeys(new for old in spec.y if (new := same(old)) is not None))
     x, when = same(spec.x), same(spec.when) if spec.when else ""

@@ -7,21 +7,26 @@ from dataclasses import replace
 from types import ModuleType
 
 from rodgen.integrate.pull import Pull, widened, with_place
+from rodgen.integrate.samples import Samples
 from rodgen.integrate.stepper import Array
 from rodgen.live.catalogue import Catalogue
-from rodgen.live.run.comparing import Comparing
+from rodgen.live.run.marks import Mark
 from rodgen.live.run.plot import Plot
+from rodgen.live.run.plotting import Plotting
+from rodgen.live.run.undo import Undo
 from rodgen.live.samples import Chunk
 from rodgen.loading import build_fastest
+from rodgen.model.terms import PULL
 from rodgen.scene import Scene, Structure
 
 
-class Pulling(Comparing):
+class Pulling(Plotting):
     """The part of a LiveRun that kicks and pulls; the far end of a pull goes where it was moved
     last, once a frame."""
 
     model: ModuleType
     past: Chunk | None
+    undo: Undo
     _to: tuple[float, float] | None = None
 
     @abstractmethod
@@ -35,6 +40,10 @@ class Pulling(Comparing):
     @abstractmethod
     def _look(self) -> None:
         """Show the state as it is now."""
+
+    @abstractmethod
+    def _resume(self) -> None:
+        """Count time from the state that is shown."""
 
     def allow_pulls(self, made: Structure | None = None) -> Scene | None:
         """Go on in the same state by a module that has a place for a pull. The scene whose module
@@ -53,25 +62,40 @@ class Pulling(Comparing):
         def wide(p: Array) -> Array:
             return widened(p, scene, wanted, live.p)
 
-        self.store = self.store.widened(live.works, wide, len(live.p))
+        self.store = self.store.widened(live.works, wide)
         self.store.change(live.p, live.given)
-        self.catalogue = Catalogue(wanted, self.model)
+        self.catalogue = Catalogue(wanted, self.model, (PULL,))
         self.plots = {name: Plot(one.spec, self.catalogue) for name, one in self.plots.items()}
         if self.past is not None:
             self.past = self.store.near(float(self.past.t[-1]))
+        self._anew()
+        self.page.structure_changed()
+        self._changed()
+        return None
+
+    def _anew(self) -> None:
+        """Show the state, and all that is kept, as if nothing had been shown."""
         self._look()
         self.page.restarted(self.plots)
         for plot in self.plots.values():
             plot.beside = self.ghost
             self.page.added(plot, self.store.chunks())
-        self.page.structure_changed()
-        self._changed()
-        return None
+
+    def back_to(self, mark: Mark) -> None:
+        """Go on from the last sample before a kick or a pull; what came after it is forgotten."""
+        sample = self.store.back_to(mark.t)
+        self.marks.back_to(mark)
+        self.live.go_back(Samples(sample.t, sample.y, sample.work), sample.p, sample.given)
+        self._changed_motion("")
+        self._anew()
+        self._resume()
+        self._mended()
 
     def kick(self, link: int, share: float, impulse: tuple[float, float]) -> None:
         """Kick a link by an impulse [N s]."""
         self.live.kick(link, share, impulse)
         self._changed_motion(f"kick ({impulse[0]:.4g}, {impulse[1]:.4g}) N s upon link {link}")
+        self.undo.note_mark(self.live.scene, self.marks.every[-1])
         self._mended()
 
     def pull(self, pull: Pull) -> None:
@@ -79,6 +103,7 @@ class Pulling(Comparing):
         self._to = None
         self.live.pull(pull)
         self._changed_motion(f"pull at link {pull.link} by {pull.stiffness:.4g} N/m")
+        self.undo.note_mark(self.live.scene, self.marks.every[-1])
         self._mended()
 
     def move_pull(self, to: tuple[float, float]) -> None:

@@ -23,9 +23,9 @@ from rodgen.model.term import Term
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.literals import literals, with_literal
+from rodgen.scene.load_tables import FinFactor
 from rodgen.scene.numbers import row_of
 from rodgen.scene.plain import entry, read_text
-from rodgen.scene.tables import FinFactor
 
 Place = tuple[str, ...]  # keys of tables, from the outermost in
 
@@ -113,7 +113,7 @@ def groups_of(scene: Scene) -> Iterator[Group]:
         yield Group(("foundation",), scene.foundation, TERMS["foundation"].given)
     for at, support in enumerate(scene.supports):
         rows, place = TERMS["supports"].given, {"to": [*scene.anchors.place(support)]}
-        yield Group(("supports", str(at)), support, rows, f" of support {at + 1}", place)
+        yield Group(("supports", str(at)), support, rows, f" of support {at}", place)
     for name, state in scene.states.items():
         yield Group(("states", name), state, STATE, f" of {name}")
     yield Group(("parameters",), scene.numbers, map(row_of, scene.numbers))

@@ -16,11 +16,13 @@ import rodgen
 from rodgen.analyse.errors import AnalysisError
 from rodgen.live.run.scenes import Place, edit
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.literals import literals, with_name
 from rodgen.scene.plain import entry
 
 COUNT = 41  # values
 TOGETHER = 7  # of them between two looks at what else is asked for
-HALVINGS = 10  # of the step between two values, for where it becomes unstable
+ROUNDS, PARTS = 4, 6  # of the step between two values, for where it becomes unstable
+SWEPT = "swept_number"  # what a number in an expression is called while its equilibria are followed
 ROUNDING = 1e-9  # of the length, below which a deflection is none
 MOST_LINKS = 200  # beyond, a value takes seconds
 
@@ -34,6 +36,8 @@ def sweep(scene: Scene, path: Sequence[str], low: float, high: float, t: float) 
     none. t: the time whose loads are taken [s]. Raises SceneError."""
     if scene.rod.links > MOST_LINKS:
         raise SceneError("rod.links", scene.rod.links, f"at most {MOST_LINKS} for a sweep")
+    start, end = scene.integrate.span
+    scene = scene.with_integrate(span=[start, max(end, t)])  # a live run may be beyond it
     key = tuple(path)
     values = np.linspace(low, high, COUNT).tolist()
     rows: list[Row] = []
@@ -67,6 +71,18 @@ def stability(scene: Scene, path: Place, values: Sequence[float], t: float) -> l
     return rows
 
 
+def _keyed(scene: Scene, path: Place) -> tuple[Scene, str]:
+    """The scene with a key for the number, and that: a number in an expression gets a name. Raises
+    SceneError."""
+    whole = _text(scene, path)
+    if not whole:
+        return scene, ".".join(path)
+    text, at = entry(scene, *whole), int(path[-1])
+    value = literals(text)[at].value
+    named = edit(scene, [(whole, with_name(text, at, SWEPT)), (("parameters", SWEPT), value)])
+    return named, f"parameters.{SWEPT}"
+
+
 def _text(scene: Scene, path: Place) -> Place:
     """Where the expression stands that a number is in; nothing where it is none of those."""
     return path[:-1] if isinstance(entry(scene, *path[:-1]), str) else ()
@@ -78,10 +94,11 @@ def _critical(scene: Scene, path: Place, rows: list[Row], t: float) -> float | N
     for (low, before), (high, after) in pairwise(known):
         if before == after:
             continue
-        for _ in range(HALVINGS):
-            middle = (low + high) / 2
-            ((_, _, _, stable),) = stability(scene, path, [middle], t)
-            low, high = (middle, high) if stable == before else (low, middle)
+        for _ in range(ROUNDS):
+            places = np.linspace(low, high, PARTS + 1).tolist()
+            found = stability(scene, path, places[1:-1], t)
+            same = [stable == before for _, _, _, stable in found] + [False]
+            low, high = places[(first := same.index(False))], places[first + 1]
         return float(f"{(low + high) / 2:.4g}")
     return None
 
@@ -89,10 +106,8 @@ def _critical(scene: Scene, path: Place, rows: list[Row], t: float) -> float | N
 def _branch(scene: Scene, path: Place, ends: tuple[float, float], t: float) -> Part:
     """The branch of equilibria on which the scene is: values, the deflection of the tip from the
     first one [m], how many directions are unstable, states; and the special points on it."""
-    if _text(scene, path):
-        return {"note": "no equilibria: the number is part of an expression"}
     try:
-        data = rodgen.continue_equilibria(scene, ".".join(path), ends, t=t)
+        data = rodgen.continue_equilibria(*_keyed(scene, path), ends, t=t)
     except (AnalysisError, SceneError) as error:
         return {"note": f"no equilibria: {error}"}
     tip = data["tip"].values

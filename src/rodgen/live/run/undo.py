@@ -1,20 +1,25 @@
-"""The scenes that a run had before its present one, to go back to, and forth again."""
+"""What was done to a run: the scenes that it had before its present one, to go back to, and forth
+again, and kicks and pulls, before which it can go back alone."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
+from rodgen.live.run.marks import Mark
 from rodgen.scene import Scene
 
 MOST = 100
 
 
 class Kept(NamedTuple):
-    """A scene; the file's that it was made of; whether a run of it begins at its start."""
+    """A scene; the file's that it was made of; whether a run of it begins at its start; what was
+    done to it, in words; the kick or pull before which the run goes back, if it was one."""
 
     scene: Scene
     file: Scene
     anew: bool
+    what: str
+    mark: Mark | None = None
 
 
 class Undo:
@@ -28,17 +33,28 @@ class Undo:
         self._last = ""
 
     def note(self, before: Scene, what: str, anew: bool = False) -> None:
-        """Note a change of a scene ("name = value"); those of one value that follow each other, as
-        a slider makes them, count as one. anew: its run begins at the start."""
+        """Note a change of a scene ("name = value", or other words); those of one value that follow
+        each other, as a slider makes them, count as one. anew: its run begins at the start."""
         name, is_change, _ = what.partition(" = ")
         self._forth.clear()
-        if not (is_change and self._last == name and self._back):
-            self._back = [*self._back[1 - MOST :], Kept(before, self.file, anew)]
+        if is_change and self._last == name and self._back:
+            self._back[-1] = self._back[-1]._replace(what=what)
+        else:
+            self._back = [*self._back[1 - MOST :], Kept(before, self.file, anew, what)]
         self._last = name if is_change else ""
+
+    def note_mark(self, scene: Scene, mark: Mark) -> None:
+        """Note a kick or a pull of a run."""
+        self.note(scene, str(mark))
+        self._back[-1] = self._back[-1]._replace(mark=mark)
+
+    def begin(self) -> None:
+        """Let go of kicks and pulls: the run that had them is over."""
+        self._back = [kept for kept in self._back if kept.mark is None]
 
     def take(self, before: Scene, scene: Scene) -> None:
         """Note that the scene of a file was taken up."""
-        self.note(before, "", anew=True)
+        self.note(before, f"scene {scene.name}", anew=True)
         self.file = scene
 
     def next(self, forth: bool) -> Kept | None:
@@ -50,5 +66,6 @@ class Undo:
         """Note that it was gone there, from a scene."""
         here, there = (self._forth, self._back) if forth else (self._back, self._forth)
         gone = here.pop()
-        there.append(Kept(before, self.file, gone.anew))
+        if gone.mark is None:
+            there.append(gone._replace(scene=before, file=self.file))
         self.file, self._last = gone.file, ""

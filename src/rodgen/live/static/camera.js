@@ -116,9 +116,13 @@ export class Camera {
   }
 }
 
+// The box about two boxes.
+export const about = (one, other) =>
+  one.map((end, k) => (k < 2 ? Math.min(end, other[k]) : Math.max(end, other[k])));
+
 // The box about the joints, [left, bottom, right, top], the length of the rod, and how far it
 // reaches from the centre of gravity.
-function size(places, point) {
+export function size(places, point) {
   const box = [Infinity, Infinity, -Infinity, -Infinity];
   let [length, reach] = [0, 0];
   for (let at = 0; at < places.length; at += 2) {
@@ -132,11 +136,12 @@ function size(places, point) {
   return { box, length, reach };
 }
 
-const about = (x, y, wide, high) => [x - wide, y - high, x + wide, y + high];
+const square = (x, y, wide, high) => [x - wide, y - high, x + wide, y + high];
 
 // What to fit, as [{box, room (pixels about it)}, ...], in metres from what the view is anchored to:
-// for a view that follows, how far the rod reaches however it turns (along the first principal axis it is long and not high); for a pinned
-// rod the circle that it can reach; else the rod with room beside it; and `fixed`, the points that
+// for a view that follows, how far the rod reaches however it turns (along the first principal axis
+// it is long and not high); for a pinned rod the circle that it can reach; else the rod with room
+// beside it; and `fixed`, the points that
 // hold it. `arrow`: pixels of the longest arrow at the tail, 0 where there is none.
 export function around(places, point, mode, support, arrow, fixed) {
   const { box, length, reach } = size(places, point);
@@ -145,14 +150,13 @@ export function around(places, point, mode, support, arrow, fixed) {
   const [x, y] = [(box[0] + box[2]) / 2, (box[1] + box[3]) / 2];
   if (mode !== "fixed") {
     const far = Math.max(reach, length / 2);
-    return [{ box: about(0, 0, far, mode === "axes" ? 0.6 * far : far), room: whole }];
+    return [{ box: square(0, 0, far, mode === "axes" ? 0.6 * far : far), room: whole }];
   }
   const holding = fixed.map((place) => ({ box: [...place, ...place], room: ROOM }));
   if (support === "pin") {
-    return [{ box: about(places[0], places[1], length, length), room: whole }, ...holding];
+    return [{ box: square(places[0], places[1], length, length), room: whole }, ...holding];
   }
-  const room = about(x, y, length / 2, length / 2);
-  const roomy = box.map((end, k) => (k < 2 ? Math.min(end, room[k]) : Math.max(end, room[k])));
+  const roomy = about(box, square(x, y, length / 2, length / 2));
   const tail = places.slice(-2);
   const parts = [{ box: roomy, room: ROOM }, ...holding];
   if (Number.isFinite(tail[0] + tail[1])) parts.push({ box: [...tail, ...tail], room: whole });

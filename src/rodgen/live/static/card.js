@@ -14,7 +14,7 @@ export class Card {
   draws = 0;
   cost = 0; // of a drawing, in milliseconds
 
-  // `on`: remove(), move(by), changed(), looked(time or null).
+  // `on`: remove(), move(by), changed(), looked(time or null), zoomed(view), wrapped(whether).
   constructor(spec, on) {
     Object.assign(this, { spec, on });
     this.curves = new Curves(spec);
@@ -40,6 +40,7 @@ export class Card {
     return make(
       "div",
       { class: "rodgen-buttons" },
+      ...this.#turns(),
       this.hold,
       this.reset,
       button("image", `Save ${title} as PNG`, () => this.png()),
@@ -48,6 +49,27 @@ export class Card {
       button("chevron_right", `Move ${title} right`, () => this.on.move(1)),
       button("close", `Remove ${title}`, () => this.on.remove()),
     );
+  }
+
+  // Shows angles without their whole turns, or as they are.
+  #turns() {
+    const { title, series, x } = this.spec;
+    if (![x, ...series].some(({ turn }) => turn)) return [];
+    const said = `Leave out whole turns of ${title}`;
+    const onclick = () => {
+      this.wrap(!this.curves.wrapped);
+      this.on.wrapped(this.curves.wrapped);
+    };
+    const of = { type: "button", "aria-label": said, title: said, onclick };
+    this.fold = make("button", { ...of, "aria-pressed": String(this.curves.wrapped) }, "±π");
+    return [this.fold];
+  }
+
+  wrap(wrapped) {
+    if (wrapped === this.curves.wrapped) return;
+    this.curves.wrap(wrapped);
+    this.fold?.setAttribute("aria-pressed", String(wrapped));
+    this.changed();
   }
 
   // Once it stands in the page, where it has a size.
@@ -90,7 +112,7 @@ export class Card {
 
   restart() {
     this.curves.restart();
-    this.dirty = true;
+    this.#settled();
   }
 
   // The pointer is at another place of the picture: all others show what was then.
@@ -115,6 +137,7 @@ export class Card {
 
   compare(rows) {
     this.curves.compare(rows);
+    this.#legend();
     this.dirty = true;
   }
 
@@ -133,23 +156,29 @@ export class Card {
     this.dirty = true;
   }
 
-  // Up to eight curves by name, more by the ends of the colour map.
   #legend() {
+    const kept = this.curves.ghost.length > 0;
+    const sign = () => make("i", { class: "rodgen-kept", "aria-hidden": "true" });
+    const beside = kept ? [make("span", {}, sign(), keptOf(this.spec))] : [];
+    this.key.replaceChildren(...this.#names(), ...beside);
+  }
+
+  // Up to eight curves by name, more by the ends of the colour map.
+  #names() {
     const shades = colours(this.spec);
     const { series, kind } = this.spec;
-    if (kind !== "time" || series.length < 2) return this.key.replaceChildren();
+    if (kind !== "time" || series.length < 2) return [];
     const words = series.map((one) => entry(this.spec, one));
     if (series.length <= MANY) {
       const line = (colour) => make("i", { style: `background:${colour}`, "aria-hidden": "true" });
-      const entries = words.map((text, k) => make("span", {}, line(shades[k]), text));
-      return this.key.replaceChildren(...entries);
+      return words.map((text, k) => make("span", {}, line(shades[k]), text));
     }
     const ramp = make("i", {
       class: "rodgen-ramp",
       style: `background:linear-gradient(90deg,${shades})`,
     });
     const ends = [words[0], words.at(-1)].map((text) => make("span", {}, text));
-    return this.key.replaceChildren(ends[0], ramp, ends[1]);
+    return [ends[0], ramp, ends[1]];
   }
 
   pause(paused) {
@@ -163,22 +192,29 @@ export class Card {
     this.#settled();
   }
 
-  // view: {x: [low, high], y: [low, high] or null}; null for all.
+  // Somebody zooms: view, {x: [low, high], y: [low, high] or null}; null for all.
   zoom(view) {
+    this.show(view);
+    this.on.zoomed(view);
+  }
+
+  show(view) {
     this.curves.zoom(view);
     this.reset.disabled = view === null;
     this.#settled();
   }
 
   #settled() {
-    const { paused, view } = this.curves;
-    this.badge.textContent = paused ? "paused" : view ? "zoomed" : "";
+    const { paused, view, former } = this.curves;
+    const words = [paused ? "paused" : view ? "zoomed" : "", former ? "run before" : ""];
+    this.badge.textContent = words.filter((word) => word).join(", ");
     this.changed();
   }
 
   async png() {
     if (this.dirty) this.draw(performance.now());
-    picture(this.spec, await this.chart.picture()).toBlob((blob) =>
+    const kept = this.curves.ghost.length > 0;
+    picture(this.spec, await this.chart.picture(), kept).toBlob((blob) =>
       save(blob, named(this.spec.title, "png")),
     );
   }
@@ -188,6 +224,9 @@ export class Card {
     save(new Blob([text], { type: "text/csv" }), named(this.spec.title, "csv"));
   }
 }
+
+// How the run that is kept is drawn.
+const keptOf = ({ kind }) => `${kind === "poincare" ? "rings" : "dashed"}: the run that is kept`;
 
 // Rows of a plot as text: a header with names and units, then every row that is kept, up to `end`.
 const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
@@ -211,11 +250,13 @@ function csv(spec, rows, end) {
 // The picture of a plot with its title and key, as it is saved.
 const DENSE = 2;
 const FONT = "Roboto, system-ui, sans-serif";
+const SMALL = `12px ${FONT}`;
 
-// `chart`: a canvas with the picture at twice its size; a canvas.
-function picture(spec, chart) {
+// `chart`: a canvas with the picture at twice its size; kept: whether a run that is kept is in it;
+// a canvas.
+function picture(spec, chart, kept) {
   const listed = spec.series.length > 1 && spec.series.length <= MANY && spec.kind === "time";
-  const top = (listed ? 50 : 30) * DENSE;
+  const top = (listed || kept ? 50 : 30) * DENSE;
   const canvas = document.createElement("canvas");
   Object.assign(canvas, { width: chart.width, height: chart.height + top });
   const context = canvas.getContext("2d");
@@ -226,12 +267,15 @@ function picture(spec, chart) {
   context.fillStyle = theme().ink;
   context.font = `500 14px ${FONT}`;
   context.fillText(spec.title, 12, 20);
-  if (listed) key(context, spec);
+  const end = listed ? key(context, spec) : 12;
+  context.font = SMALL;
+  if (kept) context.fillText(keptOf(spec), end, 42);
   return canvas;
 }
 
+// Returns where it ends.
 function key(context, spec) {
-  context.font = `12px ${FONT}`;
+  context.font = SMALL;
   const shades = colours(spec);
   let x = 12;
   spec.series.forEach((one, k) => {
@@ -242,4 +286,5 @@ function key(context, spec) {
     context.fillText(label, x + 18, 42);
     x += 32 + context.measureText(label).width;
   });
+  return x;
 }

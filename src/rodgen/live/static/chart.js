@@ -2,7 +2,7 @@
 
 import { PLANE } from "./curves.js";
 import { make } from "./dom.js";
-import { dots, trace } from "./paths.js";
+import { dots, straight, trace } from "./paths.js";
 import { lowest } from "./rows.js";
 import { alike, base, decades, short, written } from "./scales.js";
 import { classes, theme } from "./theme.js";
@@ -13,7 +13,7 @@ const FONT = "px Roboto, system-ui, sans-serif";
 const NEAR = 30; // pixels from a curve in the plane that still tell its value
 const LEAST = 8; // pixels that a drag must span
 const [LINEAR, LOGARITHMIC] = [1, 3]; // as uPlot counts them
-const [DOT, PRESENT] = [3, 8]; // pixels across
+const [DOT, RING, PRESENT] = [3, 5, 8]; // pixels across
 const [DASH, PALE] = [[5, 4], 0.75]; // of the run that is kept
 
 export function colours(spec) {
@@ -30,7 +30,7 @@ export const entry = ({ y }, { name, label, unit }) =>
 
 export class Chart {
   // What Curves.now gives.
-  shown = { x: [0, 1], y: [0, 1], times: null, across: [], up: [], ghost: { across: [], up: [] } };
+  shown = { x: [0, 1], y: [0, 1], times: null, across: [], up: [], turned: false, ghost: { across: [], up: [] } };
   found = null; // the row that is looked at, counted among those shown
   #from = [0, 0]; // what the numbers at the axes are counted from
   #time = null; // that is looked at elsewhere
@@ -62,7 +62,7 @@ export class Chart {
         y: this.plane,
         drag,
         dataIdx: (_, k) => this.#index(k),
-        points: { size: 8, width: 2, fill: "transparent", stroke: (_, k) => this.#shade(k - 1) },
+        points: { size: 8, width: 2, fill: "transparent", stroke: (_, k) => colours(this.spec)[k - 1] },
         bind: {
           dblclick: () => () => this.on.zoom(null),
           mousemove: (_, on, move) => (event) => event.target === on && this.#over(move, event),
@@ -101,13 +101,21 @@ export class Chart {
   #numbers(k, quantity) {
     const label = () => {
       const from = this.#from[k] ? ` from ${short(this.#from[k], 15)}` : "";
-      return named({ ...quantity, label: quantity.label + from }) + (k ? "" : this.#enlarged());
+      const label = quantity.label + from + this.#less(k);
+      return named({ ...quantity, label }) + (k ? "" : this.#enlarged());
     };
     const values = (_, splits, axis, found, step) => {
       this.#from[k] = base(...this.shown[k ? "y" : "x"], step);
       return splits.map((value) => written(value - this.#from[k], step));
     };
     return { label, values };
+  }
+
+  // Says that whole turns are not shown.
+  #less(k) {
+    const { spec, shown } = this;
+    const turns = k ? spec.series.some(({ turn }) => turn) : spec.x.turn;
+    return shown.turned && turns ? " less whole turns" : "";
   }
 
   #powers(space) {
@@ -124,47 +132,48 @@ export class Chart {
   // Says by how much x is drawn larger than y where both have one unit, and so one scale by right.
   #enlarged() {
     const { spec, plot } = this;
-    if (!this.plane || !spec.x.unit || spec.x.unit !== spec.y.unit) return "";
+    const none = !this.shown.across.length;
+    if (none || !this.plane || !spec.x.unit || spec.x.unit !== spec.y.unit) return "";
     const size = ([low, high], pixels) => (high - low) / pixels;
     const { width, height } = plot.bbox;
     const times = size(this.shown.y, height) / size(this.shown.x, width);
-    return Math.abs(times - 1) < 0.02 ? "" : `, ${short(times, 2)} \u00d7 as large as y`;
+    return Math.abs(times - 1) < 0.02 ? "" : `, ${short(times, 2)} \u00d7 as large as upward`;
   }
 
-  #shade(k) {
-    const { kind } = this.spec;
-    return kind === "phase" && k === 1 ? theme().present : colours(this.spec)[k];
-  }
-
+  // The curves, those of the run that is kept, and where the curve of a phase plot is now.
   #series() {
-    const { kind, series } = this.spec;
+    const { kind, series, x } = this.spec;
     const dense = this.#dense;
     const width = (series.length > MANY ? 1 : 1.6) * dense;
-    const curve = { auto: false, width, stroke: (_, k) => this.#shade(k - 1) };
-    const points = (size) => ({
-      ...curve,
-      stroke: null,
-      fill: curve.stroke,
-      paths: dots(size * dense * devicePixelRatio),
-    });
-    if (kind === "poincare") return [points(DOT)];
-    // Where the curve of a phase plot is now.
-    const { period } = this.spec.x;
-    if (kind === "phase") {
-      return [{ ...curve, paths: trace(period, series[0].period) }, points(PRESENT)];
-    }
-    if (kind !== "time") return [curve];
+    const shade = (k) => () => colours(this.spec)[k];
+    const dot = (size, fill) => {
+      return { auto: false, width, stroke: null, fill, paths: dots(size * dense * devicePixelRatio) };
+    };
+    const leap = ({ period, turn }) => period || (this.shown.turned && turn) || 0;
+    const curve = (one, k) => {
+      if (kind === "poincare") return dot(DOT, shade(k));
+      const paths = (...asked) => {
+        const leaps = kind === "phase" || (kind === "time" && leap(one));
+        return (leaps ? trace(leap(x), leap(one)) : straight)(...asked);
+      };
+      return { auto: false, width, stroke: shade(k), paths };
+    };
+    const ring = { fill: null, paths: dots(RING * dense * devicePixelRatio, true) };
     const dash = DASH.map((pixels) => pixels * dense);
-    const pale = { dash, alpha: PALE, stroke: (_, k) => this.#shade(k - 1 - series.length) };
-    const leaping = (of) => (of.period ? { paths: trace(0, of.period) } : {});
-    return [{}, pale].flatMap((look) => series.map((of) => ({ ...curve, ...look, ...leaping(of) })));
+    const pale = (of, k) => {
+      const look = kind === "poincare" ? { ...ring, stroke: shade(k) } : { dash };
+      return { ...curve(of, k), ...look, alpha: PALE };
+    };
+    const some = kind === "time" ? series : series.slice(0, 1);
+    const present = kind === "phase" ? [dot(PRESENT, () => theme().present)] : [];
+    return [...some.map(curve), ...some.map(pale), ...present];
   }
 
   draw(shown) {
     this.shown = this.#alike(shown);
     const { across, up, ghost } = shown;
     const data = [null, ...up.map((values) => [across, values])];
-    if (this.spec.kind === "time") data.push(...ghost.up.map((values) => [ghost.across, values]));
+    data.push(...ghost.up.map((values) => [ghost.across, values]));
     if (this.spec.kind === "phase") data.push([across.slice(-1), up[0].slice(-1)]);
     this.plot.batch(() => this.plot.setData(data));
     if (this.#time !== null) this.look(this.#time);
@@ -269,7 +278,7 @@ export class Chart {
 }
 
 // The place of the value in ascending ones that is nearest to one.
-function nearest(values, value) {
+export function nearest(values, value) {
   const at = Math.min(lowest(values, value), values.length - 1);
   return at && value - values[at - 1] < values[at] - value ? at - 1 : at;
 }

@@ -1,7 +1,7 @@
 // Zoom by wheel, keys and touch; the values that are looked at, in words.
 
 import { act, listen, make, placeOf, turned } from "./dom.js";
-import { MANY } from "./chart.js";
+import { MANY, nearest } from "./chart.js";
 import { short } from "./scales.js";
 
 const MOUSE = { pointerdown: "mousedown", pointermove: "mousemove", pointerup: "mouseup" };
@@ -83,14 +83,16 @@ export class Gestures {
     this.hint.style.transform = `translate(${Math.max(Math.min(beside, room - size), 0)}px, 2px)`;
   }
 
-  #lines(row, { times, across, up }) {
+  #lines(row, { times, across, up, ghost }) {
     const { spec } = this.card;
     const said = ({ label, unit }, value) => `${label} = ${short(value, 5)} ${unit ?? ""}`.trim();
     const curves = spec.kind === "time" ? spec.series : [spec.y];
     const some = curves.length > MANY ? [this.#nearest(row, up)] : curves.keys();
+    const kept = spec.kind === "time" ? beside(ghost, across[row]) : null;
     const values = [...some].map((k) => {
       const { name, label = name, unit } = curves[k];
-      return said({ label, unit: unit ?? spec.y.unit }, up[k][row]);
+      const other = kept === null ? "" : ` (kept: ${short(ghost.up[k][kept], 5)})`;
+      return said({ label, unit: unit ?? spec.y.unit }, up[k][row]) + other;
     });
     const time = times && this.chart.plane ? [said({ label: "t", unit: "s" }, times[row])] : [];
     return [said(spec.x, across[row]), ...values, ...time];
@@ -102,4 +104,9 @@ export class Gestures {
     const away = up.map((values) => Math.abs(this.chart.place(0, values[row])[1] - top));
     return away.indexOf(Math.min(...away));
   }
+}
+
+// The row of the run that is kept at a time, null where that has none.
+function beside({ across }, t) {
+  return across.length && across[0] <= t && t <= across.at(-1) ? nearest(across, t) : null;
 }

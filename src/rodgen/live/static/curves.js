@@ -1,6 +1,6 @@
 // What a plot shows: which of its rows, from where to where.
 
-import { bounds, Rows } from "./rows.js";
+import { bounds, folded, Rows } from "./rows.js";
 import { above, Range } from "./scales.js";
 
 const ORBIT = 5000; // rows of a phase plot
@@ -12,13 +12,16 @@ export const PLANE = ["phase", "poincare"];
 export class Curves {
   view = null; // {x: [low, high], y: [low, high] or null} while zoomed
   paused = false;
-  #x = new Range();
-  #y = new Range();
+  former = false; // whether it stands, as the run that it shows has been followed by another
+  #x;
+  #y;
   #until = null; // the end of what is seen where a time of the past is looked at
   #end = null; // of rows that are appended, the number of the last shown while the picture stands
 
   constructor(spec) {
     this.spec = spec;
+    this.wrapped = spec.wrapped;
+    [this.#x, this.#y] = [spec.x, spec.y].map(({ least }) => new Range(least));
     this.plane = PLANE.includes(spec.kind);
     this.replaced = REPLACED.includes(spec.kind);
     this.x = this.plane ? 1 : 0; // the column of x; in the plane, time stands before it
@@ -28,7 +31,12 @@ export class Curves {
   }
 
   get still() {
-    return this.paused || this.view !== null;
+    return this.paused || this.former;
+  }
+
+  // Whether somebody has chosen what it shows.
+  get #holds() {
+    return this.paused || (this.view !== null && !this.replaced);
   }
 
   // The number of the first row that is not shown any more.
@@ -42,26 +50,35 @@ export class Curves {
     if (!this.still) this.shown = this.rows;
   }
 
-  // The run has begun anew, and is shown so; a picture that stands keeps the run before.
+  // The run has begun anew, and is shown so; a picture that is paused or zoomed keeps the run before.
   restart() {
     this.rows = new Rows(this.columns);
+    this.former ||= this.#holds && this.shown.length > 0;
     if (!this.still) this.#follow();
   }
 
   pause(paused) {
     this.paused = paused;
+    this.former &&= this.#holds;
     this.#settle();
+  }
+
+  wrap(wrapped) {
+    this.wrapped = wrapped;
+    this.#x.reset();
+    this.#y.reset();
   }
 
   zoom(view) {
     this.view = view;
+    this.former &&= this.#holds;
     this.#settle();
   }
 
   // Stands still from here on, or shows again what has come.
   #settle() {
-    if (this.still) this.#end ??= this.shown.total;
-    else this.#follow();
+    if (this.paused) this.#end ??= this.shown.total;
+    else if (!this.still) this.#follow();
   }
 
   #follow() {
@@ -74,6 +91,7 @@ export class Curves {
 
   // Rows of the run that is kept, as those of the plot; none: no such run.
   compare(values) {
+    if (this.replaced && this.still && values.length) return; // they are of the present
     this.ghost = new Rows(this.columns);
     this.ghost.append(values);
   }
@@ -82,8 +100,8 @@ export class Curves {
   // where that is another picture.
   turn(t) {
     const before = this.#until;
-    if (this.replaced || t === null || this.rows.length === 0) this.#until = null;
-    else this.#until = this.plane ? t : this.#turned(t, this.rows.at(this.rows.total - 1, 0));
+    if (this.replaced || t === null || this.shown.length === 0) this.#until = null;
+    else this.#until = this.plane ? t : this.#turned(t, this.shown.at(this.end - 1, 0));
     return this.#until !== before;
   }
 
@@ -113,32 +131,53 @@ export class Curves {
     return [Math.max(first, from), Math.min(rows.search(this.view.x[1], from, to) + 1, to)];
   }
 
-  // {x: [low, high], y: [low, high], times, across, up: [values, ...]}, the latter views of the
-  // rows; times: of each row, null where rows are not of different times.
+  // {x: [low, high], y: [low, high], times, across, up: [values, ...], turned, ghost: {across, up}};
+  // times: of each row, null where rows are not of different times; turned: whether whole turns
+  // are left out.
   now(clock) {
     const [from, to] = this.#seen();
-    const column = (k) => this.shown.column(k, from, to);
-    const across = column(this.x);
-    const up = Array.from({ length: this.columns - 1 - this.x }, (_, k) => column(this.x + 1 + k));
-    const x = this.view?.x ?? this.#across(across, clock);
-    const ghost = this.#beside(x);
+    const { across, up, turned } = this.#columns(this.shown, from, to);
+    const times = this.replaced ? null : this.shown.column(0, from, to);
+    const when = this.#when(times);
+    let ghost = when && this.#beside(when);
+    const x = this.view?.x ?? this.#across(across, ghost?.across, clock);
+    ghost ??= this.#beside(x);
     const y = this.view?.y ?? this.#up([...up, ...ghost.up], clock);
-    return { x, y, times: this.replaced ? null : column(0), across, up, ghost };
+    return { x, y, times, across, up, turned: turned || ghost.turned, ghost };
   }
 
-  // {across, up} of the run that is kept, between two times.
+  // What is drawn of rows from..to: views of them, but for angles that are shown without their
+  // whole turns.
+  #columns(rows, from, to) {
+    const [across, ...up] = rows.data.map((_, k) => rows.column(k, from, to)).slice(this.x);
+    if (!this.wrapped) return { across, up, turned: false };
+    const { x, series } = this.spec;
+    const fold = (values, { turn }) => (turn ? folded(values, turn, this.replaced) : values);
+    const found = { across: fold(across, x), up: up.map((values, k) => fold(values, series[k])) };
+    const turned = found.across !== across || found.up.some((values, k) => values !== up[k]);
+    return { ...found, turned };
+  }
+
+  // From when to when the run that is kept is in the picture; null: that is the axis of x.
+  #when(times) {
+    const { kind } = this.spec;
+    if (kind === "time") return null;
+    if (kind === "phase" && times.length) return [times[0], times.at(-1)];
+    return [-Infinity, this.plane ? (this.#until ?? Infinity) : Infinity];
+  }
+
+  // What is drawn of the run that is kept, between two times.
   #beside([begin, end]) {
     const { ghost } = this;
     const last = ghost.total;
     const from = Math.max(ghost.search(begin, ghost.first, last) - 1, ghost.first);
     const to = Math.min(ghost.search(end, ghost.first, last) + 1, last);
-    const [across, ...up] = ghost.data.map((_, k) => ghost.column(k, from, to));
-    return { across, up };
+    return this.#columns(ghost, from, to);
   }
 
-  #across(values, clock) {
+  #across(values, beside, clock) {
     const { spec } = this;
-    if (!values.length) return [spec.x.log ? 0.1 : 0, spec.window || 1];
+    if (!values.length && !beside?.length) return [spec.x.log ? 0.1 : 0, spec.window || 1];
     if (spec.kind === "time") {
       const last = values.at(-1);
       const begin = Math.max(values[0], last - spec.window);
@@ -147,7 +186,8 @@ export class Curves {
       return [begin, begin + Math.min(span, spec.window)];
     }
     // On a logarithmic axis there is no place for a frequency of zero.
-    const [low, high] = bounds([spec.x.log ? values.subarray(1) : values]);
+    const columns = [values, beside ?? values].map((some) => (spec.x.log ? some.subarray(1) : some));
+    const [low, high] = bounds(columns);
     if (this.replaced) return low < high ? [low, high] : [low - 0.5, low + 0.5];
     this.#x.follow(low, high, clock);
     return this.#x.ends;

@@ -2,6 +2,7 @@
 
 import { Past } from "./past.js";
 import { length, Trail } from "./rod_links.js";
+import { Written } from "./scales.js";
 
 const TEXT = new TextDecoder();
 const SECOND = 1000;
@@ -55,8 +56,9 @@ const NOTHING = { omega: null, moment: null, section: null, point: null, ghost: 
 class Hub {
   rod = {
     t: null,
+    clock: "", // that time, as it is written
     begun: null, // how many runs have begun
-    back: false, // whether this is of the past
+    loops: false, // whether each is like the one before
     origin: [0, 0],
     joints: null,
     ...NOTHING,
@@ -79,6 +81,7 @@ class Hub {
   cursors = new Set();
   send = () => {};
   shown = { fps: 0, frames: 0, t: null, past: null, state: null, connected: false, milliseconds: 0 };
+  #clock = new Written();
   #unanswered = [];
   #drawn = [];
   #fresh = false;
@@ -96,8 +99,8 @@ class Hub {
   receive(buffer) {
     const { header, arrays } = decode(buffer);
     if (header.begun !== this.rod.begun) for (const restart of this.restarts) restart();
-    this.rod.begun = header.begun;
-    if (header.t !== undefined) this.rod.t = this.shown.t = header.t;
+    Object.assign(this.rod, { begun: header.begun, loops: header.loops });
+    if (header.t !== undefined) this.#tell(header.t);
     if (header.line) this.#look(header.line);
     if (header.state !== undefined) this.shown.state = header.state;
     if (header.origin !== undefined) this.rod.origin = header.origin;
@@ -107,11 +110,17 @@ class Hub {
     this.#wake();
   }
 
+  // The time of the state that is shown, in all places alike.
+  #tell(t) {
+    this.rod.t = this.shown.t = t;
+    this.rod.clock = this.#clock.of(t);
+    this.texts.set({ t: this.rod.clock });
+  }
+
   #look(line) {
     const moved = line.past !== this.shown.past;
     this.past.take(line);
     this.shown.past = line.past;
-    this.rod.back = line.past !== null;
     if (moved) this.cursor(null);
   }
 

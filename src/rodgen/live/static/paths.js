@@ -31,12 +31,15 @@ export const trace = (across, up) => (u, k) => {
   return { stroke, fill: null, clip: null, band: null, gaps: null, flags: 0 };
 };
 
-// Points `size` pixels of the screen across.
-export const dots = (size) => (u, k) => {
-  const fill = new Path2D();
+export const straight = uPlot.paths.linear();
+
+// Points `size` pixels of the screen across; hollow: as circles.
+export const dots = (size, hollow = false) => (u, k) => {
+  const path = new Path2D();
   each(u, k, (x, y) => {
-    fill.moveTo(x + size / 2, y);
-    fill.arc(x, y, size / 2, 0, 2 * Math.PI);
+    path.moveTo(x + size / 2, y);
+    path.arc(x, y, size / 2, 0, 2 * Math.PI);
   });
-  return { stroke: null, fill, clip: null, band: null, gaps: null, flags: 0 };
+  const [stroke, fill] = hollow ? [path, null] : [null, path];
+  return { stroke, fill, clip: null, band: null, gaps: null, flags: 0 };
 };

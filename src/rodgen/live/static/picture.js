@@ -20,7 +20,8 @@ import {
 } from "./rod_marks.js";
 import { swing } from "./rod_modes.js";
 import { pull } from "./rod_pull.js";
-import { Scale, short, Written } from "./scales.js";
+import { Reach } from "./rod_reach.js";
+import { Scale, short } from "./scales.js";
 import { theme } from "./theme.js";
 
 // A drawing that is kept, and made anew only where what it depends on has changed.
@@ -75,7 +76,7 @@ export class Picture {
   #links = new Links();
   #loads = new Loads();
   #moments = new Scale();
-  #clock = new Written();
+  #reach = new Reach();
   settled = false; // what is shown was fitted to this rod, or chosen since
   chosen = false; // by who looks: another size of the picture leaves it alone
   #restless = false;
@@ -116,22 +117,27 @@ export class Picture {
       this.forget();
       this.points = new Float64Array(places.length);
     }
-    if (this.state.begun !== this.#fitted.begun) this.resetScale();
+    const begins = this.state.begun !== this.#fitted.begun;
+    if (begins) this.resetScale();
     const far = length(places);
     const same = Math.abs(far - this.#fitted.length) <= SAME * far;
-    if (!same || this.state.begun !== this.#fitted.begun || this.#gone) this.refit();
+    if (!same || (begins && !this.state.loops)) this.#reach.forget();
+    this.#reach.add(this.#joints, this.state.origin);
+    if (!same || begins || this.#leaves) this.refit();
     else if (!this.settled) this.fit();
     Object.assign(this.#fitted, { begun: this.state.begun, length: far });
   }
 
-  // Whether nothing of the rod was seen in the picture that was drawn last.
-  get #gone() {
+  // Whether a part of the rod was outside of the picture that was drawn last. Under a pointer that
+  // pulls it, the picture stays.
+  get #leaves() {
     const { camera, points } = this;
+    if (this.hand) return false;
     const outside = (at) =>
       !(points[at] >= 0 && points[at] <= camera.width) ||
       !(points[at + 1] >= 0 && points[at + 1] <= camera.height);
-    for (let at = 0; at < points.length; at += 2) if (!outside(at)) return false;
-    return points.length > 0;
+    for (let at = 0; at < points.length; at += 2) if (outside(at)) return true;
+    return false;
   }
 
   // The joints as they are drawn, in metres from the origin of the state.
@@ -152,6 +158,12 @@ export class Picture {
     if (!this.chosen) this.fit();
   }
 
+  // The rod is drawn otherwise: where it has come before does not count.
+  anew() {
+    this.#reach.forget();
+    this.refit();
+  }
+
   // Shows the whole rod, with room to swing.
   fit() {
     const { state, camera } = this;
@@ -161,8 +173,8 @@ export class Picture {
     const { arrow, names } = most(loads, state, show);
     const fixed = ties.map(({ x, y }) => [x - state.origin[0], y - state.origin[1]]);
     const parts = around(this.#joints, state.point, camera.mode, support, arrow, fixed);
-    // A rod that is held comes back to where its tail has been.
-    const been = support === "wall" && camera.mode === "fixed" && state.trail.box(state.origin);
+    // A rod that is held comes back to where it has been.
+    const been = support !== "none" && camera.mode === "fixed" && this.#reach.from(state.origin);
     if (been) parts.push({ box: been, room: arrow });
     const [left, top, , high] = frame(this.context, camera.width, show.moment, names);
     const all = this.#two ? twice(parts, this.#fitted.length) : parts;
@@ -175,6 +187,7 @@ export class Picture {
   // Another rod: what was fitted to the one before is let go. Its state may be there already, or
   // come next.
   forget() {
+    this.#reach.forget();
     this.fit();
     this.settled = this.chosen = false;
     this.resetScale();
@@ -319,13 +332,13 @@ export class Picture {
     this.context.fillStyle = colours.ink;
     this.context.textAlign = "left";
     this.context.textBaseline = "top";
-    this.context.fillText(`t = ${this.#clock.of(this.state.t)} s`, 8, 10);
+    outlined(this.context, `t = ${this.state.clock} s`, 8, 10, colours);
     const { times, mode } = this.options;
     const notes = [mode?.text, times === 1 ? null : `displacements \u00d7 ${times}`];
     this.context.fillStyle = colours.present;
     notes
       .filter((note) => note)
-      .forEach((note, k) => this.context.fillText(note, 8, 28 + 18 * k));
+      .forEach((note, k) => outlined(this.context, note, 8, 28 + 18 * k, colours));
   }
 
   // Of the link that is pointed at.

@@ -84,16 +84,20 @@ export default {
       const wanted = new Set(this.specs.map((spec) => spec.id));
       for (const id of this.cards.keys()) if (!wanted.has(id)) this.drop(id);
       for (const spec of this.specs) {
-        const text = JSON.stringify(spec);
-        if (this.cards.get(spec.id)?.text === text) continue;
+        const text = JSON.stringify({ ...spec, wrapped: undefined });
+        if (this.cards.get(spec.id)?.text === text) {
+          this.cards.get(spec.id).wrap(spec.wrapped);
+          continue;
+        }
         if (this.cards.has(spec.id)) this.drop(spec.id);
-        this.open(spec.id, text);
+        this.open(spec, text);
       }
       this.order(this.specs.map((spec) => spec.id));
       hub.repaint();
     },
-    open(id, text) {
-      const card = new Card(JSON.parse(text), {
+    open(spec, text) {
+      const { id } = spec;
+      const card = new Card(JSON.parse(JSON.stringify(spec)), {
         remove: () => this.removed(id),
         move: (by) => this.move(id, by),
         changed: () => hub.repaint(),
@@ -102,6 +106,8 @@ export default {
           this.glance.at(t);
           hub.cursor(t, card);
         },
+        zoomed: (view) => this.zoomed(card, view),
+        wrapped: (wrapped) => this.$emit("wrapped", { id, wrapped }),
       });
       card.text = text;
       this.cards.set(id, card);
@@ -110,6 +116,11 @@ export default {
       for (const rows of this.early.get(id) ?? []) card.take(...rows);
       this.early.delete(id);
       if (this.kept.has(id)) card.compare(this.kept.get(id));
+    },
+    // Plots over time have one axis; one that is paused has its own.
+    zoomed(card, view) {
+      const follows = ({ spec, curves }) => spec.kind === "time" && !curves.paused;
+      if (follows(card)) this.each((other) => other !== card && follows(other) && other.show(view));
     },
     compare(id, rows) {
       this.kept.set(id, rows);

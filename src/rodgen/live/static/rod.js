@@ -293,7 +293,7 @@ export default {
     // What is around the rod, or how it is drawn, is other than before.
     held() {
       this.set();
-      this.picture.refit();
+      this.picture.anew();
     },
     fit() {
       this.picture.fit();

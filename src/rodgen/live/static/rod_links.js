@@ -5,6 +5,7 @@ import { classes } from "./theme.js";
 
 const CLASSES = 64; // of colours
 const MOST = 6000; // places of a trail
+const [WIDTH, WHEN] = [5, 4]; // numbers of a place; which of them is its time
 const PIECES = 4; // of a trail, one fainter than the next
 const NEAR = 3; // pixels between the places that are drawn
 const BESIDE = 2.2; // pixels that a joint stands out beside its links
@@ -131,46 +132,46 @@ function spirals(context, points, radius, colours) {
   context.stroke();
 }
 
-// Where the tail and the centre of gravity have been: the last places, in absolute coordinates.
+// Where the tail and the centre of gravity have been, and when: the last places, in absolute
+// coordinates.
 export class Trail {
-  #places = new Float64Array(4 * MOST);
+  #places = new Float64Array(WIDTH * MOST);
   #count = 0;
 
-  // Rows of a message, tail x, y and centre of gravity x, y; `anew`: instead of those that are
-  // there; `length` of the rod.
+  // Rows of a message, tail x, y, centre of gravity x, y, and the time; `anew`: instead of those
+  // that are there; `length` of the rod.
   add(rows, anew, length) {
     if (anew) this.#count = 0;
-    for (let at = 0; at < rows.length; at += 4) this.#keep(rows, at, CLOSE * length);
+    for (let at = 0; at < rows.length; at += WIDTH) this.#keep(rows, at, CLOSE * length);
   }
 
   #keep(rows, at, close) {
-    const last = 4 * ((this.#count - 1) % MOST);
+    const last = WIDTH * ((this.#count - 1) % MOST);
     const moved = (k) => Math.abs(rows[at + k] - this.#places[last + k]);
     if (this.#count && Math.max(moved(0), moved(1), moved(2), moved(3)) < close) return;
-    const next = 4 * (this.#count++ % MOST);
-    for (let k = 0; k < 4; k++) this.#places[next + k] = rows[at + k];
+    const next = WIDTH * (this.#count++ % MOST);
+    for (let k = 0; k < WIDTH; k++) this.#places[next + k] = rows[at + k];
   }
 
-  // The box about where the tail has been, from an origin [m]; nothing where it is not known.
-  box([x, y]) {
-    const box = [Infinity, Infinity, -Infinity, -Infinity];
-    for (let k = Math.max(0, this.#count - MOST); k < this.#count; k++) {
-      const at = 4 * (k % MOST);
-      const place = [this.#places[at] - x, this.#places[at + 1] - y];
-      if (!Number.isFinite(place[0] + place[1])) continue;
-      [0, 1].forEach((i) => (box[i] = Math.min(box[i], place[i])));
-      [0, 1].forEach((i) => (box[i + 2] = Math.max(box[i + 2], place[i])));
+  // The number of the first place after a time, from a place on.
+  #after(t, first) {
+    let [low, high] = [first, this.#count];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.#places[WIDTH * (middle % MOST) + WHEN] > t) high = middle;
+      else low = middle + 1;
     }
-    return box[0] <= box[2] ? box : null;
+    return low;
   }
 
-  // Up to the places of `state`, unless they are of the past.
-  draw(context, camera, { origin, joints, point, back }, colours) {
-    if (!this.#count) return;
+  // Up to the places of `state`, at its time t [s].
+  draw(context, camera, { origin, joints, point, t }, colours) {
+    const first = Math.max(0, this.#count - MOST);
+    const count = this.#after(Math.fround(t), first); // times have come in single precision
+    if (count === first) return;
     context.lineWidth = 1.2;
     context.lineJoin = "bevel";
-    const first = Math.max(0, this.#count - MOST);
-    const span = (this.#count - 1 - first) / PIECES;
+    const span = (count - 1 - first) / PIECES;
     for (const [column, colour, end] of [
       [2, colours.centre, point ?? [NaN, NaN]],
       [0, colours.tail, joints.slice(-2)],
@@ -181,7 +182,7 @@ export class Trail {
         context.beginPath();
         const ends = [piece, piece + 1].map((k) => first + Math.floor(k * span));
         this.#piece(context, camera, origin, column, ...ends);
-        if (piece === PIECES - 1 && !back) context.lineTo(...camera.screen(end[0], end[1]));
+        if (piece === PIECES - 1) context.lineTo(...camera.screen(end[0], end[1]));
         context.stroke();
       }
     }
@@ -192,7 +193,7 @@ export class Trail {
   #piece(context, camera, origin, column, from, to) {
     let [px, py] = [Infinity, Infinity];
     for (let k = from; k <= to; k++) {
-      const at = 4 * (k % MOST) + column;
+      const at = WIDTH * (k % MOST) + column;
       const [x, y] = camera.screen(this.#places[at] - origin[0], this.#places[at + 1] - origin[1]);
       if (k !== from && k !== to && Math.abs(x - px) + Math.abs(y - py) < NEAR) continue;
       if (k === from) context.moveTo(x, y);

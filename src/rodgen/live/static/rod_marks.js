@@ -9,6 +9,7 @@ const [ROW, EDGE, NAME, LEAST_WIDE] = [18, 8, 60, 204]; // pixels of the legend;
 export const KEY = NAME - EDGE - 8; // pixels that an arrow there may have
 const VALUE = " 0.00 m/s\u00b2"; // as wide as most
 const BESIDE = 14; // pixels from an end to its name
+const LYING = 0.4; // the sine of a link's angle, below which it lies
 const STEPS = 48; // of the colours of the bending moment
 const LARGEST_BODY = 18; // pixels, the radius of a body that is the whole mass
 const MOST_NAMES = 8; // of bodies
@@ -105,37 +106,47 @@ export function outlined(context, text, x, y, colours) {
 // Bodies {name, link, along, across, size} as discs, their areas by their masses, and their names
 // unless these would be many; points: joints in pixels, whose y runs down.
 export function bodies(context, points, list, colours) {
-  context.lineWidth = 1.2;
-  context.textAlign = "left";
-  context.textBaseline = "bottom";
   for (const { name, link, along, across, size } of list) {
     if (2 * link + 4 > points.length) continue; // the rod before
     const [ax, ay, bx, by] = points.subarray(2 * link, 2 * link + 4);
     const [dx, dy] = [bx - ax, by - ay];
-    const [x, y] = [ax + along * dx + across * dy, ay + along * dy - across * dx];
+    const place = [ax + along * dx + across * dy, ay + along * dy - across * dx];
     const radius = Math.max(LARGEST_BODY * size, 2);
+    context.lineWidth = 1.2;
     context.fillStyle = colours.body;
     context.strokeStyle = colours.edge;
-    disc(context, x, y, radius);
+    disc(context, ...place, radius);
     context.fill();
     context.stroke();
     context.fillStyle = colours.ink;
-    if (list.length <= MOST_NAMES) outlined(context, name, x + radius, y - radius, colours);
+    // On the other side than the names of the ends.
+    const side = beside([dx, dy]).map((part) => -part);
+    if (list.length <= MOST_NAMES) put(context, name, place, side, radius + 9, colours);
   }
 }
 
 // What the ends are called, beside them: [[x, y], of the link's other end [x, y], name].
 export function ends(context, list, colours) {
   context.fillStyle = colours.faint;
-  context.textBaseline = "middle";
   for (const [[x, y], [bx, by], name] of list) {
-    const size = Math.hypot(x - bx, y - by) || 1;
-    // Across the rod: along it, arrows of forces may stand.
-    const [dx, dy] = [(y - by) / size, (bx - x) / size];
-    const side = dx < 0 || (dx === 0 && dy > 0) ? -1 : 1;
-    context.textAlign = Math.abs(dx) < 0.4 ? "center" : "left";
-    outlined(context, name, x + side * dx * BESIDE, y + side * dy * BESIDE, colours);
+    put(context, name, [x, y], beside([x - bx, y - by]), BESIDE, colours);
   }
+}
+
+// Where names stand beside a link, as a direction: across it, as along it arrows of forces may
+// stand; above a link that lies, else to the right.
+function beside([x, y]) {
+  const size = Math.hypot(x, y) || 1;
+  const [dx, dy] = [y / size, -x / size];
+  const other = Math.abs(dx) < LYING ? dy > 0 : dx < 0;
+  return other ? [-dx, -dy] : [dx, dy];
+}
+
+function put(context, name, [x, y], [dx, dy], away, colours) {
+  const lies = Math.abs(dx) < LYING;
+  context.textBaseline = "middle";
+  context.textAlign = lies ? "center" : dx > 0 ? "left" : "right";
+  outlined(context, name, x + dx * away, y + dy * away, colours);
 }
 
 // Where the legend stands, [x, y, width, height], in a picture of `width` pixels: with rows of such

@@ -85,6 +85,14 @@ export function lowest(values, value) {
   return low;
 }
 
+// Values without whole turns: each within half a turn of zero, or all of them less those of the first.
+export function folded(values, turn, together) {
+  if (!values.some((value) => Math.abs(value) > turn / 2)) return values;
+  const whole = (value) => turn * Math.round(value / turn) || 0;
+  const first = whole(values[0]);
+  return values.map((value) => value - (together ? first : whole(value)));
+}
+
 // Least and largest finite value of some columns.
 export function bounds(columns) {
   let [low, high] = [Infinity, -Infinity];

@@ -58,7 +58,14 @@ export function alike({ x, y }, { width, height }) {
 }
 
 const power = (size) => Math.floor(Math.log10(size) + 1e-9);
-const places = (step) => Math.min(Math.max(0, -power(step)), 20);
+
+// The power of ten of the last digit of a step: of 0.02 a hundredth, of 0.025 a thousandth.
+function finest(step) {
+  const first = step / 10 ** power(step);
+  return power(step) - (Math.abs(first - Math.round(first)) > 1e-6 ? 1 : 0);
+}
+
+const places = (step) => Math.min(Math.max(0, -finest(step)), 20);
 const tidy = (text) => text.replace("e+", "e").replace("-", "\u2212").replace("e-", "e\u2212");
 
 // A multiple of `step` with the digits that tell it from its neighbours.
@@ -66,7 +73,7 @@ export function written(value, step) {
   const large = Math.max(Math.abs(value), step);
   if (large >= 1e6 || step < 1e-4) {
     if (Math.abs(value) < NONE * step) return "0";
-    const digits = Math.max(0, power(Math.abs(value)) - power(step));
+    const digits = Math.max(0, power(Math.abs(value)) - finest(step));
     return tidy(value.toExponential(Math.min(digits, 15)));
   }
   const text = value.toFixed(places(step));
@@ -154,12 +161,13 @@ export class Written {
 const constant = (low, high) =>
   high - low <= ROUNDING * Math.max(Math.abs(low), Math.abs(high));
 
-// A range of round ends about the data: wider at once, narrower once the data have left more than
+// A range of round ends about the data, of some size at least: wider at once, narrower once the data have left more than
 // a third of it empty for a while.
 export class Range {
   clock = new Clock();
 
-  constructor() {
+  constructor(least = 0) {
+    this.least = least;
     this.reset();
   }
 
@@ -188,7 +196,7 @@ export class Range {
     // About a constant, a tenth of it; else a little more than the data: no curve is cut where it
     // touches the edge.
     const wanted = this.constant ? Math.abs(middle) / 10 || 1 : 0.515 * (high - low);
-    const half = Math.max(wanted, 1e-9 * Math.abs(middle), TINIEST);
+    const half = Math.max(wanted, 1e-9 * Math.abs(middle), this.least, TINIEST);
     this.step = above(half / 5);
     this.low = Math.floor((middle - half) / this.step + 1e-9) * this.step;
     this.high = Math.ceil((middle + half) / this.step - 1e-9) * this.step;

@@ -2,12 +2,15 @@
 
 import { act, button, listen, make, placeOf, relabel } from "rodgen-live/dom.js";
 import { hub } from "rodgen-live/hub.js";
-import { short } from "rodgen-live/scales.js";
+import { above, multiples, short, written } from "rodgen-live/scales.js";
 import { theme } from "rodgen-live/theme.js";
 
+const FONT = "11px Roboto, system-ui, sans-serif";
 const EDGE = 9; // pixels beside the line, for the ends of the handle
 const RADIUS = 7; // of the handle
 const NEAR = 5; // pixels from a mark that tell it
+const [LINE, NUMBERS] = [12, 30]; // pixels from the top: the line, the times below it
+const APART = 70; // pixels from one of these to the next, at least
 const PAGE = 0.1; // of the line, by the keys for a page
 
 // From one end to the other and again, by the clock. Ends that are not chosen are those of the line.
@@ -27,9 +30,9 @@ class Loop {
     return this.b ?? hub.past.to;
   }
 
-  // An end that is beyond the other moves that out of its way; at its own place again: not chosen.
+  // An end that is beyond the other moves that out of its way; one that is chosen is let go.
   choose(end, other, t) {
-    this[end] = this[end] === t ? null : t;
+    this[end] = this[end] === null ? t : null;
     if (this.a !== null && this.b !== null && this.a >= this.b) this[other] = null;
   }
 
@@ -194,7 +197,8 @@ export default {
       const context = this.track.getContext("2d");
       context.setTransform(dense, 0, 0, dense, 0, 0);
       context.clearRect(0, 0, wide, high);
-      this.line(context, high / 2, theme());
+      this.line(context, LINE, theme());
+      this.times(context, wide, theme());
       this.say();
     },
     line(context, y, colours) {
@@ -215,6 +219,20 @@ export default {
       context.fillStyle = past.back ? colours.present : colours.ink;
       context.fill();
     },
+    // Round times below the line.
+    times(context, wide, colours) {
+      const { from, to } = hub.past;
+      if (!(to > from)) return;
+      const step = above(((to - from) * APART) / Math.max(wide - 2 * EDGE, APART));
+      Object.assign(context, { fillStyle: colours.faint, font: FONT, textBaseline: "middle" });
+      for (const t of multiples(from, to, step).map((count) => count * step)) {
+        const x = this.place(t);
+        context.fillRect(x - 0.5, LINE + 4, 1, 4);
+        const text = `${written(t, step)} s`;
+        const half = context.measureText(text).width / 2;
+        context.fillText(text, Math.min(Math.max(x - half, 0), wide - 2 * half), NUMBERS);
+      }
+    },
     say() {
       const { past } = hub;
       const set = (element, name, value) => {
@@ -225,7 +243,12 @@ export default {
       set(this.track, "aria-valuemax", past.to);
       set(this.track, "aria-valuenow", past.place);
       set(this.track, "aria-valuetext", `${short(past.place, 6)} s, ${where}`);
-      for (const end of ["a", "b"]) set(this.ends[end], "aria-pressed", this.loop[end] !== null);
+      for (const [end, button] of Object.entries(this.ends)) {
+        const t = this.loop[end];
+        set(button, "aria-pressed", t !== null);
+        const label = button.getAttribute("aria-label");
+        set(button, "title", t === null ? label : `At ${short(t, 6)} s; once more: not chosen`);
+      }
       set(this.kept, "aria-pressed", past.keeps);
       this.now.disabled = !past.back;
     },

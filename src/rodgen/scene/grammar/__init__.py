@@ -9,6 +9,7 @@ The text is parsed to a syntax tree (which runs nothing), every node of it is ch
 the list above, and the tree is walked to compute values, to find break points and to print code.
 """
 
+from rodgen.scene.grammar.advice import advice, mistake
 from rodgen.scene.grammar.affine import core, scale_and_offset
 from rodgen.scene.grammar.calculus import derivative, divisors, kinks, knots
 from rodgen.scene.grammar.code import NUMPY, Language, source_of
@@ -42,6 +43,7 @@ __all__ = [
     "Language",
     "Sensor",
     "Table",
+    "advice",
     "check",
     "children",
     "constants",
@@ -52,6 +54,7 @@ __all__ = [
     "is_whole",
     "kinks",
     "knots",
+    "mistake",
     "names_in",
     "parse",
     "scale_and_offset",

@@ -20,7 +20,7 @@ from rodgen.show.animation.motion import Motion, camera, ground, motion
 from rodgen.show.animation.stage import GRID, Arrows, Stage
 from rodgen.show.animation.times import Plan, Settings, plan
 from rodgen.show.canvas import BED, BODY, CENTRE, EDGE, FIXED, INK, MOMENTS, PAPER, TAIL
-from rodgen.show.pictures import first_end
+from rodgen.show.rod_marks import first_end
 
 LARGEST = 1e15  # of any state: beyond, a double has no digits left for the shape
 PALETTE = 8  # frames from which a GIF has its colours

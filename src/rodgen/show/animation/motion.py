@@ -72,8 +72,9 @@ def _bending(solution: Solution) -> tuple[Array, str]:
     if solution.parameter("joint_stiffness" if uneven else "bending_stiffness").any():
         return solution.bending_moments, "bending moment [N m]"
     curvature = np.zeros((len(solution.t), links + 1))
-    per_metre = links / solution.parameter("length")
-    curvature[:, 1:-1] = np.diff(solution.phi, axis=1) * per_metre[:, None]
+    springs = solution.scene.hold.springs(links)
+    if springs:
+        curvature[:, springs.start : springs.stop] = solution.values("curvature")
     return curvature, "curvature [1/m]"
 
 

@@ -63,6 +63,7 @@ class Stage:
         axes = self.axes
         low, high = camera.middle - camera.half, camera.middle + camera.half
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        axes.update_datalim([low, high])  # by which matplotlib sizes the arrow of the key
         self.grid_step = _above(SPACING * self.figure.dpi / self.pixels_per_metre(camera))
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(MultipleLocator(self.grid_step))

@@ -141,7 +141,7 @@ def one_link_claim(number: str, link: int, text: str) -> Claim:
         lambda n: 2 * [truth(n).link_energy(link)],
         letters=SPEEDS,
         links=range(link + 1, 7),
-        note="Both sides are compared: the integral and what it is said to be.",
+        note="Both sides are compared: the integral and its printed result.",
     )
 
 
@@ -191,7 +191,7 @@ CLAIMS: tuple[Claim, ...] = (
         {READ: lambda n: [SPEEDS["v_1"] ** 2]},
         lambda n: [truth(n).energy_density(0) / (m / (2 * l))],
         printed=r"v_1 = \sqrt{v_{x1}^2 + v_{y1}^2}",
-        note="Compared squared: no speed is negative.",
+        note="Compared as squares, because a speed is never negative.",
     ),
     element_claim(
         "2.9",
@@ -244,9 +244,11 @@ CLAIMS: tuple[Claim, ...] = (
         lambda n: [truth(n).link_energy(s) for s in range(n)],
         over=range,
         corrected=read(ENERGY.replace(PAIRS, PAIRS_ONCE), over=range),
-        note="The sum over i from 1 to k-1 counts pairs of links a second time, from the fifth "
-        "link on; 2.10, 2.13 and 2.15, from which it was generalised, have no such pair. "
-        "Its index k is also the letter of the spring stiffness.",
+        note=(
+            "From the fifth link on, the sum over i from 1 to k-1 counts pairs of links a second"
+            " time. It was generalised from 2.10, 2.13 and 2.15, which have no such pair. Its "
+            "index k is also the symbol of the spring stiffness."
+        ),
         correction=r"2l^2 \sum_{k=0}^{s-2} " + PAIRS_ONCE + r"\text{ in place of the double sum}",
         label=lambda n, at: f"E_k,{at}",
     ),
@@ -256,8 +258,10 @@ CLAIMS: tuple[Claim, ...] = (
         {"brackets as printed": read(TOTAL), "last sum outside the sum over j": read(OUTSIDE)},
         lambda n: [truth(n).kinetic_energy],
         corrected=read(TOTAL_RIGHT),
-        note="The last sum stands inside the sum over j, so that it counts n times, and has "
-        "n-1 where the sum of 2.16 over the links has j; pairs are counted twice as in 2.16.",
+        note=(
+            "The last sum stands inside the sum over j, so it counts n times. It has n-1 where "
+            "the sum of 2.16 over the links has j. Pairs are counted twice as in 2.16."
+        ),
         printed=TOTAL,
         correction=LINKS_RIGHT,
         label=lambda n, at: "E_k",
@@ -270,8 +274,10 @@ CLAIMS: tuple[Claim, ...] = (
         over=lambda n: range(n - 1),
         last=True,
         links=range(2, 7),
-        note="The moment that bends the spring; the spring turns link s+1 by the opposite. "
-        "The damping moment of 2.50 is counted the other way round.",
+        note=(
+            "This is the moment that bends the spring. The spring acts on link s+1 with the "
+            "opposite moment. The damping moment of 2.50 has the opposite sign convention."
+        ),
     ),
     Claim(
         "2.19",

@@ -216,9 +216,11 @@ CLAIMS: tuple[Claim, ...] = (
         against_thrust,
         letters=LOADS,
         repairs=("The angle nu was read as v.",),
-        note="Compared with the opposite of the thrust, which acts from the tail towards the nose: "
-        "the direction in which a component counts is a convention, and the moments of 2.47 are "
-        "right with this one. That the force of 2.47 need not be is told there, and once.",
+        note=(
+            "Compared with the opposite of the thrust, which acts from the tail towards the "
+            "nose. The sign of a component is a convention, and the moments of 2.47 are right "
+            "with this one. The force of 2.47 need not be right; see there."
+        ),
     ),
     Claim(
         "2.47",
@@ -235,9 +237,12 @@ CLAIMS: tuple[Claim, ...] = (
         r"\sin(\varphi_{n-1}) \end{bmatrix} - F_{follower,y} l \begin{bmatrix} 0 \\ 0 \\ "
         r"\cos(\varphi_0) \\ \vdots \\ \cos(\varphi_{n-1}) \end{bmatrix}",
         correction=r"F_x = -F_{follower,x}, \quad F_y = -F_{follower,y}",
-        note="F_x and F_y are not defined. As the components of 2.46 they pull at the tail, while "
-        "the moments are those of a push; with the other sign in 2.46 it is the other way round. "
-        "With the minus of the listing 2.46 stands as it is printed.",
+        note=(
+            "F_x and F_y are not defined. As the components of 2.46 they pull at the tail, but "
+            "the moments are those of a push. With the other sign in 2.46 the force pushes and "
+            "the moments are those of a pull. With the minus of the listing, 2.46 is right as "
+            "printed."
+        ),
         label=row_name,
     ),
     equation(
@@ -291,8 +296,10 @@ CLAIMS: tuple[Claim, ...] = (
         r"F_a = m a_g",
         lambda n: [derived_weight(n).xreplace({g: -a_g})],
         letters=LOADS,
-        note="A definition: force and acceleration both upwards, or both downwards. Which of them "
-        "is not said; 2.64 has both, and the conflict is counted there.",
+        note=(
+            "A definition: force and acceleration are both upwards, or both downwards. The text "
+            "does not say which. 2.64 uses both, and the conflict is counted there."
+        ),
     ),
     Claim(
         "2.64",
@@ -306,8 +313,11 @@ CLAIMS: tuple[Claim, ...] = (
         r"(n - \frac{1}{2} - i) \cos(\varphi_i) \\ \frac{1}{2} \cos(\varphi_{n-1}) "
         r"\end{bmatrix}",
         correction=r"-M a_g \text{ in place of } M a_g, \quad a_g = g",
-        note="No sign of a_g makes both vectors right: the force is that of a_g upwards, its "
-        "moments those of a_g downwards. The listing (lines 468, 482) has both downwards.",
+        note=(
+            "No sign of a_g makes both vectors right. The force is that of a_g upwards, its "
+            "moments are those of a_g downwards. The listing (lines 468, 482) has both "
+            "downwards."
+        ),
         label=row_name,
     ),
     equation(
@@ -316,8 +326,10 @@ CLAIMS: tuple[Claim, ...] = (
         r"D = c m v",
         across_only,
         letters={"c": c_ext, "v": speed},
-        note="Compared for a mass that moves across the rod. D is the force that is overcome: "
-        "2.53 has it with a minus.",
+        note=(
+            "Compared for a mass that moves across the rod. D is the force that the motion "
+            "overcomes, so 2.53 has it with a minus."
+        ),
     ),
     Claim(
         "2.55",
@@ -337,9 +349,12 @@ CLAIMS: tuple[Claim, ...] = (
         r"\right) \right|",
         correction=r"a_0 = |\sin(\varphi_{v,0} - \varphi_0)|, \quad "
         r"a_n = |\sin(\varphi_{v,n} - \varphi_{n-1})|",
-        note="Joints 0 and n, which have forces in 2.59, have one link only: phi_{-1} and phi_n "
-        "do not exist. Put right as in the listing, lines 505 to 508. Compared squared, with the "
-        "angle of 2.57: the missing quadrant does no harm, since |sin| has the period pi.",
+        note=(
+            "Joints 0 and n, which have forces in 2.59, have one link only: phi_{-1} and phi_n "
+            "do not exist. Corrected as in the listing, lines 505 to 508. Compared as squares, "
+            "with the angle of 2.57. The missing quadrant has no effect, because |sin| has the "
+            "period pi."
+        ),
         label=lambda n, at: f"joint {at}",
     ),
     Claim(
@@ -353,8 +368,10 @@ CLAIMS: tuple[Claim, ...] = (
         corrected=with_quadrant,
         printed=r"\varphi_{v,i} = \arctan \left(\frac{v_{y,i}}{v_{x,i}} \right)",
         correction=r"\varphi_{v,i} = \operatorname{atan2}(v_{y,i}, v_{x,i})",
-        note="The principal value is wrong by pi for v_x < 0 and undefined for v_x = 0; what 2.56 "
-        "makes of it feels only the latter. The listing (lines 495 to 503) goes by quadrants.",
+        note=(
+            "The principal value is wrong by pi for v_x < 0 and undefined for v_x = 0. Only the "
+            "latter affects 2.56. The listing (lines 495 to 503) distinguishes quadrants."
+        ),
         label=velocity_name,
     ),
     Claim(

@@ -146,7 +146,7 @@ def load_claim(
         equilibrium(load),
         printed=r"\mathbf{M} \frac{d}{dt}(v + \omega) = \mathbf{Q}\omega^2 - \mathbf{K}\varphi "
         + text,
-        note="With the derived vector or matrix, beside the work that the load does.",
+        note="The derived vector or matrix is inserted, and compared with the work of the load.",
         label=row_name,
     )
 
@@ -166,8 +166,11 @@ CLAIMS: tuple[Claim, ...] = (
         with_derived_rates(equilibrium()),
         printed=r"\mathbf{M} \frac{d}{dt}(v + \omega) = \mathbf{Q}\omega^2 - \mathbf{K}\varphi, "
         + RATES,
-        note="With the derived M, Q and K: their form is right, whatever 2.43 and 2.44 hold. "
-        "v + omega stands for one vector after the other, s for x0, y0.",
+        note=(
+            "Compared with the derived M, Q and K. The form of the equation is right, "
+            "independent of 2.43 and 2.44. v + omega means one vector after the other, s means "
+            "x0, y0."
+        ),
         label=row_name,
     ),
     Claim(
@@ -190,8 +193,11 @@ CLAIMS: tuple[Claim, ...] = (
         r"M_{00} = M_{11} = 2n, \quad M_{0i} = -l \sin(\varphi_i) w_i, \quad "
         r"M_{1i} = l \cos(\varphi_i) w_i, \quad M_{ii} = 2 l^2 (\frac{1}{3} + n-i-1), \quad "
         r"M_{ij} = l^2 \cos(\varphi_i - \varphi_j) w_{\max(i,j)}",
-        note="The number 2.43 and the matrix M are not in the text at hand, between 2.42 and 2.44; "
-        "M is described in words before 2.42. Hypothesis: lost in scanning.",
+        note=(
+            "The number 2.43 and the matrix M, which belong between 2.42 and 2.44, are not in "
+            "the available text. M is described in words before 2.42. Hypothesis: lost in "
+            "scanning."
+        ),
         label=entry_of(lambda n: n + 2),
     ),
     Claim(
@@ -205,22 +211,24 @@ CLAIMS: tuple[Claim, ...] = (
         corrected=lambda n: flat(quadratic(n, HALF * m, 1)),
         links=SPREAD,
         repairs=(
-            "Every entry stands on two lines, its weight below it, probably as it was typeset and "
-            "not by damage: joined.",
-            "The zeros of the diagonal have a weight below them too, probably typeset so: a zero "
-            "all the same.",
-            "Dots are filled by the pattern of row and column i, which is also how the matrix is "
-            "written here.",
+            "Every entry stands on two lines, with its weight below it. It was probably typeset "
+            "so. The lines are joined.",
+            "The zeros of the diagonal have a weight below them too, probably typeset so. They "
+            "are still zeros.",
+            "Dots are filled by the pattern of row and column i. The matrix is written here in "
+            "the same way.",
         ),
         printed=r"\mathbf{Q} = \frac{1}{2} [Q_{ij}], \quad Q_{0j} = l \cos\varphi_j w_j, \quad "
         r"Q_{1j} = l \sin\varphi_j w_j, \quad Q_{ij} = l^2 \sin(\varphi_j - \varphi_i) "
         r"w_{\max(i,j)}, \quad w_i = (1 + 2(n-i-1)) \text{ for } i < n-1, \quad "
         r"w_{n-1} = (1 + 2(n-1))",
         correction=r"\mathbf{Q} = \frac{m}{2} [Q_{ij}], \quad w_{n-1} = 1",
-        note="The weight of the last column and row is that of the first link, where it must be "
-        "1 + 2(n-(n-1)-1) = 1; and the mass m is missing in the factor, without which Q omega^2 "
-        "is no force. Compared from n = 4 on: below, columns 0, 1, 2 and n-1 of the print "
-        "fall together.",
+        note=(
+            "The weight of the last column and row is that of the first link. It must be 1 + "
+            "2(n-(n-1)-1) = 1. The factor lacks the mass m, without which Q omega^2 is not a "
+            "force. Compared from n = 4 on, because for smaller n columns 0, 1, 2 and n-1 of the"
+            " print coincide."
+        ),
         label=entry_of(lambda n: n),
     ),
     load_claim("2.45", "follower force", "follower", lambda n: truth(n).F, r"+ \mathbf{F}"),
@@ -237,10 +245,13 @@ CLAIMS: tuple[Claim, ...] = (
         r"- \mathbf{D}_i - \mathbf{D}_e\omega + \mathbf{F} + \mathbf{A}, " + RATES,
         correction=r"- \mathbf{D}_i \omega - \mathbf{D}_e \text{ in place of } "
         r"- \mathbf{D}_i - \mathbf{D}_e \omega",
-        note="The factor omega has gone from D_i to D_e. Literally nothing can be added up: D_i is "
-        "a matrix of n+2 rows and n columns, D_e a vector. The reading that is compared is made "
-        "up here, so that there is a difference to show. 2.51 and 2.53, of which 2.65 is said to "
-        "be composed, have it right; its lines for the rates, compared too, are right.",
+        note=(
+            "The factor omega stands at D_e instead of D_i. As printed, the sum is not defined: "
+            "D_i is a matrix of n+2 rows and n columns, D_e is a vector. The reading that is "
+            "compared is an assumption of this audit, made to show a difference. 2.51 and 2.53, "
+            "of which 2.65 is composed, are right. Its lines for the rates are compared too, and"
+            " are right."
+        ),
         label=row_name,
     ),
 )

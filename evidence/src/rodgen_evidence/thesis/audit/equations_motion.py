@@ -100,9 +100,12 @@ CLAIMS: tuple[Claim, ...] = (
             r"\cos(\varphi_s - \varphi_i) ",
             "the last two terms}",
         ),
-        note="The factor 2 is that of a single link behind both; the links between s and n-1 are "
-        "not there; for s = n-1 the last term pairs a link with itself. Hypothesis: these are the "
-        "terms of the last link alone (2.16 with s = n-1, see 2.31), of which one sum was lost.",
+        note=(
+            "The factor 2 belongs to a single link behind both. The links between s and n-1 are "
+            "missing. For s = n-1 the last term pairs a link with itself. Hypothesis: these are "
+            "the terms of the last link alone (2.16 with s = n-1, see 2.31), of which one sum "
+            "was lost."
+        ),
         label=of_link,
     ),
     equation(
@@ -151,9 +154,11 @@ CLAIMS: tuple[Claim, ...] = (
             r"\sin(\varphi_s - \varphi_i)] ",
             "all after the terms in } v_{y0}",
         ),
-        note="It has the terms of 2.26, with their slips, and three signs that do not even follow "
-        "from 2.26: of omega_i^2 in the sum and of both last terms. In the term before them the "
-        "index i stands outside its sum.",
+        note=(
+            "It has the terms of 2.26, with their errors. In addition, three signs do not follow"
+            " from 2.26: that of omega_i^2 in the sum and those of both last terms. In the term "
+            "before them the index i stands outside its sum."
+        ),
         label=of_link,
     ),
     Claim(
@@ -163,8 +168,10 @@ CLAIMS: tuple[Claim, ...] = (
         lambda n: truth(n).kinetic_slopes[:2],
         printed=r"\frac{\partial E_k}{\partial x_0} = 0, "
         r"\quad \frac{\partial E_k}{\partial y_0} = 0",
-        note="They follow from E_k, which does not depend on where the rod is; the thesis names "
-        "conditions of equilibrium as the reason.",
+        note=(
+            "These follow from E_k, which does not depend on the position of the rod. The thesis"
+            " gives conditions of equilibrium as the reason."
+        ),
     ),
     equation(
         "2.31",
@@ -184,8 +191,10 @@ CLAIMS: tuple[Claim, ...] = (
             "the sums and the last term}",
         ),
         links=TWO_LINKS,
-        note="The terms in two links are those of the last link alone (2.16 with s = n-1), not of "
-        "all links. For s < n-1, since 2.32 is for the last link.",
+        note=(
+            "The terms in two links are those of the last link alone (2.16 with s = n-1), not of"
+            " all links. Compared for s < n-1, because 2.32 is for the last link."
+        ),
         label=of_link,
     ),
     equation(
@@ -235,7 +244,7 @@ CLAIMS: tuple[Claim, ...] = (
         corrected=lambda n: [S.Zero],
         printed=r"\frac{\partial E_p}{\partial x_0} = 0",
         correction=r"\frac{\partial E_p}{\partial y_0} = 0",
-        note="2.36 is printed a second time, for x0, in the place of the derivative by y0.",
+        note="2.36, for x0, is printed a second time in place of the derivative by y0.",
         label=lambda n, at: "dE_p/dy0",
     ),
     lagrange_claim(

@@ -170,8 +170,10 @@ CLAIMS = (
         "mass matrix",
         {READ: _assembled("M", m / 2)},
         lambda n: flat(truth(n).M),
-        note="Rows are completed in order, so every entry below the diagonal is written before it "
-        "is read. The thesis prints no M: this is its only statement of it.",
+        note=(
+            "Rows are completed in order, so every entry below the diagonal is written before it"
+            " is read. The thesis prints no M, so this is its only statement of M."
+        ),
         printed="matrixM[r][r] = 2d*l*l*(1/3d+(n+(r-(2*r-1)))); ... matrixM[c][r]=matrixM[r][c];",
     ),
     Claim(
@@ -188,7 +190,10 @@ CLAIMS = (
         "velocity matrix, assembled a second time over the first",
         {READ: _assembled("Q", m / 2, times=2)},
         lambda n: flat(truth(n).Q),
-        note="The members are kept from step to step: nothing of the last assembly is left over.",
+        note=(
+            "The members are kept from step to step, but nothing of the last assembly remains in"
+            " them."
+        ),
         printed="if (r-2!=c) matrixQ[c+2][r-2]=-matrixQ[r][c];",
     ),
     *_band_claims("315-341", "392-396", "stiffness", "K", k, lambda n: flat(truth(n).K)),
@@ -199,7 +204,7 @@ CLAIMS = (
         "C",
         c_int * m,
         lambda n: flat(truth(n).D_i),
-        "Called assembleMatrixD and D_i in section 4.1.",
+        "Section 4.1 calls it assembleMatrixD and D_i.",
     ),
     Claim(
         "Java 424-443",
@@ -237,8 +242,10 @@ CLAIMS = (
         {READ: _angles_by_case},
         lambda n: [atan2(vy, vx) for vx, vy in CASES],
         links=(1,),
-        note="All four quadrants and all four axes are right; Math.atan2 would have done it. "
-        "(2.57) of the text has the first and the fourth quadrant only.",
+        note=(
+            "All four quadrants and all four axes are right; Math.atan2 would give the same. "
+            "(2.57) of the text has the first and the fourth quadrant only."
+        ),
         printed="if (vx<0 && vy<0) velocityAngles[i]=-Math.PI+Math.atan(-vy/-vx); "
         "if (vx>0 && vy<0) velocityAngles[i]=-Math.atan(vy/-vx); ...",
     ),
@@ -254,8 +261,10 @@ CLAIMS = (
             )
         },
         _no_forces,
-        note="No case of the angle fits, and the old one stays. That is without effect on the "
-        "forces; getVelocityAngles and getAeroCoefficients give what is left over.",
+        note=(
+            "No case of the angle fits, so the old value stays. This has no effect on the "
+            "forces. getVelocityAngles and getAeroCoefficients return the old value."
+        ),
         printed="if (vx==0 && vy>0) ...; if (vx==0 && vy<0) ...; if (vx>0 && vy==0) ...; ...",
     ),
     Claim(
@@ -270,8 +279,10 @@ CLAIMS = (
             "lines 506, 508 and 511 close one parenthesis more than they open; all three are "
             "broken right after a minus, where one may have been lost",
         ),
-        note="Compared as squares. As the parentheses stand, the program does not compile. The "
-        "first reading is (2.56).",
+        note=(
+            "Compared as squares. With the printed parentheses the program does not compile. The"
+            " first reading is (2.56)."
+        ),
         printed="aeroDampingCoef[i]=Math.abs(Math.sin(Math.abs("
         "velocityAngles[i]-angles[i-1]+angles[i])/2d)));",
         correction="Math.abs(Math.sin(Math.abs(velocityAngles[i]-(angles[i-1]+angles[i])/2d)))",
@@ -285,8 +296,11 @@ CLAIMS = (
             "the loop over i of line 494 is closed in line 603 only, where i would be declared "
             "twice and rightSide1 be out of scope: closed after line 511 or after line 529",
         ),
-        note="Where the loop is closed has no effect: its last pass has all coefficients. The fin "
-        "factor s_i is spike*medium at the start, medium inside, tail*medium at the tail.",
+        note=(
+            "The place where the loop is closed has no effect, because its last pass has all "
+            "coefficients. The fin factor s_i is spike*medium at the start, medium inside, "
+            "tail*medium at the tail."
+        ),
         printed="dampingForcesX[s]=-exterDampingCoef*(spikeDampingCoef*mediumDampingCoef*"
         "aeroDampingCoef[s])*0.5*elementMass*velocities[s*2];",
     ),
@@ -295,8 +309,10 @@ CLAIMS = (
         "effect of the damping forces",
         {READ: listing(read="kitExtDamping", **RESISTED)},
         lambda n: [-e for e in truth(n).D_e],
-        note="The minus of line 583 belongs to the arm -l sin(phi) of a force along x; the forces "
-        "carry their own.",
+        note=(
+            "The minus of line 583 belongs to the arm -l sin(phi) of a force along x. The forces"
+            " have their own signs."
+        ),
         printed="-kitExtDampingXmoment+kitExtDampingYmoment+kitExtDampingTrans",
     ),
 )

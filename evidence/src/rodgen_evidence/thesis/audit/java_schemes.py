@@ -83,7 +83,7 @@ def _velocities(lines: str, axis: int) -> Claim:
         f"velocities of the joints along {name.lower()}",
         {READ: lambda n: getattr(filled(n), f"getVelocities{name}")()},
         lambda n: joint_velocities(n)[axis::2],
-        note="An array of its own: a caller may write into it.",
+        note="The method returns a new array, so a caller may write into it.",
         printed=f"velocities{name}[i]=velocities[2*i{'+1' * axis}];",
         label=lambda n, at: f"joint {at}",
     )
@@ -209,8 +209,10 @@ CLAIMS = (
         "what the other getters hand out",
         {READ: _got},
         _got_true,
-        note="Arrays are handed out themselves: a caller that writes into one changes the motion. "
-        "The potential energy is that of the springs.",
+        note=(
+            "The methods return the arrays themselves, so a caller that writes into one changes "
+            "the motion. The potential energy is that of the springs."
+        ),
         printed="return coordinates[index]; return velocities[index]; return angles; ...",
     ),
     _velocities("Java 665-672", 0),
@@ -251,8 +253,11 @@ CLAIMS = (
         method("rk4"),
         corrected=scheme(stepClassical),
         repairs=(_OMEEGAS,),
-        note="The accelerations alone are averaged. Angles move by a whole step with velocities "
-        "that are updated already, so that no stage is at a midpoint: not (1.85), and of order 1.",
+        note=(
+            "Only the accelerations are averaged. Angles move by a whole step with velocities "
+            "that are already updated, so no stage is at a midpoint. This is not (1.85), and its"
+            " order is 1."
+        ),
         printed="solution.setValue(row, RKsolutionK1.getValue(row)/2d); ... updateOmegas(); "
         "updateVelocities(); updateAngles(); updateCoords();",
         correction="every stage keeps omegas and velocities beside solution; angles and "

@@ -129,8 +129,10 @@ CLAIMS = (
         {READ: _initial("velocities")},
         joint_velocities,
         corrected=_completed("velocities"),
-        note="Those behind the start keep Java's zero, and the first evaluation of external "
-        "damping reads it.",
+        note=(
+            "The velocities of the other joints keep Java's zero, and the first evaluation of "
+            "external damping reads it."
+        ),
         label=_joint,
         printed="velocities[0]=vx0Init; velocities[1]=vy0Init;",
         correction=_COMPLETION,
@@ -164,8 +166,10 @@ CLAIMS = (
         "coordinates of the joints",
         {READ: _after("updateCoords", "coordinates")},
         _joints_from(x0 + H * vx0, y0 + H * vy0),
-        note="The indices i-i/2-1 and i-i/2-2 are both those of the link that ends in the joint: "
-        "the division is one of integers.",
+        note=(
+            "The indices i-i/2-1 and i-i/2-2 are both those of the link that ends in the joint, "
+            "because the division is one of integers."
+        ),
         printed="coordinates[i]=coordinates[i-2]+elementLength*anglesCos[(i-i/2-1)];",
     ),
     Claim(
@@ -173,7 +177,10 @@ CLAIMS = (
         "velocities of the joints",
         {READ: _after("updateVelocities", "velocities")},
         _velocities_moved,
-        note="Right for the sines and cosines that it finds: see the steppers for which these are.",
+        note=(
+            "It is right for the sines and cosines that it finds. The steppers tell which these "
+            "are."
+        ),
         printed="velocities[i]=velocities[i-2]-omegas[(i-i/2-1)]*elementLength*anglesSin[...];",
     ),
     Claim(
@@ -181,7 +188,7 @@ CLAIMS = (
         "centre of gravity",
         {READ: listing("updateCG", read="centerOfGravity", coordinates=joints)},
         centre,
-        note="Half the mass of a link at each of its ends has the centre of gravity of the link.",
+        note="Two halves of its mass at its ends have the same centre of gravity as the link.",
         printed="topX=coordinates[0]+coordinates[length-2]; topX+=2*coordinates[i]; "
         "centerOfGravity[0]=topX/(2*elementCount);",
     ),
@@ -211,7 +218,7 @@ CLAIMS = (
         "energy of the springs",
         {READ: listing("updatePotentialEnergy", read="potentialEnergy")},
         lambda n: [truth(n).spring_energy],
-        note="Called potential energy: the weight has none here, see the overall energy.",
+        note="It is called potential energy, but leaves out the weight; see the overall energy.",
         printed="potentialEnergy+=(angles[i+1]-angles[i])*(angles[i+1]-angles[i]); "
         "potentialEnergy*=0.5*elementStiffness;",
     ),

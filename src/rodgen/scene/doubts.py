@@ -1,0 +1,28 @@
+"""What a scene has that its author may not have meant."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from rodgen.model.rod import CLAMP_ANGLE
+from rodgen.model.terms import PARAMETERS
+from rodgen.scene.keys import NUMBERS, named_numbers
+from rodgen.scene.scene import Scene
+
+TURN = 2 * math.pi
+
+
+def doubts(scene: Scene) -> Iterator[str]:
+    """Sentences on numbers that no expression names, and on angles that look like degrees."""
+    named = named_numbers(scene.to_dict())
+    for name in scene.numbers:
+        if name not in named:
+            yield f"no expression names {NUMBERS}.{name}"
+    parameters = scene.parameters
+    for name in (CLAMP_ANGLE.name, *scene.loads.parameters):
+        angle = name == CLAMP_ANGLE.name or PARAMETERS[name].angle
+        if angle and abs(parameters.get(name, 0.0)) > TURN:
+            given = parameters[name]
+            turns = f"{abs(given) / TURN:.1f} turns"
+            yield f"{scene.field(name)} = {given:g} is {turns}: angles are in radians"

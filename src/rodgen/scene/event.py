@@ -1,0 +1,55 @@
+"""Events: what is watched in a run, and what is done then."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from rodgen.model.quantities import number_in, watched
+from rodgen.model.rod import BOUNDARIES
+from rodgen.scene import structure as st
+from rodgen.scene.errors import SceneError, meant
+from rodgen.scene.tables import Finite, Rod, Table
+
+DIRECTIONS, ACTIONS = ("rising", "falling", "either"), ("record", "stop")
+
+
+class Event(Table):
+    """A state or a derived quantity that crosses a value: the run stops, or it is recorded."""
+
+    quantity: str = Field(description="a state or a derived quantity, by name")
+    value: Finite = Field(description="what it crosses, in the unit of the quantity")
+    direction: str = Field(default="either", description='`"rising"`, `"falling"` or `"either"`')
+    action: str = Field(
+        default="record", description='`"record"` the crossing, or `"stop"` the run there'
+    )
+    name: str = Field(
+        default_factory=lambda it: f"{it.get('quantity')} = {it.get('value')!r}",
+        description="up to 64 characters, each event its own; without it `quantity = value`",
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        st.choose("direction", self.direction, DIRECTIONS)
+        st.choose("action", self.action, ACTIONS)
+        return self
+
+
+def check_events(events: list[Event], rod: Rod, states: Iterable[str]) -> None:
+    """Raise SceneError unless this rod has all quantities and every event a name of its own;
+    states: names of those that are added."""
+    known = [*watched(BOUNDARIES[rod.boundary], rod.links), *((name, range(1)) for name in states)]
+    first: dict[str, int] = {}
+    for i, event in enumerate(events):
+        if not any(number_in(event.quantity, name) in span for name, span in known):
+            ends = [(name.format(span[0]), name.format(span[-1])) for name, span in known]
+            shown = ", ".join(" to ".join(dict.fromkeys(pair)) for pair in ends)
+            allowed = f"one of {shown}{meant(event.quantity, sum(ends, ()))}"
+            raise SceneError(f"events[{i}].quantity", event.quantity, allowed)
+        name, place = event.name, f"events[{i}].name"
+        if not (0 < len(name) <= 64 and name.isprintable() and name.strip()):
+            raise SceneError(place, name, "1 to 64 printable characters")
+        if first.setdefault(name, i) != i:
+            raise SceneError(place, name, f"unlike that of events[{first[name]}]")

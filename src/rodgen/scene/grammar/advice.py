@@ -1,0 +1,56 @@
+"""What to write instead of a text or a part of it that is not allowed."""
+
+from __future__ import annotations
+
+import ast
+import warnings
+from collections.abc import Iterable
+
+from rodgen.scene.errors import meant, short
+from rodgen.scene.grammar.vocabulary import FUNCTIONS, SENSORS, TABLE
+
+SHOWN = 20  # characters of a text from its mistake on
+
+
+def mistake(text: str) -> str:
+    """Why Python cannot parse a text, and where; "" where it does not say."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            ast.parse(text.strip(), mode="eval")
+    except SyntaxError as error:
+        said = error.msg.partition(".")[0]  # then Python guesses at statements, which none here is
+        line, column = error.lineno or 1, error.offset or 0
+        rest = text.strip().split("\n")[line - 1][column - 1 :] if column and text.strip() else ""
+        if not rest:
+            return f"{said}, at the end"
+        at = f"character {column}" + f" of line {line}" * (line > 1)
+        return f"{said}, at {at}: {short(rest, SHOWN)}"
+    except (ValueError, RecursionError, MemoryError):
+        pass
+    return ""
+
+
+def advice(node: ast.AST | None, names: Iterable[str]) -> str:
+    """What may have been meant by a part, to end a message with; names: those that are known."""
+    match node:
+        case ast.BinOp(op=ast.BitXor()):
+            return "; a power is written **, not ^"
+        case ast.Call(func=ast.Attribute(attr=name)) | ast.Attribute(attr=name) if (
+            name in FUNCTIONS or name == "pi"
+        ):
+            return f"; write {name} without {ast.unparse(_before(node))}."
+        case ast.Call(func=ast.Name(id=name)) if name not in FUNCTIONS:
+            return meant(name, (*FUNCTIONS, TABLE, *SENSORS))
+        case ast.Name(id="d" | "dt"):
+            return "; there is no d/dt: omega(s), vx(s) and vy(s) are the rates"
+        case ast.Name(id=name):
+            return meant(name, (*names, "pi"))
+    return ""
+
+
+def _before(node: ast.AST) -> ast.AST:
+    """What stands before the dot."""
+    inner = node.func if isinstance(node, ast.Call) else node
+    assert isinstance(inner, ast.Attribute)
+    return inner.value

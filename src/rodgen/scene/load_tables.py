@@ -1,0 +1,152 @@
+"""The tables of loads: a key for every parameter of a term."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field, create_model
+
+from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, POSITIVE, Parameter
+from rodgen.model.term import Term
+from rodgen.model.terms import TERMS
+from rodgen.scene.places import place_of
+from rodgen.scene.plain import entry
+from rodgen.scene.tables import (
+    Factors,
+    Finite,
+    NotNegative,
+    Positive,
+    Share,
+    Sizes,
+    Table,
+    Values,
+)
+
+MOST_PLACED = 100  # loads of one kind
+
+
+class FinFactor(Table):
+    """A number for joint 0, one for each of the joints between, and one for the tail."""
+
+    nose: NotNegative = 1.0
+    body: NotNegative = 1.0
+    tail: NotNegative = 1.0
+
+    def values(self, links: int) -> list[float]:
+        """Numbers of all joints."""
+        return [self.nose, *[self.body] * (links - 1), self.tail]
+
+
+RULES: dict[str, Any] = {ANY: Finite, NOT_NEGATIVE: NotNegative, POSITIVE: Positive}
+VALUES: dict[str, Any] = {ANY: Values, NOT_NEGATIVE: Factors, POSITIVE: Sizes}
+
+
+def _field(parameter: Parameter) -> tuple[Any, Any]:
+    """Type and default of a key, for pydantic."""
+    if parameter.each == JOINTS:
+        return FinFactor | Factors, FinFactor()
+    kind = RULES[parameter.rule]
+    if parameter.each == LINKS:
+        kind |= VALUES[parameter.rule] | str
+    return kind | str if parameter.timed else kind, (
+        ... if parameter.default is None else parameter.default
+    )
+
+
+def _load_table(term: Term) -> type[Table]:
+    """The table of a term in [loads], a class of this module, so that scenes can be pickled."""
+    name = term.table.title().replace("_", "")
+    fields: dict[str, Any] = {one.key: _field(one) for one in term.parameters}
+    for key, default in term.beginning.items():
+        if isinstance(default, list):
+            kind, _ = fields[key]
+            fields[key] = Annotated[list[kind], Field(min_length=2, max_length=2)], default  # type: ignore[valid-type]
+    if term.placed:
+        fields["at"] = Share, Field(1.0, exclude_if=lambda at: at == 1)
+    made = create_model(name, __base__=Table, __module__=__name__, __doc__=term.label, **fields)
+    globals()[name] = made
+    return made
+
+
+def _tables_of(term: Term) -> Any:
+    """What a scene may have of a term: a table or, of one at a place, several."""
+    one = _load_table(term)
+    several = Annotated[list[one], Field(max_length=MOST_PLACED)]  # type: ignore[valid-type]
+    return one | several | None if term.placed else one | None
+
+
+LOADS = [term for term in TERMS.values() if term.loads]
+
+
+class LoadTables(Table):
+    """What is asked of the loads of a scene, whichever there are."""
+
+    if TYPE_CHECKING:  # a table for every term
+
+        def __getattr__(self, name: str) -> Any: ...
+
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """Names of the loads whose tables are there."""
+        return tuple(self._tables)
+
+    @property
+    def following(self) -> tuple[str, ...]:
+        """Those of them that turn with the rod."""
+        return tuple(name for name in self.terms if TERMS[name].follows)
+
+    @cached_property
+    def _tables(self) -> dict[str, tuple[str, ...]]:
+        """Keys of the table of every load, by name."""
+        found: dict[str, tuple[str, ...]] = {}
+        for term in LOADS:
+            table = getattr(self, term.table)
+            if isinstance(table, list):
+                names = (f"{term.name}_{k + 1}" if k else term.name for k in range(len(table)))
+                found |= {name: (term.table, str(k)) for k, name in enumerate(names)}
+            elif table is not None:
+                found[term.name] = (term.table,)
+        return found
+
+    @property
+    def places(self) -> dict[str, tuple[str, ...]]:
+        """Keys of every parameter of these loads in a scene, from the outermost table in."""
+        return self._places
+
+    @cached_property
+    def _places(self) -> dict[str, tuple[str, ...]]:
+        return {
+            one.name: ("loads", *keys, *one.keys)
+            for name, keys in self._tables.items()
+            for one in TERMS[name].parameters
+        }
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Parameters of these loads."""
+        return tuple(self.places)
+
+    def structure(self, links: int) -> tuple[str, ...]:
+        """These loads as a structure of so many links has them."""
+        found = []
+        for name, keys in self._tables.items():
+            place = place_of(getattr(entry(self, *keys), "at", 1.0), links)
+            found.append(f"{TERMS[name].kind_name}@{place}" if place else TERMS[name].kind_name)
+        return tuple(found)
+
+    def value(self, name: str) -> Any:
+        """Value of one of these parameters, as the scene has it."""
+        return entry(self, *self.places[name][1:])
+
+
+if TYPE_CHECKING:
+    Loads = LoadTables
+else:
+    Loads = create_model(
+        "Loads",
+        __base__=LoadTables,
+        __module__=__name__,
+        __doc__="The loads that the scene has; those that are absent are not in its equations.",
+        **{term.table: (_tables_of(term), None) for term in LOADS},
+    )
