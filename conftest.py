@@ -41,6 +41,9 @@ def pytest_configure(config: pytest.Config) -> None:
     # Matrices of tests are small, and test processes are as many as cores: threads of OpenBLAS,
     # here and in what is loaded or started later, would only wait for each other.
     threadpool_limits(int(os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")))
+    # A shell has what it starts in the background ignore Ctrl-C, which tests send.
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

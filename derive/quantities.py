@@ -26,6 +26,7 @@ from .chain import (
     spring_potential,
 )
 from .general import Equations
+from .loads import supports
 from .loads.kinds import Acting, MassForce
 from .rod import Rod
 from .symbols import (
@@ -49,6 +50,8 @@ from .symbols import (
     s,
     xi,
 )
+
+SUPPORTS = supports.LOAD.term
 
 
 @dataclass(frozen=True)
@@ -115,6 +118,12 @@ class Quantities:
         first = equations.hold.first
         start = equations.inner_moment.subs(s, first) if first else equations.root_moment
         return start - equations.tail_moment
+
+    @cached_property
+    def support_forces(self) -> tuple[Expr, ...]:
+        """Force of the support of link i on it [N], and its moment [N m]; none without supports."""
+        supports = self.equations.loads.get(SUPPORTS)
+        return () if supports is None else tuple(supports.on_links().values())
 
     @cached_property
     def curvature(self) -> Expr:

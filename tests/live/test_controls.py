@@ -230,3 +230,8 @@ def test_undo_by_keys_and_what_differs_from_the_file(view: View) -> None:
     expect(view.field("gravity")).to_have_value("3")
     view.button("Undo").click()
     expect(view.field("gravity")).to_have_value("9.81")
+    view.select("Scene", "two")
+    scenes = view.page.get_by_role("combobox", name="Scene")
+    expect(scenes).to_have_value("two")
+    view.button("Undo: scene rod").click()
+    expect(scenes).to_have_value("dart")

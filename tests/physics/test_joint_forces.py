@@ -169,6 +169,44 @@ def test_of_an_uneven_rod_they_solve_the_equations() -> None:
     assert np.isnan(forces_per_mass(model, times, broken, p)[1]).all()
 
 
+@pytest.mark.parametrize("boundary", ["free", *HELD])
+def test_forces_of_supports_by_momenta_and_by_hand(make_scene: Make, boundary: str) -> None:
+    """They are what the momenta of a rod without other loads gain along the motion, beside the
+    reaction; and springs and dampers of the point, by differences of its place."""
+    n, at, to, rotation, damping = 4, 0.85, [0.3, 0.2], 7.0, [1.5, 2.5]
+    scene = make_scene(n, boundary, ())
+    fixed = {"to": to, "stiffness": [20.0, 30.0], "damping": damping}
+    turning = {"rotation": rotation, "rotation_damping": 0.4}
+    piece = piece_of(scene.replace({"supports": [{"at": at, **fixed, **turning}]}))
+    model, p, y, h = piece.model, piece.p, piece.y, 1e-6
+    along = np.concatenate((y[len(y) // 2 :], np.zeros(len(y) // 2)))  # the rates stay
+    before, after = (Piece(model, p, y + way * h * along) for way in (-1, 1))
+    link, share = int(at * n), at * n - int(at * n)
+
+    def place(one: Piece) -> np.ndarray:
+        start, end = one.values("joints")[link : link + 2]
+        return start + share * (end - start)
+
+    speed = (place(after) - place(before)) / (2 * h)
+    force = np.array([-20.0, -30.0]) * (place(piece) - to) - damping * speed
+    clamp = scene.rod.clamp_angle or 0.0
+    moment = -rotation * (piece.values("phi")[link] - clamp) - 0.4 * piece.values("omega")[link]
+    found, turned = piece.values("support_force"), piece.values("support_moment")
+    # The difference has an error of h^2 and of eps/h.
+    np.testing.assert_allclose(found[link], force, rtol=1e-8)
+    np.testing.assert_allclose(turned[link], moment, rtol=1e-12)
+    for whole in (found, turned):
+        assert not np.delete(whole, link, axis=0).any()
+
+    rates = model.rhs(0.3, y, p)
+    sides = [Piece(model, p, y + way * h * rates) for way in (1, -1)]
+    gained = (sides[0].values("momentum") - sides[1].values("momentum")) / (2 * h)
+    held = piece.values("reaction") if boundary != "free" else 0.0
+    np.testing.assert_allclose(gained, found.sum(axis=0) + held, rtol=1e-7, atol=1e-7)
+    with pytest.raises(KeyError, match="without supports"):
+        piece_of(scene).values("support_force")
+
+
 def test_what_a_boundary_does_not_have_is_refused(make_scene: Make) -> None:
     for boundary, name in (("free", "reaction"), ("pinned", "reaction_moment"), ("pinned", "base")):
         with pytest.raises(KeyError, match=name):

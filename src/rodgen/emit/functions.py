@@ -345,8 +345,8 @@ class Functions:
         return {name: self.compiler.compile(o, batch=True) for name, o in outputs.items()}
 
     def kinetics(self) -> dict[str, Program]:
-        """Momenta, the moment of what holds the rod, and curvatures, for states along leading
-        axes; without what a rod does not have."""
+        """Momenta, the moment of what holds the rod, forces of supports, and curvatures, for states
+        along leading axes; without what a rod does not have."""
         of, hold = Quantities(self.equations), self.equations.hold
         about = dict(zip(CENTRE, of.centre_from_start, strict=True)) if hold.translates else {}
         outputs = {
@@ -355,6 +355,12 @@ class Functions:
         }
         if hold.clamped:
             outputs["reaction_moment"] = _scalars({"holding": of.reaction_moment})
+        if held := of.support_forces:
+            link = self.compiler.link
+            names = ("held_x", "held_y", "held_turn")
+            outputs["support_forces"] = {
+                name: (link, e) for name, e in zip(names, held, strict=True)
+            }
         if springs := hold.springs(self.links):
             domain = Domain((s,), springs.start, springs.stop - 1)
             outputs["curvatures"] = {"curvature": (domain, of.curvature)}

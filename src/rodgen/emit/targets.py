@@ -28,7 +28,10 @@ PARTS = {
         *("energy", "joints", "centre_of_gravity", "inertia"),
         *("bending_moments", "forces", "generalised_force", "signals"),
     ),
-    "kinetics": ("momentum", "angular_momentum", "reaction_moment", "curvatures"),
+    "kinetics": (
+        *("momentum", "angular_momentum", "reaction_moment", "support_forces"),
+        "curvatures",
+    ),
     "tangents": ("tangents", "VARIATIONS"),
     "flow": ("Run", "WORKS"),
     "newton": ("NEWTON",),

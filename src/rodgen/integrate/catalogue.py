@@ -258,6 +258,20 @@ def _along_and_across(motion: Motion) -> Array:
     return np.stack((c * x + s * y, c * y - s * x), axis=-1)
 
 
+def _support_forces(motion: Motion) -> Array:
+    """Forces of the supports on all links [N], and their moments [N m], (..., n, 3). Raises
+    KeyError for a rod without supports."""
+    try:
+        moving = motion.called("support_forces", motion.y)
+    except AttributeError as error:
+        if error.name != "support_forces":
+            raise
+        raise KeyError("a rod without supports has no force or moment of them") from None
+    held = np.zeros((*moving.shape[:-2], motion.hold.first, moving.shape[-1]))
+    found: Array = np.concatenate((held, moving), axis=-2)
+    return found
+
+
 def _velocity(motion: Motion, function: str, *at: int) -> Array:
     """Velocity of a point, (..., 2): what its positions, which a function of the module gives,
     differ by a little before and after. Relative to joint 0, lest a rod far away lose its digits.
@@ -345,6 +359,9 @@ FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "shear_force": _part("section_forces", 1),
     "reaction": lambda motion: -motion.values("joint_forces")[..., 0, :],
     "reaction_moment": _at_times("reaction_moment"),
+    "support_forces": _support_forces,  # with the moments, (..., n, 3)
+    "support_force": lambda motion: motion.values("support_forces")[..., :2],
+    "support_moment": _part("support_forces", 2),
     "momentum": _module("momentum"),
     "angular_momentum": _module("angular_momentum"),
     "energy": _module("energy"),  # of its parts, (..., 3)

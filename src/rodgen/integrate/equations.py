@@ -59,7 +59,8 @@ class Equations:
         """All numbers of its quantities."""
         of = self.structure
         hold = BOUNDARIES[of.boundary]
-        return Numbers.of(hold, of.links, self.works, of.open_expressions, of.state_names)
+        held = range(hold.first, of.links) if "supports" in of.loads else ()
+        return Numbers.of(hold, of.links, self.works, of.open_expressions, of.state_names, held)
 
     def reductions(self, texts: tuple[str, ...]) -> tuple[Reduction, ...]:
         """Reductions of these numbers from their texts. Raises SceneError."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -100,9 +100,10 @@ class Numbers:
         works: Iterable[str],
         loads: Iterable[str],
         added: Iterable[str],
+        supported: Sequence[int] = (),
     ) -> Numbers:
         """works, loads, added: names of the loads that do work, of parameters that change, and of
-        states that are added."""
+        states that are added; supported: links that supports may be on."""
         works = tuple(works)
         each = {WORKS: works, POWERS: works, LOADS: tuple(loads), ADDED: tuple(added)}
         places: dict[str, tuple[str, Index]] = {"total_work": ("total_work", ())}
@@ -111,7 +112,7 @@ class Numbers:
                 named = (quantity.name.format(term) for term in each.get(quantity.each, ()))
                 places |= {name: (name, ()) for name in named}
             else:
-                found = numbers(quantity, hold, links)
+                found = numbers(quantity, hold, links, supported)
                 places |= {one.name: (quantity.name, one.at) for one in found}
         return cls(places)
 

@@ -221,12 +221,15 @@ def _every(
         ADDED: {name: name for name in scene.states},
         "": {"": ""},
     }
+    held = sorted({tie.link for tie in scene.anchors.ties})
     for quantity in QUANTITIES:
         if quantity.name == "gravity_energy" and "gravity" not in scene.loads.terms:
             continue
         unit = typeset(quantity.unit)
         for term, words in terms.get(quantity.each, {}).items():
-            for name, label, kind, at, along in numbers(quantity, scene.hold, scene.rod.links):
+            for name, label, kind, at, along in numbers(
+                quantity, scene.hold, scene.rod.links, held
+            ):
                 column = sum(at) if len(at) < 2 else 2 * at[0] + at[1]  # of x and y by joint
                 shown = Shown(name.format(term), label.format(words), unit, kind)
                 yield shown, _Place(quantity.name.format(term), column, along)

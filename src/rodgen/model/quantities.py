@@ -6,7 +6,7 @@ The functions that compute them stand in integrate/catalogue.py, by the names of
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -67,6 +67,7 @@ def _inertia(name: str, words: str, label: str) -> Quantity:
 
 AXIS, LINK, JOINT, SPRING = ("axis",), ("link",), ("joint",), ("spring",)
 SECTION = ("section",)  # joints that pass a force on to a moving link
+SUPPORTED = ("supported",)  # links with a support
 TAIL, CENTRE = "the tail", "the centre of gravity"
 _CENTRE = _point("centre_of_gravity_", CENTRE)
 _CENTRE_SPEED = _point("centre_of_gravity_v", CENTRE, "ẋẏ")
@@ -208,6 +209,22 @@ QUANTITIES = (
         only="clamped",
     ),
     Quantity(
+        "support_force",
+        "N",
+        "forces of the supports on the links",
+        SUPPORTED + AXIS,
+        {"support_force_{}_x": "Rx{}", "support_force_{}_y": "Ry{}"},
+        kept=SHOWN,
+    ),
+    Quantity(
+        "support_moment",
+        "N m",
+        "moments of the supports on the links",
+        SUPPORTED,
+        {"support_moment_{}": "MR{}"},
+        kept=SHOWN,
+    ),
+    Quantity(
         "momentum",
         "N s",
         "momentum",
@@ -273,6 +290,9 @@ KINDS = dict(
         _kind("shear_force", "Q"),
         _kind("reaction", "reaction"),
         _kind("reaction_moment", "moment of the reaction"),
+        _kind("support_force_x", "Rx", "x of the forces of the supports"),
+        _kind("support_force_y", "Ry", "y of the forces of the supports"),
+        _kind("support_moment", "moment", "moments of the supports"),
         _kind("joint_x", "x", "x of the joints"),
         _kind("joint_y", "y", "y of the joints"),
     )
@@ -292,8 +312,10 @@ class Number(NamedTuple):
     along: float | None = None
 
 
-def numbers(quantity: Quantity, hold: Boundary, links: int) -> Iterator[Number]:
-    """All numbers of a quantity of a rod."""
+def numbers(
+    quantity: Quantity, hold: Boundary, links: int, supported: Sequence[int] = ()
+) -> Iterator[Number]:
+    """All numbers of a quantity of a rod; supported: its links that supports may be on."""
     if quantity.only and not getattr(hold, quantity.only):
         return
     first, *rest = quantity.dimensions or ("",)
@@ -302,8 +324,10 @@ def numbers(quantity: Quantity, hold: Boundary, links: int) -> Iterator[Number]:
         "joint": range(links + 1),
         "spring": hold.springs(links),
         "section": range(hold.first_force, links),
+        "supported": supported,
     }
-    middle = 0.5 if first == "link" else 0.0
+    starts = {"spring": hold.springs(links).start, "section": hold.first_force}
+    middle = 0.5 if first in ("link", "supported") else 0.0
     for last, (name, label) in enumerate(quantity.numbers.items()):
         kind = quantity.kind_of(name)
         if first not in ranges:
@@ -312,7 +336,7 @@ def numbers(quantity: Quantity, hold: Boundary, links: int) -> Iterator[Number]:
         for number in ranges[first]:
             # No spring bends a link that is held, nor does the start of the next one.
             if kind != "bending_moment" or number >= hold.first:
-                at = (number - ranges[first].start, *((last,) if rest else ()))
+                at = (number - starts.get(first, 0), *((last,) if rest else ()))
                 shown = label.format(str(number).translate(SUBSCRIPTS))
                 yield Number(name.format(number), shown, kind, at, (number + middle) / links)
 
@@ -343,7 +367,7 @@ def place(name: str) -> tuple[Quantity, Index]:
     """The quantity that has a number of this name, of a link, a joint or the rod, and where. Raises
     KeyError."""
     for quantity in QUANTITIES:
-        others = quantity.each or quantity.dimensions in (SPRING, SECTION)
+        others = quantity.each or quantity.dimensions[:1] in (SPRING, SECTION, SUPPORTED)
         for last, template in enumerate(() if others else quantity.numbers):
             number = number_in(name, template)
             if number is not None:

@@ -57,8 +57,9 @@ class Bar:
         self._now: object = None
         self._keys: dict[str, Callable[[], object]] = {}
         self._said: dict[str, str] = {}  # of keys: what they do
-        if page.run.file is None:
-            page.run.file = self._first_file(), page.run.taken
+        if page.run.files is None:
+            first = self._first_file()
+            page.run.files = {} if first == OTHER else {first: page.run.undo.file}
         with ui.element("header").classes("rg-bar"):
             heading("rodgen", level=1).classes("rg-name")
             self.scenes = ui.select([], on_change=self._chosen, label="Scene")
@@ -104,7 +105,7 @@ class Bar:
         """Show the run as it is now."""
         run, scene = self.page.run, self.page.scene
         self._refresh_undo()
-        here = (run.status, run.goes_round, run.message, run.taken, run.file)
+        here = (run.status, run.goes_round, run.message, run.taken, run.undo.file, self._file)
         live = run.live
         now = (*here, live.rough, live.settings, live.choice.method, scene.integrate)
         if now == self._now:
@@ -150,14 +151,14 @@ class Bar:
 
     @property
     def _file(self) -> str:
-        """The file that was taken up last, or nothing."""
-        return self.page.run.file[0] if self.page.run.file else OTHER
+        """The file that can be loaded again, or nothing: that of the scene, else the last one."""
+        return self._shown or next(reversed(self.page.run.files or {}), OTHER)
 
     @property
     def _shown(self) -> str:
-        """The file that the scene of the run was taken from, or nothing."""
-        run = self.page.run
-        return self._file if run.file == (self._file, run.taken) else OTHER
+        """The file that the scene of the run was made of, or nothing."""
+        scene, files = self.page.run.undo.file, self.page.run.files or {}
+        return next((name for name in reversed(files) if files[name] == scene), OTHER)
 
     def _list(self, present: str) -> None:
         """Show which scenes can be chosen; present: name of that of the run."""
@@ -177,8 +178,10 @@ class Bar:
     async def _load(self, name: str) -> None:
         """Take up the scene of a file; if it cannot be, what is there stays, in the list too."""
         try:
-            await self.page.take(self._folder.scene(name))
-            self.page.run.file = name, self.page.run.taken
+            scene = self._folder.scene(name)
+            await self.page.take(scene)
+            before = {one: of for one, of in (self.page.run.files or {}).items() if one != name}
+            self.page.run.files = {**before, name: scene}
         except SceneError as error:
             self.page.say(str(error))
         self._now = None

@@ -38,9 +38,9 @@ class LiveRun(Worker, Pulling):
     Everything but `do`, `page` and `close` is for the run's own thread: others hand it work by
     `do`. shown: the present; past: the sample that the page looks back at, if it does. strict:
     whether tolerances are kept to where real time is missed. begun: how often it has begun at a
-    start; taken: how many scenes it has taken up so far; file: the file that one of them came from,
-    and its number, which a page notes. told: called in that thread when the status, the scene or
-    the plots have changed.
+    start; taken: how many scenes it has taken up so far; files: the scenes that came from files, by
+    their names, the last one last, which a page notes. told: called in that thread when the status,
+    the scene or the plots have changed.
     """
 
     def __init__(self, scene: Scene, told: Callable[[], None] = lambda: None):
@@ -51,7 +51,7 @@ class LiveRun(Worker, Pulling):
         self.plots: dict[str, Plot] = {}
         self._numbers, self.greeted = itertools.count(1), False  # whether a page has shown it
         self.pace, self.taken, self.begun = Pace(), 0, 0
-        self.file: tuple[str, int] | None = None
+        self.files: dict[str, Scene] | None = None
         self.goes_round = False
         self.past: Chunk | None = None
         self.undo = Undo(scene)
