@@ -39,6 +39,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "formulas",
     "commands",
+    "quantities",
     "headings",
     "names",
     "replays",

@@ -100,7 +100,8 @@ class Motion:
     def values(self, name: str) -> Any:
         """A quantity in SI units, one row for each state; computed once.
 
-        name: as events have it, such as "tip", "axial_force" or "energy".
+        name: as the page of quantities in the reference has it, such as "tip", "axial_force" or
+        "total_energy".
 
         Raises KeyError for what no motion has, or none of a rod that is held so.
         """
