@@ -75,5 +75,5 @@ def test_live(capsys: pytest.CaptureFixture[str]) -> None:
 
     if not any(map(shutil.which, BROWSERS)):
         pytest.skip("no browser is installed")
-    live(2.0, (5,))
+    live(2.0, (5,), samples=2000)
     assert "frames/s" in capsys.readouterr().out

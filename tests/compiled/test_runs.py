@@ -28,7 +28,9 @@ def test_fixed_steps_agree_with_python(missile: Scene, method: str) -> None:
     assert compiled.stats.rhs == walked.stats.rhs
 
 
-@pytest.mark.parametrize("method", ["dop853", "radau", "gauss"])
+@pytest.mark.parametrize(
+    "method", ["dop853", pytest.param("radau", marks=pytest.mark.long), "gauss"]
+)
 def test_adaptive_methods_agree_with_python(missile: Scene, method: str) -> None:
     """Radau is SciPy's, Gauss's coefficients are worked out another way."""
     compiled, walked = _both(missile, method=method, rtol=1e-8, atol=1e-10)

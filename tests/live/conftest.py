@@ -119,11 +119,24 @@ class Server:
         return self.process.returncode, out + err
 
 
-def start(*arguments: str) -> Server:
-    """`rodgen view` with these arguments, once it has told its address."""
+# rodgen that gives a page that has gone up after so many seconds.
+HASTY = """
+from rodgen.cli.app import app
+from rodgen.live.page import server
+server.RECONNECT = {}
+app()
+"""
+
+
+def start(*arguments: str, reconnect: float | None = None) -> Server:
+    """`rodgen view` with these arguments, once it has told its address; reconnect: seconds after
+    which it gives a page that has gone up, where that is not to be waited for."""
     pytest.importorskip("nicegui", reason="the extra view is not installed")
+    rodgen = [Path(sys.executable).with_name("rodgen")]
+    if reconnect is not None:
+        rodgen = [sys.executable, "-c", HASTY.format(reconnect)]
     process = subprocess.Popen(
-        [Path(sys.executable).with_name("rodgen"), "view", "--no-open", "--paused", *arguments],
+        [*rodgen, "view", "--no-open", "--paused", *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -166,8 +179,8 @@ def serve() -> Iterator[Callable[..., Server]]:
     """Starts servers with arguments of one's own."""
     made: list[Server] = []
 
-    def make(*arguments: str) -> Server:
-        made.append(start(*arguments))
+    def make(*arguments: str, reconnect: float | None = None) -> Server:
+        made.append(start(*arguments, reconnect=reconnect))
         return made[-1]
 
     yield make

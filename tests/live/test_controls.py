@@ -195,6 +195,7 @@ def test_click_counts_as_soon_as_there_is_a_button(
         view.page.close()
 
 
+@pytest.mark.long
 def test_page_begins_with_a_rod_that_moves_and_tells_its_keys(
     serve: Callable[..., Any], blank: View, folder: Path
 ) -> None:

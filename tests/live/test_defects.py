@@ -28,7 +28,7 @@ def test_what_cannot_be_written_is_said(
     temporary = tmp_path / "tmp"
     temporary.mkdir()
     monkeypatch.setenv("TMPDIR", str(temporary))
-    served = serve(str(folder / "dart.toml"), "--port", "0")
+    served = serve(str(folder / "dart.toml"), "--port", "0", reconnect=8.0)
     view = another().open(served.address).tab("Save")
     temporary.rmdir()
     view.button("Run as NetCDF").click()

@@ -88,7 +88,7 @@ def test_momentum_of_what_is_behind_a_joint(make_scene: Make, boundary: str, ine
 
 
 @pytest.mark.parametrize("boundary", ["free", *HELD])
-@pytest.mark.parametrize("inertia", ["uniform", "lumped"])
+@pytest.mark.parametrize("inertia", ["uniform", pytest.param("lumped", marks=pytest.mark.long)])
 def test_momenta_grow_by_loads_and_reaction(make_scene: Make, boundary: str, inertia: str) -> None:
     """Newton's and Euler's laws for the whole rod: what momenta gain along the motion is what all
     forces, and their moments about the same point, do to it; with dampers in the clamp."""

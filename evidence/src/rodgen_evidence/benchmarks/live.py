@@ -121,8 +121,9 @@ class Turn:
     effect: float
 
 
-def live(seconds: float = 20.0, numbers: Sequence[int] = LINKS) -> None:
-    """Print a table for each number of links. Exits where no browser is installed."""
+def live(seconds: float = 20.0, numbers: Sequence[int] = LINKS, samples: int = SAMPLES) -> None:
+    """Print a table for each number of links, and what a drag along so many samples takes. Exits
+    where no browser is installed."""
     with browsing() as browser:
         for links in numbers:
             with viewed(browser, Path(sys.executable).parent, links) as (page, process):
@@ -131,7 +132,7 @@ def live(seconds: float = 20.0, numbers: Sequence[int] = LINKS) -> None:
             page,
             process,
         ):
-            scrub(page, process, numbers[0])
+            scrub(page, process, numbers[0], samples)
 
 
 def compare(other: Path, seconds: float, numbers: Sequence[int] = LINKS) -> None:
@@ -284,10 +285,11 @@ def watch(page: Page, process: int, links: int, seconds: float) -> None:
     )
 
 
-def scrub(page: Page, process: int, links: int) -> None:
-    """Drag along the time line, there and back, and print how far apart frames are."""
+def scrub(page: Page, process: int, links: int, samples: int) -> None:
+    """Drag along the time line of so many samples, there and back, and print how far apart frames
+    are."""
     page.get_by_role("button", name="Run (").click()
-    page.wait_for_function(f"Object.values(rodgenLive.plots)[0].rows >= {SAMPLES}")
+    page.wait_for_function(f"Object.values(rodgenLive.plots)[0].rows >= {samples}")
     page.get_by_role("button", name="Pause (").click()
     page.evaluate(DRAWN)
     box = page.get_by_role("slider", name="Time that is shown").bounding_box()
@@ -306,7 +308,7 @@ def scrub(page: Page, process: int, links: int) -> None:
         1000 * (processor(page, process) - before) / len(times),
     )
     print(
-        f"\nn = {links}, {SAMPLES} samples, dragged through\n"
+        f"\nn = {links}, {samples} samples, dragged through\n"
         f"a frame each {statistics.median(apart):.0f} ms, "
         f"nine of ten within {most:.0f} ms; server and page compute for {spent:.1f} ms a frame"
     )
