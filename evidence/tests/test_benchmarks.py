@@ -74,6 +74,6 @@ def test_live(capsys: pytest.CaptureFixture[str]) -> None:
     from rodgen_evidence.benchmarks.live import BROWSERS, live
 
     if not any(map(shutil.which, BROWSERS)):
-        pytest.skip("no browser is installed")
+        pytest.skip("no browser is installed, whose frames are counted")
     live(2.0, (5,), samples=2000)
     assert "frames/s" in capsys.readouterr().out

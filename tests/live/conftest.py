@@ -194,6 +194,7 @@ def browser() -> Iterator[Browser]:
     """Headless Chromium."""
     path = next(filter(None, map(shutil.which, NAMES)), None)
     if path is None:
+        # The page is drawn by a browser, and pip installs none.
         pytest.skip(f"no browser is installed (looked for {', '.join(NAMES)})")
     pytest.importorskip("nicegui", reason="the extra view is not installed")
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")

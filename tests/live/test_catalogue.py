@@ -11,6 +11,7 @@ import pytest
 
 import rodgen
 from rodgen.integrate import Solution
+from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.stepper import Array
 from rodgen.live.catalogue import KINDS, Catalogue
 from rodgen.live.samples import Chunk
@@ -275,3 +276,20 @@ def test_curvature_times_stiffness_is_the_bending_moment(make_scene: Make, bound
     bent = catalogue.columns([f"curvature_{spring}" for spring in springs], chunk)
     moments = catalogue.columns([f"bending_moment_{spring}" for spring in springs], chunk)
     assert scene.rod.bending_stiffness * bent == pytest.approx(moments, rel=1e-12)
+
+
+def test_supports_are_offered_where_they_are(make_scene: Make) -> None:
+    """Each by itself, with its unit, and none for links without one or with one that does nothing:
+    of what lies between two of them there is nothing to draw."""
+    held = [{"at": 0.3, "stiffness": [3.0, 4.0]}, {"at": 0.9, "rotation": 2.0}, {"at": 0.5}]
+    scene = make_scene(5, "free", ()).replace({"supports": held})
+    catalogue, chunk = at_rest(scene, some_states(scene))
+    offered = [name for name in catalogue.quantities if name.startswith("support_")]
+    every = [f"support_force_{link}_{axis}" for axis in "xy" for link in (1, 4)]
+    assert offered == [*every, "support_moment_1", "support_moment_4"]
+    assert not [kind for kind in catalogue.along if kind.startswith("support")]
+    motion = Piece(catalogue.model, chunk.p, chunk.y)
+    force, moment = motion.values("support_force"), motion.values("support_moment")
+    expected = [force[:, link, axis] for axis in (0, 1) for link in (1, 4)]
+    expected += [moment[:, link] for link in (1, 4)]
+    np.testing.assert_array_equal(catalogue.columns(offered, chunk), np.transpose(expected))

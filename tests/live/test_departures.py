@@ -65,7 +65,7 @@ def waiting(
     monkeypatch: pytest.MonkeyPatch,
 ) -> Waiting:
     if not Path("/proc/self/task").exists():
-        pytest.skip("children are found in /proc")
+        pytest.skip("the compiler's process is found in /proc, which this system lacks")
     started, free, script = tmp_path / "started", tmp_path / "free", tmp_path / "cc"
     wait = f"while [ ! -e {free} ]; do sleep 0.1; done"
     script.write_text(f'#!/bin/sh\necho $$ > {started}\n{wait}\nexec cc "$@"\n')

@@ -213,7 +213,7 @@ QUANTITIES = (
         "N",
         "forces of the supports on the links",
         SUPPORTED + AXIS,
-        {"support_force_{}_x": "Rx{}", "support_force_{}_y": "Ry{}"},
+        {"support_force_{}_x": "support{} x", "support_force_{}_y": "support{} y"},
         kept=SHOWN,
     ),
     Quantity(
@@ -221,7 +221,7 @@ QUANTITIES = (
         "N m",
         "moments of the supports on the links",
         SUPPORTED,
-        {"support_moment_{}": "MR{}"},
+        {"support_moment_{}": "support{} moment"},
         kept=SHOWN,
     ),
     Quantity(
@@ -290,8 +290,8 @@ KINDS = dict(
         _kind("shear_force", "Q"),
         _kind("reaction", "reaction"),
         _kind("reaction_moment", "moment of the reaction"),
-        _kind("support_force_x", "Rx", "x of the forces of the supports"),
-        _kind("support_force_y", "Ry", "y of the forces of the supports"),
+        _kind("support_force_x", "force x", "x of the forces of the supports"),
+        _kind("support_force_y", "force y", "y of the forces of the supports"),
         _kind("support_moment", "moment", "moments of the supports"),
         _kind("joint_x", "x", "x of the joints"),
         _kind("joint_y", "y", "y of the joints"),
@@ -327,7 +327,7 @@ def numbers(
         "supported": supported,
     }
     starts = {"spring": hold.springs(links).start, "section": hold.first_force}
-    middle = 0.5 if first in ("link", "supported") else 0.0
+    middle = 0.5 if first == "link" else 0.0
     for last, (name, label) in enumerate(quantity.numbers.items()):
         kind = quantity.kind_of(name)
         if first not in ranges:
@@ -338,7 +338,9 @@ def numbers(
             if kind != "bending_moment" or number >= hold.first:
                 at = (number - starts.get(first, 0), *((last,) if rest else ()))
                 shown = label.format(str(number).translate(SUBSCRIPTS))
-                yield Number(name.format(number), shown, kind, at, (number + middle) / links)
+                # Supports are single points: nothing goes along the rod from one to the next.
+                along = None if first == "supported" else (number + middle) / links
+                yield Number(name.format(number), shown, kind, at, along)
 
 
 def watched(hold: Boundary, links: int) -> Iterator[tuple[str, range]]:
