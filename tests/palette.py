@@ -1,8 +1,7 @@
 """The structures that tests compile, and the choice of cases that stands for all of them.
 
 A C module takes seconds to compile, and thousands of cases minutes: tests share the structures of
-`PALETTE`, and of the full product of their factors `make test` runs a covering array, in which
-every pair of values occurs; the others are marked `long`, and `make test-all` runs them.
+`PALETTE`, and of the full product of their factors the sets of tests run covering arrays.
 """
 
 from __future__ import annotations
@@ -79,9 +78,6 @@ STATES = (
 # Those whose whole text is looked at: pairs and numbers, cut into segments and not, on the stack
 # and not, with all loads, some and none.
 TEXTS = (SMALL[0], SMALL[3], SMALL[6], LONG[2], TIMED)
-# How many structures a run of `make test` may compile in all: those of the palette, and one for
-# every force in time that a test is about.
-MOST_COMPILED = 110
 
 Row = tuple[Any, ...]
 NAMED = {ALL: "all", ENDS: "ends", ALONG: "along"}
@@ -99,11 +95,13 @@ def short(value: object) -> str:
     return str(value)
 
 
-def covering(rows: Iterable[Row], strength: int = 2) -> set[Row]:
-    """Rows in which every pair of values occurs that occurs in all rows (with strength 1, every
-    value): the row with most that is new comes next."""
+def covering(rows: Iterable[Row], strength: int, chosen: Iterable[Row] = ()) -> set[Row]:
+    """Extend the chosen rows until every pair of values occurs that occurs in all rows (with
+    strength 1 every value, with 3 every triple): the row with most that is new comes next."""
     left = {row: set(combinations(enumerate(row), strength)) for row in rows}
-    chosen: set[Row] = set()
+    chosen = set(chosen)
+    seen = {part for row in chosen for part in combinations(enumerate(row), strength)}
+    left = {row: rest for row, parts in left.items() if (rest := parts - seen)}
     while left:
         best = max(left, key=lambda row: len(left[row]))
         new = left.pop(best)
@@ -112,28 +110,23 @@ def covering(rows: Iterable[Row], strength: int = 2) -> set[Row]:
     return chosen
 
 
-LARGE = 40  # rows of a product that is tried whole
-
-
 def cases(
-    names: str,
-    *factors: Iterable[Any],
-    where: Callable[..., bool] = lambda *_: True,
-    strength: int = 2,
+    names: str, *factors: Iterable[Any], where: Callable[..., bool] = lambda *_: True
 ) -> pytest.MarkDecorator:
-    """Parametrize by the product of factors for which `where` holds; beyond the covering array
-    cases are long. Of a product of more rows than LARGE those are left that are needed to
-    cover one factor more."""
+    """Parametrize by the product of factors for which `where` holds: `make test` has every value,
+    `make check` every pair of values, and `make check-all` every triple."""
     rows = [row for row in product(*map(tuple, factors)) if where(*row)]
-    kept = covering(rows, strength)
-    if len(rows) > LARGE:
-        more = kept | covering(rows, strength + 1)
-        rows = [row for row in rows if row in more]
+    values = covering(rows, 1)
+    pairs = covering(rows, 2, values)
+    triples = covering(rows, 3, pairs)
+    marks = {
+        row: () if row in values else pytest.mark.slow if row in pairs else pytest.mark.nightly
+        for row in triples
+    }
     params = [
-        pytest.param(
-            *row, marks=() if row in kept else pytest.mark.long, id="-".join(map(short, row))
-        )
+        pytest.param(*row, marks=marks[row], id="-".join(map(short, row)))
         for row in rows
+        if row in marks
     ]
     return pytest.mark.parametrize(names, params)
 

@@ -17,7 +17,7 @@ from rodgen_evidence.benchmarks.many import many
 from rodgen_evidence.benchmarks.rhs import rhs
 from rodgen_evidence.benchmarks.study import study
 
-pytestmark = [pytest.mark.long, pytest.mark.compiler]
+pytestmark = [pytest.mark.nightly, pytest.mark.compiler]
 
 
 def check(times: Times, capsys: pytest.CaptureFixture[str]) -> None:

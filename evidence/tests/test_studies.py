@@ -10,7 +10,7 @@ from rodgen_evidence.benchmarks.study_kills import study_kills
 from rodgen_evidence.benchmarks.study_load import study_load
 from rodgen_evidence.benchmarks.study_workers import bits, computing, waiting
 
-pytestmark = [pytest.mark.long, pytest.mark.compiler]
+pytestmark = [pytest.mark.nightly, pytest.mark.compiler]
 
 
 def test_costs(capsys: pytest.CaptureFixture[str]) -> None:

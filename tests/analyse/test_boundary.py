@@ -63,10 +63,10 @@ def test_the_order_of_both_numbers_is_that_of_the_points(ziegler: Scene) -> None
         (8, "clamped", {"material_damping": {"time": 0.01}}, MATERIAL, (0.001, 0.1)),
         pytest.param(
             *(8, "clamped", {"external_damping": {"coefficient": 0.5}}, EXTERNAL, (0.1, 5.0)),
-            marks=pytest.mark.long,
+            marks=pytest.mark.nightly,
         ),
         (6, "free", {"material_damping": {"time": 0.003}}, MATERIAL, (0.001, 0.01)),
-        pytest.param(*(6, "clamped", {}, "rod.length", (0.8, 1.3)), marks=pytest.mark.long),
+        pytest.param(*(6, "clamped", {}, "rod.length", (0.8, 1.3)), marks=pytest.mark.nightly),
         (4, "clamped", {"gravity": {"g": 1.0}}, "loads.gravity.g", (0.0, 2.0)),
     ],
     ids=["material", "external", "free", "length", "bent"],
@@ -251,7 +251,7 @@ def test_flutter_goes_on_as_divergence(rod: Rod, tau: float, corner: Any) -> Non
         assert sorted(grow) == [False, True]
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_cusp_is_named(rod: Rod) -> None:
     """Of an undamped column that a spring holds in its middle the pair of motions that flutters
     changes: the boundary comes to a point, where both numbers stand still along it."""

@@ -63,7 +63,7 @@ def test_the_bent_branch_is_the_elastica(rod: Rod) -> None:
         assert richardson(ns, tails).value == pytest.approx(abs(getattr(exact, side)), abs=1e-6)
 
 
-@pytest.mark.parametrize("n", [5, pytest.param(30, marks=pytest.mark.long)])
+@pytest.mark.parametrize("n", [5, pytest.param(30, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize(
     "damping",
     [

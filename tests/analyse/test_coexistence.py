@@ -37,7 +37,7 @@ def test_deflation_finds_what_no_branch_leads_to(rod: Rod) -> None:
     assert sorted(bool(one.iterations) for one in found) == [False, True, True, True, True]
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_stable_and_unstable_ones_add_up(rod: Rod) -> None:
     """Where no motion is rigid, equilibria with an even number of unstable directions are one more
     than those with an odd one."""
@@ -45,13 +45,13 @@ def test_stable_and_unstable_ones_add_up(rod: Rod) -> None:
     assert [one.stable for one in found] == [True, True, False]
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_follower_force_has_one_alone(rod: Rod) -> None:
     (one,) = static_equilibria(rod(5, "clamped", {"follower": {"force": 30.0}}, **ONES))
     assert one.instability == "flutter"
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("boundary", ["pinned", "clamped"])
 def test_chains_too(rod: Rod, boundary: str) -> None:
     scene = rod(4, boundary, {"gravity": {"g": 9.81}}, **(ONES | {"bending_stiffness": 0.0}))

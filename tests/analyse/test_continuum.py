@@ -136,8 +136,8 @@ def _newton_step(
         (thrust, 0, _at_the_tail, 1, 21, (109.9, 23.1)),
         # 40.05 of Leipholz 1963, in most books since. Critical forces of rods are held against it
         # and Hauger's too, in less time.
-        pytest.param(leipholz, 2, _all_along, 1, 15, (40.05, None), marks=pytest.mark.long),
-        pytest.param(hauger, 2, _all_along, 2, 17, (None, None), marks=pytest.mark.long),
+        pytest.param(leipholz, 2, _all_along, 1, 15, (40.05, None), marks=pytest.mark.nightly),
+        pytest.param(hauger, 2, _all_along, 2, 17, (None, None), marks=pytest.mark.nightly),
     ],
 )
 def test_flutter(

@@ -24,7 +24,7 @@ THRUST: dict[str, Any] = {"follower": {"force": 50.0}}
 @pytest.mark.parametrize(
     ("links", "boundary", "tail", "kind"),
     [
-        pytest.param(4, "free", 1.0, "flutter", marks=pytest.mark.long),
+        pytest.param(4, "free", 1.0, "flutter", marks=pytest.mark.nightly),
         (3, "clamped", 1.0, "flutter"),
         # Its turning, damped from outside, begins to grow before it buckles.
         (3, "pinned", 3.0, "divergence"),
@@ -48,7 +48,7 @@ def test_onset_with_drag_to_nine_digits(
     assert growth(0.7) < 0
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("links", [5, 20])
 def test_damping_that_vanishes(links: int) -> None:
     """A free rod, of which nothing holds the place: what rounding makes of its translations is no
@@ -86,7 +86,7 @@ def test_extrapolated_it_is_that_of_the_continuum(rod: Rod, name: str) -> None:
     )
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("name", "exact", "second"),
     # Leipholz's to the digits that a power series of his equation gives, here and elsewhere.
@@ -241,7 +241,7 @@ def test_a_thousand_links(rod: Rod) -> None:
     assert found.factor == pytest.approx(beck().load, rel=5e-6)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_simulations_find_it_too(rod: Rod) -> None:
     scene = rod(5, "free", THRUST)
     found = simulated_critical_force(scene, span=100.0, tolerance=1e-3)
@@ -251,7 +251,7 @@ def test_simulations_find_it_too(rod: Rod) -> None:
     assert found.high == pytest.approx(exact, rel=5e-3)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_simulations_start_from_the_steady_state(rod: Rod) -> None:
     """A rod that sags is not one that grows; the shape that a scene starts with does not count."""
     table = rod(3, "clamped", THRUST | {"gravity": {"g": 0.5}}).model_dump(exclude_none=True)

@@ -76,7 +76,7 @@ def test_slow_flutter_of_a_strongly_damped_rod_is_a_hopf_point() -> None:
     assert fastest_growing(np.diag([1.0, -1.0])) is None
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_cycles_begin_where_flutter_does(column: Scene, branch: Any) -> None:
     without = COLUMN | {"loads": {k: v for k, v in COLUMN["loads"].items() if k not in NOTHING}}
     critical = rodgen.critical_force(Scene.from_dict(without))
@@ -175,7 +175,7 @@ PENDULUM = {
 }
 
 
-@pytest.mark.long  # it compiles a structure of its own
+@pytest.mark.nightly  # it compiles a structure of its own
 def test_a_pendulum_by_an_elliptic_integral() -> None:
     """Energy m g L/2 (1 - cos a) above rest; period 4 sqrt(2 L/3 g) K(sin^2 a/2)."""
     scene, g = Scene.from_dict(PENDULUM), 9.81
@@ -213,7 +213,7 @@ def test_families_begin_with_linear_modes_and_keep_energy() -> None:
         nonlinear_mode(Scene.from_dict(COLUMN), 1, 0.5)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_free_rod_swings_while_its_thrust_carries_it_off() -> None:
     """Its cycle needs neither its place nor its velocity, and comes back turned by nothing: two
     multipliers are 1."""

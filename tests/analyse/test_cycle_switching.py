@@ -43,7 +43,7 @@ def doubled() -> Any:
     return continue_cycles(_pressed(0.45), AMPLITUDE, (0.4, 0.7), start="run", switch=1, most=12)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_cycles_of_twice_the_period_go_from_a_period_doubling(doubled: Any) -> None:
     assert list(doubled["special_kind"].values) == ["period doubling"]
     np.testing.assert_allclose(doubled["period"].values, 2 * 2 * np.pi / 4.9, rtol=1e-12)
@@ -92,7 +92,7 @@ def test_cycles_begin_in_a_hopf_point_of_a_branch_of_equilibria() -> None:
         continue_cycles(scene, key, (0.1, 0.4), start=branch, at=number)
 
 
-@pytest.mark.long  # a branch of a free rod of ten links, twice
+@pytest.mark.nightly  # a branch of a free rod of ten links, twice
 def test_a_free_rod_that_turns_with_every_period() -> None:
     """From the branch point at 95.097 N cycles go that turn either way: mirror images."""
     scene = Scene.from_toml(SCENES / "free_rod_after_flutter.toml")

@@ -42,7 +42,7 @@ def cycle() -> Cycle:
     return find_cycle(Scene.from_dict(ZIEGLER), y0=NEAR, period=ABOUT, target="numpy")
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_by_collocation_of_scipy(cycle: Cycle) -> None:
     """A fourth-order boundary value solver finds the same period, and the multipliers are those of
     differences of motions."""
@@ -118,7 +118,7 @@ def test_leading_multipliers_are_those_of_all(cycle: Cycle, count: int) -> None:
     )
 
 
-@pytest.mark.long  # it compiles a structure of its own
+@pytest.mark.nightly  # it compiles a structure of its own
 def test_stiff_cycles_by_radau_as_by_dop853() -> None:
     """Tangents of an implicit stepper, whose steps are longer than the fastest motion lasts: it
     decays by exp(-60000) in a period."""
@@ -145,7 +145,7 @@ def test_stiff_cycles_by_radau_as_by_dop853() -> None:
     assert np.abs(whole.multipliers[8:]).max() < 1e-12
 
 
-@pytest.mark.long  # a third of it on one core: hundreds of intervals of a module without a compiler
+@pytest.mark.nightly  # a third of it on one core: hundreds of intervals of a module without a compiler
 @pytest.mark.parametrize(
     ("load", "within"),
     [

@@ -126,7 +126,7 @@ def test_modes_of_a_free_rod_that_is_damped_and_steered(angle: str) -> None:
 SPAN = 100.0  # s of a run
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize(("links", "offset"), [(3, 0.0), (6, 0.3)])
 def test_growth_in_runs_is_that_of_eigenvalues(links: int, offset: float) -> None:
     """A clamped column whose gimbal lags behind its tail; one that stands askew at rest, by what

@@ -180,7 +180,7 @@ def test_bad_input(rod: Rod, boundary: str, given: dict[str, Any], message: str)
             analysis(rod(4, boundary, PUSHED), **given)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_runs_find_it_too(rod: Rod) -> None:
     """Measured growth sees the onset of flutter in damped flight; a hundredfold comes far later."""
     scene, span = rod(4, "free", PUSHED, mass=20.0), 4.0
@@ -216,7 +216,7 @@ def test_doubt(rod: Rod) -> None:
     assert "at rest" in rests
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.compiler
 def test_the_missile_in_flight() -> None:
     """At 20 m/s: eigenvalues against runs of 20 s from a disturbance of 1e-6."""

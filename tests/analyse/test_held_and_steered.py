@@ -23,7 +23,7 @@ def _scene(rod: dict[str, Any] | None = None, **tables: Any) -> Scene:
     return Scene.from_dict({"name": "held", "rod": ROD | (rod or {})} | tables)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_rigid_rod_hung_in_two_springs() -> None:
     """Vertical forces alone: either end sinks by half the weight over its stiffness."""
     springs = [{"at": at, "stiffness": [0.0, k]} for at, k in ((0.0, 100.0), (1.0, 60.0))]
@@ -58,7 +58,7 @@ def test_the_place_alone_may_be_fed_back() -> None:
     np.testing.assert_allclose(found.tip, [1.0, -2.0 - WEIGHT / 10.0], rtol=1e-9)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("boundary", ["free", "clamped"])
 def test_a_damped_run_comes_to_rest_there(boundary: str) -> None:
     springs = {"stiffness": [30.0, 80.0], "damping": [8.0, 20.0]}

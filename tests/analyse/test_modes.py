@@ -33,7 +33,7 @@ LOADS: dict[str, dict[str, Any]] = {
 }
 
 
-@cases("boundary, inertia, loads", BOUNDARIES, INERTIAS, LOADS, strength=1)
+@cases("boundary, inertia, loads", BOUNDARIES, INERTIAS, LOADS)
 def test_motions_to_eight_digits(
     rod: Rod, exact_rates: Any, boundary: str, inertia: str, loads: str
 ) -> None:

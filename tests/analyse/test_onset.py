@@ -217,7 +217,7 @@ def _all_kinds() -> list[tuple[int, str, str]]:
     return [kind for kind in made if kind[0] > 1 or kind[1] != "cantilever"]
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", _all_kinds(), ids=str)
 def test_two_hundred_random_rods(kind: tuple[int, str, str]) -> None:
     for seed in range(100, 107):

@@ -99,7 +99,7 @@ def test_set_of_a_pendulum() -> None:
     json.dumps(found.to_dict(), allow_nan=False)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.compiler
 def test_command_draws_tells_and_prints_json(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

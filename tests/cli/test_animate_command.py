@@ -92,7 +92,7 @@ def test_bad_input_ends_in_one_line(
     assert sorted(result.parent.iterdir()) == before
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("ending", "sent"),
     list(product(("gif", "mp4"), (signal.SIGINT, signal.SIGTERM))),

@@ -107,7 +107,7 @@ def test_boundary_as_json_and_picture(works: Run, column: Callable[..., Path]) -
     assert names == {"boundary.nc", "boundary.png"}
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_all_equilibria(works: Run, column: Callable[..., Path]) -> None:
     scene = column(-30.0)
     found = _one_object(works("static", scene, "--all", "--json"))["equilibria"]
@@ -165,7 +165,7 @@ FLUTTER = ("boundary", "--vary", "loads.follower.force,loads.material_damping.ti
     ("name", "command", "file"),
     [
         ("SIGINT", ("branch", "--vary", "loads.tip.x", "--from", 0, "--to", -30), "branch"),
-        pytest.param("SIGTERM", FLUTTER, "boundary", marks=pytest.mark.long),
+        pytest.param("SIGTERM", FLUTTER, "boundary", marks=pytest.mark.nightly),
     ],
 )
 def test_ctrl_c_writes_what_was_found(

@@ -89,7 +89,7 @@ LUMPED = "rod_pinned_n2_tip_load_lumped.py"
         ("--target c --with-steps", C_FILES),
         ("--target both --parts rhs", {"rod_pinned_n2.py", *C_FILES}),
         ("--form dense --inertia lumped --terms tip_load", {LUMPED.replace(".py", "_dense.py")}),
-        pytest.param("--inertia lumped --terms tip_load", {LUMPED}, marks=pytest.mark.long),
+        pytest.param("--inertia lumped --terms tip_load", {LUMPED}, marks=pytest.mark.nightly),
     ],
 )
 def test_derive_writes_what_is_asked_for(
@@ -108,7 +108,7 @@ ALONE = "import sys; sys.modules['rodgen'] = None; import rod_pinned_n2_c as rod
 
 
 @pytest.mark.parametrize(
-    "part", ["lanes", "tangents", pytest.param("flow", marks=pytest.mark.long)]
+    "part", ["lanes", "tangents", pytest.param("flow", marks=pytest.mark.nightly)]
 )
 def test_step_loops_that_a_part_calls_are_beside_it(works: Run, tmp_path: Path, part: str) -> None:
     works("derive", 2, "--boundary", "pinned", "--target", "c", "--parts", part, "--out", tmp_path)

@@ -87,10 +87,10 @@ def without(packages: str, *arguments: object) -> subprocess.CompletedProcess[st
         (EXTRAS, ("run", "SCENE", "--target", "c"), "pip install cffi"),
         pytest.param(
             *(EXTRAS, ("run", "SCENE", "--method", "cvode"), 'pip install ".[cvode]" in a clone'),
-            marks=pytest.mark.long,
+            marks=pytest.mark.nightly,
         ),
         *(
-            pytest.param(name, VIEWED, 'pip install ".[view]" in a clone', marks=pytest.mark.long)
+            pytest.param(name, VIEWED, 'pip install ".[view]" in a clone', marks=pytest.mark.nightly)
             for name in VIEW
         ),
     ],
@@ -111,7 +111,7 @@ def test_what_to_install_is_said_in_a_line(
     assert len(done.stderr.splitlines()) == 1 + ("cffi" in said)  # and that NumPy needs none
 
 
-@pytest.mark.long  # runs by NumPy and films are tested where all is installed
+@pytest.mark.nightly  # runs by NumPy and films are tested where all is installed
 def test_run_and_film_without_extras(short: Callable[..., Path], tmp_path: Path) -> None:
     """A run by NumPy says why; a film can still be a GIF."""
     done = without(EXTRAS, "run", short(), "--out", tmp_path)

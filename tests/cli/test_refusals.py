@@ -110,7 +110,7 @@ UNANSWERED = [
 ]
 
 
-@pytest.mark.parametrize("as_json", [False, pytest.param(True, marks=pytest.mark.long)])
+@pytest.mark.parametrize("as_json", [False, pytest.param(True, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize(("line", "status", "says"), UNANSWERED, ids=lambda x: str(x))
 def test_what_has_no_answer_ends_in_one_line(
     refused: Run,

@@ -296,7 +296,7 @@ def test_ctrl_c_keeps_what_was_computed(short: Write, tmp_path: Path, impatient:
 
 
 @pytest.mark.parametrize(
-    "after", [0.05, *(pytest.param(t, marks=pytest.mark.long) for t in (1, 2))]
+    "after", [0.05, *(pytest.param(t, marks=pytest.mark.nightly) for t in (1, 2))]
 )
 def test_ctrl_c_at_any_time_ends_in_one_line(tmp_path: Path, after: float) -> None:
     """While commands are imported, while equations are derived."""

@@ -36,7 +36,7 @@ def test_rule(
     assert "radians in the span" in choice.reason
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_choice_is_that_of_the_run_and_not_far_from_the_best(missile: Scene) -> None:
     """What auto takes costs at most a few times as many evaluations as the cheapest method that
     is as exact, in a scene of either kind."""

@@ -127,7 +127,7 @@ def test_what_auto_finds_has_error_control(bent: Scene) -> None:
     assert bent.integrated_by("gauss").integrate.fixed  # the scene asks for it
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_energy_is_bounded_over_many_steps(bent: Scene) -> None:
     """A tenth of the run is as good as all of it, where error control drifts with time."""
     steps = 200_000

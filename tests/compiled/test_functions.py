@@ -70,7 +70,7 @@ def test_a_pointer_keeps_its_library(p: Any) -> None:
     assert np.array_equal(out, due)
 
 
-@pytest.mark.long  # Numba compiles
+@pytest.mark.nightly  # Numba compiles
 def test_a_loop_compiled_by_numba_calls_it(rod: Any, p: Any) -> None:
     numba = pytest.importorskip("numba", reason="Numba is not installed")
     rhs = rod.rhs.compiled.pointer()

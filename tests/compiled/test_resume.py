@@ -67,7 +67,7 @@ def _stop(t: float) -> None:
     raise KeyboardInterrupt
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("method", ["dop853", "radau", "gauss", "rk4"])
 def test_a_killed_run_goes_on_to_the_same_bits(
     tmp_path: Path, toml: Path, swing: Scene, method: str
@@ -168,7 +168,7 @@ def _interrupt(delay: float) -> None:
     os.kill(os.getpid(), signal.SIGINT)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("method", ["rk4", "dop853", "gauss"])
 def test_ctrl_c_at_any_moment_loses_nothing(tmp_path: Path, swing: Scene, method: str) -> None:
     """Real signals at random moments, of which most fall into compiled steps."""

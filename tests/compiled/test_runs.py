@@ -29,7 +29,7 @@ def test_fixed_steps_agree_with_python(missile: Scene, method: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "method", ["dop853", pytest.param("radau", marks=pytest.mark.long), "gauss"]
+    "method", ["dop853", pytest.param("radau", marks=pytest.mark.nightly), "gauss"]
 )
 def test_adaptive_methods_agree_with_python(missile: Scene, method: str) -> None:
     """Radau is SciPy's, Gauss's coefficients are worked out another way."""
@@ -46,7 +46,6 @@ def test_adaptive_methods_agree_with_python(missile: Scene, method: str) -> None
     ["dop853", "radau", "gauss", "rk4"],
     BOUNDARIES,
     INERTIAS,
-    strength=1,
 )
 def test_energy_balances_under_every_load(
     missile: Scene, method: str, boundary: str, inertia: str

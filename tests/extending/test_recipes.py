@@ -208,7 +208,7 @@ def failures(tree: Path, touched: object) -> dict[str, str]:
     return dict(failed)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.compiler
 @pytest.mark.parametrize("recipe", RECIPES)
 def test_recipe(recipe: str, touched: dict[str, list[str]], failures: dict[str, str]) -> None:

@@ -197,7 +197,7 @@ def test_program_calls_every_function_and_method(whole: Whole) -> None:
     assert (COMPILED[0], COMPILED[-1]) == ("euler", "gauss_equal_steps")
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("structure", [SHORT, *REST], ids=short)
 def test_program_finds_what_python_does_and_sanitizers_are_silent(
     built: Callable[..., ModuleType], whole: Whole, tmp_path: Path, structure: Structure
@@ -221,14 +221,14 @@ def test_program_finds_what_python_does_and_sanitizers_are_silent(
         np.testing.assert_allclose(printed[name], values, rtol=0, atol=limit, err_msg=name)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.skipif(not shutil.which("valgrind"), reason="no valgrind on PATH")
 def test_valgrind_is_silent(whole: Whole, tmp_path: Path) -> None:
     program = _made(whole(LONG[1]), tmp_path)
     assert _run("valgrind", "-q", "--error-exitcode=9", "--leak-check=full", program)["failed"] == 0
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_module_in_python_is_silent_under_sanitizers(tmp_path: Path) -> None:
     """The tests of arrays and runs, with libraries that watch."""
     shared = [

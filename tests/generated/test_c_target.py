@@ -29,7 +29,7 @@ def test_every_choice_is_among_the_structures() -> None:
 
 def _some(few: int, structures: tuple[Structure, ...]) -> pytest.MarkDecorator:
     """Parametrize by structures, of which all but a few are long."""
-    rest = [pytest.param(each, marks=pytest.mark.long) for each in structures[few:]]
+    rest = [pytest.param(each, marks=pytest.mark.nightly) for each in structures[few:]]
     return pytest.mark.parametrize("structure", [*structures[:few], *rest], ids=short)
 
 

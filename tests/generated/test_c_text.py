@@ -59,7 +59,7 @@ def _code(files: dict[str, str]) -> str:
     return next(text for name, text in files.items() if name.endswith(".c"))
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_every_dialect_takes_it_without_a_warning(
     whole: Whole, tmp_path: Path, compiler: str

@@ -378,7 +378,7 @@ def test_many_turns_cost_only_the_digits_of_the_angles(
     assert np.all(off <= 2 * np.spacing(abs(angle)) * J + 1e-13 * np.abs(exact).max())
 
 
-@cases("boundary, inertia", BOUNDARIES, INERTIAS, strength=1)
+@cases("boundary, inertia", BOUNDARIES, INERTIAS)
 def test_a_full_turn_changes_nothing(
     built: Built, point: type, boundary: str, inertia: str
 ) -> None:

@@ -33,7 +33,7 @@ REFERENCE = Path(__file__).parents[2] / "generated" / "rod_free_n5.py"
 SUBSETS = [(), *((term,) for term in TERMS), ("follower", "external_damping"), ALL]
 # Of three links, of which one is inside.
 EVERY_LOAD = cases(
-    "boundary, inertia, form, terms", BOUNDARIES, INERTIAS, FORMS, SUBSETS, strength=1
+    "boundary, inertia, form, terms", BOUNDARIES, INERTIAS, FORMS, SUBSETS
 )
 PARTS = ("rhs", "jac", "mass", "power", "quantities")
 
@@ -77,14 +77,14 @@ def test_every_load_equals_fifty_digit_arithmetic(
     _check(built(Structure(3, boundary, inertia, terms), "numpy", form))
 
 
-@cases("boundary, links, inertia", BOUNDARIES, (1, 2, 5), INERTIAS, where=can_move, strength=1)
+@cases("boundary, links, inertia", BOUNDARIES, (1, 2, 5), INERTIAS, where=can_move)
 def test_dense_form_equals_fifty_digit_arithmetic(
     built: Built, boundary: str, links: int, inertia: str
 ) -> None:
     _check(built(Structure(links, boundary, inertia, ALL), "numpy", "dense"))
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("boundary", "inertia", "form"), [("clamped", "uniform", "chain"), ("free", "lumped", "dense")]
 )
@@ -271,7 +271,7 @@ def digests() -> list[str]:
     return [hashlib.sha256(text.encode()).hexdigest() for text in made.values()]
 
 
-@pytest.mark.long  # as reference modules are compared in processes of any seed
+@pytest.mark.nightly  # as reference modules are compared in processes of any seed
 def test_same_bytes_under_any_hash_seed() -> None:
     here = os.environ.get("PYTHONHASHSEED", "random")
     program = f"from {__name__} import digests; print(*digests())"

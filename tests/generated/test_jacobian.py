@@ -36,7 +36,7 @@ def test_jacobian_is_that_of_the_closed_form(
     _holds(point(built(Structure(links, boundary, inertia, terms))))
 
 
-@cases("boundary, inertia, term", BOUNDARIES, INERTIAS, TERMS, strength=1)
+@cases("boundary, inertia, term", BOUNDARIES, INERTIAS, TERMS)
 def test_jacobian_of_every_load(
     built: Built, point: type, boundary: str, inertia: str, term: str
 ) -> None:

@@ -32,7 +32,7 @@ def test_module_equals_fifty_digit_arithmetic(built: Built, structure: Structure
     assert max(d.error for d in check_module(built(structure, "c"), states=2)) < 1e-12
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @EACH
 def test_jacobians_are_derivatives_of_the_rates(built: Built, structure: Structure) -> None:
     one, other = built(structure), built(structure, "c")
@@ -46,7 +46,7 @@ def test_jacobians_are_derivatives_of_the_rates(built: Built, structure: Structu
     assert (wrong <= 1e-6 * np.abs(J).max(axis=1, keepdims=True) + 1e-7).all()
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @EACH
 def test_batches_are_single_rods(built: Built, structure: Structure) -> None:
     module, draw = built(structure, "c"), np.random.default_rng(1)

@@ -90,7 +90,7 @@ def test_solve_is_that_of_the_exact_jacobian(
     _holds(point(built(structure)), written(structure, "c", "chain", ("newton",)), tmp_path)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("boundary", BOUNDARIES)
 @pytest.mark.parametrize("inertia", INERTIAS)
 @pytest.mark.parametrize("terms", APART, ids="_".join)

@@ -36,7 +36,7 @@ def test_all_derivations_agree(boundary: str, links: int, inertia: str) -> None:
         assert "accelerations" in held
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @cases(
     "boundary, links, inertia, form",
     *(BOUNDARIES, PLACES, INERTIAS, ("chain", "dense")),

@@ -37,7 +37,7 @@ EMPTYING = Structure(3, "free", "uniform", ALL, (), ("bodies",), masses=(("", -1
 FEW = (SMALL[1], SMALL[6], TIMED, FEEDBACK, EMPTYING)
 CASES = [
     *FEW,
-    *(pytest.param(each, marks=pytest.mark.long) for each in (*SMALL[2:6], PLACED, *LONG[:2])),
+    *(pytest.param(each, marks=pytest.mark.nightly) for each in (*SMALL[2:6], PLACED, *LONG[:2])),
 ]
 
 

@@ -18,7 +18,6 @@ FORMS = ("chain", "dense")
     "boundary, links, inertia, form, terms, uneven",
     *(BOUNDARIES, (1, 2, 3, 5, 8), INERTIAS, FORMS, (ENDS, ALONG), UNEVEN),
     where=carries,
-    strength=1,
 )
 def test_module_equals_fifty_digit_arithmetic(
     built: Built,

@@ -13,7 +13,7 @@ import pytest
 
 from tests.live.view import expect
 
-pytestmark = pytest.mark.long  # axe looks at every element, in eight states of four pages
+pytestmark = pytest.mark.nightly  # axe looks at every element, in eight states of four pages
 View = Any  # see conftest.py
 SIZES = {"wide": {"width": 1280, "height": 800}, "phone": {"width": 390, "height": 844}}
 GRAVE = ("serious", "critical")

@@ -14,7 +14,7 @@ import pytest
 
 from tests.live.view import expect
 
-pytestmark = pytest.mark.long  # what pixels show
+pytestmark = pytest.mark.nightly  # what pixels show
 View = Any  # see conftest.py
 SCENES = Path(__file__).parents[2] / "scenes"
 PICTURE = Path(__file__).parents[2] / "docs" / "pictures" / "live.png"

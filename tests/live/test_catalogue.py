@@ -214,7 +214,7 @@ def test_what_a_rod_does_not_have_is_not_offered(make_scene: Make) -> None:
     assert sorted(every) == sorted(catalogue.quantities)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_state_that_is_not_finite_gives_no_warning(make_scene: Make) -> None:
     scene = make_scene(2, "free", TERMS)
     y = some_states(scene)

@@ -12,7 +12,7 @@ from rodgen.scene import Scene
 from tests.live.conftest import ROD
 from tests.live.view import expect
 
-pytestmark = pytest.mark.long  # a page that runs
+pytestmark = pytest.mark.nightly  # a page that runs
 View = Any  # see conftest.py
 
 

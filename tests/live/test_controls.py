@@ -79,7 +79,7 @@ def test_sliders_and_fields_change_numbers_in_the_simulation(view: View) -> None
     view.passes(0.0)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_blow_up_is_told_in_words_and_can_be_mended(view: View) -> None:
     """A method is given a step that is stable, and one without such a step is refused; from a state
     beyond use only a reset leads on, not another step."""
@@ -104,7 +104,7 @@ def test_blow_up_is_told_in_words_and_can_be_mended(view: View) -> None:
     view.run().passes(0.1)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_keys(view: View) -> None:
     """Space selects a tab that has the focus; elsewhere it runs, and a click on a tab is no focus.
     Of keys that are held the first counts, of steps every one; none counts that is typed or the
@@ -143,7 +143,7 @@ def test_keys(view: View) -> None:
     view.until(lambda: steps(view), 3, "a held . is no more steps")
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_space_does_not_scroll(server: Any, blank: View) -> None:
     blank.page.set_viewport_size(NARROW)
     blank.open(server.address)
@@ -179,7 +179,7 @@ def test_buttons_take_their_own_clicks_before_their_icons_are_there(
     blank.run()
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_click_counts_as_soon_as_there_is_a_button(
     server: Any, another: Callable[[], View]
 ) -> None:
@@ -195,7 +195,7 @@ def test_click_counts_as_soon_as_there_is_a_button(
         view.page.close()
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_page_begins_with_a_rod_that_moves_and_tells_its_keys(
     serve: Callable[..., Any], blank: View, folder: Path
 ) -> None:
@@ -215,7 +215,7 @@ def test_page_begins_with_a_rod_that_moves_and_tells_its_keys(
     view.sees(widths, [False, True, True, True], "not a picture of each scene")  # bad, dart, ...
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_undo_by_keys_and_what_differs_from_the_file(view: View) -> None:
     """Keys undo where nothing is typed; the field says what the file has while it differs."""
     view.tab("Parameters").fill("gravity", "3")

@@ -13,7 +13,7 @@ import pytest
 
 from tests.live.view import expect
 
-pytestmark = pytest.mark.long
+pytestmark = pytest.mark.nightly
 View = Any  # see conftest.py
 
 

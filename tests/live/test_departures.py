@@ -23,7 +23,7 @@ PROBE = """address => new Promise(resolve => {
 })"""
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_closed_page_frees_its_run(serve: Callable[..., Any], another: Callable[[], Any]) -> None:
     served = serve(str(SCENES / "hanging_chain.toml"), "--port", "0")
     first, second = another().open(served.address).run(), another()
@@ -80,7 +80,7 @@ def waiting(
     return Waiting(int(number), free, mine.read_text, page, other)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_page_closed_while_its_module_is_made(waiting: Waiting) -> None:
     """Its compiler ends before it is done."""
     waiting.page.close()
@@ -88,7 +88,7 @@ def test_page_closed_while_its_module_is_made(waiting: Waiting) -> None:
     waiting.other.until(lambda: runs(waiting.compiler), False, "the compiler goes on")
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.compiler
 def test_page_closed_just_before_its_module_is_made(waiting: Waiting) -> None:
     """It might come back: nothing goes wrong as it is built without its browser (`serve` looks)."""
@@ -123,7 +123,7 @@ def long_film(
     return served, view, folder
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_ctrl_c_does_not_wait_for_a_film(long_film: tuple[Any, Any, Path]) -> None:
     served, _, folder = long_film
     served.process.send_signal(signal.SIGINT)
@@ -131,7 +131,7 @@ def test_ctrl_c_does_not_wait_for_a_film(long_film: tuple[Any, Any, Path]) -> No
     assert not list(folder.glob("rodgen-*"))
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_closed_page_ends_its_film(long_film: tuple[Any, Any, Path], blank: Any) -> None:
     _, view, folder = long_film
     view.page.close()

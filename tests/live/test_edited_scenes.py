@@ -14,7 +14,7 @@ from rodgen.scene import Scene
 from tests.live.conftest import ROD
 from tests.live.view import expect
 
-pytestmark = pytest.mark.long
+pytestmark = pytest.mark.nightly
 View = Any  # see conftest.py
 
 

@@ -124,7 +124,7 @@ def test_command_writes_scenes_and_results(
     assert "--export" in done.stderr
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_page_opens_from_the_file_system(
     solution: Solution, tmp_path: Path, browser: Browser
 ) -> None:

@@ -202,7 +202,7 @@ def test_another_rod_is_compared_where_it_has_the_same_quantities(run: LiveRun) 
     assert header[f"ghost:{name}"].size == 2 * 31
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_runs_are_kept_and_branched_in_the_page(view: View) -> None:
     keep = view.button("Keep each run")
     keep.click()
@@ -223,7 +223,7 @@ def test_runs_are_kept_and_branched_in_the_page(view: View) -> None:
     view.sees(kept, 0, "curves are still kept")
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_the_kept_run_stands_beside_in_one_scale(view: View) -> None:
     """Where there is no room at the side, both rods become smaller, lest the other be outside."""
     view.button("Keep each run").click()

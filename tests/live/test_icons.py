@@ -13,7 +13,7 @@ import pytest
 from rodgen.live.page.elements import ICONS, LIBRARY
 from rodgen.live.page.lean import icon_font
 
-pytestmark = pytest.mark.long  # in a browser
+pytestmark = pytest.mark.nightly  # in a browser
 LIVE = Path(__file__).parents[2] / "src" / "rodgen" / "live"
 WORD = re.compile(r"[\"'`]([a-z][a-z0-9_]*)[\"'`]")
 # Names, among some words and those of Quasar's own icons, of which a font has an icon: as wide as

@@ -10,7 +10,7 @@ from rodgen.live.page.elements import LIBRARY
 from rodgen.live.page.lean import ABSENT, replacements
 from tests.live.test_accessibility import states
 
-pytestmark = pytest.mark.long  # in a browser
+pytestmark = pytest.mark.nightly  # in a browser
 View = Any  # see conftest.py
 MOST = 1.2e6  # bytes of all files, without compression
 LOADED = """["navigation", "resource"].flatMap(kind => performance.getEntriesByType(kind))

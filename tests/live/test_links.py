@@ -92,7 +92,7 @@ def test_state_of_another_rod_is_refused(other: LiveRun) -> None:
     assert other.store.span == (0.0, 0.0)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_link_is_followed_by_another_page(view: View, another: Any) -> None:
     """Which marks what differs from the file."""
     view.tab("Parameters").fill("mass M", "4")

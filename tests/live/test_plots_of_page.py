@@ -35,7 +35,7 @@ def said(view: View, label: str) -> str:
     return "".join(field.locator(".q-field__messages").all_text_contents()).strip()
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_every_kind_of_plot_gets_rows(view: View) -> None:
     view.run()
     for at, (kind, chosen) in enumerate(KINDS.items(), 3):
@@ -51,7 +51,7 @@ def test_every_kind_of_plot_gets_rows(view: View) -> None:
         view.sees(rows, None, f"{kind}: not removed")
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_what_is_missing_or_refused_is_said_beside_its_field(view: View) -> None:
     """And only what this kind of plot has is in the page."""
     dialog = view.plot_dialog("Poincaré", over="phi_3")
@@ -91,7 +91,7 @@ def test_what_is_missing_or_refused_is_said_beside_its_field(view: View) -> None
     expect(dialog.get_by_role("textbox", name="window")).to_have_value("7")
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_kinds_are_offered_first_and_then_which(
     serve: Callable[..., Any], blank: View, scene_file: Callable[..., Path]
 ) -> None:
@@ -115,7 +115,7 @@ def test_kinds_are_offered_first_and_then_which(
     expect(view.page.locator(".rodgen-plot").last).to_contain_text("ω₀, ω₂, ω₃, ω₄")
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_stroboscope_with_a_title(view: View) -> None:
     """Points at t = 0.105, 0.305, 0.505, ... s."""
     dialog = view.plot_dialog("Poincaré", quantity="omega_3", over="t", points_where="t")
@@ -142,7 +142,7 @@ def scales(view: View, body: str) -> Any:
     return view.page.evaluate(f"import('rodgen-live/scales.js').then(({body}))")
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_axes_and_keys(view: View) -> None:
     """A constant lies within them, and they are far from the smallest doubles; they follow as soon
     as it moves; what is zero but for rounding is written so."""
@@ -197,7 +197,7 @@ TEXTS = """() => {
 }"""
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_base_of_large_numbers_is_within_the_picture(
     serve: Callable[..., Any], blank: View, tmp_path: Path
 ) -> None:
@@ -225,7 +225,7 @@ def test_base_of_large_numbers_is_within_the_picture(
 # Files -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_csv_ends_where_the_plot_is_paused_and_has_times(view: View) -> None:
     """Angles against a run without a page; and the picture of a plot."""
     view.add_plot("phase plot", quantity="omega_0", over="phi_0")

@@ -10,7 +10,7 @@ import pytest
 
 from tests.live.view import expect
 
-pytestmark = pytest.mark.long  # the module of a rod that is pulled is compiled
+pytestmark = pytest.mark.nightly  # the module of a rod that is pulled is compiled
 View = Any  # see conftest.py
 UP = 80  # pixels
 WHERE = "import('rodgen-live/hub.js').then(({ hub }) => [...(hub.rod.pull ?? [])])"

@@ -13,7 +13,7 @@ import pytest
 from rodgen.model.terms import TERMS
 from tests.live.view import expect
 
-pytestmark = pytest.mark.long  # what pixels show
+pytestmark = pytest.mark.nightly  # what pixels show
 View = Any  # see conftest.py
 Open = Callable[..., View]
 NARROW = {"width": 390, "height": 844}

@@ -13,7 +13,7 @@ from tests.live.view import expect
 View = Any  # see conftest.py
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_scenes_are_listed_by_file_and_can_be_had_again(view: View, tmp_path: Path) -> None:
     """One that is refused does not stay in the list, and one from elsewhere is none of it."""
     tomli_w = pytest.importorskip("tomli_w")

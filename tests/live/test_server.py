@@ -48,7 +48,7 @@ def test_loopback_server_refuses_strangers(server: Any) -> None:
         assert status(server.address + path) in (403, 404)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_token_opens_the_page_elsewhere(
     serve: Callable[..., Any], blank: Any, folder: Path
 ) -> None:

@@ -27,7 +27,7 @@ def put_together(parts: Any) -> dict[str, Any]:
     return found
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_sweep_of_an_amplitude_finds_the_critical_force() -> None:
     """That of the missile under its full thrust, by the iteration of `rodgen.critical_force`; half
     the last interval is 600/40/6^4/2 N, and four digits are given. Its flight, which the branch
@@ -43,7 +43,7 @@ def test_sweep_of_an_amplitude_finds_the_critical_force() -> None:
     assert (value, kind) == (pytest.approx(found["critical"], abs=0.06), "hopf")
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_sweep_of_a_dead_load_has_its_equilibria() -> None:
     """In the process beside the server, and after the span: the column buckles, and the branch of
     its straight equilibria, whose states lead on from there, has a point where another leaves it.
@@ -84,7 +84,7 @@ def test_picture_shows_what_is_stable_and_where_that_ends() -> None:
         assert one.nearest(x + 1.0, y - 40.0) == point
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_click_on_a_sweep_takes_the_value_there(view: View) -> None:
     """Of the stability map, at the right end of the range. The critical value, of which
     `rodgen.critical_force` finds the same four digits, is marked on the slider too."""

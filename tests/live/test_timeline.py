@@ -165,7 +165,7 @@ def test_other_answers_are_none(run: LiveRun, text: str) -> None:
     assert not take_up(run, text)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_time_line_in_the_page(view: View) -> None:
     """By keys: rod, values and cursors of the plots follow; a loop plays between its ends."""
     view.pause_after(0.5)
@@ -202,7 +202,7 @@ def test_time_line_in_the_page(view: View) -> None:
     view.sees(lines, 0, "a line in a plot still")
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_dragging_the_time_line_moves_the_rod(view: View) -> None:
     view.tab("Values").pause_after(0.5)
     line = view.page.get_by_role("slider", name="Time that is shown")
@@ -217,7 +217,7 @@ def test_dragging_the_time_line_moves_the_rod(view: View) -> None:
     view.until(lambda: view.text("kinetic_energy"), lambda text: text != present, "no other values")
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_planes_end_where_the_time_line_is(view: View) -> None:
     """A phase plot and a Poincaré section show what lies before the time that is looked at."""
     view.add_plot("phase plot", quantity="omega_0", over="phi_0")

@@ -15,7 +15,7 @@ def layout(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return lay(tmp_path_factory.mktemp("layout"))
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.right[:40])
 def test_text_stands_once_and_its_tests_are_there(layout: Path, fault: Fault) -> None:
     assert place(fault, layout).is_file()

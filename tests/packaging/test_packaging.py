@@ -75,7 +75,7 @@ def test_wheel_holds_the_tree(wheel: Path) -> None:
     assert {f"rodgen/{name}" for name in packages} <= packed
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_sdist_makes_the_same_wheel(wheel: Path, tree: Path, tmp_path: Path) -> None:
     """What is released as source holds what is installed, and neither tests nor evidence."""
     program = f"from setuptools import build_meta; build_meta.build_sdist({str(tmp_path)!r})"
@@ -122,14 +122,14 @@ def _works(python: Path, home: Path, cwd: Path, **env: str) -> None:
     assert (done.returncode, done.stdout) == (0, "2\n"), done.stderr
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_installed_wheel_derives_and_emits(wheel: Path, tmp_path: Path) -> None:
     home = tmp_path / "installed"
     _pip("install", "--no-deps", "--target", str(home), str(wheel), cwd=tmp_path)
     _works(Path(sys.executable), home, tmp_path, PYTHONPATH=str(home))
 
 
-@pytest.mark.long  # `make` itself installs so
+@pytest.mark.nightly  # `make` itself installs so
 def test_editable_install_derives_and_emits(tree: Path, tmp_path: Path) -> None:
     home = tmp_path / "venv"
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(home)], check=True)

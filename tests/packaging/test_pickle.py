@@ -231,7 +231,7 @@ def test_one_bad_scene_spares_its_pool() -> None:
         np.testing.assert_array_equal(before.result(60).y, _solution().y)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_one_bad_scene_spares_the_other_pool() -> None:
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         bad, good = (pool.apply_async(Scene.from_dict, (table,)) for table in (BAD, TABLE))

@@ -12,7 +12,7 @@ import pytest
 README = Path(__file__).parents[2] / "README.md"
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_snippets_run_in_an_empty_folder(tmp_path: Path) -> None:
     text = README.read_text(encoding="utf-8")
     commands = re.findall(r"^    rodgen (derive .*?)(?: {2,}#.*)?$", text, re.MULTILINE)

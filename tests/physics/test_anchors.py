@@ -29,7 +29,7 @@ def _scene(boundary: str, rod: dict[str, Any] | None = None, **tables: Any) -> S
     return Scene.from_dict(table | tables)
 
 
-@cases("boundary, inertia, form", BOUNDARIES, INERTIAS, FORMS, strength=1)
+@cases("boundary, inertia, form", BOUNDARIES, INERTIAS, FORMS)
 def test_modules_agree_with_fifty_digits(boundary: str, inertia: str, form: str) -> None:
     scene = _scene(boundary, {"inertia": inertia}, foundation={"stiffness": 1.0})
     found = list(check_module(build(scene.structure, "numpy", form)))
@@ -101,7 +101,7 @@ SUPPORTS = [
 ]
 
 
-@cases("boundary, inertia, form", BOUNDARIES, INERTIAS, FORMS, strength=1)
+@cases("boundary, inertia, form", BOUNDARIES, INERTIAS, FORMS)
 def test_modules_of_supports_agree_with_fifty_digits(
     boundary: str, inertia: str, form: str
 ) -> None:
@@ -110,7 +110,7 @@ def test_modules_of_supports_agree_with_fifty_digits(
     assert max(one.error for one in found) < ROUNDING
 
 
-@pytest.mark.parametrize("boundary", ["free", pytest.param("clamped", marks=pytest.mark.long)])
+@pytest.mark.parametrize("boundary", ["free", pytest.param("clamped", marks=pytest.mark.nightly)])
 def test_implicit_steps_are_explicit_ones_and_energy_is_kept(boundary: str) -> None:
     scene = _scene(
         boundary,
@@ -124,7 +124,7 @@ def test_implicit_steps_are_explicit_ones_and_energy_is_kept(boundary: str) -> N
     assert_implicit_steps_are_explicit(scene, 1e-8, 1e-8, atol=1e-12)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_stiff_support_at_the_nose_pins_it() -> None:
     held = _scene("free", supports=[{"at": 0.0, "stiffness": [1e9, 1e9]}])
     found = rodgen.natural_modes(held, 6).frequencies
@@ -158,7 +158,7 @@ def test_a_support_against_turning_is_the_root_of_a_clamped_rod() -> None:
     np.testing.assert_allclose(found[0], found[1], rtol=1e-9)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_propped_rod_by_extrapolation() -> None:
     """Clamped and simply supported at the other end: (beta L)^2 of tan = tanh, 15.41820571698."""
     links, found = (10, 20, 40), []

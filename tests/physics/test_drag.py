@@ -50,7 +50,7 @@ def test_a_gust_does_work() -> None:
     assert sol.energy_error < 1e-8
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_wind_bends_and_damps_a_clamped_rod() -> None:
     """At rest without wind it has no part in small motions; in a wind along the rod's side it damps
     them with 2 c_n |w|, and bends the rod as a load c_n w^2 across it does."""

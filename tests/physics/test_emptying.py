@@ -96,7 +96,7 @@ EMPTYING = (
 )
 
 
-@cases("structure, form", EMPTYING, FORMS, strength=1)
+@cases("structure, form", EMPTYING, FORMS)
 def test_module_equals_fifty_digit_arithmetic(structure: Structure, form: str) -> None:
     """Parts of links are put together by another route: numbers in place of arrays in SymPy."""
     assert max(d.error for d in check_module(build(structure, "numpy", form), states=2)) < 1e-12
@@ -118,7 +118,7 @@ def test_compiled_module_is_that_of_numpy() -> None:
     np.testing.assert_allclose(many, single, rtol=1e-9, atol=1e-11 * np.abs(single).max())
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_implicit_steps_are_explicit_ones_and_energy_is_kept() -> None:
     """The slope of a table is in the power of what leaves."""
     runs = [rodgen.simulate(_scene(bodies=CURVE), method=method) for method in ("dop853", "radau")]
@@ -196,7 +196,7 @@ HOW: dict[str, tuple[dict[str, float], float]] = {
 }
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("target", ["numpy", "c"])
 @pytest.mark.parametrize("method", HOW)
 def test_a_mass_that_jumps_takes_its_energy_along(method: str, target: str) -> None:

@@ -79,7 +79,7 @@ def test_falling_pendulum_grows_at_its_rate(method: str, step: float | None) -> 
     assert run.errors.tenfold == pytest.approx(12 / rate / decades)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_errors_that_come_later_count() -> None:
     """A load that holds a pendulum up, and is taken away: what had died out grows anew."""
     held = {

@@ -59,7 +59,7 @@ POLES = {
 }
 
 
-@cases("method, force", ["rk4", "rk45", "lsoda"], POLES, strength=1)
+@cases("method, force", ["rk4", "rk45", "lsoda"], POLES)
 def test_division_by_zero_in_a_load_is_reported_with_its_time(
     make_scene: Make, method: str, force: str
 ) -> None:
@@ -157,7 +157,7 @@ def test_too_many_links_for_the_dense_form_are_refused(make_scene: Make) -> None
         rodgen.build(make_scene(100_000), form="dense")
 
 
-@cases("method, target", ("gauss", "radau", "dop853"), ("numpy", "c"), strength=1)
+@cases("method, target", ("gauss", "radau", "dop853"), ("numpy", "c"))
 def test_rates_beyond_all_numbers_stop_a_run(make_scene: Make, method: str, target: str) -> None:
     scene = make_scene(3, "free", rod={"length": 1e-59}, span=[0.0, 0.1])
     with pytest.raises(RunError) as caught:

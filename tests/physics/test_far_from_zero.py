@@ -46,9 +46,9 @@ def swing(start: float, method: str) -> Scene:
     )
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.compiler
-@cases("way, start", WAYS, (-NOW, NOW, 1e11), strength=1)
+@cases("way, start", WAYS, (-NOW, NOW, 1e11))
 def test_motion_is_that_of_a_run_from_zero(way: tuple[str, str], start: float) -> None:
     method, target = way
     if method == "cvode":

@@ -35,7 +35,7 @@ def test_published_solution_is_reproduced(scene: Scene) -> None:
 
 @pytest.mark.parametrize(
     ("method", "rtol", "limit"),
-    [pytest.param("dop853", 1e-7, 1e-6, marks=pytest.mark.long), ("radau", 1e-5, 1e-3)],
+    [pytest.param("dop853", 1e-7, 1e-6, marks=pytest.mark.nightly), ("radau", 1e-5, 1e-3)],
 )
 def test_other_target_and_method_come_near(
     scene: Scene, method: str, rtol: float, limit: float

@@ -53,7 +53,7 @@ def test_shear_is_the_slope_of_the_moment_at_rest(make_scene: Make) -> None:
     np.testing.assert_allclose(piece.values("reaction"), [3.0, -5.0], atol=1e-9)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("boundary", ["free", *HELD])
 @pytest.mark.parametrize("inertia", ["uniform", "lumped"])
 def test_momentum_of_what_is_behind_a_joint(make_scene: Make, boundary: str, inertia: str) -> None:
@@ -88,7 +88,7 @@ def test_momentum_of_what_is_behind_a_joint(make_scene: Make, boundary: str, ine
 
 
 @pytest.mark.parametrize("boundary", ["free", *HELD])
-@pytest.mark.parametrize("inertia", ["uniform", pytest.param("lumped", marks=pytest.mark.long)])
+@pytest.mark.parametrize("inertia", ["uniform", pytest.param("lumped", marks=pytest.mark.nightly)])
 def test_momenta_grow_by_loads_and_reaction(make_scene: Make, boundary: str, inertia: str) -> None:
     """Newton's and Euler's laws for the whole rod: what momenta gain along the motion is what all
     forces, and their moments about the same point, do to it; with dampers in the clamp."""
@@ -147,7 +147,7 @@ def test_momenta_of_an_uneven_rod_are_those_of_its_energy() -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-9)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_of_an_uneven_rod_they_solve_the_equations() -> None:
     """Bodies, mass that burns, drag, wind, feedback: with the accelerations of `rhs` and these
     forces the equations of derivation 3 have no residual; and each state stands for itself."""

@@ -166,7 +166,7 @@ def test_pulse_after_a_rest_is_felt(border: float, method: str, target: str) -> 
 
 
 @pytest.mark.compiler
-@cases("span, target", (0.4, 0.5, 2.5), ["c", "numpy"], strength=1)
+@cases("span, target", (0.4, 0.5, 2.5), ["c", "numpy"])
 def test_switched_load_is_stepped_onto(span: float, target: str) -> None:
     """Along a straight bar of 3 kg: 9 N for a second, then -3 N; parabolas, which every method of
     order 2 has to rounding, if no step reaches across the switch, be it at the border of a span."""

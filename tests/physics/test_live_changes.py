@@ -48,7 +48,7 @@ def swung(stiffness: float, t: Any, phi: float, omega: float) -> tuple[Any, Any]
     return phi * c + omega / w * s, omega * c - w * phi * s
 
 
-@cases("how, frames", range(len(METHODS)), ((0.0137, 16), (0.0137, 1), (0.25, 1)), strength=1)
+@cases("how, frames", range(len(METHODS)), ((0.0137, 16), (0.0137, 1), (0.25, 1)))
 def test_motion_after_changes_is_exact(how: int, frames: tuple[float, int]) -> None:
     """A spring that is made stiffer and weaker: harmonic motions put together where `here` says
     that the change was, within a sample of what was asked for last. Forty changes, each with an
@@ -244,7 +244,7 @@ def test_auto_is_asked_now_and_then(monkeypatch: pytest.MonkeyPatch, make_scene:
 
 @pytest.mark.parametrize(
     ("method", "target", "every"),
-    [("dop853", "c", 1e-5), pytest.param("gauss", "numpy", 1e-4, marks=pytest.mark.long)],
+    [("dop853", "c", 1e-5), pytest.param("gauss", "numpy", 1e-4, marks=pytest.mark.nightly)],
 )
 def test_memory_stays_flat(make_scene: Make, method: str, target: str, every: float) -> None:
     """Over spans after spans, with changes, kicks, steps and loads in time. What is found out of
@@ -312,7 +312,7 @@ def test_kick_turns_a_pinned_link() -> None:
     np.testing.assert_allclose(samples.y[:, 0], 0.4 + omega * samples.t, rtol=1e-13)
 
 
-@cases("method, target", ["dop853", "radau", "gauss"], ["c", "numpy"], strength=1)
+@cases("method, target", ["dop853", "radau", "gauss"], ["c", "numpy"])
 def test_kick_at_rest_acts_at_once(method: str, target: str) -> None:
     """Steps of a bar at rest reach to the end of the span, 50 s: the kick acts at the sample that
     was given out last. Then it moves by J/M, as if there had been none of those steps."""

@@ -18,7 +18,7 @@ Make = Callable[..., Scene]
 HELD = ("cantilever", "clamped")  # at a clamp_angle
 
 
-@cases("boundary, inertia", BOUNDARIES, INERTIAS, strength=1)
+@cases("boundary, inertia", BOUNDARIES, INERTIAS)
 def test_geometry_is_that_of_many_points(make_scene: Make, boundary: str, inertia: str) -> None:
     rod = {"clamp_angle": 0.4} if boundary in HELD else {}
     scene = make_scene(4, boundary, rod={**rod, "inertia": inertia})

@@ -30,7 +30,7 @@ def _scene(spring: str, boundary: str = "clamped", links: int = 4, **tables: Any
     return Scene.from_dict({"name": "law", "rod": rod, **tables})
 
 
-@cases("boundary, form, inertia, spring", BOUNDARIES, FORMS, INERTIAS, (CUBIC, CAPPED), strength=1)
+@cases("boundary, form, inertia, spring", BOUNDARIES, FORMS, INERTIAS, (CUBIC, CAPPED))
 def test_modules_agree_with_fifty_digits(
     boundary: str, form: str, inertia: str, spring: str
 ) -> None:
@@ -40,7 +40,7 @@ def test_modules_agree_with_fifty_digits(
     assert max(one.error for one in found) < ROUNDING
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_implicit_steps_are_explicit_ones_and_energy_is_kept() -> None:
     scene = _scene(CUBIC, initial={"phi": "2*s"}, integrate={"span": [0.0, 1.0]})
     # Tolerances over the steps of a second, in which springs take and give some 40 J.

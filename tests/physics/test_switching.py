@@ -67,7 +67,7 @@ def test_a_load_that_switches_keeps_the_balance() -> None:
     assert sol.energy_error < 1e-8  # of some 30 J, and quadrature of the power
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_what_chatters_is_not_cut_for_ever() -> None:
     # Its steps are long where the error that they make is tolerated.
     relay = {"a": {"rate": "-1 if a > 0.5 else 1"}}

@@ -170,7 +170,7 @@ def test_ziegler_pendulum() -> None:
         assert found.force == pytest.approx(3.5 - np.sqrt(2), rel=1e-9)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("boundary", ["clamped", "free"])
 def test_critical_forces_of_tapered_rods_with_bodies_are_of_second_order(boundary: str) -> None:
     """Masses at both ends, and one with inertia in the middle of a link, whose angle is there that
@@ -253,7 +253,7 @@ def test_critical_forces_of_a_tapered_damped_rod_are_of_second_order() -> None:
     assert order == pytest.approx(2.0, abs=0.1)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_implicit_steps_are_explicit_ones() -> None:
     """The Newton matrix of a rod with bodies, in C, against a method that has none."""
     drag = {"external_damping": {"coefficient": 0.3}, "material_damping": {"time": 0.01}}

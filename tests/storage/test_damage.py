@@ -124,14 +124,14 @@ def test_random_damage_is_refused_or_harmless(whole: Make, ended: bool) -> None:
     assert read < 20  # what happened to change nothing
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("ended", [True, False])
 def test_much_random_damage_is_refused_or_harmless(whole: Make, ended: bool) -> None:
     path, _, _ = whole(ended)
     _refused_or_same(path, rodgen.load(path), _random(path.read_bytes(), 800, 4))
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_any_byte_that_changes_is_noticed(whole: Make) -> None:
     """Header, padding, labels, scene, events, room for events, samples: every byte of a file."""
     path, _, _ = whole()

@@ -46,7 +46,7 @@ with Stream.reopen(Path(sys.argv[1])) as file:
 """
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_killed_processes_leave_whole_samples(samples: Make, tmp_path: Path) -> None:
     """Each goes on where the one before it was killed. Every record tells its number."""
     given, path = samples(1, terms=("follower", "internal_damping", "external_damping")), tmp_path

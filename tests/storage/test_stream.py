@@ -33,7 +33,7 @@ FOLLOWING = {
 }
 
 
-@cases("boundary, inertia", BOUNDARIES, INERTIAS, strength=1)
+@cases("boundary, inertia", BOUNDARIES, INERTIAS)
 def test_other_readers_see_the_same(
     samples: Make, tmp_path: Path, boundary: str, inertia: str
 ) -> None:

@@ -58,7 +58,7 @@ def test_a_study_is_what_its_runs_are() -> None:
     assert data.attrs["rodgen"] == rodgen.__version__
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("size", [1, 5, 100])
 def test_blocks_of_any_size_have_the_same_bits(size: int, tmp_path: Path) -> None:
     study = grid()

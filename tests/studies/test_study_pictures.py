@@ -49,7 +49,7 @@ def dataset(names: tuple[str, ...], **more: Any) -> xarray.Dataset:
     return xarray.Dataset(data, coords, attrs={"name": "study"}).assign(more)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("count", "expected"),
     [
@@ -81,7 +81,7 @@ def test_of_too_many_points_some_are_shown(monkeypatch: pytest.MonkeyPatch) -> N
     np.testing.assert_array_equal(shown.dataset[names[0]], AXES[names[0]][::4])
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_text_may_be_as_stores_have_it(tmp_path: Path) -> None:
     """Large ones are read as they are asked for, with text of any length."""
     names = tuple(AXES)[:2]

@@ -19,7 +19,7 @@ QUICK = "flutter_map", "mesh"  # for which nothing is compiled
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(path.stem, marks=() if path.stem in QUICK else pytest.mark.long)
+        pytest.param(path.stem, marks=() if path.stem in QUICK else pytest.mark.nightly)
         for path in sorted(FOLDER.glob("*.toml"))
     ],
 )

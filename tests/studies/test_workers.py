@@ -40,7 +40,7 @@ def in_blocks(path: Path, study: Study, size: int) -> Path:
     return path
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("size", [1, 5, 24])
 def test_workers_and_blocks_leave_the_bits_alone(size: int, tmp_path: Path, scheduler: Any) -> None:
     path = in_blocks(tmp_path / "a.zarr", study_of(), size)
@@ -59,7 +59,7 @@ def test_there_are_blocks_for_all_workers_of_a_scheduler(
     assert (read(path).status == "finished").all()
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_worker_that_is_killed_is_replaced(tmp_path: Path, scheduler: Any) -> None:
     """At three points, each once."""
     flags = tmp_path
@@ -198,7 +198,7 @@ def slow(monkeypatch: pytest.MonkeyPatch) -> Study:
     return study_of(slow)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_client_that_is_killed_is_followed_by_another(tmp_path: Path, slow: Study) -> None:
     path = in_blocks(tmp_path / "a.zarr", slow, 2)
     assert client(path, 0.0, last=13.0).wait(timeout=600) == -signal.SIGKILL
@@ -211,7 +211,7 @@ def test_a_client_that_is_killed_is_followed_by_another(tmp_path: Path, slow: St
     np.testing.assert_array_equal(after.seconds.values[there], before.seconds.values[there])
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_two_clients_do_not_harm_each_other(tmp_path: Path, slow: Study) -> None:
     path = in_blocks(tmp_path / "a.zarr", slow, 1)
     both = [client(path, 0.05), client(path, 0.05)]
@@ -277,7 +277,7 @@ def wait_for_marks(file: Path, count: int, process: subprocess.Popen[str]) -> No
         time.sleep(0.02)
 
 
-@pytest.mark.long  # it starts workers of its own, twice
+@pytest.mark.nightly  # it starts workers of its own, twice
 def test_the_death_of_a_scheduler_ends_in_one_line(file: Path, tmp_path: Path) -> None:
     """And status 3; what is marked is kept, and another client does the rest."""
     where = tmp_path / "scheduler.json"
@@ -310,7 +310,7 @@ def test_the_death_of_a_scheduler_ends_in_one_line(file: Path, tmp_path: Path) -
     assert_same(read(path), rodgen.study(Study.from_toml(file), workers=1))
 
 
-@pytest.mark.long  # it starts workers of its own, twice
+@pytest.mark.nightly  # it starts workers of its own, twice
 def test_ctrl_c_keeps_what_is_marked_and_ends_the_workers(file: Path) -> None:
     """With two workers of its own, in one process group as in a terminal."""
     import psutil

@@ -35,7 +35,7 @@ from rodgen.model.rod import BOUNDARIES
 from tests.palette import cases
 
 CHAINS = [
-    pytest.param(b, links, marks=[pytest.mark.long] * (links > 3))
+    pytest.param(b, links, marks=[pytest.mark.nightly] * (links > 3))
     for b in BOUNDARIES
     for links in range(1, 5)
     if links > BOUNDARIES[b].first
@@ -67,7 +67,7 @@ def test_any_n_equals_the_closed_form(boundary: str, inertia: str) -> None:
     assert names == {"sizes", "M", "Q", "K", "joints", *letters, *laws}
 
 
-@cases("boundary, term", BOUNDARIES, TERMS, strength=1)
+@cases("boundary, term", BOUNDARIES, TERMS)
 def test_every_term_is_proven_where_it_is_alone(boundary: str, term: str) -> None:
     name = LOADS[term].letter
     for proof in (

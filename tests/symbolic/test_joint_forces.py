@@ -24,7 +24,7 @@ from rodgen.model.rod import BOUNDARIES
 from tests.palette import cases
 
 CHAINS = [
-    pytest.param(b, links, marks=[pytest.mark.long] * (links > 3))
+    pytest.param(b, links, marks=[pytest.mark.nightly] * (links > 3))
     for b in BOUNDARIES
     for links in range(1, 5)
     if links > BOUNDARIES[b].first

@@ -78,7 +78,6 @@ Give = Callable[[str, str], str]
 @cases(
     "point, law, boundary, inertia, explicit",
     *(POINTS, LAWS, BOUNDARIES, INERTIAS, (True, False)),
-    strength=1,
 )
 def test_derivations_agree_on_it(
     side_load: Give, point: str, law: str, boundary: str, inertia: str, explicit: bool
@@ -89,7 +88,7 @@ def test_derivations_agree_on_it(
     assert "accelerations" in held
 
 
-@cases("point, law", POINTS, LAWS, strength=1)
+@cases("point, law", POINTS, LAWS)
 def test_a_wrong_share_is_caught(
     side_load: Give, point: str, law: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -22,7 +22,6 @@ from tests.palette import UNEVEN, carries, cases
     "boundary, links, inertia, uneven",
     *(BOUNDARIES, (1, 2, 3, 6), INERTIAS, UNEVEN),
     where=carries,
-    strength=1,
 )
 def test_all_derivations_agree(
     boundary: str, links: int, inertia: str, uneven: tuple[str, ...]

@@ -182,7 +182,7 @@ def test_colour_tells_the_sign_of_the_bending(
     assert (reds > 50, blues > 50) == (warm, not warm)  # 50 pixels: some of the rod
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_run_that_blew_up_is_drawn_up_to_there(pendulum: Solution, tmp_path: Path) -> None:
     path = tmp_path / "film.gif"
     for bad in (np.nan, np.inf, -1e16):

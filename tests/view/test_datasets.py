@@ -70,7 +70,7 @@ def test_datasets_draw_themselves(make: Callable[[], Any]) -> None:
     assert "<td>" in html
 
 
-@pytest.mark.long  # IPython comes with what builds the site
+@pytest.mark.nightly  # IPython comes with what builds the site
 def test_notebooks_show_datasets_with_picture_and_table() -> None:
     shells = pytest.importorskip("IPython.core.interactiveshell", reason="IPython is not installed")
     data, shell = branch(), shells.InteractiveShell.instance()

@@ -122,7 +122,7 @@ def test_printed_steps_ask_for_one_mass(monkeypatch: pytest.MonkeyPatch):
     assert links == (10, 20, 30, 40)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_two_columns_ask_for_masses_that_overlap():
     """And the damping kept, 55 kg gives one more of the 15 printed steps than 50 kg."""
     semi, kutta = (

@@ -187,7 +187,7 @@ def test_declarations_that_are_none(place: Place) -> None:
     assert "cffi refuses the declarations" in place.fails("double twice(")
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("limit", ["_BUILD_LIMIT", "_VERSION_LIMIT"])
 def test_compiler_that_hangs_is_killed_with_its_children(limit: str, place: Place) -> None:
     pid = place.log.with_name("child")
