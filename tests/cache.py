@@ -3,11 +3,14 @@ long as the generator is what it was."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from rodgen.loading.cache import PACKAGES, source_hash
 
-CACHES = Path(__file__).parents[1] / "build" / "test-cache"
+CACHES = Path(
+    os.environ.get("RODGEN_TEST_CACHES") or Path(__file__).parents[1] / "build" / "test-cache"
+)
 
 
 def cache() -> Path:

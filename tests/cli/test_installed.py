@@ -90,7 +90,9 @@ def without(packages: str, *arguments: object) -> subprocess.CompletedProcess[st
             marks=pytest.mark.nightly,
         ),
         *(
-            pytest.param(name, VIEWED, 'pip install ".[view]" in a clone', marks=pytest.mark.nightly)
+            pytest.param(
+                name, VIEWED, 'pip install ".[view]" in a clone', marks=pytest.mark.nightly
+            )
             for name in VIEW
         ),
     ],

@@ -32,9 +32,7 @@ EPSILON = np.finfo(float).eps
 REFERENCE = Path(__file__).parents[2] / "generated" / "rod_free_n5.py"
 SUBSETS = [(), *((term,) for term in TERMS), ("follower", "external_damping"), ALL]
 # Of three links, of which one is inside.
-EVERY_LOAD = cases(
-    "boundary, inertia, form, terms", BOUNDARIES, INERTIAS, FORMS, SUBSETS
-)
+EVERY_LOAD = cases("boundary, inertia, form, terms", BOUNDARIES, INERTIAS, FORMS, SUBSETS)
 PARTS = ("rhs", "jac", "mass", "power", "quantities")
 
 
