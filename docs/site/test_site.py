@@ -29,6 +29,7 @@ KINDS = (  # one page of each kind
 LEVEL = """axe.run({ runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"] })
 .then(({ violations }) => violations.map((one) => [one.id, one.nodes[0].html, one.nodes.length]))"""
 
+pytestmark = pytest.mark.nightly
 if not (SITE / "index.html").exists():
     pytest.skip("the site is not built: make docs", allow_module_level=True)
 
