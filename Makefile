@@ -65,16 +65,15 @@ test: $(VENV)/developing
 test-times:
 	@$(BIN)/python -m tests.times $(COUNT)
 
-# What lint, types and pages do on one core each goes side by side, before the tests take both.
+# What takes one core each goes side by side, before the tests take both.
 check: $(VENV)/developing $(VENV)/evidence
-	@$(MAKE) --no-print-directory -j2 --output-sync=target lint types pages
-	@$(MAKE) --no-print-directory reference CHECK=1
+	@$(MAKE) --no-print-directory -j2 --output-sync=target CHECK=1 pages lint types reference
 	$(PYTEST) $(SPREAD) --times check -m slow tests
 	$(PYTEST) $(SPREAD) --times evidence evidence/tests
 
 # The pieces of a page follow one another, in one worker.
 pages: $(VENV)/developing $(VENV)/evidence
-	$(PYTEST) -n auto --dist loadfile --times pages docs
+	$(PYTEST) --times pages docs
 
 # In an empty folder, as on a machine that has nothing of it.
 check-clean:
@@ -176,7 +175,7 @@ bench-live: $(VENV)/developing $(VENV)/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.live $(or $(SECONDS),20) $(LINKS) $(if $(AGAINST),--against $(AGAINST))
 
 reference: $(VENV)/developing
-	$(BIN)/python -m pytest tests/generated/test_reference_modules.py tests/scene/test_documentation.py tests/studies/test_documentation.py --update
+	$(BIN)/python -m tests.reference $(if $(CHECK),--check)
 
 thesis: $(VENV)/evidence
 	@$(BIN)/rodgen thesis
