@@ -29,7 +29,7 @@ from tests.times import Times
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
-        "--update", action="store_true", help="rewrite reference modules and tables of the docs"
+        "--update", action="store_true", help="write pictures and pages of the docs anew"
     )
     parser.addoption("--times", metavar="NAME", help="keep the tests' times for `make test-times`")
 

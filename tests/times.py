@@ -1,7 +1,7 @@
 """Processor time of every test, with all that it starts: `--times NAME` keeps it, `make test-times`
 prints it.
 
-    python -m tests.times [COUNT]    the folders, and the COUNT dearest tests, of each run that is kept
+    python -m tests.times [COUNT]    folders and the COUNT dearest files and tests of each run
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Times:
     """Plugin that writes a line for every test: its name and its seconds of processor time."""
 
     def __init__(self, name: str, worker: bool) -> None:
-        self.file = FOLDER / f"{name}.jsonl"
+        self.file, self.seconds = FOLDER / f"{name}.jsonl", 0.0
         if not worker:
             FOLDER.mkdir(parents=True, exist_ok=True)
             self.file.unlink(missing_ok=True)
@@ -43,12 +43,24 @@ class Times:
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, object, object]:
         """Measure a test with set-up and teardown: what several share counts for the first."""
-        before = processor_time()
+        self.seconds = 0.0
         done = yield
-        row = {"test": item.nodeid, "seconds": round(processor_time() - before, 3)}
+        row = {"test": item.nodeid, "seconds": round(self.seconds, 3)}
         with self.file.open("a", encoding="utf-8") as lines:
             lines.write(json.dumps(row) + "\n")
         return done
+
+    def _measured(self) -> Generator[None, object, object]:
+        """Add the time of a phase: in teardown a browser ends, whose time nobody inherits."""
+        before = processor_time()
+        try:
+            return (yield)
+        finally:
+            self.seconds += max(0.0, processor_time() - before)
+
+    pytest_runtest_setup = pytest.hookimpl(wrapper=True)(_measured)
+    pytest_runtest_call = pytest.hookimpl(wrapper=True)(_measured)
+    pytest_runtest_teardown = pytest.hookimpl(wrapper=True)(_measured)
 
 
 def _totals(rows: list[tuple[str, float]]) -> list[tuple[str, int, float]]:

@@ -21,6 +21,7 @@ def test_flutter_begins_where_that_of_becks_column_does() -> None:
     assert Column(polynomials(8), 0, 0, 1e-4, 0).onset().force == pytest.approx(20.0509, abs=1e-4)
 
 
+@pytest.mark.nightly
 def test_rods_of_many_links_turn_as_the_column_does() -> None:
     """By two normal forms that share nothing. Errors of the links fall as 1/n^2, those that are
     left of 20 and 40 links as 1/n^3."""
@@ -34,6 +35,7 @@ def test_rods_of_many_links_turn_as_the_column_does() -> None:
     )
 
 
+@pytest.mark.nightly
 def test_much_external_damping_turns_flutter() -> None:
     """Supercritical with 10, subcritical with 70: eight shapes, ten, and the scene's rod agree."""
     few, many = (Column(polynomials(8), *COLUMN[:2], c, COLUMN[3]).onset() for c in (10.0, 70.0))

@@ -62,6 +62,7 @@ def test_tables_of_the_guide_are_those_of_the_report() -> None:
         guide_renewed("no marks", contents)
 
 
+@pytest.mark.nightly
 def test_guide_has_the_pictures_of_the_report(tmp_path: Path) -> None:
     guide = (ROOT / "docs" / "which-method.md").read_text(encoding="utf-8")
     shown = set(re.findall(r"pictures/(which_\w+\.svg)", guide))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +17,11 @@ from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.references import elastica
 from rodgen.scene import Scene, SceneError
+from tests.analyse.rods import AXIAL, FORCE, LENGTH, ONES, STIFFNESS, rod
 
-Rod = Callable[..., Scene]
-STIFFNESS, LENGTH = 100.0, 5.0
 UNIT = STIFFNESS / LENGTH**2
 DEAD = {"tip": {"x": 0.0, "y": 0.0}}
 PUSHED = {"follower": {"force": 0.0}}
-AXIAL, FOLLOWER = "loads.tip.x", "loads.follower.force"
 
 
 def buckling(n: int, mode: int) -> float:
@@ -34,9 +31,12 @@ def buckling(n: int, mode: int) -> float:
     return float(2 * (1 - np.cos(angle)) * n * n * UNIT)
 
 
-@pytest.mark.parametrize(("n", "within"), [(5, 1e-12), (50, 1e-10)])
-def test_branch_points_are_the_discrete_buckling_loads(rod: Rod, n: int, within: float) -> None:
-    found = continue_equilibria(rod(n, "clamped", DEAD), AXIAL, (0.0, -70 * UNIT), step=0.05)
+# Beyond 90 unknowns matrices are sparse.
+@pytest.mark.parametrize(
+    ("n", "within"), [(5, 1e-12), pytest.param(100, 1e-9, marks=pytest.mark.slow)]
+)
+def test_branch_points_are_the_discrete_buckling_loads(n: int, within: float) -> None:
+    found = continue_equilibria(rod(n, "clamped", DEAD), AXIAL, (0.0, -70 * UNIT), step=0.1)
     loads = [-buckling(n, mode) for mode in (1, 2, 3)]
     assert found["special_kind"].values[:3].tolist() == ["branch"] * 3
     np.testing.assert_allclose(found["special_value"].values[:3], loads, rtol=within)
@@ -46,48 +46,51 @@ def test_branch_points_are_the_discrete_buckling_loads(rod: Rod, n: int, within:
     np.testing.assert_array_equal(unstable[first], beyond)
 
 
-def test_the_bent_branch_is_the_elastica(rod: Rod) -> None:
+@pytest.mark.slow
+def test_the_bent_branch_is_the_elastica() -> None:
     """Its tail at 1.5 times Euler's load, on both sides, from elliptic integrals."""
     load = 1.5 * np.pi**2 / 4
     exact = elastica.axial_force(load)
-    ns = (10, 20, 40, 80)
-    for at, side in ((0, "x"), (1, "y")):
-        tails = []
-        for n in ns:
-            scene = rod(n, "clamped", DEAD)
-            found = continue_equilibria(scene, AXIAL, (0.0, -load * UNIT), switch=1, step=0.1)
-            assert found["unstable"].values.tolist() == [0] * found.sizes["point"]
-            first, last = found["tip"].values[[0, -1]]
-            assert first[1] == pytest.approx(-last[1], rel=1e-9)
-            tails.append(abs(last[at]) / LENGTH)
-        assert richardson(ns, tails).value == pytest.approx(abs(getattr(exact, side)), abs=1e-6)
+    ns, tails = (10, 20, 40), []
+    for n in ns:
+        scene = rod(n, "clamped", DEAD)
+        found = continue_equilibria(scene, AXIAL, (0.0, -load * UNIT), switch=1, step=0.1)
+        assert found["unstable"].values.tolist() == [0] * found.sizes["point"]
+        first, last = found["tip"].values[[0, -1]]
+        assert first[1] == pytest.approx(-last[1], rel=1e-9)
+        tails.append(np.abs(last) / LENGTH)
+    for along, known in zip(np.transpose(tails), (exact.x, exact.y), strict=True):
+        # Of fourth order, with a factor near one.
+        assert richardson(ns, along, order=[2, 4]).value == pytest.approx(abs(known), abs=1e-6)
 
 
-@pytest.mark.parametrize("n", [5, pytest.param(30, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize(
-    "damping",
+    ("n", "damping"),
     [
-        {},
-        {"material_damping": {"time": 0.01}},
-        {"internal_damping": {"coefficient": 0.3}},
-        {"external_damping": {"coefficient": 0.2}},
+        (5, {}),
+        (5, {"material_damping": {"time": 0.01}}),
+        pytest.param(5, {"internal_damping": {"coefficient": 0.3}}, marks=pytest.mark.slow),
+        pytest.param(5, {"external_damping": {"coefficient": 0.2}}, marks=pytest.mark.slow),
+        # Beyond 12 links the lowest modes are looked at, and all of them in a few points.
+        pytest.param(30, {}, marks=pytest.mark.slow),
     ],
-    ids=lambda damping: next(iter(damping), "none"),
+    ids=["none", "material", "internal", "external", "many links"],
 )
-def test_hopf_points_are_critical_loads(rod: Rod, n: int, damping: dict[str, Any]) -> None:
+def test_hopf_points_are_critical_loads(n: int, damping: dict[str, Any]) -> None:
     scene = rod(n, "clamped", PUSHED | damping)
     critical = rodgen.critical_force(scene)
     ends = 0.6 * critical.force, 1.2 * critical.force
-    found = continue_equilibria(scene, FOLLOWER, ends, step=0.1)
+    found = continue_equilibria(scene, FORCE, ends, step=0.1)
     assert found["special_kind"].values.tolist() == ["hopf"]
     assert float(found["special_value"][0]) == pytest.approx(critical.force, rel=1e-10)
     assert float(found["special_frequency"][0]) == pytest.approx(critical.frequency, rel=1e-9)
     assert set(found["unstable"].values.tolist()) == {0, 2}
 
 
+@pytest.mark.slow
 def test_a_free_rod_in_steady_flight() -> None:
     scene = Scene.from_toml(Path(__file__).parents[2] / "scenes" / "missile.toml")
-    found = continue_equilibria(scene, FOLLOWER, (0.0, 400.0), step=0.1)
+    found = continue_equilibria(scene, FORCE, (0.0, 400.0), step=0.1)
     critical = rodgen.critical_force(scene)
     assert found["special_kind"].values.tolist() == ["hopf"]
     assert float(found["special_value"][0]) == pytest.approx(critical.force, rel=1e-10)
@@ -95,23 +98,24 @@ def test_a_free_rod_in_steady_flight() -> None:
 
 def test_divergence_of_a_free_rod_of_two_links() -> None:
     """Which turns freely besides: at 32 EI/L^2, as critical loads have it."""
-    rod = {"links": 2, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0, "boundary": "free"}
-    scene = Scene.from_dict({"name": "free", "rod": rod, "loads": PUSHED})
-    found = continue_equilibria(scene, FOLLOWER, (0.0, 45.0), step=0.1)
+    scene = rod(2, "free", PUSHED, **ONES)
+    found = continue_equilibria(scene, FORCE, (0.0, 45.0), step=0.1)
     assert found["special_kind"].values.tolist() == ["branch"]
     assert float(found["special_value"][0]) == pytest.approx(32.0, rel=1e-10)
 
 
-def test_stability_that_is_not_known_is_said(rod: Rod) -> None:
+@pytest.mark.slow
+def test_stability_that_is_not_known_is_said() -> None:
     """External damping has no linear part about a bent state."""
     loads = PUSHED | {"gravity": {"g": 1.0}, "external_damping": {"coefficient": 0.1}}
-    found = continue_equilibria(rod(4, "clamped", loads), FOLLOWER, (0.0, 10.0), step=0.1)
+    found = continue_equilibria(rod(4, "clamped", loads), FORCE, (0.0, 10.0), step=0.1)
     assert set(found["unstable"].values.tolist()) == {-1}
-    assert "external damping" in found.attrs["notes"]
+    assert found.attrs["notes"]
     assert found.attrs["complete"]
 
 
-def test_the_fold_of_a_column_with_a_force_across(rod: Rod) -> None:
+@pytest.mark.slow
+def test_the_fold_of_a_column_with_a_force_across() -> None:
     """The bent state to the other side of a small force across ends in a fold, where both angles of
     two links are in balance and the determinant of their stiffness is zero."""
     across = -0.5
@@ -137,8 +141,9 @@ def test_the_fold_of_a_column_with_a_force_across(rod: Rod) -> None:
     assert float(found["special_value"][0]) == pytest.approx(exact[2], rel=1e-11)
 
 
-def test_a_file_is_gone_on_from(rod: Rod, tmp_path: Path) -> None:
-    scene = rod(10, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
+@pytest.mark.slow
+def test_a_file_is_gone_on_from(tmp_path: Path) -> None:
+    scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
     whole = continue_equilibria(scene, AXIAL, (0.0, -20.0))
     part = continue_equilibria(scene, AXIAL, (0.0, -9.0))
     files.save(part, tmp_path / "branch.nc")
@@ -150,16 +155,16 @@ def test_a_file_is_gone_on_from(rod: Rod, tmp_path: Path) -> None:
     back = continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read, at=0)
     # The first point is that of the unloaded rod, on its edge.
     assert back.sizes["point"] == part.sizes["point"]
-    with pytest.raises(SceneError, match=r"loads\.tip\.x"):
+    with pytest.raises(SceneError, match=r"^resume = 'loads\.tip\.x'"):
         continue_equilibria(scene, "loads.tip.y", (0.0, 1.0), resume=read)
-    with pytest.raises(SceneError, match="point"):
+    with pytest.raises(SceneError, match=rf"^at = {len(part['value'])}"):
         continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read, at=len(part["value"]))
     read["y"].values[-1] += 0.1
-    with pytest.raises(AnalysisError, match="no equilibrium"):
+    with pytest.raises(AnalysisError):
         continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read)
 
 
-def test_a_scene_at_a_point_of_a_branch_is_at_rest(rod: Rod) -> None:
+def test_a_scene_at_a_point_of_a_branch_is_at_rest() -> None:
     scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
     found = continue_equilibria(scene, AXIAL, (0.0, -20.0), step=0.1)
     for at in (0, found.sizes["point"] // 2, -1):
@@ -168,51 +173,16 @@ def test_a_scene_at_a_point_of_a_branch_is_at_rest(rod: Rod) -> None:
         rates = model.rhs(0.0, there.initial_state(), model.parameters(**there.parameters))
         assert np.abs(rates).max() < 1e-8
         assert there.loads.value("tip_force_x") == float(found["value"][at])
-    with pytest.raises(SceneError, match="at"):
+    with pytest.raises(SceneError, match=r"^at = "):
         branch_data.scene_at(found, found.sizes["point"])
 
 
-def test_both_ways_from_a_value_between(rod: Rod) -> None:
-    scene = rod(10, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
+@pytest.mark.slow
+def test_both_ways_from_a_value_between() -> None:
+    scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
     found = continue_equilibria(scene, AXIAL, (0.0, -20.0), start=-7.0)
     values = found["value"].values
     assert values[0] == 0.0
     assert values[-1] == -20.0
     assert (np.diff(values) < 0).all()
     assert -7.0 in values
-
-
-@pytest.mark.parametrize(
-    ("key", "ends", "field"),
-    [
-        ("rod.links", (5, 10), "vary"),
-        ("loads.tip.z", (0, 1), "loads.tip.z"),
-        ("name", (0, 1), "vary"),
-        ("loads.tip.x", (1.0, 1.0), "vary.loads.tip.x"),
-        ("loads.tip.x", (0.0, float("nan")), "vary.loads.tip.x"),
-        ("rod.mass", (1.0, -1.0), "rod.mass"),
-        ("initial.phi.0", (0.0, 1.0), "vary"),
-    ],
-)
-def test_what_cannot_be_varied(rod: Rod, key: str, ends: Any, field: str) -> None:
-    with pytest.raises(SceneError) as error:
-        continue_equilibria(rod(5, "clamped", DEAD), key, ends)
-    assert error.value.field == field
-
-
-def test_switching_where_nothing_branches(rod: Rod) -> None:
-    with pytest.raises(SceneError, match="switch"):
-        continue_equilibria(rod(5, "clamped", PUSHED), FOLLOWER, (0.0, 80.0), switch=1, step=0.1)
-
-
-def test_a_branch_costs_what_its_length_does(rod: Rod) -> None:
-    """Of long rods all is O(n): 200 points of 1000 links take 20 times those of 50 at the very
-    most, where dense matrices take 400 times as long and more."""
-    from time import process_time
-
-    times = []
-    for n in (50, 1000):
-        start = process_time()
-        continue_equilibria(rod(n, "clamped", DEAD), AXIAL, (0.0, -2 * UNIT), step=0.05)
-        times.append(process_time() - start)
-    assert times[1] < 20 * times[0]

@@ -13,6 +13,7 @@ from rodgen.analyse.curves.continuation import Steps, continued, started
 from rodgen.analyse.curves.curve import BRANCH, FOLD, Curve, Point, Problem
 from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.stepper import Array
+from tests.analyse.rods import numbers
 
 Equations = Callable[[Array], tuple[list[float], list[list[float]]]]
 
@@ -39,7 +40,6 @@ def ellipse(u: Array) -> tuple[list[float], list[list[float]]]:
 def test_a_closed_curve_is_gone_round_once_with_both_folds() -> None:
     found = followed(Known(ellipse, 2), [1.0, 0.0], -5, 5)
     assert found.complete
-    assert "closes" in found.end
     assert [one.kind for one in found.special] == [FOLD, FOLD]
     np.testing.assert_allclose([one.u[-1] for one in found.special], [0.5, -0.5], atol=1e-12)
     angles = np.unwrap([np.arctan2(2 * p.u[1], p.u[0]) for p in found.points])
@@ -96,8 +96,7 @@ def test_where_a_curve_ends_what_was_found_is_kept() -> None:
 
     found = followed(Known(equations, 2), [0.0, 0.0], 0, 1)
     assert not found.complete
-    assert "shrank to nothing" in found.end
-    assert "nothing is there" in found.end
+    assert "nothing is there" in found.end  # what the equations said
     assert found.points[-1].value == pytest.approx(0.5, abs=1e-6)
 
 
@@ -109,8 +108,7 @@ def test_an_unexplained_change_of_stability_is_said() -> None:
     found = followed(Unstable(lambda u: ([u[0]], [[1.0, 0.0]]), 2), [0.0, 0.0], 0, 1)
     assert found.complete
     (note,) = found.notes
-    assert "from 0 to 3" in note
-    assert "0.25" in note
+    assert {0.0, 3.0, 0.25} <= {round(one, 2) for one in numbers(note)}
 
 
 def test_a_measure_is_found_where_it_is_zero() -> None:

@@ -15,24 +15,20 @@ from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.growth import simulated_critical_force
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.references.columns import Onset, beck, hauger, leipholz, thrust
-from rodgen.scene import Scene, SceneError
-
-Rod = Callable[..., Scene]
-THRUST: dict[str, Any] = {"follower": {"force": 50.0}}
+from rodgen.scene import Scene
+from tests.analyse.rods import ONES, SIZES, THRUST, exact_rates, rod
 
 
 @pytest.mark.parametrize(
     ("links", "boundary", "tail", "kind"),
     [
-        pytest.param(4, "free", 1.0, "flutter", marks=pytest.mark.nightly),
-        (3, "clamped", 1.0, "flutter"),
+        pytest.param(3, "clamped", 1.0, "flutter", marks=pytest.mark.nightly),
         # Its turning, damped from outside, begins to grow before it buckles.
-        (3, "pinned", 3.0, "divergence"),
+        pytest.param(3, "pinned", 3.0, "divergence", marks=pytest.mark.slow),
+        pytest.param(4, "free", 1.0, "flutter", marks=pytest.mark.nightly),
     ],
 )
-def test_onset_with_drag_to_nine_digits(
-    rod: Rod, exact_rates: Any, links: int, boundary: str, tail: float, kind: str
-) -> None:
+def test_onset_with_drag_to_nine_digits(links: int, boundary: str, tail: float, kind: str) -> None:
     fins = [1.0] * links + [tail]
     drag = {"external_damping": {"coefficient": 0.4, "fin_factor": fins}}
     found = critical_force(rod(links, boundary, THRUST | drag))
@@ -48,19 +44,15 @@ def test_onset_with_drag_to_nine_digits(
     assert growth(0.7) < 0
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("links", [5, 20])
-def test_damping_that_vanishes(links: int) -> None:
+@pytest.mark.slow
+def test_damping_that_vanishes() -> None:
     """A free rod, of which nothing holds the place: what rounding makes of its translations is no
     motion that grows. A table of damping that is zero changes nothing; the limit of ever weaker
     damping, which is another force, is reached."""
 
     def force(**damping: float) -> float:
-        rod = {"links": links, "length": 2.0, "bending_stiffness": 5.0, "mass": 3.0}
-        loads = {"follower": {"force": 2.0}} | {
-            f"{name}_damping": {"coefficient": value} for name, value in damping.items()
-        }
-        found = critical_force(Scene.from_dict({"name": "dart", "rod": rod, "loads": loads}))
+        loads = {f"{name}_damping": {"coefficient": value} for name, value in damping.items()}
+        found = critical_force(rod(5, "free", THRUST | loads))
         assert found.kind == "flutter"
         return found.force
 
@@ -72,86 +64,76 @@ def test_damping_that_vanishes(links: int) -> None:
     assert weak[0] < bare * (1 - 1e-4)
 
 
-@pytest.mark.parametrize("name", ["free", "clamped"])
-def test_extrapolated_it_is_that_of_the_continuum(rod: Rod, name: str) -> None:
-    n = [10, 20, 40, 80]
+@pytest.mark.parametrize(
+    ("name", "exact"), [("clamped", beck), pytest.param("free", thrust, marks=pytest.mark.slow)]
+)
+def test_extrapolated_it_is_that_of_the_continuum(name: str, exact: Callable[[], Onset]) -> None:
+    n = [5, 10, 20, 40]
     found = [critical_force(rod(k, name, THRUST)) for k in n]
     assert {(one.kind, one.modes) for one in found} == {("flutter", (1, 2))}
-    exact = thrust() if name == "free" else beck()
-    force, hertz = exact.dimensional(mass=50.0, length=5.0, bending_stiffness=100.0)
-    limit = richardson(n, [one.force for one in found], order=[2, 4, 6])
-    assert limit.value == pytest.approx(force, rel=1e-8)
-    assert richardson(n, [one.frequency for one in found], order=[2, 4, 6]).value == pytest.approx(
-        hertz, rel=1e-8
-    )
+    force, hertz = exact().dimensional(**SIZES)
+    for values, limit in (("force", force), ("frequency", hertz)):
+        limits = richardson(n, [getattr(one, values) for one in found], order=[2, 4, 6])
+        # What is left is of order n^-8, at n = 40.
+        assert limits.value == pytest.approx(limit, rel=1e-5)
 
 
-@pytest.mark.nightly
+@pytest.mark.slow
+def test_a_thousand_links() -> None:
+    """The lowest modes alone are looked at; the error, which falls with n^2, is 3.3e-6."""
+    found = critical_force(rod(1000, "clamped", THRUST))
+    assert not found.complete
+    assert found.factor == pytest.approx(beck().load, rel=5e-6)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "exact", "second"),
-    # Leipholz's to the digits that a power series of his equation gives, here and elsewhere.
+    # Leipholz's to the digits that a power series of his equation gives elsewhere.
     [
         ("leipholz", 40.05373651493959869, leipholz),
-        ("hauger", None, hauger),
+        pytest.param("hauger", None, hauger, marks=pytest.mark.nightly),
     ],
 )
 def test_columns_of_distributed_thrust(
     name: str, exact: float | None, second: Callable[[], Onset]
 ) -> None:
     """The whole force at flutter, from the scene of that name with 12 to 48 links."""
-    scene = Scene.from_toml(f"scenes/{name}.toml")
-    n = [12, 16, 24, 32, 48]
+    scene, n, known = Scene.example(name), [12, 16, 24, 32, 48], second()
     found = [critical_force(scene.with_links(k), load="distributed_follower") for k in n]
     assert {(one.kind, one.unit) for one in found} == {("flutter", "N")}
     limit = richardson(n, [one.factor for one in found], order=[2, 4, 6, 8])
-    assert limit.value == pytest.approx(exact or second().load, rel=1e-9)
-    assert second().load == pytest.approx(exact or limit.value, rel=1e-9)
-    frequency = second().dimensional(mass=20.0, length=5.0, bending_stiffness=100.0)[1]
+    assert limit.value == pytest.approx(known.load, rel=1e-9)
+    assert exact is None or known.load == pytest.approx(exact, rel=1e-15)
+    sizes = {"length": scene.rod.length, "mass": scene.rod.mass}
+    frequency = known.dimensional(bending_stiffness=scene.rod.bending_stiffness, **sizes)[1]
     hertz = richardson(n, [one.frequency for one in found], order=[2, 4, 6, 8])
     assert hertz.value == pytest.approx(frequency, rel=1e-9)
 
 
-@pytest.mark.parametrize(("n", "factor"), [(2, 32.0), (3, 54.0)])
-def test_short_free_chains_diverge(rod: Rod, n: int, factor: float) -> None:
-    """Whole numbers: the determinant of the stiffness of two or three links, by hand."""
-    found = critical_force(rod(n, "free", THRUST))
-    assert (found.kind, found.frequency, found.modes) == ("divergence", 0.0, (1, 1))
-    assert found.factor == pytest.approx(factor, rel=1e-12)
-
-
-def test_a_pinned_rod_buckles_as_one_pinned_and_clamped(rod: Rod) -> None:
+def test_a_pinned_rod_buckles_as_one_pinned_and_clamped() -> None:
     """u'' + p u = 0 for the slope, as for a column clamped at one end: tan sqrt(p) = sqrt(p)."""
-    n = [10, 20, 40]
+    n = [5, 10, 20]
     found = [critical_force(rod(k, "pinned", THRUST)) for k in n]
     assert {one.kind for one in found} == {"divergence"}
     p = mp.findroot(lambda x: mp.tan(x) - x, 4.49) ** 2
     limit = richardson(n, [one.factor for one in found], order=[2, 4])
-    assert limit.value == pytest.approx(float(p), rel=1e-7)
+    # What is left is of order n^-6, at n = 20.
+    assert limit.value == pytest.approx(float(p), rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("links", "boundary", "loads"),
-    [
-        (5, "free", {"internal_damping": {"coefficient": 10.0}}),
-        (
-            2,
-            "clamped",
-            {"internal_damping": {"coefficient": 10.0}, "external_damping": {"coefficient": 30.0}},
-        ),
-    ],
-)
-def test_a_single_motion_that_oscillates(
-    rod: Rod, links: int, boundary: str, loads: dict[str, Any]
-) -> None:
-    found = critical_force(rod(links, boundary, THRUST | loads, inertia="lumped"))
-    assert found.modes == (1, 1)
-    assert found.kind == "flutter"
+def test_a_single_motion_that_oscillates() -> None:
+    """So strongly damped that the pair that flutters is of one mode."""
+    loads = THRUST | {"internal_damping": {"coefficient": 10.0}}
+    found = critical_force(rod(5, "free", loads, inertia="lumped"))
+    assert (found.modes, found.kind) == ((1, 1), "flutter")
 
 
-def test_a_taut_pipe_needs_more_modes(rod: Rod) -> None:
+@pytest.mark.slow
+def test_a_taut_pipe_needs_more_modes() -> None:
     """Hanging from its clamp, its weight a thousand times EI/L^2: the modes of the search are not
     those that flutter. Growth changes its sign there by all eigenvalues."""
-    given = {"mass": 1.0, "length": 1.0, "bending_stiffness": 1.0, "clamp_angle": -np.pi / 2}
+    given = ONES | {"clamp_angle": -np.pi / 2}
     loads = {"gravity": {"g": 1000.0}, "internal_damping": {"coefficient": 0.5}}
     found = critical_force(rod(40, "clamped", THRUST | loads, **given))
     for factor, grows in ((1 - 1e-5, False), (1 + 1e-5, True)):
@@ -170,11 +152,10 @@ ETA = 0.01  # of a Kelvin-Voigt material
         {"material_damping": {"time": ETA}},
     ],
 )
-def test_a_damped_column_converges_with_second_order(rod: Rod, damping: dict[str, Any]) -> None:
+def test_a_damped_column_converges_with_second_order(damping: dict[str, Any]) -> None:
     """Beck's column of a Kelvin-Voigt material, moment EI (kappa + eta dkappa/dt): its continuum
     flutters from where Beck's determinant, with EI (1 + i eta w) for EI, vanishes for a real
     frequency w."""
-    given = {"mass": 1.0, "length": 1.0, "bending_stiffness": 1.0}
 
     def determinant(P: mp.mpf, w: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
         stiffness = 1 + 1j * ETA * w
@@ -187,7 +168,7 @@ def test_a_damped_column_converges_with_second_order(rod: Rod, damping: dict[str
 
     limit = float(mp.findroot(determinant, (11.0, 5.4))[0])
     assert limit == pytest.approx(10.9661117, abs=1e-7)
-    coarse = rod(5, "clamped", THRUST | damping, **given)
+    coarse = rod(5, "clamped", THRUST | damping, **ONES)
     off = [limit - critical_force(coarse.with_links(n)).force for n in (5, 10, 20)]
     # Terms of fourth order are left: 1.935 and 1.984, nearer to 2 with every doubling.
     assert np.log2(off[0] / off[1]) == pytest.approx(2.0, abs=0.07)
@@ -198,7 +179,7 @@ def test_zieglers_pendulum() -> None:
     """Two bars with equal springs, masses 2 and 1 and a follower force P (the first link is held):
     flutter at P l/k = 7/2 - sqrt(2), and with springs that are damped ever less at 41/28 (Ziegler
     1952); with tau in units of sqrt(m l^2/k) at 41/28 + tau^2/2 (Herrmann and Jong 1965)."""
-    table = Scene.from_toml("scenes/ziegler.toml").model_dump(exclude_none=True)
+    table = Scene.example("ziegler").model_dump(exclude_none=True)
 
     def force(**damping: Any) -> float:
         loads = {"loads": table["loads"] | damping}
@@ -211,7 +192,7 @@ def test_zieglers_pendulum() -> None:
         assert force(material_damping={"time": tau}) == pytest.approx(exact, rel=1e-12)
 
 
-def test_about_a_bent_state(rod: Rod) -> None:
+def test_about_a_bent_state() -> None:
     """A follower force that pushes a little askew bends the rod before it flutters."""
     found = critical_force(rod(8, "clamped", {"follower": {"force": 1.0, "angle": 0.05}}))
     straight = critical_force(rod(8, "clamped", THRUST))
@@ -223,7 +204,8 @@ def test_about_a_bent_state(rod: Rod) -> None:
         assert bool(natural_modes(rod(8, "clamped", at), 8).growth.max() > 0) is grows
 
 
-def test_the_factor_of_a_tapered_rod_names_its_stiffness(rod: Rod) -> None:
+@pytest.mark.slow
+def test_the_factor_of_a_tapered_rod_names_its_stiffness() -> None:
     """1/EI over a joint's cell has its integral in closed form, for EI = 3 (2 - s)."""
     found = critical_force(rod(3, "clamped", THRUST, bending_stiffness="3*(2 - s)"))
     cells = [(j - 0.5, j + 0.5) for j in (1, 2)]
@@ -234,29 +216,11 @@ def test_the_factor_of_a_tapered_rod_names_its_stiffness(rod: Rod) -> None:
     )
 
 
-def test_a_thousand_links(rod: Rod) -> None:
-    found = critical_force(rod(1000, "clamped", THRUST))
-    assert not found.complete
-    # The error of 1000 links is 3.3e-6 (it falls with n^2); digits beyond that are not asked for.
-    assert found.factor == pytest.approx(beck().load, rel=5e-6)
-
-
-@pytest.mark.nightly
-def test_simulations_find_it_too(rod: Rod) -> None:
-    scene = rod(5, "free", THRUST)
-    found = simulated_critical_force(scene, span=100.0, tolerance=1e-3)
-    exact = critical_force(scene).force
-    # Growth in 100 s asks for a rate of ln(100)/100 1/s, which a surplus of 1e-3 brings.
-    assert found.low * (1 - 1e-3) <= exact <= found.high
-    assert found.high == pytest.approx(exact, rel=5e-3)
-
-
-@pytest.mark.nightly
-def test_simulations_start_from_the_steady_state(rod: Rod) -> None:
-    """A rod that sags is not one that grows; the shape that a scene starts with does not count."""
-    table = rod(3, "clamped", THRUST | {"gravity": {"g": 0.5}}).model_dump(exclude_none=True)
-    table["initial"] = {"phi": 0.3}
-    scene = Scene.from_dict(table)
+@pytest.mark.slow
+def test_simulations_find_it_too() -> None:
+    """From the steady state of a rod that sags, not from the shape that its scene starts with."""
+    sags = THRUST | {"gravity": {"g": 0.5}}
+    scene = rod(3, "clamped", sags, initial={"phi": 0.3})
     told: list[tuple[float, bool]] = []
     found = simulated_critical_force(
         scene, span=60.0, tolerance=1e-3, progress=lambda force, grew: told.append((force, grew))
@@ -266,40 +230,16 @@ def test_simulations_start_from_the_steady_state(rod: Rod) -> None:
     assert (found.high, True) in told
 
 
-def test_what_is_not_found_is_said(rod: Rod) -> None:
-    with pytest.raises(AnalysisError, match=r"neither flutter nor divergence between 0 and 40 N"):
-        critical_force(rod(6, "clamped", THRUST), highest=40.0)
-    with pytest.raises(AnalysisError, match="unstable already at the lowest force"):
-        critical_force(rod(6, "clamped", THRUST), lowest=85.0, highest=120.0)
-    with pytest.raises(AnalysisError, match=r"no motion grows 1\.01 times within 5 s up to 10"):
-        simulated_critical_force(rod(3, "clamped", THRUST), span=5.0, high=10.0)
-
-
-@pytest.mark.parametrize(
-    ("loads", "options", "field"),
-    [
-        ({}, {}, "loads.follower"),
-        (THRUST, {"lowest": 10.0, "highest": 5.0}, "highest"),
-        (THRUST, {"highest": np.nan}, "highest"),
-    ],
-)
-def test_bad_input(rod: Rod, loads: dict[str, Any], options: dict[str, Any], field: str) -> None:
-    with pytest.raises(SceneError, match=field):
-        critical_force(rod(4, "free", loads), **options)
-    with pytest.raises(SceneError, match="bending_stiffness"):
-        critical_force(rod(4, "free", THRUST, bending_stiffness=0.0))
-
-
-def test_settings_of_simulations(rod: Rod) -> None:
-    """A fixed step goes with the tolerances that simulations have by default; what is given has to
-    be of use, and no other argument of a run is one of its settings."""
-    scene = rod(3, "clamped", THRUST)
+def test_what_is_not_found_is_said() -> None:
+    with pytest.raises(AnalysisError, match=r"\b0\b.*\b40 N"):
+        critical_force(rod(5, "clamped", THRUST), highest=40.0)
+    with pytest.raises(AnalysisError):  # it flutters from the start
+        critical_force(rod(5, "clamped", THRUST), lowest=85.0, highest=120.0)
+    # A fixed step goes with the tolerances that simulations have by default.
     how: dict[str, Any] = {"span": 2.0, "high": 10.0, "target": "numpy"}
-    with pytest.raises(AnalysisError, match="no motion grows"):
-        simulated_critical_force(scene, method="semi_implicit_euler", step=0.01, **how)
-    with pytest.raises(SceneError, match=r"step = 0\.01: must be absent: auto chooses its own"):
-        simulated_critical_force(scene, step=0.01, **how)
-    with pytest.raises(SceneError, match=r"rtol = 0\.001: must be absent: rk4 has a fixed step"):
-        simulated_critical_force(scene, method="rk4", step=0.01, rtol=1e-3, **how)
-    with pytest.raises(TypeError, match="unexpected keyword argument 'out'"):
-        simulated_critical_force(scene, out="run.nc", **how)  # type: ignore[call-arg]
+    with pytest.raises(AnalysisError, match=r"\b2 s\b.*\b10\b"):
+        simulated_critical_force(
+            rod(3, "clamped", THRUST), method="semi_implicit_euler", step=0.01, **how
+        )
+    with pytest.raises(TypeError, match="'out'"):
+        simulated_critical_force(rod(3, "clamped", THRUST), out="run.nc", **how)  # type: ignore[call-arg]

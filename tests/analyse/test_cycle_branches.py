@@ -20,28 +20,7 @@ from rodgen.analyse.cycles.nonlinear_modes import continue_mode, nonlinear_mode
 from rodgen.analyse.cycles.search import Search, find_cycle
 from rodgen.analyse.errors import AnalysisError
 from rodgen.scene import Scene, SceneError
-from tests.analyse.test_cycles import ZIEGLER
-
-FORCE = "loads.follower.force"
-# Structures of the palette, compiled for other tests as well; loads of no size change nothing.
-NOTHING = {
-    "gravity": {"g": 0.0},
-    "external_damping": {"coefficient": 0.0},
-    "tip": {"x": 0.0, "y": 0.0},
-}
-COLUMN: dict[str, Any] = {
-    "name": "column",
-    "rod": {
-        "links": 3,
-        "length": 1.0,
-        "mass": 1.0,
-        "bending_stiffness": 1.0,
-        "boundary": "clamped",
-    },
-    "loads": NOTHING | {"follower": {"force": 20.0}, "internal_damping": {"coefficient": 0.3}},
-    "initial": {"phi": "0.2*s"},
-    "integrate": {"span": [0.0, 20.0]},
-}
+from tests.analyse.rods import COLUMN, FORCE, NOTHING, ONES, ZIEGLER, rod
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +55,7 @@ def test_slow_flutter_of_a_strongly_damped_rod_is_a_hopf_point() -> None:
     assert fastest_growing(np.diag([1.0, -1.0])) is None
 
 
-@pytest.mark.nightly
+@pytest.mark.slow
 def test_cycles_begin_where_flutter_does(column: Scene, branch: Any) -> None:
     without = COLUMN | {"loads": {k: v for k, v in COLUMN["loads"].items() if k not in NOTHING}}
     critical = rodgen.critical_force(Scene.from_dict(without))
@@ -90,6 +69,7 @@ def test_cycles_begin_where_flutter_does(column: Scene, branch: Any) -> None:
     assert branch["trivial_error"].values.max() < 1e-8
 
 
+@pytest.mark.slow
 def test_the_normal_form_has_the_cycles_beside_it(column: Scene) -> None:
     """Value and period of small cycles differ from those of the normal form by the fourth power of
     the amplitude."""
@@ -121,12 +101,13 @@ def test_a_branch_has_the_cycle_of_a_run(branch: Any, column: Scene, tmp_path: A
     np.testing.assert_array_equal(again["y0"].values, branch["y0"].values)
     # From there both ways: the same curve.
     both = continue_cycles(column, FORCE, (19.0, 20.5), start=alone)
-    periods = np.interp(20.0, both["value"].values, both["period"].values)
+    values = both["value"].values
+    periods = np.interp(20.0, values, both["period"].values)
     assert periods == pytest.approx(alone.period, rel=1e-4)  # of a line between points
-    assert both["value"].values.min() == 19.0
-    assert both["value"].values.max() == 20.5
+    assert (values.min(), values.max()) == (19.0, 20.5)
 
 
+@pytest.mark.slow
 def test_a_scene_at_a_point_of_a_branch_starts_on_its_cycle(column: Scene) -> None:
     """Where the load grows at the start of the span, it starts when that has ended."""
     table = column.model_dump(exclude_none=True)
@@ -140,60 +121,47 @@ def test_a_scene_at_a_point_of_a_branch_starts_on_its_cycle(column: Scene) -> No
         assert start == 20.0
         run = rodgen.simulate(scene, span=[start, start + period], rtol=1e-10, atol=1e-12)
         np.testing.assert_allclose(run.y[-1], run.y[0], atol=1e-7 * np.abs(run.y).max())
-    with pytest.raises(SceneError, match="at = "):
+    with pytest.raises(SceneError, match=r"^at = "):
         branch_data.scene_at(found, found.sizes["point"])
 
 
 def test_what_no_branch_begins_with(column: Scene) -> None:
-    with pytest.raises(AnalysisError, match="no Hopf point"):
-        continue_cycles(column, FORCE, (1.0, 5.0))
+    """No flutter in the range; a pair that does not cross, as nothing damps it; what is not smooth
+    at rest."""
     bare = Scene.from_dict(ZIEGLER | {"loads": {"follower": {"force": 16.0}}})
-    with pytest.raises(AnalysisError, match="do not cross"):
-        continue_cycles(bare, FORCE, (15.0, 25.0), target="numpy")
-    braked = column.model_dump(exclude_none=True)
-    braked["loads"]["external_damping"]["coefficient"] = 0.5
-    with pytest.raises(AnalysisError, match="not smooth at rest"):
-        continue_cycles(Scene.from_dict(braked), FORCE, (5.0, 25.0))
-    for key, ends in (("rod.links", (3, 9)), ("loads.none", (1, 2)), (FORCE, (5.0, 5.0))):
-        with pytest.raises(SceneError):
-            continue_cycles(column, key, ends)
-    with pytest.raises(SceneError, match="start"):
-        continue_cycles(column, FORCE, (1.0, 5.0), start="anywhere")
+    loads = COLUMN["loads"] | {"external_damping": {"coefficient": 0.5}}
+    braked = Scene.from_dict(COLUMN | {"loads": loads})
+    for scene, ends, target in (
+        (column, (1.0, 5.0), None),
+        (bare, (15.0, 25.0), "numpy"),
+        (braked, (5.0, 25.0), None),
+    ):
+        with pytest.raises(AnalysisError):
+            continue_cycles(scene, FORCE, ends, target=target)
 
 
-PENDULUM = {
-    "name": "pendulum",
-    "rod": {
-        "links": 1,
-        "length": 1.3,
-        "mass": 2.0,
-        "bending_stiffness": 0.0,
-        "boundary": "pinned",
-    },
-    "loads": {"gravity": {}},
-    "initial": {"phi": -1.0},
-}
-
-
-@pytest.mark.nightly  # it compiles a structure of its own
+@pytest.mark.slow
 def test_a_pendulum_by_an_elliptic_integral() -> None:
     """Energy m g L/2 (1 - cos a) above rest; period 4 sqrt(2 L/3 g) K(sin^2 a/2)."""
-    scene, g = Scene.from_dict(PENDULUM), 9.81
+    length, mass, g = 1.3, 2.0, 9.81
+    sizes = {"length": length, "mass": mass, "bending_stiffness": 0.0}
+    scene = rod(1, "pinned", {"gravity": {}}, initial={"phi": -1.0}, **sizes)
+
+    def period(a: float) -> float:
+        return float(4 * np.sqrt(2 * length / (3 * g)) * ellipk(np.sin(a / 2) ** 2))
+
     a = np.pi / 2 - 1.0
     found = find_cycle(scene)  # with the energy of its start
-    expected = 4 * np.sqrt(2 * 1.3 / (3 * g)) * ellipk(np.sin(a / 2) ** 2)
-    assert found.period == pytest.approx(expected, rel=1e-9)
+    assert found.period == pytest.approx(period(a), rel=1e-9)
     assert found.amplitude == pytest.approx(a, rel=1e-4)  # of 64 samples
-    energy = 2.0 * g * 0.65 * (1 - np.cos(2.0))
-    wide = nonlinear_mode(scene, 1, energy)
-    assert wide.period == pytest.approx(
-        4 * np.sqrt(2 * 1.3 / (3 * g)) * ellipk(np.sin(1.0) ** 2), rel=1e-9
-    )
+    wide = nonlinear_mode(scene, 1, mass * g * length / 2 * (1 - np.cos(2.0)))
+    assert wide.period == pytest.approx(period(2.0), rel=1e-9)
+    assert wide.trivial == 2  # one by the time, one by the energy
 
 
+@pytest.mark.slow
 def test_families_begin_with_linear_modes_and_keep_energy() -> None:
-    rod = COLUMN["rod"] | {"links": 2, "boundary": "free", "inertia": "lumped"}
-    scene = Scene.from_dict({"name": "rod", "rod": rod, "initial": {"phi": 0.0}})
+    scene = rod(2, "free", **ONES, inertia="lumped", initial={"phi": 0.0})
     family = continue_mode(scene, 1, 0.5)
     linear = rodgen.natural_modes(scene, 1).frequencies[0]
     assert family["frequency"].values[0] == pytest.approx(linear, rel=1e-8)
@@ -205,22 +173,15 @@ def test_families_begin_with_linear_modes_and_keep_energy() -> None:
     assert mode.energy == pytest.approx(0.5, rel=1e-9)
     assert np.ptp(mode.motion.energy.total) < 1e-9
     np.testing.assert_allclose(mode.motion.y[-1, 2:4], mode.motion.y[0, 2:4], atol=1e-8)
-    with pytest.raises(SceneError, match="mode"):
-        nonlinear_mode(scene, 9, 0.5)
-    with pytest.raises(SceneError, match="energy"):
-        nonlinear_mode(scene, 1, -0.5)
-    with pytest.raises(SceneError, match="dissipation"):
-        nonlinear_mode(Scene.from_dict(COLUMN), 1, 0.5)
 
 
 @pytest.mark.nightly
 def test_a_free_rod_swings_while_its_thrust_carries_it_off() -> None:
     """Its cycle needs neither its place nor its velocity, and comes back turned by nothing: two
     multipliers are 1."""
-    rod = COLUMN["rod"] | {"links": 10, "boundary": "free"}
     loads = NOTHING | {"follower": {"force": 150.0}, "internal_damping": {"coefficient": 1.0}}
-    table = {"name": "free", "rod": rod, "loads": loads, "initial": {"phi": "0.1*s"}}
-    found = find_cycle(Scene.from_dict(table | {"integrate": {"span": [0, 10]}}))
+    tables = {"initial": {"phi": "0.1*s"}, "integrate": {"span": [0, 10]}}
+    found = find_cycle(rod(10, "free", loads, **ONES, **tables))
     assert found.trivial == 2
     assert found.trivial_error < 1e-8
     assert len(found.multipliers) == 20
@@ -230,17 +191,23 @@ def test_a_free_rod_swings_while_its_thrust_carries_it_off() -> None:
     assert np.linalg.norm(found.drift) > 1.0
 
 
+@pytest.mark.slow
 def test_loads_that_repeat_give_the_period() -> None:
-    rod = COLUMN["rod"] | {"links": 2, "bending_stiffness": 2.0}
-    tip = {"x": 0.0, "y": "min(t, 1)*sin(7*t)**2"}
-    loads: dict[str, Any] = {"internal_damping": {"coefficient": 1.0}, "tip": tip}
-    table = {"name": "shaken", "rod": rod, "loads": loads, "initial": {"phi": 0.0}}
-    found = find_cycle(Scene.from_dict(table | {"integrate": {"span": [0, 12]}}), target="numpy")
+    damped = {"internal_damping": {"coefficient": 1.0}}
+    keys = ONES | {
+        "bending_stiffness": 2.0,
+        "integrate": {"span": [0, 12]},
+        "initial": {"phi": 0.0},
+    }
+
+    def shaken(force: str) -> Scene:
+        return rod(2, "clamped", damped | {"tip": {"x": 0.0, "y": force}}, **keys)
+
+    found = find_cycle(shaken("min(t, 1)*sin(7*t)**2"), target="numpy")
     assert found.forced
     assert found.period == pytest.approx(np.pi / 7, rel=1e-14)
     assert found.trivial == 0
     y = found.motion.y
     np.testing.assert_allclose(y[-1], y[0], atol=1e-8 * np.abs(y).max())
-    chirp = table | {"loads": loads | {"tip": {"x": 0.0, "y": "sin(t**2)"}}}
-    with pytest.raises(AnalysisError, match="neither come to rest nor"):
-        find_cycle(Scene.from_dict(chirp), target="numpy")
+    with pytest.raises(AnalysisError):
+        find_cycle(shaken("sin(t**2)"), target="numpy")

@@ -13,31 +13,15 @@ import rodgen
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.fourier import WINDOWS, peaks_of, spectrum
 from rodgen.scene import Scene
-from rodgen.scene.errors import SceneError
+from tests.analyse.rods import jacobian, numbers, rod
 
 SMALL = "1e-4*cos(pi*s) + 1e-4*s**3"  # rad: symmetric and antisymmetric, products of 1e-8
 
 
 def _scene(boundary: str, phi: str, seconds: float, every: float, **more: Any) -> Scene:
-    return Scene.from_dict(
-        {
-            "name": "tones",
-            "rod": {
-                "links": 6,
-                "length": 2.0,
-                "bending_stiffness": 30.0,
-                "mass": 3.0,
-                "boundary": boundary,
-            },
-            "initial": {"phi": phi, **more},
-            "integrate": {
-                "span": [0.0, seconds],
-                "rtol": 1e-8,
-                "atol": 1e-13,
-                "output_every": every,
-            },
-        }
-    )
+    sizes = {"length": 2.0, "bending_stiffness": 30.0, "mass": 3.0}
+    integrate = {"span": [0.0, seconds], "rtol": 1e-8, "atol": 1e-13, "output_every": every}
+    return rod(4, boundary, **sizes, initial={"phi": phi, **more}, integrate=integrate)
 
 
 @lru_cache
@@ -53,7 +37,7 @@ def _frequencies(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     p, y = model.parameters(**scene.parameters), np.zeros(len(model.STATE))
     half = len(y) // 2
     M = model.mass_matrix(y, p)
-    K = -M @ model.jac(0.0, y, p)[half:, :half]
+    K = -M @ jacobian(scene, y)[half:, :half]
     squares, shapes = eigh((K + K.T) / 2, M)
     return np.sqrt(np.abs(squares)) / (2 * np.pi), shapes
 
@@ -64,13 +48,13 @@ def test_free_rod_shows_symmetric_and_antisymmetric_modes() -> None:
     bending = exact > 0.1
     # Eight periods of the first, and the errors of steps with rtol 1e-8.
     np.testing.assert_allclose(found.frequencies[:3], exact[bending][:3], rtol=1e-6)
-    assert len(found.frequencies) == bending.sum() == 5
+    assert len(found.frequencies) == bending.sum() == 3
     angles = shapes[2:, bending].T
     parity = [np.sign((a * a[::-1]).sum()) for a in angles]  # +1: angles even, shape antisymmetric
-    assert parity == [-1, 1, -1, 1, -1]
+    assert parity == [-1, 1, -1]
 
 
-@pytest.mark.parametrize("boundary", ["clamped", "pinned"])
+@pytest.mark.parametrize("boundary", ["clamped", pytest.param("pinned", marks=pytest.mark.slow)])
 def test_held_rod(boundary: str) -> None:
     """The first bending mode of a clamp is slower than two seconds show; the others are there."""
     found = spectrum(_run(boundary, "1e-4*s**2"))
@@ -78,7 +62,7 @@ def test_held_rod(boundary: str) -> None:
     seen = exact[exact > found.resolution * 1.3]
     # The slowest is near its own image at -f and near the mode that is not seen.
     np.testing.assert_allclose(found.frequencies, seen, rtol=3e-5)
-    with pytest.raises(AnalysisError, match=r"too short for 0\.5 Hz: 8 periods, 16 s"):
+    with pytest.raises(AnalysisError, match=r"\b0\.5 Hz.*\b8\b.*\b16 s"):
         spectrum(_run(boundary, "1e-4*s**2"), lowest=0.5)
 
 
@@ -93,14 +77,9 @@ def test_rod_that_tumbles_and_flies() -> None:
 
 
 def test_samples_too_far_apart_are_told() -> None:
-    """10.9 Hz sampled every 0.06 s would be found at 5.7 Hz: no frequency at all is better."""
-    with pytest.raises(AnalysisError, match=r"too coarse: the peak at .* folded back"):
+    """10.5 Hz sampled every 0.06 s would be found at 6.1 Hz: no frequency at all is better."""
+    with pytest.raises(AnalysisError, match=r"\b6\.1\d* Hz.*\b10\.5 Hz"):
         spectrum(_run("free", SMALL, 2.5, 0.06))
-
-
-def test_rod_at_rest_has_no_peak() -> None:
-    with pytest.raises(AnalysisError, match="no peak"):
-        spectrum(_run("clamped", "0"))
 
 
 @pytest.mark.parametrize(("window", "bins"), [("hann", 2e-3), ("sine4", 1e-4), ("sine6", 1e-5)])
@@ -108,7 +87,7 @@ def test_lone_tone_is_found_between_bins(window: str, bins: float) -> None:
     """What is left is the leakage of its image at -f, the less the more terms a window has."""
     random, t, H = np.random.default_rng(3), 0.01 * np.arange(1000), len(WINDOWS[window])
     T = 10.0
-    for _ in range(300):
+    for _ in range(100):
         f, phase = random.uniform(2 * H / T, 50 - 2 * H / T), random.uniform(0, 2 * np.pi)
         found = peaks_of(t, 3 * np.cos(2 * np.pi * f * t + phase) + 7 - 2 * t, window=window)
         assert len(found.frequencies) == 1
@@ -141,46 +120,17 @@ def test_weak_tone_beside_a_strong_one_and_a_node() -> None:
     assert len(peaks_of(t, strong + weak, floor=1e-3).frequencies) == 1
 
 
-@pytest.mark.parametrize("shape", [np.square, np.tanh, np.zeros_like, np.positive])
-def test_drift_is_no_tone(shape) -> None:
-    t = 0.01 * np.arange(2000)
-    with pytest.raises(AnalysisError, match="no peak"):
-        peaks_of(t, shape(t - 5))
-
-
-def test_noise_is_no_tone() -> None:
+def test_drift_and_noise_are_no_tones_and_what_is_needed_is_told() -> None:
+    """The error names how long, and how often, a signal has to be sampled for what is asked."""
     random, t = np.random.default_rng(6), 0.01 * np.arange(2000)
-    for _ in range(20):
-        with pytest.raises(AnalysisError, match="no peak"):
-            peaks_of(t, random.standard_normal(2000))
-
-
-def test_what_is_needed_is_told() -> None:
-    t = 0.01 * np.arange(100)
-    x = np.cos(60 * t)
-    with pytest.raises(AnalysisError, match="8 periods, 4 s, are needed"):
-        peaks_of(t, x, lowest=2.0)
-    with pytest.raises(AnalysisError, match=r"one every 0\.008 s, are needed"):
-        peaks_of(t, x, lowest=50.0)
-    with pytest.raises(AnalysisError, match="at least 16"):
+    drifts = [shape(t - 5) for shape in (np.square, np.tanh, np.zeros_like, np.positive)]
+    for signal in (*drifts, *random.standard_normal((20, 2000))):
+        with pytest.raises(AnalysisError):
+            peaks_of(t, signal)
+    t, x = t[:100], np.cos(60 * t[:100])
+    for lowest, needed in ((2.0, 4.0), (50.0, 0.008)):
+        with pytest.raises(AnalysisError) as error:
+            peaks_of(t, x, lowest=lowest)
+        assert needed in numbers(error.value)
+    with pytest.raises(AnalysisError, match=r"\b16\b"):
         peaks_of(t[:10], x[:10])
-
-
-@pytest.mark.parametrize(
-    ("change", "field"),
-    [
-        ({"t": np.r_[0.01 * np.arange(99), 1.0]}, "t[99]"),
-        ({"t": np.zeros(100)}, "t[1]"),
-        ({"signal": np.zeros(50)}, "signal"),
-        ({"signal": np.full(100, np.nan)}, "signal"),
-        ({"window": "blackman"}, "window"),
-        ({"peaks": 0}, "peaks"),
-        ({"lowest": -1.0}, "lowest"),
-        ({"floor": 1.0}, "floor"),
-    ],
-)
-def test_bad_input_is_named(change: dict[str, Any], field: str) -> None:
-    t = 0.01 * np.arange(100)
-    with pytest.raises(SceneError) as error:
-        peaks_of(**{"t": t, "signal": np.cos(60 * t), **change})
-    assert error.value.field == field

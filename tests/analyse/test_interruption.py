@@ -12,15 +12,13 @@ import pytest
 import rodgen
 from rodgen.analyse.curves import files
 from rodgen.scene import Scene
-from tests.analyse.test_boundary import INTERNAL, ONES
-from tests.analyse.test_cycle_branches import COLUMN
+from tests.analyse.rods import AXIAL, COLUMN, FORCE, ONES, rod
+from tests.analyse.test_boundary import INTERNAL
 
-Rod = Callable[..., Scene]
-FORCE, AXIAL = "loads.follower.force", "loads.tip.x"
 Follow = Callable[..., Any]
 
 
-def _equilibria(rod: Rod) -> tuple[Follow, str, str]:
+def _equilibria() -> tuple[Follow, str, str]:
     scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
 
     def follow(**given: Any) -> Any:
@@ -29,7 +27,7 @@ def _equilibria(rod: Rod) -> tuple[Follow, str, str]:
     return follow, "value", "phi"
 
 
-def _boundary(rod: Rod) -> tuple[Follow, str, str]:
+def _boundary() -> tuple[Follow, str, str]:
     loads = {"follower": {"force": 2.0}, "internal_damping": {"coefficient": 0.18}}
     scene = rod(3, "cantilever", loads, inertia="lumped", **ONES)
 
@@ -40,7 +38,7 @@ def _boundary(rod: Rod) -> tuple[Follow, str, str]:
     return follow, "b", "a"
 
 
-def _cycles(rod: Rod) -> tuple[Follow, str, str]:
+def _cycles() -> tuple[Follow, str, str]:
     scene = Scene.from_dict(COLUMN)
 
     def follow(**given: Any) -> Any:
@@ -59,18 +57,19 @@ def _stopped(follow: Follow, after: int, **given: Any) -> Any:
         if seen == after:
             raise KeyboardInterrupt
 
-    with pytest.raises(rodgen.BranchInterrupted, match="interrupted after") as caught:
+    with pytest.raises(rodgen.BranchInterrupted) as caught:
         follow(watch=watch, **given)
     return caught.value.found
 
 
-@pytest.mark.parametrize("kind", [_equilibria, _boundary, _cycles])
-def test_what_was_found_is_kept_and_gone_on_with(kind: Any, rod: Rod, tmp_path: Path) -> None:
-    follow, along, with_it = kind(rod)
+@pytest.mark.parametrize(
+    "kind", [_equilibria, _boundary, pytest.param(_cycles, marks=pytest.mark.slow)]
+)
+def test_what_was_found_is_kept_and_gone_on_with(kind: Any, tmp_path: Path) -> None:
+    follow, along, with_it = kind()
     whole = follow()
     part = _stopped(follow, 4)
     assert not part.attrs["complete"]
-    assert part.attrs["end"].startswith("it was interrupted at")
     assert part.sizes["point"] == 4
     files.save(part, tmp_path / "part.nc")
     read = files.read(tmp_path / "part.nc", "resume", "a curve", part.attrs["format"])
@@ -86,7 +85,7 @@ def test_what_was_found_is_kept_and_gone_on_with(kind: Any, rod: Rod, tmp_path: 
     assert set(part[along].values.tolist()) <= set(on[along].values.tolist())
 
 
-def test_ctrl_c_before_the_other_branch_leaves_the_first(rod: Rod) -> None:
+def test_ctrl_c_before_the_other_branch_leaves_the_first() -> None:
     scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": 0.0}})
 
     def follow(**given: Any) -> Any:
@@ -100,7 +99,7 @@ def test_ctrl_c_before_the_other_branch_leaves_the_first(rod: Rod) -> None:
     assert np.abs(bent["phi"].values).max() > 0.1
 
 
-def test_numbers_beyond_range_end_a_branch(rod: Rod) -> None:
+def test_numbers_beyond_range_end_a_branch() -> None:
     """Whatever breaks in the middle, what was found before is there."""
     scene = rod(4, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
     seen = []
@@ -112,11 +111,12 @@ def test_numbers_beyond_range_end_a_branch(rod: Rod) -> None:
 
     found = rodgen.continue_equilibria(scene, AXIAL, (0.0, -20.0), step=0.1, watch=watch)
     assert found["value"].values.tolist() == pytest.approx(seen, rel=1e-12)
-    assert found.attrs["end"].startswith("math range error at")
+    assert "math range error" in found.attrs["end"]  # what was raised
     assert not found.attrs["complete"]
 
 
-def test_a_boundary_is_gone_on_with_through_a_corner(rod: Rod) -> None:
+@pytest.mark.slow
+def test_a_boundary_is_gone_on_with_through_a_corner() -> None:
     """From a point where it diverges, back to where it flutters, and from the limit of no damping
     nowhere."""
     loads = {"follower": {"force": 2.0}, "tip": {"x": 0.0, "y": 0.0}}
@@ -136,8 +136,8 @@ def test_a_boundary_is_gone_on_with_through_a_corner(rod: Rod) -> None:
     assert float(on["frequency"][-1]) > 0
 
 
-def test_the_limit_of_no_damping_is_an_end(rod: Rod) -> None:
-    follow, *_ = _boundary(rod)
+def test_the_limit_of_no_damping_is_an_end() -> None:
+    follow, *_ = _boundary()
     whole = follow()
     assert float(whole["b"][0]) == 0.0
     again = follow(resume=whole, at=0)

@@ -35,6 +35,7 @@ def test_modes_of_a_straight_rod_are_its_natural_modes() -> None:
         assert one / one[0] == pytest.approx(two / two[0], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_modes_for_the_page_have_names_and_displacements() -> None:
     scene = straight()
     p = rodgen.build(scene, target="numpy").parameters(**scene.parameters).tolist()
@@ -43,5 +44,5 @@ def test_modes_for_the_page_have_names_and_displacements() -> None:
     assert modes[0]["name"].endswith(" Hz")
     assert len(modes[0]["re"]) == len(modes[0]["im"]) == 12
     long = scene.with_links(MOST_LINKS + 1)
-    with pytest.raises(SceneError, match=f"at most {MOST_LINKS}"):
+    with pytest.raises(SceneError, match=rf"\b{MOST_LINKS}\b"):
         next(WORKS["modes"](long, t=0.0, y=long.initial_state().tolist(), p=[]))  # before p counts

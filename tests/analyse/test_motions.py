@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,37 +14,31 @@ from rodgen.analyse.branches.branch_data import scene_at
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.curves import files
 from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.solution import Solution
 from rodgen.scene import Scene, SceneError
+from tests.analyse.rods import AXIAL, FORCE, ONES, jacobian, rod
 
-Rod = Callable[..., Scene]
-ONES = {"length": 1.0, "bending_stiffness": 1.0, "mass": 1.0}
 DRAG = {"normal": 0.8, "tangential": 0.05}
 G = 9.81
-FORCE, PUSH, STIFFNESS = "loads.follower.force", "loads.tip.x", "rod.bending_stiffness"
+STIFFNESS = "rod.bending_stiffness"
 
 
 def _scene(n: int, boundary: str, loads: dict[str, Any], **tables: Any) -> Scene:
-    rod = ONES | {"links": n, "boundary": boundary}
-    return Scene.from_dict({"name": "moving", "rod": rod, "loads": loads} | tables)
-
-
-def _run(scene: Scene, span: float) -> Solution:
-    model = rodgen.build(scene, "numpy")
-    return rodgen.simulate(scene, model=model, span=[0.0, span], rtol=1e-11, atol=1e-12)
+    return rod(n, boundary, loads, **ONES, **tables)
 
 
 def _keeps_its_shape(found: Any, at: int, span: float) -> None:
     """A run from the state of a point: no angle changes against the others, and all turn with the
     rate of the branch. 1e-8 is what the run's own errors leave, times how unstable it is."""
     scene = scene_at(found, at)
-    run = _run(scene, span)
+    model = rodgen.build(scene, "numpy")
+    run = rodgen.simulate(scene, model=model, span=[0.0, span], rtol=1e-11, atol=1e-12)
     base = 2 * scene.hold.translates
     phi = run.y[:, base : base + scene.rod.links]
     turned = phi[0] + np.multiply.outer(run.t, np.full(scene.rod.links, found["turning"][at]))
     np.testing.assert_allclose(phi, turned, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_terminal_velocity_of_a_falling_rod() -> None:
     """Nose first: sqrt(M g / (c_t L)), with a payload that makes its direction one of its own."""
     start = {"phi": np.pi / 2, "velocity": [0.0, -20.0]}
@@ -72,18 +65,19 @@ def test_a_pinned_link_whirls_as_fast_as_drag_lets_it() -> None:
     assert found["unstable"].values.tolist() == [0] * found.sizes["point"]
 
 
+@pytest.mark.slow
 def test_a_rod_that_is_pushed_straight_on_buckles() -> None:
     """Two free links, pushed at the tail in a direction that stays: with R = -F/2 in the joint
     moments about both centres are F l/4 sin a = k (a - b) and 3 F l/4 sin b = k (b - a); the
     straight rod has company from F = 16 k/(3 l) on."""
     scene = _scene(2, "free", {"tip": {"x": 0.0, "y": 0.0}})
-    straight = continue_equilibria(scene, PUSH, (-1.0, -40.0))
+    straight = continue_equilibria(scene, AXIAL, (-1.0, -40.0))
     l = 0.5
     k = 1 / l
     assert straight["special_kind"].values.tolist() == ["branch"]
     assert float(straight["special_value"][0]) == pytest.approx(-16 * k / (3 * l), rel=1e-10)
     assert straight["unstable"].values[[1, -1]].tolist() == [1, 2]  # it turns over, and buckles
-    bent = continue_equilibria(scene, PUSH, (-1.0, -40.0), switch=1)
+    bent = continue_equilibria(scene, AXIAL, (-1.0, -40.0), switch=1)
     for at in (1, bent.sizes["point"] // 4, -1):
         a, b = bent["phi"].values[at]
         F = -float(bent["value"][at])
@@ -96,6 +90,7 @@ def test_a_rod_that_is_pushed_straight_on_buckles() -> None:
     _keeps_its_shape(bent, bent.sizes["point"] // 4, 0.2)
 
 
+@pytest.mark.slow
 def test_a_dragged_rod_keeps_its_bend(tmp_path: Any) -> None:
     """It falls across its axis, bent by the payload in its middle; with its own module's
     Jacobian as the second route to its stability."""
@@ -110,9 +105,7 @@ def test_a_dragged_rod_keeps_its_bend(tmp_path: Any) -> None:
     assert bend[-1] > 0.3
     for at in (0, -1):
         _keeps_its_shape(found, at, 0.5)
-        there = scene_at(found, at)
-        model = rodgen.build(there, "numpy")
-        J = model.jac(0.0, there.initial_state(), model.parameters(**there.parameters))
+        J = jacobian(scene_at(found, at))
         s = np.linalg.eigvals(np.delete(np.delete(J, [0, 1], 0), [0, 1], 1))
         assert int((s.real > 1e-9 * np.abs(s).max()).sum()) == found["unstable"].values[at]
     files.save(found, tmp_path / "branch.nc")
@@ -122,6 +115,7 @@ def test_a_dragged_rod_keeps_its_bend(tmp_path: Any) -> None:
     np.testing.assert_allclose(again["y"].values[-1, 2:], found["y"].values[-1, 2:], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_rod_under_thrust_at_an_angle_goes_round() -> None:
     """What nothing but a run leads to: speed, rate of turning and bend are all unknown."""
     loads = {
@@ -140,7 +134,7 @@ def test_a_rod_under_thrust_at_an_angle_goes_round() -> None:
         _keeps_its_shape(found, at, 0.5)
 
 
-def test_flutter_in_the_moving_frame(rod: Rod) -> None:
+def test_flutter_in_the_moving_frame() -> None:
     """Of a clamped rod the frame stands still: the Hopf point is the critical load."""
     loads = {"follower": {"force": 1.0}, "internal_damping": {"coefficient": 0.5}}
     scene = rod(3, "clamped", loads)
@@ -152,19 +146,13 @@ def test_flutter_in_the_moving_frame(rod: Rod) -> None:
     assert float(found["special_frequency"][0]) == pytest.approx(exact.frequency, rel=1e-10)
 
 
+@pytest.mark.slow
 def test_what_is_no_steady_motion() -> None:
+    """An even rod may fall at any angle: there is a family, and no branch; springs hold it."""
     loads = {"gravity": {"g": G}, "drag": DRAG}
-    with pytest.raises(SceneError, match="motion"):
-        continue_equilibria(_scene(4, "free", loads), STIFFNESS, (1.0, 2.0), motion="rest")
-    # An even rod may fall at any angle: there is a family, and no branch.
     flat = _scene(4, "free", loads, initial={"velocity": [0.0, -3.0]})
     with pytest.raises(AnalysisError):
         continue_equilibria(flat, STIFFNESS, (1.0, 2.0), motion="initial")
-    held = [{"at": 0.5, "stiffness": [1.0, 1.0]}]
-    with pytest.raises(SceneError, match="springs"):
-        continue_equilibria(
-            _scene(4, "free", {"gravity": {"g": G}}, supports=held),
-            STIFFNESS,
-            (1.0, 2.0),
-            motion="initial",
-        )
+    held = _scene(2, "free", {"gravity": {}}, supports=[{"at": 0.5, "stiffness": [1.0, 1.0]}])
+    with pytest.raises(SceneError, match=r"^motion = "):
+        continue_equilibria(held, STIFFNESS, (1.0, 2.0), motion="initial")

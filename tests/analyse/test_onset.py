@@ -9,7 +9,6 @@ the Routh array (with damping) and by Sturm's chain (without), in 80 digits.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
@@ -25,16 +24,14 @@ from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.onset import digits
-from rodgen.scene import Scene, SceneError
+from tests.analyse.rods import ONES, numbers, rod
 
-Rod = Callable[..., Scene]
 Rows = list[list[Any]]
 HIGHEST = 1000  # EI/L^2, to which a search goes
 SHARES = [0.01, 0.05, *np.arange(0.1, 0.95, 0.1), 0.95, 0.98, 0.99, 0.999]  # of a force, below it
-UNIT_ROD = {"length": 1.0, "mass": 1.0, "bending_stiffness": 1.0}
 THRUST: dict[str, Any] = {"follower": {"force": 1.0}}
 WEIGHT: dict[str, Any] = {"gravity": {"g": 9.0}}
-UPRIGHT = UNIT_ROD | {"clamp_angle": np.pi / 2}
+UPRIGHT = ONES | {"clamp_angle": np.pi / 2}
 
 
 @dataclass(frozen=True)
@@ -167,19 +164,17 @@ def _judge(seed: int, n: int, boundary: str, inertia: str, share: float = 0.25) 
     random = np.random.default_rng(seed)
     stiffness, length, mass = (float(x) for x in 10 ** random.uniform(-3, 4, 3))
     c = 0.0 if random.random() < share else float(10 ** random.uniform(-14, 8))
-    rod = {"links": n, "boundary": boundary, "inertia": inertia, "mass": mass, "length": length}
-    rod["bending_stiffness"] = stiffness
-    loads = THRUST | {"internal_damping": {"coefficient": c}}
-    scene = Scene.from_dict({"name": "rod", "rod": rod, "loads": loads})
+    keys = {"inertia": inertia, "mass": mass, "length": length, "bending_stiffness": stiffness}
+    scene = rod(n, boundary, THRUST | {"internal_damping": {"coefficient": c}}, **keys)
     model = chain(n, boundary, inertia == "lumped")
     with mp.workdps(80):
         unit = mp.mpf(stiffness) / mp.mpf(length) ** 2
         d = mp.mpf(c) * mp.sqrt(mp.mpf(mass) / (mp.mpf(stiffness) * mp.mpf(length)))
         try:
             found = critical_force(scene)
-        except AnalysisError as error:
-            if "is known to" in str(error):
-                return
+        except AnalysisError:
+            if d > 100 and n > 5:
+                return  # the onset is lost in rounding
             force, errors = HIGHEST * unit, []
         else:
             force, errors = mp.mpf(found.force), [1e-9, found.error / found.force]
@@ -191,53 +186,57 @@ def _judge(seed: int, n: int, boundary: str, inertia: str, share: float = 0.25) 
             assert model.growing(force * (1 + mp.mpf(error)) / unit, d), words
 
 
-KINDS = [
+SOME = [
     (2, "clamped", "lumped"),
     (2, "free", "lumped"),
     (3, "clamped", "uniform"),
     (4, "cantilever", "uniform"),
     (4, "free", "uniform"),
 ]
+# Every number of links with every boundary once, the inertias in turn, and no rigid rod.
+ALL = [
+    (n, boundary, ("lumped", "uniform")[(n + k) % 2])
+    for n in range(1, 11)
+    for k, boundary in enumerate(("clamped", "cantilever", "free"))
+    if n > 1 or boundary != "cantilever"
+]
 
 
-@pytest.mark.parametrize("kind", KINDS, ids=str)
-def test_random_rods(kind: tuple[int, str, str]) -> None:
+@pytest.mark.parametrize(
+    ("kind", "seeds"),
+    [
+        *((kind, range(3)) for kind in SOME),
+        *(pytest.param(kind, range(3, 5), marks=pytest.mark.slow) for kind in SOME),
+        *(pytest.param(kind, range(100, 107), marks=pytest.mark.nightly) for kind in ALL),
+    ],
+    ids=str,
+)
+def test_random_rods(kind: tuple[int, str, str], seeds: range) -> None:
     """From a damping of 1e-14 m^2/s, lost in the rounding of a frequency, to 1e8, and without."""
-    for seed in range(5):
+    for seed in seeds:
         _judge(seed, *kind)
 
 
-def _all_kinds() -> list[tuple[int, str, str]]:
-    """Every number of links with every boundary once, the inertias in turn, and no rigid rod."""
-    made = [
-        (n, boundary, ("lumped", "uniform")[(n + k) % 2])
-        for n in range(1, 11)
-        for k, boundary in enumerate(("clamped", "cantilever", "free"))
-    ]
-    return [kind for kind in made if kind[0] > 1 or kind[1] != "cantilever"]
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("kind", _all_kinds(), ids=str)
-def test_two_hundred_random_rods(kind: tuple[int, str, str]) -> None:
-    for seed in range(100, 107):
-        _judge(seed, *kind)
-
-
-@pytest.mark.parametrize("inertia", ["lumped", "uniform"])
-def test_exact_forces(rod: Rod, inertia: str) -> None:
+def test_exact_forces() -> None:
     """8 EI/L^2 of two lumped links that are clamped, where the matrix is singular to the last bit;
-    32 EI/L^2 of two that are free, a force of the grid."""
-    clamped, free = (
-        rod(2, name, THRUST, inertia=inertia, **UNIT_ROD) for name in ("clamped", "free")
+    32 of two that are free, a force of the grid, and 54 of three: determinants by hand."""
+    clamped, two, three = (
+        rod(n, name, THRUST, inertia=inertia, **ONES)
+        for n, name, inertia in (
+            (2, "clamped", "lumped"),
+            (2, "free", "uniform"),
+            (3, "free", "uniform"),
+        )
     )
-    if inertia == "lumped":
-        assert critical_force(clamped).force == pytest.approx(8.0, rel=1e-14)
-    assert critical_force(free).force == pytest.approx(32.0, rel=1e-14)
-    assert critical_force(free, lowest=31.0, highest=33.0).force == pytest.approx(32.0, rel=1e-14)
+    assert critical_force(clamped).force == pytest.approx(8.0, rel=1e-14)
+    assert critical_force(two, lowest=31.0, highest=33.0).force == pytest.approx(32.0, rel=1e-14)
+    for scene, force in ((two, 32.0), (three, 54.0)):
+        found = critical_force(scene)
+        assert (found.kind, found.frequency, found.modes) == ("divergence", 0.0, (1, 1))
+        assert (found.force, found.factor) == pytest.approx((force, force), rel=1e-12)
 
 
-def test_a_heavy_column_that_thrust_holds_up(rod: Rod) -> None:
+def test_a_heavy_column_that_thrust_holds_up() -> None:
     """Too weak a thrust lets it buckle, too strong a one lets it flutter."""
     column = rod(5, "clamped", THRUST | WEIGHT, **UPRIGHT)
     lower, upper = (critical_force(column, lowest=0.0, end=end) for end in ("lower", "upper"))
@@ -252,17 +251,16 @@ def test_a_heavy_column_that_thrust_holds_up(rod: Rod) -> None:
             at = {"follower": {"force": force * factor}} | WEIGHT
             growth = natural_modes(rod(5, "clamped", at, **UPRIGHT), 5).growth.max(initial=0.0)
             assert bool(growth > 0) is grows
-    with pytest.raises(
-        AnalysisError, match=rf"at the lowest.*stable from {lower.force:.6g} to {upper.force:.6g}"
-    ):
+    with pytest.raises(AnalysisError) as error:
         critical_force(column)
-    with pytest.raises(AnalysisError, match="no lower end"):
+    assert {float(f"{force:.6g}") for force in window[0]} <= {*numbers(error.value)}
+    with pytest.raises(AnalysisError):
         critical_force(column, lowest=10.0, end="lower")
 
 
-def test_the_next_motion_that_grows(rod: Rod) -> None:
+def test_the_next_motion_that_grows() -> None:
     """Of a search that begins above the onset: a second pair of frequencies meets."""
-    scene = rod(5, "clamped", THRUST | {"internal_damping": {"coefficient": 0.0}}, **UNIT_ROD)
+    scene = rod(5, "clamped", THRUST | {"internal_damping": {"coefficient": 0.0}}, **ONES)
     found = critical_force(scene, lowest=25.0, highest=200.0)
     assert found.growth > 0
     model = chain(5, "clamped", lumped=False)
@@ -270,11 +268,11 @@ def test_the_next_motion_that_grows(rod: Rod) -> None:
         counts = [model.growing(found.force * (1 + x), 0) for x in (-1e-9, 1e-9)]
         assert [model.growing(P, 0) for P in (25, 50, 70)] == [counts[0]] * 3
     assert counts[1] > counts[0] > 0
-    with pytest.raises(AnalysisError, match=r"unstable already at the lowest.*no other motion"):
+    with pytest.raises(AnalysisError, match=r"\b25\b.*\b60 N"):
         critical_force(scene, lowest=25.0, highest=60.0)
 
 
-GREENHILL = 7.83734743898  # 9/4 of the square of the first zero of J-1/3
+GREENHILL = float(9 / 4 * mp.findroot(lambda x: mp.besselj(-1 / mp.mpf(3), x), 1.87) ** 2)
 
 
 @pytest.mark.parametrize(
@@ -286,24 +284,19 @@ GREENHILL = 7.83734743898  # 9/4 of the square of the first zero of J-1/3
         ("all", 0.0, 2.0, GREENHILL * 4 / (3 * 4 * 2)),  # EI over M g L^2
     ],
 )
-def test_dead_loads(rod: Rod, load: str, push: float, g: float, factor: float) -> None:
+def test_dead_loads(load: str, push: float, g: float, factor: float) -> None:
     n = [5, 10, 20]
     given = UPRIGHT | {"length": 2.0, "mass": 3.0, "bending_stiffness": 4.0}
     loads: dict[str, Any] = {"tip": {"y": push}, "gravity": {"g": g}}
     found = [critical_force(rod(k, "clamped", loads, **given), load=load) for k in n]
     assert {one.kind for one in found} == {"divergence"}
     # The error falls with n^2: extrapolated twice, at n = 20 what is left is of order n^-6.
-    assert richardson(n, [one.factor for one in found], order=[2, 4]).value == pytest.approx(
-        factor, rel=1e-6
-    )
+    limit = richardson(n, [one.factor for one in found], order=[2, 4])
+    assert limit.value == pytest.approx(factor, rel=1e-6)
 
 
-def test_greenhills_constant() -> None:
-    zero = mp.findroot(lambda x: mp.besselj(-mp.mpf(1) / 3, x), 1.87)
-    assert float(zero**2 * 9 / 4) == pytest.approx(GREENHILL, rel=1e-11)
-
-
-def test_turning_counts(rod: Rod) -> None:
+@pytest.mark.slow
+def test_turning_counts() -> None:
     """A free rod at rest with fins turns at any thrust; a flag leaves that out."""
     fins = {"external_damping": {"coefficient": 0.5, "fin_factor": {"tail": 20.0}}}
     scene = rod(6, "free", THRUST | fins)
@@ -314,36 +307,14 @@ def test_turning_counts(rod: Rod) -> None:
     assert bent.elastic
 
 
-def test_error_of_a_frequency_is_a_share_of_it(rod: Rod) -> None:
+def test_error_of_a_frequency_is_a_share_of_it() -> None:
     """A rod that is 1e8 times as stiff is the same one in other units of time."""
-    stiff = UNIT_ROD | {"bending_stiffness": 1e8}
-    found = [critical_force(rod(6, "clamped", THRUST, **given)) for given in (UNIT_ROD, stiff)]
+    stiff = ONES | {"bending_stiffness": 1e8}
+    found = [critical_force(rod(6, "clamped", THRUST, **given)) for given in (ONES, stiff)]
     shares = [one.frequency_error / one.frequency for one in found]
     assert found[1].frequency == pytest.approx(1e4 * found[0].frequency, rel=1e-6)
     # Roundings are others; of an error of the squared frequency the shares would be as 1 to 1e4.
     assert 0.01 < shares[1] / shares[0] < 100
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({"highest": 5e-324}, "highest = 5e-324"),
-        ({"highest": np.inf}, "highest = inf"),
-        ({"highest": 1e61}, "highest = 1e\\+61"),
-        ({"lowest": -np.inf}, "lowest = -inf"),
-        ({"lowest": np.nan}, "lowest = nan"),
-        ({"lowest": 3.0, "highest": 3.0}, "highest = 3"),
-        ({"lowest": 1e9, "highest": np.nextafter(1e9, 2e9)}, "highest = "),
-        ({"lowest": True}, "lowest = True"),
-        ({"highest": b"3"}, "highest = b'3'"),
-        ({"load": "wind"}, "load = 'wind': must be one of follower, gravity, tip, "),
-        ({"load": "tip"}, "loads.tip"),
-        ({"end": "middle"}, "end = 'middle': must be upper or lower"),
-    ],
-)
-def test_ranges_that_are_none(rod: Rod, options: dict[str, Any], words: str) -> None:
-    with pytest.raises(SceneError, match=words):
-        critical_force(rod(2, "clamped", THRUST), **options)
 
 
 def test_only_digits_that_hold_are_printed() -> None:

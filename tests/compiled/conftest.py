@@ -1,4 +1,5 @@
-"""Scenes for the compiled methods: one smooth, one with everything that a scene can have."""
+"""Scenes for the compiled methods: one smooth, one with everything that a scene can have. What
+differs from test to test are their numbers, so that each is compiled once."""
 
 from __future__ import annotations
 
@@ -12,6 +13,7 @@ from rodgen import Scene
 
 SMOOTH: dict[str, Any] = {
     "name": "smooth",
+    "parameters": {"A": 1.0},
     "rod": {
         "links": 3,
         "length": 1.0,
@@ -22,16 +24,22 @@ SMOOTH: dict[str, Any] = {
     "loads": {
         "gravity": {"g": 9.81},
         "internal_damping": {"coefficient": 0.02},
-        "tip": {"x": "sin(3*t)"},
+        "tip": {"x": "A*sin(3*t)"},
     },
     "initial": {"phi": "0.8-0.5*s", "omega": "1-s"},
     "integrate": {"span": [0.0, 1.0], "output_every": 0.1},
 }
+# A ramp up to P; a root that ends, growth without end and a jump, which are zero if not told
+# otherwise.
+FORCE = "P*min(t/ramp, 1) + root*sqrt(end - t) + grown*exp(rate*t) + (old if t <= jump else new)"
+NUMBERS = dict.fromkeys(("root", "grown", "rate", "old", "new"), 0.0)
+NUMBERS |= {"P": 300.0, "ramp": 0.3, "end": 1e9, "jump": 0.3}
 MISSILE: dict[str, Any] = {
     "name": "missile",
-    "rod": {"links": 12, "length": 5.0, "bending_stiffness": 100.0, "mass": 50.0},
+    "parameters": NUMBERS,
+    "rod": {"links": 3, "length": 5.0, "bending_stiffness": 3000.0, "mass": 50.0},
     "loads": {
-        "follower": {"force": "300*min(t/0.3, 1)", "angle": 0.01},
+        "follower": {"force": FORCE, "angle": 0.01},
         "gravity": {"g": 9.81},
         "internal_damping": {"coefficient": 0.01},
         "external_damping": {"coefficient": 0.5},
@@ -41,36 +49,33 @@ MISSILE: dict[str, Any] = {
 }
 
 
-def changed(scene: Scene, **tables: Any) -> Scene:
-    """A scene with other values in its tables."""
-    table = scene.model_dump(exclude_none=True)
-    for name, values in tables.items():
-        table[name] = {**table.get(name, {}), **values} if isinstance(values, dict) else values
-    return Scene.from_dict(table)
+# Of SMOOTH, what takes or gives energy.
+WITHOUT_LOADS = {
+    "parameters.A": 0.0,
+    "loads.gravity.g": 0.0,
+    "loads.internal_damping.coefficient": 0.0,
+}
+# Of MISSILE, all but gravity.
+NO_LOADS = {
+    **{f"loads.{kind}_damping.coefficient": 0.0 for kind in ("internal", "external")},
+    "parameters.P": 0.0,
+    "rod.bending_stiffness": 0.0,
+}
 
 
 @pytest.fixture(scope="session")
 def model() -> ModuleType:
-    """Of the smooth scene, compiled as it is for users."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.delenv("RODGEN_CFLAGS", raising=False)
-        return rodgen.build(Scene.from_dict(SMOOTH), "c", parts=("jac", "flow", "newton"))
+    """Of the smooth scene."""
+    return rodgen.build(Scene.from_dict(SMOOTH), "c", parts=("jac", "flow", "newton"))
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def smooth() -> Scene:
     """Three links on a pin, under all that is smooth."""
     return Scene.from_dict(SMOOTH)
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def missile() -> Scene:
-    """A free rod with a force that has a break point at 0.3 s."""
+    """Three free links under a force that has a break point at 0.3 s."""
     return Scene.from_dict(MISSILE)
-
-
-@pytest.fixture
-def short(missile: Scene) -> Scene:
-    """Three free links under a force that does not change, for loads of other kinds: what
-    each of them needs is compiled for itself."""
-    return changed(missile, rod={"links": 3}, loads={"follower": {"force": 30.0}})

@@ -27,17 +27,18 @@ def p(rod: Any) -> Any:
     return rod.parameters(mass=1.0, length=2.0, bending_stiffness=3.0)
 
 
+def _at(*arrays: Any) -> list[Any]:
+    """Where they are, for ctypes."""
+    return [one.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for one in arrays]
+
+
 def test_a_pointer_of_ctypes_calls_the_function(rod: Any, p: Any) -> None:
-    pointer, out = rod.rhs.compiled.pointer(), np.empty(4)
-    array = ctypes.POINTER(ctypes.c_double)
-    pointer(0.0, *(one.ctypes.data_as(array) for one in (Y, p, out)))
+    out = np.empty(4)
+    rod.rhs.compiled.pointer()(0.0, *_at(Y, p, out))
     assert np.array_equal(out, rod.rhs(0.0, Y, p))
-    out = np.empty((3, 4))
-    many = np.stack([Y, 2 * Y, 3 * Y])
-    pointer = rod.rhs_batch.compiled.pointer()
-    pointer(
-        3, 0.0, many.ctypes.data_as(array), p.ctypes.data_as(array), 0, out.ctypes.data_as(array)
-    )
+    out, many = np.empty((3, 4)), np.stack([Y, 2 * Y, 3 * Y])
+    states, parameters, rates = _at(many, p, out)
+    rod.rhs_batch.compiled.pointer()(3, 0.0, states, parameters, 0, rates)
     assert np.array_equal(out, rod.rhs_batch(0.0, many, p))
 
 
@@ -65,8 +66,8 @@ def test_a_pointer_keeps_its_library(p: Any) -> None:
     due, pointer = made.rhs(0.0, Y, p), made.rhs.compiled.pointer()
     del made
     gc.collect()
-    out, array = np.empty(4), ctypes.POINTER(ctypes.c_double)
-    pointer(0.0, *(one.ctypes.data_as(array) for one in (Y, p, out)))
+    out = np.empty(4)
+    pointer(0.0, *_at(Y, p, out))
     assert np.array_equal(out, due)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
@@ -23,16 +25,23 @@ SCENE = Scene.from_dict(
 )
 
 
-@pytest.mark.parametrize("t", [-0.2, 0.0, 0.05, 0.1, 0.3, 0.6, 0.99, 1.0, 2.0, np.nan])
-def test_a_table_is_alike_in_both_targets_and_in_the_scene(t: float) -> None:
-    numpy, c = build(SCENE), build(SCENE, target="c")
+@pytest.fixture(scope="module")
+def models() -> tuple[Any, Any]:
+    """Of both targets."""
+    return build(SCENE), build(SCENE, target="c")
+
+
+def test_a_table_is_alike_in_both_targets_and_in_the_scene(models: Any) -> None:
+    numpy, c = models
     p = c.parameters(**SCENE.parameters)
     y = np.random.default_rng(1).normal(size=len(c.STATE))
-    due = [float(e(t)) for e in SCENE.timed.values()]
-    # SciPy's monotone cubic is what the scene asks; the modules have one of their own.
-    np.testing.assert_allclose(numpy.forces(t, y, p)["tip_load"][-1], due, rtol=1e-13, atol=1e-12)
-    # A hundred roundings of accelerations of some thousands.
-    np.testing.assert_allclose(c.rhs(t, y, p), numpy.rhs(t, y, p), rtol=1e-12, atol=1e-9)
+    for t in (-0.2, 0.0, 0.05, 0.1, 0.3, 0.6, 0.99, 1.0, 2.0, np.nan):
+        due = [float(e(t)) for e in SCENE.timed.values()]
+        # SciPy's monotone cubic is what the scene asks; the modules have one of their own.
+        found = numpy.forces(t, y, p)["tip_load"][-1]
+        np.testing.assert_allclose(found, due, rtol=1e-13, atol=1e-12)
+        # A hundred roundings of accelerations of some thousands.
+        np.testing.assert_allclose(c.rhs(t, y, p), numpy.rhs(t, y, p), rtol=1e-12, atol=1e-9)
 
 
 # Knots and values of four, by what the slope at an end is: that of a parabola, zero where that
@@ -47,9 +56,9 @@ TABLES = {
 
 
 @pytest.mark.parametrize("name", TABLES)
-def test_a_cubic_table_is_that_of_scipy(name: str) -> None:
+def test_a_cubic_table_is_that_of_scipy(models: Any, name: str) -> None:
     """PchipInterpolator has another code for the slopes at the ends, where they differ by kind."""
-    numpy, c = build(SCENE), build(SCENE, target="c")
+    numpy, c = models
     knots, values = TABLES[name]
     due = PchipInterpolator(knots, values)
     p = c.parameters(**SCENE.parameters)
@@ -57,19 +66,16 @@ def test_a_cubic_table_is_that_of_scipy(name: str) -> None:
     for number, (knot, value) in enumerate(zip(knots, values, strict=True), 1):
         p[at[f"tip_force_x_knot_{number}"]] = knot
         p[at[f"tip_force_x_value_{number}"]] = value
-    y, linear = np.zeros(len(c.STATE)), {}
+    y = np.zeros(len(c.STATE))
     for t in np.linspace(0.0, 1.0, 41):
-        force = float(due(min(t, knots[-1]))) + 4.0 * t**2
-        assert numpy.forces(t, y, p)["tip_load"][-1][0] == pytest.approx(
-            force, rel=1e-12, abs=1e-12
-        )
+        force = pytest.approx(float(due(min(t, knots[-1]))) + 4.0 * t**2, rel=1e-12, abs=1e-12)
+        assert numpy.forces(t, y, p)["tip_load"][-1][0] == force
         # Along a straight rod that is free: its mass of 3 kg under the force at its tail.
-        linear[t] = 3.0 * c.rhs(t, y, p)[len(y) // 2]
-        assert linear[t] == pytest.approx(force, rel=1e-12, abs=1e-12)
+        assert 3.0 * c.rhs(t, y, p)[len(y) // 2] == force
 
 
-def test_each_rod_of_a_batch_has_numbers_of_its_own() -> None:
-    c = build(SCENE, target="c")
+def test_each_rod_of_a_batch_has_numbers_of_its_own(models: Any) -> None:
+    _, c = models
     draw = np.random.default_rng(2)
     y = draw.normal(size=(19, len(c.STATE)))
     p = np.tile(c.parameters(**SCENE.parameters), (19, 1))
@@ -82,8 +88,8 @@ def test_each_rod_of_a_batch_has_numbers_of_its_own() -> None:
     assert np.ptp(rates[:, -1]) > 0
 
 
-def test_changes_of_files_from_before_numbers_were_parameters_are_read() -> None:
-    structure, whole = SCENE.structure, build(SCENE).parameters(**SCENE.parameters)
+def test_changes_of_files_from_before_numbers_were_parameters_are_read(models: Any) -> None:
+    structure, whole = SCENE.structure, models[0].parameters(**SCENE.parameters)
     numbers = [structure.positions[name] for name in structure.numbers]
     assert numbers
     before = np.delete(whole, numbers)

@@ -1,138 +1,68 @@
-"""Runs that are stopped, killed and taken up again, to the same bits."""
+"""Runs that are stopped and taken up again, to the same bits."""
 
 from __future__ import annotations
 
-import os
-import random
 import signal
-import subprocess
 import sys
-import threading
-import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import rodgen
-from rodgen import Scene, SceneError
+from rodgen import Scene
 from rodgen.integrate.files.saver import Saver
+from tests.scene.tables import refused
 
-SPAN = 20.0
-RUN = """
-import sys, rodgen
-scene = rodgen.Scene.from_toml(sys.argv[1])
-rodgen.simulate(scene, target="c", method=sys.argv[2], out=sys.argv[3], checkpoint=0.02)
-"""
-TOML = """
-name = "swing"
-[rod]
-links = 12
-length = 5.0
-bending_stiffness = 100.0
-mass = 50.0
-boundary = "pinned"
-[loads.gravity]
-[loads.tip]
-x = "sin(t) if t < 3 else 0.5"
-[loads.internal_damping]
-coefficient = 0.001
-[initial]
-phi = "-1.2 + 0.5*s"
-[integrate]
-span = [0.0, 20.0]
-step = 1e-4
-output_every = 0.05
-[[events]]
-quantity = "tip_x"
-value = 0.0
-direction = "rising"
-"""
+EVENT = {"quantity": "tip_x", "value": 2.0, "direction": "rising"}
 
 
 @pytest.fixture
-def toml(tmp_path: Path) -> Path:
-    """A scene of which a run takes some seconds."""
-    file = tmp_path / "swing.toml"
-    file.write_text(TOML)
-    return file
+def stop(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
+    """Ctrl-C as a callback sends it, after the first steps, in the middle of a stretch."""
+    monkeypatch.setattr(sys.modules["rodgen.integrate.simulate"], "TICK", -1.0)
+
+    def told(t: float) -> None:
+        raise KeyboardInterrupt
+
+    return told
 
 
-@pytest.fixture
-def swing(toml: Path) -> Scene:
-    return Scene.from_toml(toml)
-
-
-def _stop(t: float) -> None:
-    raise KeyboardInterrupt
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("method", ["dop853", "radau", "gauss", "rk4"])
-def test_a_killed_run_goes_on_to_the_same_bits(
-    tmp_path: Path, toml: Path, swing: Scene, method: str
+@pytest.mark.parametrize(
+    ("target", "integrate"),
+    [
+        ("c", {"method": "rk4", "step": 1e-4}),
+        *(("c", {"method": method, "rtol": 1e-12}) for method in ("dop853", "radau", "gauss")),
+        # Methods in Python start again.
+        ("numpy", {"method": "rk45", "rtol": 1e-6}),
+    ],
+)
+def test_an_interrupted_run_goes_on(
+    tmp_path: Path, missile: Scene, stop: Any, target: str, integrate: dict[str, Any]
 ) -> None:
-    """SIGKILL at random moments, again and again, until it comes to its end."""
-    model = rodgen.build(swing, "c")
-    whole = rodgen.simulate(swing, model=model, method=method, out=tmp_path / "whole.nc")
-    file = tmp_path / "killed.nc"
-    moments = random.Random(method)
-    process = subprocess.Popen([sys.executable, "-c", RUN, str(toml), method, str(file)])
-    while not file.exists():
-        assert process.poll() is None
-        time.sleep(0.01)
-    time.sleep(moments.uniform(0.0, 0.15))
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    part = rodgen.load(file)
-    if part.status == "interrupted":  # killed before its end
-        assert "killed after" in part.message or len(part.t) == 0
-        assert len(part.t) <= len(whole.t)
-        same = whole.y[: len(part.t)].tobytes() == part.y.tobytes()
-        assert same
-        rodgen.resume(file)
-    sol = rodgen.load(file)
-    assert sol.status == "finished"
+    scene = missile.replace({"events": [EVENT]}).with_integrate(**integrate)
+    whole, file = rodgen.simulate(scene, target=target), tmp_path / "a.nc"
+    assert whole.events
+    with pytest.raises(rodgen.Interrupted) as caught:
+        rodgen.simulate(scene, target=target, out=file, checkpoint=60.0, progress=stop)
+    assert 0 < len(caught.value.solution.t) < len(whole.t)
+    sol = rodgen.resume(file)
     assert sol.y.tobytes() == whole.y.tobytes()
     assert all(sol.work[term].tobytes() == whole.work[term].tobytes() for term in whole.work)
-    assert [(e.t, e.y.tobytes()) for e in sol.events] == [
-        (e.t, e.y.tobytes()) for e in whole.events
-    ]
-    assert sol.stats.steps == whole.stats.steps
-    assert sol.stats.rhs == whole.stats.rhs
-
-
-def test_an_interrupted_run_goes_on(tmp_path: Path, swing: Scene) -> None:
-    """Ctrl-C as a callback sends it, at a time in the middle of a stretch."""
-    file = tmp_path / "run.nc"
-
-    how = {"target": "c", "method": "rk4", "step": 2e-4}
-    with pytest.raises(rodgen.Interrupted) as caught:
-        rodgen.simulate(swing, out=file, checkpoint=60.0, progress=_stop, **how)
-    assert caught.value.solution.t[-1] < SPAN
-    sol = rodgen.resume(file)
-    assert sol.y.tobytes() == rodgen.simulate(swing, **how).y.tobytes()
-    with pytest.raises(SceneError, match="is finished"):
-        rodgen.resume(file)
-
-
-def test_methods_in_python_start_again(tmp_path: Path, swing: Scene) -> None:
-    scene = swing.with_integrate(span=[0.0, 1.5], method="rk45", rtol=1e-6)
-
-    file = tmp_path / "run.nc"
-    with pytest.raises(rodgen.Interrupted):
-        rodgen.simulate(scene, target="numpy", out=file, checkpoint=60.0, progress=_stop)
-    sol = rodgen.resume(file)
-    whole = rodgen.simulate(scene, target="numpy")
-    np.testing.assert_array_equal(sol.y, whole.y)
+    events = [[(e.t, e.y.tobytes()) for e in each.events] for each in (sol, whole)]
+    assert events[0] == events[1]
+    if target == "c":
+        assert (sol.stats.steps, sol.stats.rhs) == (whole.stats.steps, whole.stats.rhs)
+    assert refused(rodgen.resume, file).field
 
 
 def test_streamed_and_kept_results_are_the_same(tmp_path: Path, missile: Scene) -> None:
     for target, method in (("c", "dop853"), ("numpy", "rk45")):
-        kept = rodgen.simulate(missile, target=target, method=method, output_every=1e-3)
-        rodgen.simulate(
-            missile, target=target, method=method, output_every=1e-3, out=tmp_path / "a.nc"
-        )
+        how: dict[str, Any] = {"target": target, "method": method, "output_every": 1e-3}
+        kept = rodgen.simulate(missile, **how)
+        rodgen.simulate(missile, out=tmp_path / "a.nc", **how)
         streamed = rodgen.load(tmp_path / "a.nc")
         assert streamed.y.tobytes() == kept.y.tobytes()
         for term, work in kept.work.items():
@@ -140,61 +70,16 @@ def test_streamed_and_kept_results_are_the_same(tmp_path: Path, missile: Scene) 
             np.testing.assert_allclose(streamed.work[term], work, rtol=1e-13, atol=1e-12)
 
 
-def test_senseless_checkpoints_are_refused(missile: Scene, tmp_path: Path) -> None:
-    with pytest.raises(SceneError, match="given with out"):
-        rodgen.simulate(missile, checkpoint=1.0)
-    with pytest.raises(SceneError, match="positive number"):
-        rodgen.simulate(missile, out=tmp_path / "a.nc", checkpoint=-1.0)
-
-
-def test_damaged_checkpoint_is_refused(missile: Scene, tmp_path: Path) -> None:
+def test_checkpoints_that_cannot_be_are_refused(missile: Scene, tmp_path: Path, stop: Any) -> None:
+    """Without a file, of no time, and one that was damaged."""
+    assert refused(rodgen.simulate, missile, checkpoint=1.0)[:2] == ("checkpoint", 1.0)
     file, beside = tmp_path / "a.nc", tmp_path / "a.nc.checkpoint"
-
-    slow = missile.with_integrate(method="rk4", step=1e-6)
+    told = refused(rodgen.simulate, missile, out=file, checkpoint=-1.0)
+    assert told[:2] == ("checkpoint", -1.0)
     with pytest.raises(rodgen.Interrupted):
-        rodgen.simulate(slow, target="c", out=file, checkpoint=9.0, progress=_stop)
+        rodgen.simulate(missile, target="c", out=file, checkpoint=9.0, progress=stop)
     beside.write_bytes(beside.read_bytes()[:-10] + b"0123456789")
-    with pytest.raises(SceneError, match="checkpoint"):
-        rodgen.resume(file)
-
-
-def _interrupt(delay: float) -> None:
-    """Ctrl-C so long after a run has begun; before, Python may raise it in any finaliser."""
-    end = time.monotonic() + 60.0
-    while signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        assert time.monotonic() < end, "no run begins"
-        time.sleep(1e-4)
-    time.sleep(delay)
-    os.kill(os.getpid(), signal.SIGINT)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("method", ["rk4", "dop853", "gauss"])
-def test_ctrl_c_at_any_moment_loses_nothing(tmp_path: Path, swing: Scene, method: str) -> None:
-    """Real signals at random moments, of which most fall into compiled steps."""
-    accuracy = {"step": 2e-4} if method == "rk4" else {"rtol": 1e-12, "atol": 1e-13}
-    scene = swing.with_integrate(method=method, **accuracy)
-    model = rodgen.build(scene, "c")
-    whole = rodgen.simulate(scene, model=model)
-    moments = random.Random(method)
-    stopped = 0
-    for trial in range(3):
-        file = tmp_path / f"run{trial}.nc"
-        timer = threading.Thread(target=_interrupt, args=(moments.uniform(0.0, 0.2),))
-        timer.start()
-        try:
-            rodgen.simulate(scene, model=model, out=file, checkpoint=0.05)
-            timer.join()
-        except KeyboardInterrupt:  # perhaps just after the end of the run
-            pass
-        if rodgen.load(file).status == "interrupted":
-            stopped += 1
-            rodgen.resume(file)
-        sol = rodgen.load(file)
-        assert sol.t.tobytes() == whole.t.tobytes()
-        assert sol.y.tobytes() == whole.y.tobytes()
-        assert [event.t for event in sol.events] == [event.t for event in whole.events]
-    assert stopped > 0
+    assert refused(rodgen.resume, file).field == "checkpoint"
 
 
 @pytest.mark.parametrize("call", [1, 2])
@@ -202,7 +87,7 @@ def test_ctrl_c_while_a_run_is_set_up_leaves_one_to_go_on_with(
     tmp_path: Path, missile: Scene, monkeypatch: pytest.MonkeyPatch, call: int
 ) -> None:
     """While its file is made, and between that and the first step."""
-    scene = missile.with_integrate(method="rk4", step=1e-5)
+    scene = missile.with_integrate(method="rk4", step=1e-4)
     model = rodgen.build(scene, "c")
     whole = rodgen.simulate(scene, model=model)
     calls = iter(range(1, 100))

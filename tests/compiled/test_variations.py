@@ -16,21 +16,11 @@ SPAN, JUMP = 0.4, 0.13
 
 
 @pytest.fixture(scope="module")
-def scene() -> Scene:
-    """Three links, a thrust, dampings, and a load at the tail that jumps at a time."""
-    rod = {"links": 3, "length": 2.0, "bending_stiffness": 30.0, "mass": 3.0, "boundary": "clamped"}
-    loads = {
-        "follower": {"force": 40.0, "angle": 0.1},
-        "gravity": {"g": 9.81},
-        "internal_damping": {"coefficient": 0.2},
-        "external_damping": {"coefficient": 0.7},
-        "tip": {"x": 6.0, "y": f"-4*cos(3*t) if t < {JUMP} else 5.0"},
-    }
-    initial = {"phi": "0.4*cos(pi*s)", "omega": "0.5*s"}
-    table = {"name": "jump", "rod": rod, "loads": loads, "initial": initial}
-    return Scene.from_dict(
-        {**table, "integrate": {"span": [0.0, SPAN], "rtol": 1e-12, "atol": 1e-13}}
-    )
+def scene(missile: Scene) -> Scene:
+    """A thrust that jumps at a time, and dampings."""
+    force = {"parameters.P": 40.0, "parameters.jump": JUMP, "parameters.new": -60.0}
+    tight = {"span": [0.0, SPAN], "rtol": 1e-12, "atol": 1e-13}
+    return missile.replace({**force, "rod.bending_stiffness": 300.0, "integrate": tight})
 
 
 def _with(
@@ -40,7 +30,7 @@ def _with(
     **steps: object,
 ) -> Variations:
     """In C, from the scene's state in all directions if not told otherwise."""
-    model = rodgen.build(scene, "c", parts=PARTS)
+    model = rodgen.build(scene, "c", parts=PARTS)  # which is kept
     p, y = model.parameters(**scene.parameters), scene.initial_state() if y is None else y
     along = np.eye(len(y)) if tangents is None else tangents
     return Variations(model, p, 0.0, y, along, replace(Steps.of(scene), **steps))
@@ -118,10 +108,10 @@ def test_steps_meet_break_points(scene: Scene) -> None:
 def test_what_cannot_go_on_says_when(scene: Scene) -> None:
     on = _with(scene)
     on.tangents = np.full_like(on.tangents, 1e308)
-    with pytest.raises(StepError, match="stop being finite at t = "):
+    with pytest.raises(StepError, match=r"t = \d"):
         on.on(SPAN)
 
 
 def test_directions_are_as_long_as_the_state(scene: Scene) -> None:
-    with pytest.raises(ValueError, match=r"tangents have shape \(2, 2\)"):
+    with pytest.raises(ValueError, match=r"tangents .*\(2, 2\)"):
         Variations.of(scene, np.eye(2))

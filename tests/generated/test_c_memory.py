@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from functools import partial
+from itertools import product
 from types import ModuleType
 
 import numpy as np
@@ -39,14 +40,15 @@ def y(rod: ModuleType) -> Array:
 # What is written into ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("shift", [None, 0, 1, 7, -3])
-def test_result_goes_into_out(rod: ModuleType, y: Array, p: Array, shift: int | None) -> None:
+def test_result_goes_into_out(rod: ModuleType, y: Array, p: Array) -> None:
     """Also where it overlaps the state, by so many numbers."""
-    expected, memory = rod.rhs(0.0, y, p), np.full(34, np.nan)
-    memory[10:24] = y
-    out = np.full(14, np.nan) if shift is None else memory[10 + shift : 24 + shift]
-    assert rod.rhs(0.0, memory[10:24], p, out) is out
-    np.testing.assert_array_equal(out, expected)
+    expected = rod.rhs(0.0, y, p)
+    for shift in (None, 0, 1, 7, -3):
+        memory = np.full(34, np.nan)
+        memory[10:24] = y
+        out = np.full(14, np.nan) if shift is None else memory[10 + shift : 24 + shift]
+        assert rod.rhs(0.0, memory[10:24], p, out) is out
+        np.testing.assert_array_equal(out, expected, err_msg=f"shift {shift}")
 
 
 BAD_OUT: dict[str, object] = {
@@ -64,14 +66,11 @@ BAD_OUT: dict[str, object] = {
 }
 
 
-@pytest.mark.parametrize("bad", BAD_OUT)
-def test_out_that_cannot_be_written_is_refused(
-    rod: ModuleType, y: Array, p: Array, bad: str
-) -> None:
-    out = BAD_OUT[bad]
-    with pytest.raises((TypeError, ValueError), match="out"):
-        rod.rhs(0.0, y, p, out)
-    assert not np.any(np.asarray(out))
+def test_out_that_cannot_be_written_is_refused(rod: ModuleType, y: Array, p: Array) -> None:
+    for name, out in BAD_OUT.items():
+        with pytest.raises((TypeError, ValueError), match=r"^out\b"):
+            rod.rhs(0.0, y, p, out)
+        assert not np.any(np.asarray(out)), name
 
 
 # What is changed in place -------------------------------------------------------------------------
@@ -103,34 +102,18 @@ OF_P = {name: change for name, change in OF_OUT.items() if name not in ("read-on
 OF_P["integers"] = lambda a: _retyped(a, "c16")
 
 
-@pytest.mark.parametrize("change", OF_OUT)
-def test_out_that_changes_after_a_call_is_refused(
-    rod: ModuleType, y: Array, p: Array, change: str
-) -> None:
-    """By NumPy where the call before forbids it to move the memory, else by the next call."""
-    out = np.empty(14)
-    rod.rhs(0.0, y, p, out)
-
-    def again() -> None:
-        OF_OUT[change](out)
-        rod.rhs(0.0, y, p, out)
-
-    with pytest.raises(ValueError, match=r"cannot resize|out"):
-        again()
-
-
-@pytest.mark.parametrize("change", OF_P)
-def test_p_that_changes_after_a_call_is_refused(
-    rod: ModuleType, y: Array, p: Array, change: str
-) -> None:
-    rod.rhs(0.0, y, p)
-
-    def again() -> None:
-        OF_P[change](p)
-        rod.rhs(0.0, y, p)
-
-    with pytest.raises((TypeError, ValueError), match=r"cannot resize|p has"):
-        again()
+def test_arrays_that_change_after_a_call_are_refused(rod: ModuleType, y: Array, p: Array) -> None:
+    """By NumPy, where the call before forbids it to move the memory, or else by the next call."""
+    changes = [("out", one) for one in OF_OUT.values()] + [("p", one) for one in OF_P.values()]
+    for name, change in changes:
+        given = {"p": p.copy(), "out": np.empty(14)}
+        rod.rhs(0.0, y, **given)
+        try:
+            change(given[name])
+        except ValueError:
+            continue
+        with pytest.raises((TypeError, ValueError), match=rf"^{name}\b"):
+            rod.rhs(0.0, y, **given)
 
 
 def test_doubles_of_another_order_after_a_call_are_read_as_such(
@@ -157,102 +140,94 @@ def test_arrays_of_before_are_free_again_after_others(rod: ModuleType, y: Array,
     p.resize(2, refcheck=False)
 
 
-@pytest.mark.parametrize("which", ["y", "p"])
-def test_masked_arrays_are_refused(rod: ModuleType, y: Array, p: Array, which: str) -> None:
-    given = {"y": y, "p": p}
-    given[which] = np.ma.masked_array(given[which], np.arange(14) == 3)
-    with pytest.raises((TypeError, ValueError), match=f"{which} is .*[Mm]asked"):
-        rod.rhs(0.0, **given)
+def test_masked_arrays_are_refused(rod: ModuleType, y: Array, p: Array) -> None:
+    for which, right in (("y", y), ("p", p)):
+        given = {"y": y, "p": p, which: np.ma.masked_array(right, np.arange(14) == 3)}
+        with pytest.raises((TypeError, ValueError), match=rf"^{which}\b"):
+            rod.rhs(0.0, **given)
 
 
 # Runs ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("samples", "trace", "match"),
-    [
-        ((2, 17), None, r"samples is float64 \(2, 17\): must be .*\(3, 17\)"),
-        ((3, 16), None, "samples is"),
-        ((3,), None, "samples is"),
-        ((3, 17), (9, 29), r"trace is float64 \(9, 29\): must be .*\(10, 29\)"),
-        ((3, 17), (10, 28), "trace is"),
-    ],
-)
+# Shapes of samples and of a trace, and which of them is too small for three and ten.
+SMALL_ROOM: list[tuple[tuple[int, ...], tuple[int, ...] | None, str]] = [
+    ((2, 17), None, "samples"),
+    ((3, 16), None, "samples"),
+    ((3,), None, "samples"),
+    ((3, 17), (9, 29), "trace"),
+    ((3, 17), (10, 28), "trace"),
+]
+
+
 def test_samples_and_traces_that_are_too_small_are_refused(
-    rod: ModuleType,
-    y: Array,
-    p: Array,
-    samples: tuple[int, ...],
-    trace: tuple[int, ...] | None,
-    match: str,
+    rod: ModuleType, y: Array, p: Array
 ) -> None:
     run = rod.Run("rk4", 0.0, y, p, step=1e-3)
     assert run.begin(1.0) == rod.PAUSED
     times = np.array([0.001, 0.002, 0.003])
-    with pytest.raises(ValueError, match=match):
-        run.on(10, times, np.zeros(samples), None if trace is None else np.zeros(trace))
-    assert run.numbers.steps == 0
+    for samples, trace, name in SMALL_ROOM:
+        with pytest.raises(ValueError, match=rf"^{name}\b"):
+            run.on(10, times, np.zeros(samples), None if trace is None else np.zeros(trace))
+        assert run.numbers.steps == 0
     status, taken = run.on(10, times, np.zeros((4, 17)), np.zeros((11, 29)))
     assert (status, taken) == (rod.FULL, 3)
 
 
-@pytest.mark.parametrize("bad", ["floats", "read-only", "every second", "list", "times"])
-def test_samples_that_cannot_be_written_are_refused(
-    rod: ModuleType, y: Array, p: Array, bad: str
-) -> None:
+def test_samples_that_cannot_be_written_are_refused(rod: ModuleType, y: Array, p: Array) -> None:
     run = rod.Run("rk4", 0.0, y, p, step=1e-3)
     run.begin(1.0)
     times, samples = np.zeros(3), np.zeros((3, 17))
-    other: dict[str, object] = {
-        "floats": samples.astype("f4"),
-        "read-only": np.broadcast_to(samples, samples.shape),
-        "every second": np.zeros((6, 17))[::2],
-        "list": samples.tolist(),
-    }
-    with pytest.raises(ValueError, match="times has" if bad == "times" else "samples"):
-        run.on(1, times[None] if bad == "times" else times, other.get(bad, samples))
+    others: list[object] = [samples.astype("f4"), np.broadcast_to(samples, samples.shape)]
+    for other in (*others, np.zeros((6, 17))[::2], samples.tolist()):
+        with pytest.raises(ValueError, match=r"^samples\b"):
+            run.on(1, times, other)
+    with pytest.raises(ValueError, match=r"^times\b"):
+        run.on(1, times[None], samples)
 
 
-IMPOSSIBLE: dict[str, dict[str, float]] = {
-    "method above": {"method": len(COMPILED)},
-    "method below": {"method": -1},
-    "end before t": {"end": -1.0},
-    "end no number": {"end": np.nan},
-    "t no number": {"t": np.nan},
-    "no step": {"method": 2, "step": 0.0},
-    "no equal steps": {"method": COMPILED.index("gauss_equal_steps"), "step": 0.0},
-    "step backwards": {"method": 0, "step": -1e-3},
-    "step no number": {"method": 3, "step": np.nan},
-    "step without end": {"method": 1, "step": np.inf},
-    "rtol": {"rtol": -1e-6},
-    "atol": {"atol": np.nan},
-}
+# Changes of a run that could be: of its method, times, step and tolerances.
+IMPOSSIBLE: list[dict[str, float]] = [
+    {"method": len(COMPILED)},
+    {"method": -1},
+    {"end": -1.0},
+    {"end": np.nan},
+    {"t": np.nan},
+    {"method": 2, "step": 0.0},
+    {"method": COMPILED.index("gauss_equal_steps"), "step": 0.0},
+    {"method": 0, "step": -1e-3},
+    {"method": 3, "step": np.nan},
+    {"method": 1, "step": np.inf},
+    {"rtol": -1e-6},
+    {"atol": np.nan},
+]
 
 
-@pytest.mark.parametrize("what", IMPOSSIBLE)
-def test_runs_that_cannot_be_are_refused(rod: ModuleType, y: Array, p: Array, what: str) -> None:
+def test_runs_that_cannot_be_are_refused(rod: ModuleType, y: Array, p: Array) -> None:
     """By begin and, where they become so on the way, by on: nothing has changed then."""
     nothing = np.empty(0), np.empty((0, 17))
-    for begun in (False, True):
+    for change, begun in product(IMPOSSIBLE, (False, True)):
         run = rod.Run("gauss", 0.0, y, p)
         run.numbers.low, run.numbers.high, run.numbers.longest = -np.inf, np.inf, np.inf
         if begun:
             assert run.begin(1.0) == rod.PAUSED
         run.numbers.end = 1.0
-        for name, value in IMPOSSIBLE[what].items():
+        for name, value in change.items():
             setattr(run.numbers, name, value)
         before = run.memory.copy()
         go = partial(run.on, 10, *nothing) if begun else partial(run.begin, run.numbers.end)
-        with pytest.raises(ValueError, match=r"no run of .* from t = "):
+        (*_, (name, value)) = ({"end": 1.0} | change).items()
+        said = "end = " if name == "method" else rf"\b{name} = {value}"
+        with pytest.raises(ValueError, match=said):
             go()
         np.testing.assert_array_equal(run.memory, before)
 
 
 def test_run_that_was_not_begun_is_refused(rod: ModuleType, y: Array, p: Array) -> None:
     run = rod.Run("dop853", 0.0, y, p)
-    with pytest.raises(ValueError, match="must be begun"):
+    with pytest.raises(ValueError, match="end = "):
         run.on(10, np.empty(0), np.empty((0, 17)))
-    with pytest.raises(ValueError, match="method is 'rk5'"):
+    with pytest.raises(ValueError, match=r"^method .*'rk5'"):
         rod.Run("rk5", 0.0, y, p)
 
 

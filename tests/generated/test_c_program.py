@@ -1,5 +1,5 @@
-"""A C program that calls all of a generated header: it finds what Python does, and nothing that it
-does is undefined or beside its memory, by the judgement of AddressSanitizer, UBSan and valgrind."""
+"""A C program that calls all of a generated header: nothing that it does is undefined or beside its
+memory, by the judgement of AddressSanitizer, UBSan and valgrind."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 
-import numpy as np
 import pytest
 
 from rodgen.model.methods import COMPILED
@@ -24,12 +22,11 @@ pytestmark = pytest.mark.compiler
 WATCH = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer")
 SILENT = {"ASAN_OPTIONS": "detect_leaks=0", "UBSAN_OPTIONS": "print_stacktrace=1"}
 ROOT = Path(__file__).parents[2]
-SHORT, *REST = SMALL[6], LONG[1], Structure(50, "free", terms=())
+SHORT, *REST = SMALL[3], SMALL[6], LONG[1], Structure(50, "free", terms=())
 PROGRAM = r"""
 #include "@.h"
 #include <limits.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,14 +37,6 @@ static double *doubles(size_t count)
     if (x == NULL)
         exit(1);
     return x;
-}
-
-static void print(const char *name, const double *x, size_t count)
-{
-    printf("%s", name);
-    for (size_t i = 0; i < count; ++i)
-        printf(" %.17g", x[i]);
-    printf("\n");
 }
 
 static int bad(const double *x, size_t count)
@@ -117,11 +106,10 @@ int main(void)
     for (int i = 0; i < RODS * @@_STATES; ++i)
         y[i] = 0.3 * sin(i + 1.0);
     @_rhs(0.25, y, p, dy);
-    print("rhs", dy, @@_STATES);
+    failed |= bad(dy, @@_STATES);
     @_rhs_in(0.25, y, p, dy, work);
-    print("rhs_in", dy, @@_STATES);
     @_jac(0.25, y, p, J);
-    print("jac", J, @@_STATES * @@_STATES);
+    failed |= bad(J, @@_STATES * @@_STATES);
     double *const all = doubles(@@_STATES + @@_WORKS);
     void *const rates = malloc(@_flow_work()), *const newton = malloc(@_newton_work());
     const double shift[2] = {3.0, 20.0};
@@ -140,7 +128,6 @@ int main(void)
         @_rhs_batch(rods, 0.25, y, P, @@_PARAMETERS, dy);
         failed |= bad(dy, rods * @@_STATES);
     }
-    print("rhs_batch", dy, RODS * @@_STATES);
     for (long long method = @@_EULER; method <= @@_GAUSS_EQUAL_STEPS; ++method)
         failed |= run(method, y, p, dy) << (method + 1);
     p[@@_P_MASS] = 0.0;
@@ -155,7 +142,6 @@ int main(void)
     free(y);
     free(P);
     free(p);
-    printf("failed %x\n", (unsigned)failed);
     return failed != 0;
 }
 """
@@ -179,13 +165,11 @@ def _made(files: dict[str, str], folder: Path, *flags: str) -> Path:
     return folder / "main"
 
 
-def _run(*command: str | Path) -> dict[str, np.ndarray]:
-    """The numbers that the program prints, by name; nobody who watches it says anything."""
+def _run(*command: str | Path) -> None:
+    """All numbers are finite where they are to be, and nobody who watches says anything."""
     env = {**os.environ, **SILENT}
     done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    rows = [line.split() for line in done.stdout.splitlines()]
-    return {name: np.array(numbers, float) for name, *numbers in rows}
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
 def test_program_calls_every_function_and_method(whole: Whole) -> None:
@@ -199,33 +183,15 @@ def test_program_calls_every_function_and_method(whole: Whole) -> None:
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("structure", [SHORT, *REST], ids=short)
-def test_program_finds_what_python_does_and_sanitizers_are_silent(
-    built: Callable[..., ModuleType], whole: Whole, tmp_path: Path, structure: Structure
-) -> None:
-    printed = _run(_made(whole(structure), tmp_path, *WATCH))
-    rod = built(structure, "c")
-    p = 0.5 + 0.1 * (np.arange(len(rod.PARAMETERS)) % 12)
-    p[rod.PARAMETERS.index("length")] = 5.0
-    Y = 0.3 * np.sin(1.0 + np.arange(11 * len(rod.STATE))).reshape(11, -1)
-    expected = {
-        "rhs": rod.rhs(0.25, Y[0], p),
-        "rhs_in": rod.rhs(0.25, Y[0], p),
-        "jac": rod.jac(0.25, Y[0], p).ravel(),
-        "rhs_batch": rod.rhs_batch(0.25, Y, p).ravel(),
-        "failed": np.zeros(1),
-    }
-    assert set(printed) == set(expected)
-    for name, values in expected.items():
-        # Other flags round otherwise; the condition of M at n = 50 is 6e4.
-        limit = 1e-10 * np.abs(values).max()
-        np.testing.assert_allclose(printed[name], values, rtol=0, atol=limit, err_msg=name)
+def test_sanitizers_are_silent(whole: Whole, tmp_path: Path, structure: Structure) -> None:
+    _run(_made(whole(structure), tmp_path, *WATCH))
 
 
 @pytest.mark.nightly
 @pytest.mark.skipif(not shutil.which("valgrind"), reason="no valgrind on PATH")
 def test_valgrind_is_silent(whole: Whole, tmp_path: Path) -> None:
     program = _made(whole(LONG[1]), tmp_path)
-    assert _run("valgrind", "-q", "--error-exitcode=9", "--leak-check=full", program)["failed"] == 0
+    _run("valgrind", "-q", "--error-exitcode=9", "--leak-check=full", program)
 
 
 @pytest.mark.nightly
@@ -247,7 +213,7 @@ def test_module_in_python_is_silent_under_sanitizers(tmp_path: Path) -> None:
         "LD_PRELOAD": ":".join(shared),
     }
     tests = ROOT / "tests" / "generated" / "test_c_memory.py"
-    what = "out_that or p_that or too_small or runs_that"
+    what = "out_that or after_a_call or too_small or runs_that or goes_into"
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tests)]
     done = subprocess.run(
         [*command, "-k", what, "--basetemp", str(tmp_path / "watched")],

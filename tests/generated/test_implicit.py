@@ -8,26 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.scene.structure import Structure
-from tests.palette import SHORT_RODS
+from tests.generated.conftest import rarely
+from tests.palette import ALONG, ENDS
 
 Built = Callable[..., ModuleType]
-
-VALUES = {"mass": 2.0, "length": 1.5, "bending_stiffness": 3.0}
-LOADS = {
-    "follower_force": 2.0,
-    "follower_angle": 0.3,
-    "internal_damping": 0.2,
-    "material_damping_time": 0.02,
-    "external_damping": 0.4,
-    "clamp_angle": 0.5,
-    "tip_force_x": 1.0,
-    "tip_force_y": -2.0,
-    "drag_normal": 0.6,
-    "drag_tangential": 0.1,
-    "wind_x": 0.7,
-    "wind_y": -0.4,
-}
 
 
 def _band(blocks: Any, width: int) -> Any:
@@ -60,40 +46,36 @@ def _joint_velocities(rod: ModuleType, y: Any, length: float) -> Any:
     return by
 
 
-@SHORT_RODS
+@rarely("boundary, inertia, terms", BOUNDARIES, INERTIAS, (ENDS, ALONG))
 def test_cells_give_the_accelerations_and_their_jacobian(
-    built: Built, boundary: str, links: int, inertia: str, terms: tuple[str, ...]
+    built: Built, point: type, boundary: str, inertia: str, terms: tuple[str, ...]
 ) -> None:
-    structure = Structure(links, boundary, inertia, terms)
-    rod = built(structure)
-    given = VALUES | {name: v for name, v in LOADS.items() if name in rod.PARAMETERS}
-    given |= {name: np.linspace(0.2, 0.9, len(span)) for name, span in structure.spans.items()}
-    p = rod.parameters(**given)
-    y = np.random.default_rng(links).normal(size=len(rod.STATE))
+    at = point(built(Structure(3, boundary, inertia, terms)))  # of which one is inside
+    rod, t, y, p = at.module, at.t, at.y, at.p
     half, base = len(y) // 2, 2 * (boundary == "free")
     cells = half - base
-    residual, _, _, by_unknown, *_ = rod.implicit(0.0, y, p, np.zeros(cells), np.zeros((cells, 2)))
+    residual, _, _, by_unknown, *_ = rod.implicit(t, y, p, np.zeros(cells), np.zeros((cells, 2)))
     matrix = _band(by_unknown, 3)
     # The residual is linear in its unknowns: one Newton step from zero solves it.
     unknowns = np.linalg.solve(matrix, -residual.ravel()).reshape(cells, 3)
-    rates = rod.rhs(0.0, y, p)[half + base :]
+    rates = rod.rhs(t, y, p)[half + base :]
     scale = np.abs(rates).max() + 1e-3
     # Rounding of two ways to solve a system of condition below 1e4.
     np.testing.assert_allclose(unknowns[:, 0], rates, rtol=0, atol=1e-12 * scale)
-    solved = rod.implicit(0.0, y, p, unknowns[:, 0], unknowns[:, 1:])
+    solved = rod.implicit(t, y, p, unknowns[:, 0], unknowns[:, 1:])
     assert np.abs(solved[0]).max() <= 1e-12 * scale
     by_state = np.zeros((3 * cells, len(y)))
     by_state[:, base:half] = _band(solved[1], 1)
     by_state[:, half + base :] = _band(solved[2], 1)
-    velocities = _joint_velocities(rod, y, VALUES["length"])
+    velocities = _joint_velocities(rod, y, at.values["length"])
     positions = np.zeros_like(velocities)
     positions[..., :half] = velocities[..., half:]  # what rates are to velocities
-    for at in (0, 1):
+    for end in (0, 1):
         for cell in range(cells):
             for by_joint, joints in zip(solved[4:], (velocities, positions), strict=False):
-                by_state[3 * cell : 3 * cell + 3] += by_joint[at, cell] @ joints[cell + at]
+                by_state[3 * cell : 3 * cell + 3] += by_joint[end, cell] @ joints[cell + end]
     jacobian = -np.linalg.solve(matrix, by_state)[::3]
-    expected = rod.jac(0.0, y, p)[half + base :]
+    expected = rod.jac(t, y, p)[half + base :]
     np.testing.assert_allclose(
         jacobian, expected, rtol=0, atol=1e-11 * (np.abs(expected).max() + 1)
     )

@@ -1,4 +1,4 @@
-"""A server of the live view and a browser, for the tests that look at its page."""
+"""A rod, a server of the live view and a browser, for the tests of its page."""
 
 from __future__ import annotations
 
@@ -12,15 +12,23 @@ from collections.abc import Callable, Coroutine, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
+from unittest.mock import Mock
 from urllib.parse import urlsplit
 
 import pytest
 
+from rodgen.emit.targets import STEPS, closed
+from rodgen.integrate.pull import with_place
+from rodgen.live.run import critical
+from rodgen.live.run.aside import Aside
+from rodgen.live.run.live_run import LiveRun
+from rodgen.loading import build_fastest
+from rodgen.scene import Scene, Structure
 from tests.live.view import PATIENT, View
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    from playwright.sync_api import Browser, BrowserContext
 
 SCENES = Path(__file__).parents[2] / "scenes"
 # The rod of most tests, of a structure that others compile too (tests/palette.py).
@@ -43,6 +51,12 @@ def varied(**rod: Any) -> dict[str, Any]:
     return {**ROD, "rod": {**ROD["rod"], **rod}}
 
 
+# Another, of a structure that others compile too.
+SHORT = {
+    **varied(links=3, boundary="clamped", clamp_angle=0.0),
+    "loads": {**ROD["loads"], "tip": {"x": 0.0, "y": 0.0}},
+}
+
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 # Nothing that Chromium does on its own account, such as asking for updates.
 ARGUMENTS = (
@@ -50,8 +64,6 @@ ARGUMENTS = (
     *("--disable-background-networking", "--disable-component-update"),
 )
 WIDE = {"width": 1280, "height": 800}
-T = TypeVar("T")
-Loop = Callable[[], asyncio.AbstractEventLoop]
 
 
 def runs(process: int) -> bool:
@@ -62,11 +74,11 @@ def runs(process: int) -> bool:
         return False
 
 
-def finished(work: Coroutine[Any, Any, T], loop: Loop | None = None) -> T:
+def finished(work: Coroutine[Any, Any, Any], loop: Any = None) -> Any:
     """What comes of it, in a thread of its own: a browser may have the loop of this one. loop:
     makes the one that is used, by default asyncio's."""
 
-    def run() -> T:
+    def run() -> Any:
         with asyncio.Runner(loop_factory=loop) as runner:
             return runner.run(work)
 
@@ -88,21 +100,21 @@ def clock() -> Clock:
     return Clock()
 
 
+@pytest.fixture(autouse=True)
+def _nobody_aside(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs have no critical force computed beside them, but where a test is of that."""
+    monkeypatch.setattr(critical, "ASIDE", Mock(spec=Aside))
+
+
 @pytest.fixture
-def scene_file(tmp_path: Path) -> Callable[..., Path]:
-    """Writes a scene, a rod of 1 m and 2 kg without loads; tables: text of others."""
+def run() -> Iterator[LiveRun]:
+    """A run of the rod, paused at its start."""
+    made = LiveRun(Scene.from_dict(ROD))
+    yield made
+    made.close()
 
-    def write(
-        name: str = "rod", tables: str = "", *, called: str | None = None, **rod: object
-    ) -> Path:
-        values = {"links": 4, "length": 1.0, "bending_stiffness": 10.0, "mass": 2.0} | rod
-        lines = (f"{key} = {value!r}" for key, value in values.items())
-        path = tmp_path / f"{name}.toml"
-        text = "\n".join([f'name = "{called or name}"', "[rod]", *lines, tables])
-        path.write_text(text, encoding="utf-8")
-        return path
 
-    return write
+# Servers ---------------------------------------------------------------------------------------
 
 
 @dataclass
@@ -112,11 +124,11 @@ class Server:
     process: subprocess.Popen[str]
     address: str
 
-    def end(self) -> tuple[int, str]:
-        """By Ctrl-C; its exit status and what it wrote."""
+    def end(self) -> None:
+        """By Ctrl-C, after which all is well."""
         self.process.send_signal(signal.SIGINT)
         out, err = self.process.communicate(timeout=PATIENT)
-        return self.process.returncode, out + err
+        assert (self.process.returncode, "Traceback" in out + err) == (0, False), out + err
 
 
 # rodgen that gives a page that has gone up after so many seconds.
@@ -128,22 +140,20 @@ app()
 """
 
 
-def start(*arguments: str, reconnect: float | None = None) -> Server:
-    """`rodgen view` with these arguments, once it has told its address; reconnect: seconds after
-    which it gives a page that has gone up, where that is not to be waited for."""
-    pytest.importorskip("nicegui", reason="the extra view is not installed")
-    rodgen = [Path(sys.executable).with_name("rodgen")]
+def start(*arguments: object, reconnect: float | None = None) -> Server:
+    """`rodgen view` with these arguments on a port that was free, once it has told its address;
+    reconnect: seconds after which it gives a page that has gone up, where that is waited for."""
+    rodgen = [sys.executable, "-m", "rodgen"]
     if reconnect is not None:
         rodgen = [sys.executable, "-c", HASTY.format(reconnect)]
     process = subprocess.Popen(
-        [*rodgen, "view", "--no-open", "--paused", *arguments],
+        [*rodgen, "view", *map(str, arguments), "--port", "0", "--no-open", "--paused"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
     )
     assert process.stdout is not None
-    line = process.stdout.readline()
-    found = re.search(r"http://\S+", line)
+    found = re.search(r"http://\S+", line := process.stdout.readline())
     if not found:
         process.kill()
         raise RuntimeError(f"no address: {line}{process.communicate()}")
@@ -153,25 +163,30 @@ def start(*arguments: str, reconnect: float | None = None) -> Server:
 @pytest.fixture(scope="session")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The rod, two of another mass that have one name, and a scene that is none."""
-    tomli_w = pytest.importorskip("tomli_w", reason="the extra view is not installed")
     path = tmp_path_factory.mktemp("scenes")
-    scenes = {"dart": ROD} | {
-        name: {**varied(mass=mass), "name": "rod"} for name, mass in (("one", 2.0), ("two", 4.0))
-    }
-    for name, scene in scenes.items():
-        (path / f"{name}.toml").write_text(tomli_w.dumps(scene))
+    (path / "dart.toml").write_text(Scene.from_dict(ROD).to_toml())
+    for name, mass in (("one", 2.0), ("two", 4.0)):
+        scene = Scene.from_dict({**varied(mass=mass), "name": "rod"})
+        (path / f"{name}.toml").write_text(scene.to_toml())
     (path / "bad.toml").write_text("name = 3")
     return path
 
 
+def make(structure: Structure) -> None:
+    """Have a module in the cache, as a page has it made: on a busy machine that may take longer
+    than anything is waited for."""
+    build_fastest(structure, (*closed("c"), *STEPS))
+
+
 @pytest.fixture(scope="session")
 def server(folder: Path) -> Iterator[Server]:
-    """The rod, on a port that was free."""
-    served = start(str(folder / "dart.toml"), "--port", "0")
+    """The rod, for all tests of a worker; each has a run of its own."""
+    scene = Scene.from_dict(ROD)
+    for structure in (scene.structure, with_place(scene).structure):
+        make(structure)
+    served = start(folder / "dart.toml")
     yield served
-    code, text = served.end()
-    assert code == 0, text
-    assert "Traceback" not in text, text
+    served.end()
 
 
 @pytest.fixture
@@ -179,14 +194,17 @@ def serve() -> Iterator[Callable[..., Server]]:
     """Starts servers with arguments of one's own."""
     made: list[Server] = []
 
-    def make(*arguments: str, reconnect: float | None = None) -> Server:
+    def make(*arguments: object, reconnect: float | None = None) -> Server:
         made.append(start(*arguments, reconnect=reconnect))
         return made[-1]
 
     yield make
     for served in made:
-        code, text = served.end()
-        assert (code, "Traceback" in text) == (0, False), text
+        if served.process.poll() is None:
+            served.end()
+
+
+# The browser -----------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="session")
@@ -196,32 +214,35 @@ def browser() -> Iterator[Browser]:
     if path is None:
         # The page is drawn by a browser, and pip installs none.
         pytest.skip(f"no browser is installed (looked for {', '.join(NAMES)})")
-    pytest.importorskip("nicegui", reason="the extra view is not installed")
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     playwright.expect.set_options(timeout=1000 * PATIENT)
     with playwright.sync_playwright() as driver:
-        started = driver.chromium.launch(
-            executable_path=path, args=ARGUMENTS, timeout=1000 * PATIENT
-        )
-        yield started
-        started.close()
+        yield driver.chromium.launch(executable_path=path, args=ARGUMENTS)
+
+
+@pytest.fixture(scope="session")
+def context(browser: Browser) -> BrowserContext:
+    """Shared by the pages of a worker, which so load and compile the page's scripts once."""
+    return browser.new_context(viewport=WIDE, accept_downloads=True, reduced_motion="reduce")
 
 
 @pytest.fixture
-def another(browser: Browser) -> Iterator[Callable[[], View]]:
-    """Makes pages that are not opened yet, each in a context of its own."""
+def another(browser: Browser, context: BrowserContext) -> Iterator[Callable[..., View]]:
+    """Makes pages that are not opened yet; apart: with cookies of its own."""
     made: list[View] = []
 
-    def make() -> View:
-        context = browser.new_context(viewport=WIDE, accept_downloads=True)
-        made.append(View(context.new_page()))
+    def make(apart: bool = False) -> View:
+        shared = browser.new_context(viewport=WIDE) if apart else context
+        made.append(View(shared.new_page()))
         return made[-1]
 
     yield make
     for view in made:
-        view.page.context.close()
+        view.page.close()
+        if view.page.context is not context:
+            view.page.context.close()
     assert [error for view in made for error in view.errors] == []
-    asked = [url for view in made for url in view.asked if not url.startswith(("blob:", "data:"))]
+    asked = [url for view in made for url in view.asked if url.startswith(("http:", "https:"))]
     assert {urlsplit(url).hostname for url in asked} <= {"localhost", "127.0.0.1"}  # no other's
 
 

@@ -1,184 +1,294 @@
-"""The page as it is read: colours, names, words, and what lies over what."""
+"""The page as it is read: colours, icons, and all of its states, on a screen and on a phone."""
 
 from __future__ import annotations
 
-import io
-import os
-from collections.abc import Callable
+import base64
+import re
+from collections.abc import Callable, Iterator
+from functools import cache
+from importlib.resources import files
+from io import BytesIO
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-import matplotlib.image
 import numpy as np
 import pytest
 
-from tests.live.view import expect
+from rodgen.live.page.elements import ICONS, LIBRARY
+from rodgen.live.page.lean import ABSENT, icon_font
+from rodgen.model.palette import DARK, LIGHT, as_css, pair, shades
+from rodgen.model.term import DAMPER
+from rodgen.model.terms import ROWS
+from rodgen.scene import Scene
+from rodgen.show.precision_pictures import OURS, own
+from tests.live.conftest import SCENES, make
+from tests.live.view import View, expect
 
-pytestmark = pytest.mark.nightly  # what pixels show
-View = Any  # see conftest.py
-SCENES = Path(__file__).parents[2] / "scenes"
 PICTURE = Path(__file__).parents[2] / "docs" / "pictures" / "live.png"
-SIZES = {"wide": (1280, 800), "narrow": (390, 844)}
-SHOWN = 3.0  # s of the scene
-LEAST = 4.5  # contrast of text that WCAG 2.1 asks for, level AA
-
-CONTRAST = """element => {
-    const canvas = document.createElement('canvas').getContext('2d');
-    const channels = colour => {
-        canvas.clearRect(0, 0, 1, 1);
-        canvas.fillStyle = colour;
-        canvas.fillRect(0, 0, 1, 1);
-        return [...canvas.getImageData(0, 0, 1, 1).data];
-    };
-    const luminance = colour => {
-        const linear = channels(colour).slice(0, 3).map(c => c / 255)
-            .map(c => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
-        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
-    };
-    let ground = element;
-    const behind = () => getComputedStyle(ground).backgroundColor;
-    while (channels(behind())[3] < 255) ground = ground.parentElement;
-    const both = [getComputedStyle(element).color, behind()];
-    const [less, more] = both.map(luminance).sort((a, b) => a - b);
-    return (more + 0.05) / (less + 0.05);
-}"""
-UNDER_THE_POINTER = """element => {
-    const { x, y, width, height } = element.getBoundingClientRect();
-    return element.contains(document.elementFromPoint(x + width / 2, y + height / 2));
-}"""
-NAMELESS = """controls => [...document.querySelectorAll(controls)]
-    .filter(e => e.offsetParent && !(e.getAttribute('aria-label') || e.labels?.length
-        || e.textContent.trim() || e.getAttribute('aria-labelledby')))
-    .map(e => e.outerHTML.slice(0, 200))"""
+WIDE, PHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 844}
+# What sheets name: classes of all elements, and weights of fonts.
+NAMED = """[...new Set([...document.querySelectorAll("*")].flatMap(element => [
+    ...[...element.classList].map(name => `.${name}`),
+    `font-weight: ${getComputedStyle(element).fontWeight};`]))]"""
+LOADED = """["navigation", "resource"].flatMap(kind => performance.getEntriesByType(kind))
+    .reduce((sum, { decodedBodySize }) => sum + decodedBodySize, 0)"""
 
 
-@pytest.mark.parametrize(("size", "shade"), [("wide", "light"), ("narrow", "dark")])
+# What axe-core finds: how grave it is, what it is, and where. But for buttons of dialogs: before
+# 4.14, axe takes what lies behind a dialog for their ground.
+FOUND = """axe.run({ exclude: ["[role=dialog] button"] }, { resultTypes: ["violations"] })
+    .then(({ violations }) => violations
+        .map(({ id, impact, nodes }) => [impact, id, nodes.map((node) => node.failureSummary)])
+        .filter(([impact]) => impact === "serious" || impact === "critical"))"""
+# Whether nothing comes or goes, of what does not turn for good.
+STILL = """document.getAnimations().every(({ effect, playState }) =>
+    playState !== "running" || effect.getComputedTiming().iterations === Infinity)"""
+
+
+@cache
+def axe() -> str:
+    """The text of axe-core."""
+    pytest.importorskip("axe_playwright_python", reason="axe-core is not installed")
+    return files("axe_playwright_python").joinpath("axe.min.js").read_text(encoding="utf-8")
+
+
+def grave(view: View) -> Any:
+    """What keeps somebody from using the page as it is now, by axe-core."""
+    view.page.wait_for_function(STILL)
+    view.page.evaluate(axe())
+    return view.page.evaluate(FOUND)
+
+
+@pytest.mark.slow
+def test_nothing_keeps_anybody_from_the_page(view: View) -> None:
+    """As it opens."""
+    assert grave(view) == []
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("size", "scheme"), [(WIDE, "light"), (PHONE, "dark")])
 def test_page_shows_a_rod(
-    serve: Callable[..., Any],
-    blank: Any,
-    size: str,
-    shade: str,
-    pytestconfig: pytest.Config,
+    serve: Callable[..., Any], blank: View, size: Any, scheme: Any, pytestconfig: pytest.Config
 ) -> None:
-    """The rod's colours are in the picture, its ground is light or dark, and nothing is beside the
-    page. --update keeps a picture."""
-    width, height = SIZES[size]
-    blank.page.set_viewport_size({"width": width, "height": height})
-    blank.page.emulate_media(color_scheme=shade)
-    served = serve(str(SCENES / "missile.toml"), "--port", "0")
-    blank.open(served.address).pause_after(SHOWN)
-    wide = "document.documentElement.scrollWidth"
-    blank.sees(wide, lambda found: found <= width, "wider than the window")
-    blank.page.mouse.move(width / 2, 0)
-    expect(blank.page.locator(".q-tooltip")).to_have_count(0)
-
-    def look() -> bytes:
-        return bytes(blank.page.screenshot())
-
-    def told(picture: bytes) -> tuple[tuple[int, ...], bool, bool]:
-        """The size of a picture, whether it is light, and whether there are strong colours: the
-        thrust's arrow is orange, the gravity's violet, whatever the ground."""
-        pixels = matplotlib.image.imread(io.BytesIO(picture))[..., :3]
-        canvas = blank.page.get_by_role("img", name="missile").bounding_box()
-        x, y, w, h = (int(canvas[key]) for key in ("x", "y", "width", "height"))
-        strong = np.ptp(pixels[y : min(y + h, height), x : x + w], axis=-1) > 0.4
-        corner = pixels[-3, 3].mean()
-        assert corner > 0.8 or corner < 0.3
-        return pixels.shape[:2], bool(corner > 0.5), bool(strong.sum() > 100)
-
-    wanted = (height, width), shade == "light", True
-    picture = blank.until(look, lambda found: told(found) == wanted, f"not {wanted}")
-    if pytestconfig.getoption("update") and (size, shade) == ("wide", "light"):
-        PICTURE.write_bytes(picture)
+    """All of it, and nothing is beside the page. --update keeps a picture."""
+    blank.page.set_viewport_size(size)
+    blank.page.emulate_media(color_scheme=scheme)
+    make(Scene.from_toml(SCENES / "missile.toml").structure)
+    blank.open(serve(SCENES / "missile.toml").address).pause_after(3.0)
+    assert blank.page.evaluate("document.documentElement.scrollWidth") <= size["width"]
+    box = blank.page.get_by_role("img", name="missile").bounding_box()
+    joints = np.reshape(blank.live("live.joints"), (-1, 2))
+    assert len(joints) == 21
+    assert np.all((joints >= 0) & (joints <= [box["width"], box["height"]]))
+    blank.page.mouse.move(size["width"] / 2, 0)
+    expect(blank.page.get_by_role("tooltip")).to_have_count(0)
+    if pytestconfig.getoption("update") and scheme == "light":
+        PICTURE.write_bytes(blank.page.screenshot())
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_colours_can_be_read(view: View, scheme: str) -> None:
-    view.page.emulate_media(color_scheme=scheme)
-    view.until(view.dark, scheme == "dark", "not the shade")
+def states(view: View) -> Iterator[str]:
+    """Brings the page from one state to the next, and tells their names."""
+    for tab in ("Values", "Parameters", "Scene", "Save"):
+        view.tab(tab)
+        yield tab
+    view.page.get_by_role("switch", name="pull").click()
+    yield "pulls"
+    for button in ("What is shown", "Kick", "Pull", "Add plot", "Keys"):
+        if view.button(button).is_visible():  # a phone has no keys
+            dialog = view.dialog(button)
+            yield button
+            view.page.keyboard.press("Escape")
+            expect(dialog).to_have_count(0)
+    for chosen in ("View", "Scene"):
+        view.page.get_by_role("combobox", name=chosen).click()
+        expect(view.page.get_by_role("listbox")).to_be_visible()
+        yield f"list: {chosen}"
+        view.page.keyboard.press("Escape")
+        expect(view.page.get_by_role("listbox")).to_have_count(0)
+    view.select("Scene", "bad")
+    close = view.page.get_by_role("alert").get_by_role("button", name="Close")
+    expect(close).to_be_visible()
+    yield "a notification"
+    close.click()
+    expect(close).to_have_count(0)
+    view.button("Mode shapes").click()
+    view.sees("live.mode !== null")
+    yield "mode shapes"
+    view.tab("Parameters").button("Sweep of follower force P").click()
+    expect(view.page.get_by_role("group", name="sweep of").get_by_role("img")).to_be_visible()
+    yield "swept"
+    view.button("Sweep of follower force P").click()
     view.fill("mass M", "-3")
-    refused = view.page.locator(".q-field__messages", has_text="greater than").first
-    view.until(lambda: refused.evaluate(CONTRAST), lambda c: c > LEAST, "the refusal stays faint")
-    view.tab("Scene")
-    read = {
-        "add": view.button("Add plot"),
-        "kick": view.button("Kick"),
-        "apply": view.button("Apply"),
-        "upload": view.button("A scene in TOML"),
+    view.refuses("mass M")
+    yield "refused"
+    view.button("Keep each run").click()
+    view.pause_after(0.2).button("Reset to").click()
+    view.pause_after(0.1).line().press("Home")
+    view.sees("live.past === 0")
+    yield "looking back beside a run that is kept"
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("size", "scheme"), [(WIDE, "light"), (PHONE, "dark")])
+def test_nothing_keeps_anybody_from_any_state(
+    server: Any, blank: View, size: Any, scheme: Any
+) -> None:
+    """Nor is a rule of style left out for what is on the page, which loads little: 1.2
+    MB of all files, without compression."""
+    blank.page.set_viewport_size(size)
+    blank.page.emulate_media(color_scheme=scheme)
+    view, found = blank.open(server.address), {}
+    assert view.page.evaluate(LOADED) < 1.2e6
+    for state in states(view):
+        absent = [name for name in view.page.evaluate(NAMED) if ABSENT.search(name)]
+        found[state] = grave(view), absent
+    assert found == {state: ([], []) for state in found}
+
+
+@pytest.mark.nightly
+def test_rod_is_fitted_until_a_part_of_the_picture_is_chosen(server: Any, blank: View) -> None:
+    """Also to another size of the picture."""
+    view = blank.open(server.address)
+    canvas = view.page.get_by_role("img", name="dart")
+    inside = """live.joints.every((place, k) =>
+        place >= 0 && place <= given[k % 2 ? "height" : "width"])"""
+    scale = view.live("live.scale")
+    view.fill("length", "40")
+    view.sees("live.scale < given / 2", scale)
+    view.page.set_viewport_size({**PHONE, "height": 700})
+    view.sees(inside, canvas.bounding_box())
+    canvas.press("+")
+    view.fill("length", "400")
+    view.sees(f"!({inside})", canvas.bounding_box())
+    canvas.press("0")
+    view.sees(inside, canvas.bounding_box())
+
+
+LIVE = Path(__file__).parents[2] / "src" / "rodgen" / "live"
+WORD = re.compile(r"[\"'`]([a-z][a-z0-9_]*)[\"'`]")
+# Names, among some words and those of Quasar's own icons, of which a font has an icon: as wide as
+# high, by a ligature; `source`: of the font, null for that of the page.
+DRAWN = """async ([words, source]) => {
+    const icon = getComputedStyle(document.querySelector(".material-icons"));
+    const family = source ? "every icon" : icon.fontFamily.replaceAll('"', "");
+    if (source) document.fonts.add(await new FontFace(family, source).load());
+    await document.fonts.load(`20px '${family}'`);
+    const named = set => Object.values(set).flatMap(one =>
+        typeof one === "string" ? [one] : one instanceof Object ? named(one) : []);
+    const canvas = document.createElement("canvas").getContext("2d");
+    canvas.font = `20px '${family}', monospace`;
+    const drawn = name => name.length > 1 && canvas.measureText(name).width === 20;
+    return [...new Set([...words, ...named(Quasar.IconSet.props)])].filter(drawn).sort();
+}"""
+
+
+def subset(font: bytes, names: list[str]) -> bytes:
+    """A font with the icons of these names alone; only this needs brotli."""
+    pytest.importorskip("brotli", reason="brotli is not installed")
+    from fontTools import subset, ttLib
+
+    made = ttLib.TTFont(BytesIO(font))
+    letters = {glyph: chr(code) for code, glyph in made.getBestCmap().items()}
+    (lookup,) = made["GSUB"].table.LookupList.Lookup
+    icons = {
+        "".join(letters[part] for part in (first, *ligature.Component)): ligature.LigGlyph
+        for first, found in lookup.SubTable[0].ligatures.items()
+        for ligature in found
     }
-    for name, element in read.items():
-        view.until(lambda e=element: e.evaluate(CONTRAST), lambda c: c > LEAST, f"{name} is faint")
+    options = subset.Options(layout_features=["*"], layout_closure=False)
+    subsetter = subset.Subsetter(options)
+    subsetter.populate(
+        glyphs=[icons[name] for name in names],
+        unicodes=[ord(letter) for letter in {*"".join(names)}],
+    )
+    subsetter.subset(made)
+    written = BytesIO()
+    made.flavor = "woff2"
+    made.save(written)
+    return written.getvalue()
 
 
-def test_page_can_be_read_by_who_does_not_see_it(view: View) -> None:
-    """A screen reader is not told the time five times a second, but can ask for it."""
-    assert view.page.evaluate("document.documentElement.lang") == "en-US"
-    expect(view.page.get_by_role("main")).to_have_count(1)
-    controls = "button, input, [role=slider], [role=switch], [role=tab]"
-    assert view.page.evaluate(NAMELESS, controls) == []
-    statuses = view.page.get_by_role("status")
-    expect(statuses.filter(has_text="paused")).to_have_count(1)
-    expect(statuses.locator("[data-text]")).to_have_count(0)
-    for name in ("time", "ratio"):
-        expect(view.page.get_by_role("group", name=name).locator("[data-text]")).to_have_count(1)
+@pytest.mark.nightly
+def test_font_has_all_icons_that_the_page_may_show(view: Any, pytestconfig: pytest.Config) -> None:
+    """Of NiceGUI's font, those with a name that stands in our Python or JavaScript, or that Quasar
+    uses itself. --update makes the page's font of them."""
+    sources = (path for suffix in (".py", ".js") for path in LIVE.rglob("*" + suffix))
+    words = sorted({word for path in sources for word in WORD.findall(path.read_text("utf-8"))})
+    place = icon_font()
+    assert place is not None
+    font = (LIBRARY / place).read_bytes()
+    source = f"url(data:font/woff2;base64,{base64.b64encode(font).decode()})"
+    wanted = view.page.evaluate(DRAWN, [words, source])
+    assert {"play_arrow", "pause", "arrow_drop_down", "close"} <= {*wanted}
+    if pytestconfig.getoption("update"):
+        ICONS.write_bytes(subset(font, wanted))
+        return
+    assert view.page.evaluate(DRAWN, [words, None]) == wanted
 
 
-def test_why_there_is_no_critical_force_is_wrapped(
-    serve: Callable[..., Any], blank: View, scene_file: Callable[..., Path]
-) -> None:
-    """A rod of one link, which no force makes unstable; where there is one, nothing is said."""
-    path = scene_file("one", "[loads.follower]\nforce = 2.0", links=1)
-    one = blank.open(serve(str(path), "--port", "0").address).tab("Values")
-    why = one.page.locator("[data-text=critical_why]")
-    expect(why).to_contain_text("no mode can become unstable")
-    box, table = why.bounding_box(), one.page.locator(".rg-values").bounding_box()
-    assert box["width"] <= table["width"]
-    panel = one.page.locator("aside")
-    assert panel.evaluate("e => e.scrollWidth <= e.clientWidth")
-    number = one.page.locator("td[data-text=follower_force]").first.bounding_box()
-    assert number["width"] < table["width"] / 2  # numbers stand where they stood
+def matrix(text: str) -> Any:
+    return np.array(text.split(), dtype=float).reshape(3, 3)
 
 
-def test_row_of_words_is_not_there_without_words(view: View) -> None:
-    view.tab("Values")
-    view.until(lambda: view.text("critical_force"), lambda text: text[0].isdigit(), "no force")
-    expect(view.page.locator("[data-text=critical_why]")).to_be_hidden()
+# What is left of linear red, green and blue without one kind of cones: G. M. Machado, M. M.
+# Oliveira, L. A. F. Fernandes, A physiologically-based model for simulation of color vision
+# deficiency, IEEE TVCG 15 (2009), 1291-1298, severity 1: protanopia, deuteranopia, tritanopia.
+EYES = (
+    np.eye(3),
+    matrix("0.152286 1.052583 -0.204868 0.114503 0.786281 0.099216 -0.003882 -0.048116 1.051998"),
+    matrix("0.367322 0.860646 -0.227968 0.280085 0.672501 0.047413 -0.011820 0.042940 0.968881"),
+    matrix("1.255528 -0.076749 -0.178779 -0.078411 0.930809 0.147602 0.004733 0.691367 0.303900"),
+)
+# sRGB to CIE XYZ, D65 (IEC 61966-2-1).
+XYZ = matrix(
+    "0.4124564 0.3575761 0.1804375 0.2126729 0.7151522 0.0721750 0.0193339 0.1191920 0.9503041"
+)
+APART = 20.0  # in CIE L*a*b*, where 2.3 can just be told side by side: far more, of thin lines
+CONTRAST = 3.0  # of graphics, by WCAG 2.1, 1.4.11
 
 
-def test_no_tooltip_lies_over_a_menu(view: View) -> None:
-    layers = view.button("What is shown")
-    layers.hover()
-    tooltip = view.page.locator(".q-tooltip", has_text="What is shown")
-    expect(tooltip).to_be_visible()
-    layers.click()
-    expect(view.page.locator(".q-menu")).to_be_visible()
-    expect(tooltip).to_be_hidden()
-    view.page.keyboard.press("Escape")
+def linear(colour: str) -> Any:
+    """Linear red, green and blue of #rrggbb."""
+    c = np.array([int(colour[at : at + 2], 16) for at in (1, 3, 5)]) / 255
+    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
 
 
-@pytest.mark.compiler
-@pytest.mark.skipif(os.name != "posix", reason="the compiler here is a shell script")
-def test_what_is_being_made_is_told_and_covers_no_tool(
-    serve: Callable[..., Any],
-    blank: View,
-    scene_file: Callable[..., Path],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """And in the singular. From some time on, the compiler does not end."""
-    script, held = tmp_path / "cc", tmp_path / "held"
-    script.write_text(f'#!/bin/sh\n[ -e {held} ] && exec sleep 600\nexec cc "$@"\n')
-    script.chmod(0o755)
-    monkeypatch.setenv("CC", str(script))
-    monkeypatch.setenv("RODGEN_CACHE", str(tmp_path / "cache"))
-    view = blank.open(serve(str(scene_file(links=2)), "--port", "0").address)
-    held.touch()
-    view.tab("Scene").fill("number of links", "1")
-    view.button("Apply").click()
-    status = view.page.locator(".rg-making")
-    expect(status).to_contain_text("1 link:")
-    expect(status).to_be_visible()
-    expect(status).to_be_in_viewport(ratio=1)
-    assert not status.get_by_text("1 link:").evaluate(UNDER_THE_POINTER)
-    status.get_by_role("button", name="Cancel").click()
-    view.noted("cancelled")
+def lab(rgb: Any) -> Any:
+    """CIE L*a*b* of linear red, green and blue."""
+    share = XYZ @ np.clip(rgb, 0, 1) / XYZ.sum(axis=1)
+    x, y, z = np.where(share > 216 / 24389, np.cbrt(share), (24389 / 27 * share + 16) / 116)
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+@pytest.mark.parametrize("palette", [LIGHT, DARK], ids=["light", "dark"])
+def test_colours_can_be_seen_and_told_apart(palette: Any) -> None:
+    """Of curves, and of trails; by all eyes, and on their ground."""
+    ground = XYZ[1] @ linear(shades("background", palette)[0])
+    for names in (("series",), ("tail", "centre")):
+        colours = [colour for name in names for colour in shades(name, palette)]
+        for eyes in EYES:
+            seen = [lab(eyes @ linear(colour)) for colour in colours]
+            for (first, a), (second, b) in combinations(zip(colours, seen, strict=True), 2):
+                assert np.linalg.norm(a - b) > APART, (first, second)
+        for colour in colours:
+            less, more = sorted((ground, XYZ[1] @ linear(colour)))
+            assert (more + 0.05) / (less + 0.05) > CONTRAST, colour
+
+
+def test_loads_methods_and_grounds_have_colours_of_their_own() -> None:
+    """Arrows are of the series, so what holds of that holds of them; dampings have none."""
+    drawn = [term.colours for term in ROWS if term.kind != DAMPER]
+    assert len(set(drawn)) == len(drawn)
+    assert set(drawn) <= {pair(number) for number in range(1, 9)}
+    assert len({own(method) for method in OURS}) == len(OURS)
+    assert LIGHT.keys() == DARK.keys()
+    assert "--rg-faint: #5b6470; " in as_css(LIGHT)
+    assert len(shades("series")) == len(shades("series", DARK)) == 8
+
+
+def test_the_known_distance_is_found() -> None:
+    """Of red and green in L*a*b*, and the ends of its scale."""
+    distance = np.linalg.norm(lab(linear("#ff0000")) - lab(linear("#00ff00")))
+    assert distance == pytest.approx(170.6, abs=0.1)  # B. Lindbloom, Delta E calculator, CIE 1976
+    assert [lab(linear(grey))[0] for grey in ("#000000", "#ffffff")] == pytest.approx([0, 100])

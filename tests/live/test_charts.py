@@ -1,176 +1,101 @@
-"""Charts of the page: one cursor for all of them, zoom, and what a reset leaves of them."""
+"""Plots in the page: the dialog that adds them, one cursor and zoom for all, axes and numbers."""
 
 from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import pytest
 
-from rodgen.live.run.link import Link
-from rodgen.scene import Scene
-from tests.live.conftest import ROD
-from tests.live.view import expect
+from tests.live.view import View, expect
 
-pytestmark = pytest.mark.nightly  # a page that runs
-View = Any  # see conftest.py
-
-
-def at(view: View, plot: int, share: float) -> tuple[float, float]:
-    """A point in the middle of a chart's height, in pixels of the page."""
-    box = view.page.locator(".rodgen-chart .u-over").nth(plot).bounding_box()
-    return box["x"] + share * box["width"], box["y"] + box["height"] / 2
+pytestmark = pytest.mark.nightly  # in a browser
+KINDS = {
+    "over time": {"quantities": "kinetic_energy"},
+    "one over another": {"quantity": "omega", "over": "phi"},
+    "Poincaré": {"quantity": "omega", "over": "phi", "points_where": "t"},
+    "all of a kind": {},
+    "spectrum": {"quantity": "tip_x"},
+}
 
 
-def ends(view: View, plot: str) -> Any:
-    """From where to where a plot shows: [x, y]."""
-    return view.page.evaluate(f"(({{ x, y }}) => [x, y])(rodgenLive.plots.{plot})")
+def test_every_kind_of_plot_gets_rows_and_says_what_it_lacks(view: View) -> None:
+    view.run()
+    for kind, chosen in KINDS.items():
+        dialog = view.plot_dialog(kind, **chosen)
+        if not chosen:
+            dialog.get_by_role("button", name="Add").click()
+            wrong = dialog.get_by_role("combobox", name="kind of quantity")
+            expect(wrong).to_have_attribute("aria-invalid", "true")
+            wrong.fill("bending")
+            view.page.get_by_role("option").filter(has_text="bending").first.click()
+        if kind == "Poincaré":
+            every = dialog.get_by_role("textbox", name="and again")
+            for text in ("-1", "0.1"):
+                every.fill(text)
+                dialog.get_by_role("button", name="Add").click()
+                if text == "-1":
+                    expect(every).to_have_attribute("aria-invalid", "true")
+        else:
+            dialog.get_by_role("button", name="Add").click()
+        expect(dialog).to_have_count(0)
+        view.sees("Object.values(live.plots)[2]?.rows > 0")
+        view.button("Remove").last.click()
+        view.sees("Object.values(live.plots).length === 2")
 
 
-def test_the_cursor_is_linked(view: View) -> None:
-    """Where the pointer is over one plot, all tell their values of that time, as the files have
-    them, and the rod is as it was then; without one, none does."""
-    view.add_plot("phase plot", quantity="omega_0", over="phi_0")
+def test_cursor_zoom_and_reset_are_of_all_plots(view: View) -> None:
+    """All look at the time under the pointer, and show the part that is dragged; a reset begins
+    them anew."""
     view.pause_after(0.6)
-    view.page.mouse.move(*at(view, 0, 0.4))
-    hints = view.page.locator(".rodgen-hint")
-    for plot in range(3):
-        expect(hints.nth(plot)).to_be_visible()
-    view.until(
-        lambda: len(
-            {
-                next(line for line in text.split("\n") if line.startswith("t ="))
-                for text in hints.all_inner_texts()
-            }
-        ),
-        1,
-        "not of one time",
-    )
-    told = [
-        dict(line.replace("\u2212", "-").split(" = ") for line in text.split("\n"))
-        for text in hints.all_inner_texts()
-    ]
-    t = float(told[0]["t"].split()[0])
-    view.until(lambda: view.live("t"), pytest.approx(t), "the rod is of another time")
-    head, rows = view.csv(0)  # by a click, for which the pointer leaves the plot
-    row = rows[np.abs(rows[:, 0] - t).argmin()]
-    assert 0 < t < rows[-1, 0]
-    assert head[1].startswith("phi_0")
-    for texts in (told[0], told[2]):  # five digits are told
-        assert float(texts["φ₀"].split()[0]) == pytest.approx(row[1], rel=1e-4)
-    view.page.mouse.move(5, 5)
-    for plot in range(3):
-        expect(hints.nth(plot)).to_be_hidden()
-    view.until(lambda: view.live("t"), rows[-1, 0], "the rod is not of the present")
+    charts = view.page.get_by_role("region", name="Plots").get_by_role("region")
+    box = charts.first.locator("canvas").bounding_box()
 
+    def point(share: float) -> tuple[float, float]:
+        return box["x"] + share * box["width"], box["y"] + box["height"] / 2
 
-def test_a_part_that_is_dragged_is_shown(view: View) -> None:
-    """In all plots over time, but not in one that is paused."""
-    view.add_plot("over time", quantities="tip_x")
-    view.pause_after(0.6)
-    view.page.get_by_role("button", name="Pause x of the tail").click()
-    low, high = ends(view, "p1")[0]
-    view.page.mouse.move(*at(view, 0, 0.25))
+    view.page.mouse.move(*point(0.5))
+    view.sees("Object.values(live.plots).every(({ at }) => at !== null) && live.past !== null")
+    wide = view.live("live.plots.p1.x")
     view.page.mouse.down()
-    view.page.mouse.move(*at(view, 0, 0.5), steps=4)
+    view.page.mouse.move(*point(0.75), steps=4)
     view.page.mouse.up()
-    badges = view.page.locator(".rodgen-badge")
-    expect(badges.first).to_have_text("zoomed")
-    wanted = [low + share * (high - low) for share in (0.25, 0.5)]
-    # Within two of some 250 pixels.
-    close = pytest.approx(wanted, abs=0.01 * (high - low))
-    view.until(lambda: ends(view, "p1")[0], close, "another part")
-    view.until(lambda: ends(view, "p2")[0], ends(view, "p1")[0], "another part of the next plot")
-    expect(badges.nth(2)).to_have_text("paused")
-    view.page.locator(".rodgen-chart .u-over").first.dblclick()
-    expect(badges.first).to_have_text("")
-    expect(badges.nth(1)).to_have_text("")
-    view.until(lambda: ends(view, "p1")[0], [low, high], "not all again")
-
-
-def test_a_reset_begins_plots_anew(view: View) -> None:
-    """Their ranges too. One that is paused keeps the run that it shows until it is let go."""
-    view.add_plot("over time", quantities="total_energy")
-    view.pause_after(0.8)
-    first = view.page.locator(".rodgen-plot").first
-    first.get_by_role("button", name="Pause").click()
-    kept = view.csv(0)[1]
-    # It may be out of sight, and drawn late.
-    wide = view.until(lambda: ends(view, "p3")[0][1], lambda end: end >= 0.8, "not drawn")
+    size = "live.plots.{}.x[1] - live.plots.{}.x[0]"
+    # A quarter of the picture, which is a little wider than its axis.
+    view.sees(f"{size.format('p1', 'p1')} < given / 2", wide[1] - wide[0])
+    view.sees("live.plots.p2.x.every((end, k) => end === live.plots.p1.x[k])")
+    view.page.get_by_role("button", name="Reset zoom").first.click()
+    view.sees("live.plots.p1.x.every((end, k) => end === given[k])", wide)
     view.button("Reset to").click()
-    view.until(lambda: view.live("t"), 0.0, "not reset")
-    view.until(lambda: ends(view, "p3")[0][1], lambda end: end < wide, "the range stays")
-    view.pause_after(0.1)
-    np.testing.assert_array_equal(view.csv(0)[1], kept)
-    expect(view.page.locator(".rodgen-badge").first).to_have_text("paused, run before")
-    assert view.csv(2)[1][-1, 0] < kept[-1, 0]
-    first.get_by_role("button", name="Resume").click()
-    assert view.csv(0)[1][-1, 0] < kept[-1, 0]
+    view.sees("live.t === 0 && Object.values(live.plots).every(({ seen }) => seen === 1)")
 
 
-def test_a_zoomed_plot_goes_on_with_its_run_alone(view: View) -> None:
-    """Zoomed just after a loop has begun again, too, where next to nothing has come of it."""
-    shown = view.page.evaluate("""async () => {
-        const { Curves } = await import("rodgen-live/curves.js");
-        const series = [{ name: "a", turn: 0 }];
-        const axis = { log: false, turn: 0 };
-        const curves = new Curves({ kind: "time", window: 10, series, x: axis, y: axis });
-        const rows = (first) => curves.take([0, 1, 2].flatMap((k) => [first + k, k]));
-        const seen = () => [...curves.now(0).across];
-        rows(0);
-        curves.restart();
-        curves.zoom({ x: [3, 5], y: null });
-        const found = [seen()];
-        rows(3);
-        found.push(seen());
-        curves.restart();
-        rows(8);
-        found.push(seen());
-        curves.zoom(null);
-        found.push(seen());
-        return found;
-    }""")
-    assert shown == [[], [3, 4, 5], [3, 4, 5], [8, 9, 10]]
+def script(view: View, module: str, body: str) -> Any:
+    """What comes of a function of the exports of a module of the page."""
+    return view.page.evaluate(f"import('rodgen-live/{module}.js').then(({body}))")
 
 
-def test_numbers_at_a_logarithmic_axis(view: View) -> None:
+def test_axes_and_their_numbers(view: View) -> None:
+    """A constant lies within them, and they are far from the smallest doubles; what is zero but for
+    rounding is written so."""
+    for low, high, ends in (
+        (0.0, 0.0, [-1, 1]),
+        (5.0, 5.0, [4.4, 5.6]),  # steps of 0.1 beyond 10 %
+        (-2e-310, -2e-310, [-1e-290, 1e-290]),
+        (4.366234567891, 4.366234567891003, [3.9, 4.9]),  # a constant but for rounding
+        (0.0, 1.0, [-0.2, 1.2]),
+    ):
+        follow = f"const r = new Range(); r.follow({low}, {high}, 0); return r.ends;"
+        found = script(view, "scales", f"({{ Range }}) => {{ {follow} }}")
+        assert found == pytest.approx(ends, rel=0.05, abs=0.0)
+    for value, step, text in (
+        *((1e-18, 1e-5, "0"), (-1e-17, 0.1, "0.0"), (2e-5, 1e-5, "2e−5"), (7.5, 2.5, "7.5")),
+        *((7.5e-5, 2.5e-5, "7.5e−5"), (12500.0, 2500.0, "12500")),
+    ):
+        assert script(view, "scales", f"s => s.written({value}, {step})") == text
     for low, high, most, ticks in (
         (2.1e-3, 4.9e-3, 5, [3e-3, 4e-3]),  # less than a decade
         (0.15, 30.0, 9, [0.2, 0.5, 1, 2, 5, 10, 20]),
-        (1e-3, 1e3, 7, [1e-3, 1e-2, 0.1, 1, 10, 100, 1e3]),
         (1e-9, 1.0, 4, [1e-9, 1e-6, 1e-3, 1]),
     ):
-        found = view.page.evaluate(
-            f"import('rodgen-live/scales.js').then(s => s.decades({low}, {high}, {most}))"
-        )
+        found = script(view, "scales", f"s => s.decades({low}, {high}, {most})")
         assert found == pytest.approx(ticks, rel=1e-12)
-
-
-def test_one_unit_has_one_scale(view: View) -> None:
-    """In a picture of 300 by 100 pixels, unless one would be more than six times as large."""
-    alike = "import('rodgen-live/scales.js').then(s => s.alike({}, {{ width: 300, height: 100 }}))"
-    found = view.page.evaluate(alike.format("{ x: [0, 1], y: [2, 3] }"))
-    assert found == {"x": pytest.approx([-1, 2]), "y": [2, 3]}
-    found = view.page.evaluate(alike.format("{ x: [0, 6], y: [-1, 1] }"))
-    assert found == {"x": [0, 6], "y": pytest.approx([-1, 1])}
-    unlike = {"x": [0, 1], "y": [0, 3]}
-    assert view.page.evaluate(alike.format("{ x: [0, 1], y: [0, 3] }")) == unlike
-
-
-def test_angles_are_shown_without_their_whole_turns(server: Any, blank: View) -> None:
-    """Of a rod that turns, over time and along it, until that is switched off; files have them as
-    they are."""
-    turning = Scene.from_dict({**ROD, "initial": {"omega": 12.0}})
-    view = blank.open(f"{server.address}?scene={Link(turning).pack()}").pause_after(0.8)
-    button = view.page.get_by_role("button", name="Leave out whole turns of φ₀, φ₄")
-
-    def height() -> float:
-        low, high = ends(view, "p1")[1]
-        return high - low
-
-    view.until(height, lambda size: size <= 8.0, "more than a turn and some room")
-    assert view.csv(0)[1][-1, 1] > 8.0  # 12 rad/s, which bending slows a little
-    button.click()
-    view.until(height, lambda size: size > 8.0, "whole turns are not shown")
-    view.reload()
-    expect(button).to_have_attribute("aria-pressed", "false")

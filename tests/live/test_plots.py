@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,13 +13,15 @@ import rodgen
 from rodgen.integrate.stepper import Array
 from rodgen.live.catalogue import Catalogue
 from rodgen.live.run import plot as plots
-from rodgen.live.run.curves import MOST_ROWS, thin
-from rodgen.live.run.plot import MOST_SERIES, Plot, PlotSpec
+from rodgen.live.run.curves import MOST_ROWS
+from rodgen.live.run.plot import Plot, PlotSpec
 from rodgen.live.samples import Chunk
+from rodgen.model.terms import THESIS_TERMS
 from rodgen.scene import Scene, SceneError
 
 Make = Callable[..., Scene]
 GOOD = {"id": "p1", "kind": "time", "y": ["phi_0"]}
+RISES = {"kind": "poincare", "x": "tip_x", "y": "phi_0", "when": "tip_y"}
 
 
 def prepared(scene: Scene) -> tuple[Catalogue, Callable[..., Chunk]]:
@@ -30,7 +31,8 @@ def prepared(scene: Scene) -> tuple[Catalogue, Callable[..., Chunk]]:
     p = model.parameters(**scene.parameters)
 
     def chunk(t: Array, y: Array, **other: Any) -> Chunk:
-        return Chunk(t, y, np.zeros((len(t), 0)), (), other.pop("p", p), **other)
+        works = catalogue.works
+        return Chunk(t, y, np.zeros((len(t), len(works))), works, other.pop("p", p), **other)
 
     return catalogue, chunk
 
@@ -49,8 +51,7 @@ def turning(chunk: Callable[..., Chunk], t: Array, rate: float) -> Chunk:
 def cut(whole: Chunk, *at: int) -> Iterator[Chunk]:
     """A chunk cut into several."""
     for first, last in zip((0, *at), (*at, len(whole)), strict=True):
-        some = slice(first, last)
-        yield replace(whole, t=whole.t[some], y=whole.y[some], work=whole.work[some])
+        yield whole.some(slice(first, last))
 
 
 def plot(catalogue: Catalogue, **choice: Any) -> Plot:
@@ -62,268 +63,59 @@ def fed(made: Plot, chunks: Iterator[Chunk]) -> Array:
     return np.concatenate(rows) if rows else np.zeros((0, made.width))
 
 
-@pytest.mark.parametrize(
-    ("field", "value"),
-    [
-        ("kind", "pie"),
-        ("id", "a b"),
-        ("id", 3),
-        ("y", []),
-        ("y", ["phi_7"]),
-        ("y", 3),
-        ("y", ["phi_0", None]),
-        ("title", "x" * 81),
-        ("title", "two\nlines"),
-        ("window", 0),
-        ("window", float("nan")),
-        ("window", "20"),
-        ("window", True),
-        ("value", float("inf")),
-        ("every", -1.0),
-        ("direction", "up"),
-        ("colour", "red"),
-    ],
+# What is chosen --------------------------------------------------------------------------------
+
+SENSELESS: dict[str, tuple[Any, ...]] = {
+    "kind": ("pie",),
+    "id": ("a b", 3),
+    "y": ([], ["phi_7"], 3, ["phi_0", None]),
+    "title": ("x" * 81, "two\nlines"),
+    "window": (0, float("nan"), "20", True),
+    "value": (float("inf"),),
+    "every": (-1.0,),
+    "direction": ("up",),
+    "colour": ("red",),
+}
+UNFIT = (
+    ({"kind": "profile", "y": ["tip_x"]}, "plot.y[0]"),
+    ({"kind": "profile", "y": ["phi", "omega"]}, "plot.y"),
+    ({"kind": "profile", "y": ["bend"]}, "plot.y[0]"),  # one link has no neighbour
+    ({"kind": "phase", "y": ["omega_0"], "x": "phi_9"}, "plot.x"),
+    ({"kind": "phase", "y": ["omega"]}, "plot.y[0]"),  # a kind is no quantity
+    ({"kind": "poincare", "y": ["omega_0"], "x": "phi_0"}, "plot.when"),
+    ({"kind": "spectrum", "y": ["phi_0", "tip_x"]}, "plot.y"),
 )
-def test_a_senseless_choice_is_refused(bar: Any, field: str, value: Any) -> None:
-    with pytest.raises(SceneError) as refused:
-        PlotSpec.from_dict({**GOOD, field: value}, bar[0])
-    assert field in f"{refused.value.field} {refused.value.value}"
 
 
-@pytest.mark.parametrize(
-    ("choice", "field"),
-    [
-        ({"kind": "profile", "y": ["tip_x"]}, "plot.y[0]"),
-        ({"kind": "profile", "y": ["phi", "omega"]}, "plot.y"),
-        ({"kind": "profile", "y": ["bend"]}, "plot.y[0]"),  # one link has no neighbour
-        ({"kind": "phase", "y": ["omega_0"], "x": "phi_9"}, "plot.x"),
-        ({"kind": "phase", "y": ["omega"]}, "plot.y[0]"),  # a kind is no quantity
-        ({"kind": "poincare", "y": ["omega_0"], "x": "phi_0"}, "plot.when"),
-        ({"kind": "spectrum", "y": ["phi_0", "tip_x"]}, "plot.y"),
-    ],
-)
-def test_a_kind_of_plot_takes_what_it_can_show(
-    bar: Any, choice: dict[str, Any], field: str
+def test_a_kind_of_plot_takes_what_it_can_show(bar: Any) -> None:
+    for field, values in SENSELESS.items():
+        for value in values:
+            with pytest.raises(SceneError) as refused:
+                PlotSpec.from_dict({**GOOD, field: value}, bar[0])
+            assert field in f"{refused.value.field} {refused.value.value}"
+    for choice, field in UNFIT:
+        with pytest.raises(SceneError) as refused:
+            PlotSpec.from_dict({"id": "p", **choice}, bar[0])
+        assert refused.value.field == field
+
+
+def test_of_too_many_series_every_kth_is_shown(
+    make_scene: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with pytest.raises(SceneError) as refused:
-        PlotSpec.from_dict({"id": "p", **choice}, bar[0])
-    assert refused.value.field == field
-
-
-def test_a_choice_goes_through_json_and_back(bar: Any) -> None:
-    choice = {**GOOD, "kind": "poincare", "x": "tip_x", "when": "t", "every": 0.5, "window": 3}
-    spec = PlotSpec.from_dict(choice, bar[0])
-    again = PlotSpec.from_dict(json.loads(json.dumps(spec.to_dict())), bar[0])
-    assert again == spec
-
-
-def test_time_and_phase_have_a_row_for_every_sample(bar: Any) -> None:
-    catalogue, chunk = bar
-    t = np.linspace(0, 1, 7)
-    whole = turning(chunk, t, 2.0)
-    over_time = fed(plot(catalogue, kind="time", y=["phi", "tip_x"]), cut(whole, 2, 2, 3))
-    expected = np.stack((t, 2 * t, 2 * np.cos(2 * t)), axis=1)
-    np.testing.assert_allclose(over_time, expected, atol=1e-15)
-    phase = fed(plot(catalogue, kind="phase", x="tip_x", y="tip_y"), cut(whole, 4))
-    circle = np.stack((t, 2 * np.cos(2 * t), 2 * np.sin(2 * t)), axis=1)
-    np.testing.assert_allclose(phase, circle, atol=1e-15)
-
-
-def test_of_too_many_series_every_kth_is_shown(make_scene: Make) -> None:
-    catalogue, chunk = prepared(make_scene(MOST_SERIES + 50, "pinned"))
-    made = plot(catalogue, kind="time", y=["omega"])
-    assert made.names == tuple(f"omega_{i}" for i in range(0, MOST_SERIES + 50, 2))
-    y = np.arange(2.0 * (MOST_SERIES + 50))[None]
-    row = made.feed(chunk(np.zeros(1), y))
-    assert row is not None
-    np.testing.assert_array_equal(row[0, 1:], y[0, MOST_SERIES + 50 :: 2])
-    assert made.to_json()["title"] == "rates of the links, every 2nd"
-
-
-@pytest.mark.parametrize(
-    ("count", "ending"),
-    [
-        (1, ""),
-        (2, ", every 2nd"),
-        (3, ", every 3rd"),
-        (4, ", every 4th"),
-        (11, ", every 11th"),
-        (13, ", every 13th"),
-        (21, ", every 21st"),
-    ],
-)
-def test_the_title_says_which_series_are_shown(
-    make_scene: Make, monkeypatch: pytest.MonkeyPatch, count: int, ending: str
-) -> None:
-    """As words are in English; one series alone may be shown here."""
+    """And the title says which, as words are in English."""
     monkeypatch.setattr(plots, "MOST_SERIES", 1)
-    catalogue, _ = prepared(make_scene(21, "pinned"))
-    names = [f"omega_{i}" for i in range(count)]
-    made = plot(catalogue, kind="time", y=names, title="all").to_json()
-    assert made["title"] == "all" + ending
-    assert [one["name"] for one in made["series"]] == ["omega_0"]
-
-
-def test_a_profile_goes_along_the_rod(make_scene: Make) -> None:
-    catalogue, chunk = prepared(make_scene(4, "pinned"))
-    state = chunk(np.array([1.0, 2.0]), np.stack((np.full(8, 0.3), np.arange(8.0))))
-    joints = plot(catalogue, kind="profile", y=["joint_x"])
-    angles = plot(catalogue, kind="profile", y=["phi"])
-    assert joints.feed(state) is None
-    found = joints.present(replace(state, y=state.y[:1], t=state.t[:1], work=state.work[:1]))
-    assert found is not None
-    share = np.linspace(0, 1, 5)
-    np.testing.assert_allclose(found.T, [share, 2.0 * share * np.cos(0.3)], atol=1e-15)
-    found = angles.present(state)  # of the last sample
-    assert found is not None
-    np.testing.assert_allclose(found.T, [[0.125, 0.375, 0.625, 0.875], [0, 1, 2, 3]], atol=1e-15)
-
-
-def test_a_section_of_a_circle_is_exact_to_the_fourth_order(bar: Any) -> None:
-    """The tip rises through y = 1 m on a circle of 2 m: at x = sqrt(3), phi = pi/6 + 2 pi k."""
-    catalogue, chunk = bar
-    errors = []
-    for h in (0.1, 0.05, 0.025):
-        made = plot(catalogue, kind="poincare", x="tip_x", y="phi_0", when="tip_y", value=1.0)
-        points = fed(made, cut(turning(chunk, np.arange(0.0, 20.0, h), 1.0), 3, 4, 5, 50, 90))
-        turns = np.arange(len(points))
-        assert len(points) == 4  # pi/6 + 6 pi is 19.4
-        errors.append(np.abs(points[:, 1] - np.sqrt(3)).max())
-        np.testing.assert_allclose(points[:, 2], np.pi / 6 + 2 * np.pi * turns, atol=h**4)
-    # Order 4, but for where in its interval each crossing happens to lie.
-    assert 8 < errors[0] / errors[1] < 32
-    assert 8 < errors[1] / errors[2] < 32
-
-
-@pytest.mark.parametrize(
-    ("direction", "expected"),
-    [("rising", [1 / 6]), ("falling", [5 / 6]), ("either", [1 / 6, 5 / 6])],
-)
-def test_a_section_has_its_direction(bar: Any, direction: str, expected: list[float]) -> None:
-    catalogue, chunk = bar
-    choice = {"x": "tip_x", "y": "phi_0", "when": "tip_y", "value": 1.0, "direction": direction}
-    whole = turning(chunk, np.linspace(0, 6, 301), 1.0)
-    points = fed(plot(catalogue, kind="poincare", **choice), cut(whole))
-    np.testing.assert_allclose(points[:, 2], np.pi * np.array(expected), atol=1e-6)  # h^4 = 1.6e-7
-
-
-def test_chunks_of_any_length_give_the_same_section(bar: Any) -> None:
-    catalogue, chunk = bar
-    choice = {"x": "tip_x", "y": "phi_0", "when": "tip_y"}
-    times = np.cumsum(np.random.default_rng(3).uniform(0.02, 0.06, 800))
-    whole = turning(chunk, times, 1.3)
-    at_once = fed(plot(catalogue, kind="poincare", **choice), cut(whole))
-    one_by_one = fed(plot(catalogue, kind="poincare", **choice), cut(whole, *range(1, 800)))
-    assert len(at_once) == 6  # the upward crossings of 41 rad
-    np.testing.assert_array_equal(at_once, one_by_one)
-    np.testing.assert_allclose(at_once[:, 1], 2.0, atol=1e-5)  # h^4 of 0.06 * 1.3 rad
-
-
-def test_a_stroboscope_sees_a_phase(bar: Any) -> None:
-    """Every 0.7 s of a turn of 1 rad/s; samples do not lie there, nor does the first instant."""
-    catalogue, chunk = bar
-    choice = {"x": "tip_x", "y": "tip_y", "when": "t", "value": 0.25, "every": 0.7}
-    whole = turning(chunk, np.linspace(0, 5, 501), 1.0)
-    points = fed(plot(catalogue, kind="poincare", **choice), cut(whole, 100))
-    instants = 0.25 + 0.7 * np.arange(7)
-    circle = np.stack((instants, 2 * np.cos(instants), 2 * np.sin(instants)), axis=1)
-    np.testing.assert_allclose(points, circle, atol=1e-8)  # 0.01^4
-
-
-@pytest.mark.parametrize("direction", ["rising", "falling", "either"])
-@pytest.mark.parametrize("every", [0.01, 0.02, 0.07])
-def test_a_value_on_a_sample_is_reached_once(bar: Any, every: float, direction: str) -> None:
-    """Samples lie on every value but for rounding, on either side: none is lost or counts twice,
-    of an angle that rises as of one that falls."""
-    catalogue, chunk = bar
-    t = np.arange(1000) * 0.01
-    choice = {"x": "t", "y": "phi_0", "when": "phi_0", "every": every, "direction": direction}
-    rate = -1.0 if direction == "falling" else 1.0
-    whole = turning(chunk, t, rate)
-    points = fed(plot(catalogue, kind="poincare", **choice), cut(whole, 3, 500, 501))
-    instants = every * np.arange(1, 1001)
-    instants = instants[instants < 9.985]  # known two samples late
-    np.testing.assert_allclose(points[:, 0], instants, atol=1e-12)
-
-
-def test_a_kick_is_not_smoothed_over(bar: Any) -> None:
-    """A bar that turns at 1 rad/s and is turned back at 0.55 s: samples on either side of the kick
-    are joined by a straight line, and by no curve, which would leave the lines phi(t) as well."""
-    catalogue, chunk = bar
-    t = np.arange(0.0, 1.01, 0.1)
-    before = turning(chunk, t[:6], 1.0)
-    back = np.stack((0.55 - 3 * (t[6:] - 0.55), np.full(5, -3.0)), axis=1)
-    after = chunk(t[6:], back, given=4.0)
-    choice = {"x": "t", "y": "phi_0", "when": "phi_0", "direction": "either"}
-    for value, expected in ((0.47, [0.47, 0.53]), (0.23, [0.23, 0.55 + 0.32 / 3])):
-        made = plot(catalogue, kind="poincare", value=value, **choice)
-        points = fed(made, iter((before, after)))
-        np.testing.assert_allclose(points[:, 0], expected, atol=1e-14)
-
-
-def test_the_jump_of_an_axis_is_no_crossing(bar: Any) -> None:
-    """The axis of a bar that turns twice has the angle 0 at 0 (the start), pi, 2 pi, 3 pi; between
-    them it jumps from pi/2 to -pi/2."""
-    catalogue, chunk = bar
-    choice = {"x": "t", "y": "phi_0", "when": "principal_angle", "direction": "either"}
-    whole = turning(chunk, np.arange(0.0, 12.0, 0.05), 1.0)
-    points = fed(plot(catalogue, kind="poincare", **choice), cut(whole))
-    np.testing.assert_allclose(points[:, 0], np.pi * np.array([1, 2, 3]), atol=1e-12)
-
-
-def test_a_run_that_starts_again_starts_the_section_again(bar: Any) -> None:
-    catalogue, chunk = bar
-    choice = {"x": "t", "y": "phi_0", "when": "tip_y", "value": 1.0}
-    whole = turning(chunk, np.linspace(0.0, 1.0, 51), 1.0)
-    points = fed(plot(catalogue, kind="poincare", **choice), iter((whole, whole)))
-    np.testing.assert_allclose(points[:, 0], [np.pi / 6] * 2, atol=1e-6)
-
-
-def test_a_backlog_keeps_the_window_and_the_extremes(bar: Any) -> None:
-    catalogue, chunk = bar
-    t = np.arange(0.0, 100.0, 0.001)
-    y = np.stack((np.sin(t), np.zeros(len(t))), axis=1)
-    y[70_003, 0], y[90_007, 0] = 5.0, -7.0
-    old = chunk(t[:60_000], y[:60_000])
-    new = chunk(t[60_000:], y[60_000:], given=1.0)
-    rows = plot(catalogue, kind="time", y=["phi_0"], window=50.0).backlog([old, new])
-    assert MOST_ROWS // 2 < len(rows) <= MOST_ROWS
-    assert rows[0, 0] == pytest.approx(t[-1] - 50.0, abs=0.0011)
-    assert rows[-1, 0] == t[-1]
-    assert rows[:, 1].max() == 5.0
-    assert rows[:, 1].min() == -7.0
-    assert (np.diff(rows[:, 0]) > 0).all()
-    again = chunk(t[:10], y[:10])  # the run has started again
-    rows = plot(catalogue, kind="time", y=["phi_0"]).backlog([old, again])
-    np.testing.assert_array_equal(rows[:, 0], t[:10])
-    assert plot(catalogue, kind="time", y=["phi_0"]).backlog([]).shape == (0, 2)
-
-
-def test_a_section_added_later_is_the_same(bar: Any) -> None:
-    catalogue, chunk = bar
-    choice = {"x": "tip_x", "y": "phi_0", "when": "tip_y"}
-    first, second = cut(turning(chunk, np.arange(0.0, 30.0, 0.05), 1.0), 257)
-    from_the_start = fed(plot(catalogue, kind="poincare", **choice), iter((first, second)))
-    later = plot(catalogue, kind="poincare", **choice)
-    points = np.concatenate((later.backlog([first]), fed(later, iter((second,)))))
-    np.testing.assert_array_equal(points, from_the_start)
-
-
-@pytest.mark.parametrize("columns", [2, 9, 1300])
-def test_thinned_rows_are_few_and_keep_their_order(columns: int) -> None:
-    rows = np.random.default_rng(1).normal(size=(7001, columns))
-    rows[:, 0] = np.arange(7001.0)
-    rows[17, 1] = np.nan
-    few = thin(rows)
-    assert len(few) <= MOST_ROWS
-    assert (np.diff(few[:, 0]) > 0).all()
-    assert few[0, 0] == 0
-    assert few[-1, 0] == 7000
-    if columns < 10:  # the extremes of every column
-        np.testing.assert_array_equal(np.nanmax(few, axis=0), np.nanmax(rows, axis=0))
-        np.testing.assert_array_equal(np.nanmin(few, axis=0), np.nanmin(rows, axis=0))
-    assert thin(rows[:100]) is not None
-    np.testing.assert_array_equal(thin(rows[:100]), rows[:100])
+    catalogue, chunk = prepared(make_scene(21, "pinned"))
+    for count, ending in ((1, ""), (2, "2nd"), (3, "3rd"), (4, "4th"), (11, "11th"), (21, "21st")):
+        names = [f"omega_{i}" for i in range(count)]
+        made = plot(catalogue, kind="time", y=names, title="all").to_json()
+        assert made["title"].removeprefix("all").split()[-1:] == ending.split()
+        assert [one["name"] for one in made["series"]] == ["omega_0"]
+    monkeypatch.setattr(plots, "MOST_SERIES", 20)
+    made = plot(catalogue, kind="time", y=["omega"])
+    assert made.names == tuple(f"omega_{i}" for i in range(0, 21, 2))
+    row = made.feed(chunk(np.zeros(1), np.arange(42.0)[None]))
+    assert row is not None
+    np.testing.assert_array_equal(row[0, 1:], np.arange(21, 42, 2))
 
 
 def test_the_page_is_told_what_to_draw(bar: Any) -> None:
@@ -341,64 +133,190 @@ def test_the_page_is_told_what_to_draw(bar: Any) -> None:
     assert mixed["title"] == "two"
     energies = plot(catalogue, kind="time", y=["energy"]).to_json()
     assert energies["y"].items() >= {"label": "energy", "unit": "J", "log": False}.items()
-    assert energies["title"] == "energies"
+    # Whole turns are those of absolute angles, neither of differences nor of what a spectrum is of.
+    for choice, turns in (
+        ({"kind": "time", "y": ["phi_0", "t"]}, [2 * np.pi, 0.0]),
+        ({"kind": "time", "y": "phi_0 - phi_0"}, [0.0]),
+        ({"kind": "spectrum", "y": "phi_0"}, [0.0]),
+    ):
+        assert [one["turn"] for one in plot(catalogue, **choice).to_json()["series"]] == turns
+    spec = PlotSpec.from_dict({**GOOD, "window": 3, "wrapped": False}, catalogue)
+    assert PlotSpec.from_dict(json.loads(json.dumps(spec.to_dict())), catalogue) == spec
     names = [one["name"] for one in energies["series"]]
     assert names == ["kinetic_energy", "total_energy"]  # there is neither spring nor gravity
 
 
-def test_pages_know_which_quantities_have_whole_turns(bar: Any) -> None:
-    """Absolute angles, which a page shows without them unless that was chosen otherwise; not
-    differences of angles, nor what a spectrum is of."""
-    catalogue, _ = bar
-    choices = [
-        ({"kind": "time", "y": ["phi_0", "t"]}, [2 * np.pi, 0.0]),
-        ({"kind": "time", "y": "phi_0 - phi_0"}, [0.0]),
-        ({"kind": "spectrum", "y": "phi_0"}, [0.0]),
-    ]
-    for choice, turns in choices:
-        assert [one["turn"] for one in plot(catalogue, **choice).to_json()["series"]] == turns
-    phase = {"kind": "phase", "x": "phi_0", "y": "t"}
-    assert plot(catalogue, **phase).to_json()["x"]["turn"] == 2 * np.pi
-    for wrapped in (False, True):
-        assert plot(catalogue, **phase, wrapped=wrapped).to_json()["wrapped"] == wrapped
+# Rows ------------------------------------------------------------------------------------------
 
 
-def test_energy_in_gravity_is_counted_from_the_start(make_scene: Any) -> None:
+def test_time_and_phase_have_a_row_for_every_sample(bar: Any) -> None:
+    catalogue, chunk = bar
+    t = np.linspace(0, 1, 7)
+    whole = turning(chunk, t, 2.0)
+    over_time = fed(plot(catalogue, kind="time", y=["phi", "tip_x"]), cut(whole, 2, 2, 3))
+    expected = np.stack((t, 2 * t, 2 * np.cos(2 * t)), axis=1)
+    np.testing.assert_allclose(over_time, expected, atol=1e-15)
+    phase = fed(plot(catalogue, kind="phase", x="tip_x", y="tip_y"), cut(whole, 4))
+    circle = np.stack((t, 2 * np.cos(2 * t), 2 * np.sin(2 * t)), axis=1)
+    np.testing.assert_allclose(phase, circle, atol=1e-15)
+
+
+def test_a_profile_goes_along_the_rod(make_scene: Make) -> None:
+    catalogue, chunk = prepared(make_scene(4, "pinned"))
+    state = chunk(np.array([1.0, 2.0]), np.stack((np.full(8, 0.3), np.arange(8.0))))
+    joints = plot(catalogue, kind="profile", y=["joint_x"])
+    angles = plot(catalogue, kind="profile", y=["phi"])
+    assert joints.feed(state) is None
+    share = np.linspace(0, 1, 5)
+    for made, shown, expected in (
+        (joints, state.some(slice(1)), [share, 2.0 * share * np.cos(0.3)]),
+        (angles, state, [[0.125, 0.375, 0.625, 0.875], [0, 1, 2, 3]]),  # of the last sample
+    ):
+        found = made.present(shown)
+        assert found is not None
+        np.testing.assert_allclose(found.T, expected, atol=1e-15)
+
+
+def test_a_backlog_keeps_the_window_and_the_extremes(bar: Any) -> None:
+    catalogue, chunk = bar
+    t = np.arange(0.0, 100.0, 0.001)
+    y = np.stack((np.sin(t), np.zeros(len(t))), axis=1)
+    y[70_003, 0], y[90_007, 0] = 5.0, -7.0
+    old = chunk(t[:60_000], y[:60_000])
+    new = chunk(t[60_000:], y[60_000:], given=1.0)
+    rows = plot(catalogue, kind="time", y=["phi_0"], window=50.0).backlog([old, new])
+    assert MOST_ROWS // 2 < len(rows) <= MOST_ROWS
+    assert rows[0, 0] == pytest.approx(t[-1] - 50.0, abs=0.0011)
+    assert rows[-1, 0] == t[-1]
+    assert (rows[:, 1].max(), rows[:, 1].min()) == (5.0, -7.0)
+    assert (np.diff(rows[:, 0]) > 0).all()
+    again = chunk(t[:10], y[:10])  # the run has started again
+    rows = plot(catalogue, kind="time", y=["phi_0"]).backlog([old, again])
+    np.testing.assert_array_equal(rows[:, 0], t[:10])
+    assert plot(catalogue, kind="time", y=["phi_0"]).backlog([]).shape == (0, 2)
+
+
+# Sections --------------------------------------------------------------------------------------
+
+
+def test_a_section_of_a_circle_is_exact_to_the_fourth_order(bar: Any) -> None:
+    """The tip rises through y = 1 m on a circle of 2 m: at x = sqrt(3), phi = pi/6 + 2 pi k."""
+    catalogue, chunk = bar
+    errors = []
+    for h in (0.1, 0.05, 0.025):
+        made = plot(catalogue, **RISES, value=1.0)
+        points = fed(made, cut(turning(chunk, np.arange(0.0, 20.0, h), 1.0), 3, 4, 5, 50, 90))
+        turns = np.arange(len(points))
+        assert len(points) == 4  # pi/6 + 6 pi is 19.4
+        errors.append(np.abs(points[:, 1] - np.sqrt(3)).max())
+        np.testing.assert_allclose(points[:, 2], np.pi / 6 + 2 * np.pi * turns, atol=h**4)
+    # Order 4, but for where in its interval each crossing happens to lie.
+    assert 8 < errors[0] / errors[1] < 32
+    assert 8 < errors[1] / errors[2] < 32
+
+
+def test_sections_of_samples_where_the_answer_is_known(bar: Any) -> None:
+    """In each direction; of a stroboscope, between samples; of the axis of a bar that turns twice,
+    which has the angle 0 at 0 (the start), pi, 2 pi, 3 pi and jumps between them; of a run that
+    starts again."""
+    catalogue, chunk = bar
+
+    def times(t: Array, **choice: Any) -> Array:
+        made = plot(catalogue, **{"kind": "poincare", "x": "t", "y": "phi_0", **choice})
+        return fed(made, cut(turning(chunk, t, 1.0), 100))[:, 0]
+
+    even = np.linspace(0, 6, 301)
+    for direction, sixths in (("rising", [1]), ("falling", [5]), ("either", [1, 5])):
+        found = times(even, when="tip_y", value=1.0, direction=direction)
+        np.testing.assert_allclose(found, np.pi / 6 * np.array(sixths), atol=1e-6)  # h^4 = 1.6e-7
+    found = times(np.linspace(0, 5, 501), when="t", value=0.25, every=0.7)
+    np.testing.assert_allclose(found, 0.25 + 0.7 * np.arange(7), atol=1e-12)
+    found = times(np.arange(0.0, 12.0, 0.05), when="principal_angle", direction="either")
+    np.testing.assert_allclose(found, np.pi * np.array([1, 2, 3]), atol=1e-12)
+    twice = np.concatenate([np.linspace(0.0, 1.0, 51)] * 2)
+    np.testing.assert_allclose(times(twice, when="tip_y", value=1.0), [np.pi / 6] * 2, atol=1e-6)
+
+
+def test_chunks_of_any_length_give_the_same_section(bar: Any) -> None:
+    """Of uneven samples, and to a plot that is added later."""
+    catalogue, chunk = bar
+    times = np.cumsum(np.random.default_rng(3).uniform(0.02, 0.06, 800))
+    whole = turning(chunk, times, 1.3)
+    at_once = fed(plot(catalogue, **RISES), cut(whole))
+    one_by_one = fed(plot(catalogue, **RISES), cut(whole, *range(1, 800)))
+    first, second = cut(whole, 257)
+    later = plot(catalogue, **RISES)
+    added = np.concatenate((later.backlog([first]), fed(later, iter((second,)))))
+    assert len(at_once) == 6  # the upward crossings of 41 rad
+    np.testing.assert_array_equal(at_once, one_by_one)
+    np.testing.assert_array_equal(at_once, added)
+    np.testing.assert_allclose(at_once[:, 1], 2.0, atol=1e-5)  # h^4 of 0.06 * 1.3 rad
+
+
+@pytest.mark.parametrize("direction", ["rising", "falling", "either"])
+def test_a_value_on_a_sample_is_reached_once(bar: Any, direction: str) -> None:
+    """Samples lie on every value but for rounding, on either side: none is lost or counts twice,
+    of an angle that rises as of one that falls."""
+    catalogue, chunk = bar
+    t = np.arange(1000) * 0.01
+    whole = turning(chunk, t, -1.0 if direction == "falling" else 1.0)
+    for every in (0.01, 0.02, 0.07):
+        choice = {"x": "t", "y": "phi_0", "when": "phi_0", "every": every, "direction": direction}
+        points = fed(plot(catalogue, kind="poincare", **choice), cut(whole, 3, 500, 501))
+        instants = every * np.arange(1, 1001)
+        instants = instants[instants < 9.985]  # known two samples late
+        np.testing.assert_allclose(points[:, 0], instants, atol=1e-12)
+
+
+def test_a_kick_is_not_smoothed_over(bar: Any) -> None:
+    """A bar that turns at 1 rad/s and is turned back at 0.55 s: samples on either side of the kick
+    are joined by a straight line, and by no curve, which would leave the lines phi(t) as well."""
+    catalogue, chunk = bar
+    t = np.arange(0.0, 1.01, 0.1)
+    before = turning(chunk, t[:6], 1.0)
+    back = np.stack((0.55 - 3 * (t[6:] - 0.55), np.full(5, -3.0)), axis=1)
+    after = chunk(t[6:], back, given=4.0)
+    choice = {"x": "t", "y": "phi_0", "when": "phi_0", "direction": "either"}
+    for value, expected in ((0.47, [0.47, 0.53]), (0.23, [0.23, 0.55 + 0.32 / 3])):
+        made = plot(catalogue, kind="poincare", value=value, **choice)
+        points = fed(made, iter((before, after)))
+        np.testing.assert_allclose(points[:, 0], expected, atol=1e-14)
+
+
+# Energies --------------------------------------------------------------------------------------
+
+
+def test_energy_in_gravity_is_counted_from_the_start(make_scene: Make) -> None:
     """A rod 4 km below the origin: what falls is seen. Kinetic energy is as it is, and what comes
     later counts from the same start."""
-    scene = make_scene(5, terms=("follower", "gravity", "internal_damping", "external_damping"))
-    model = rodgen.build(scene)
-    catalogue = Catalogue(scene, model)
+    scene = make_scene(5, terms=THESIS_TERMS)
+    catalogue, make = prepared(scene)
     y = np.tile(scene.initial_state(), (5, 1))
     y[:, 1] = -4000.0 - np.arange(5.0)
-    p = model.parameters(**scene.parameters)
-    works = catalogue.works
-    chunk = Chunk(np.arange(5.0), y, np.zeros((5, len(works))), works, p)
+    chunk = make(np.arange(5.0), y)
     made = plot(catalogue, kind="time", y=["energy"])
-    rows = np.concatenate(
-        [made.backlog([chunk.some(slice(3))]), made.feed(chunk.some(slice(3, 5)))]
-    )
+    first, later = cut(chunk, 3)
+    rows = np.concatenate([made.backlog([first]), made.feed(later)])
     fallen = -scene.parameters["mass"] * 9.81 * np.arange(5.0)
-    columns = {one["label"]: k for k, one in enumerate(made.to_json()["series"], 1)}
-    own = rows[:, columns["kinetic energy"]] + rows[:, columns["spring energy"]]
-    for label, energy in (
-        ("gravity energy from the start", fallen),
-        ("total energy with gravity from the start", fallen + own),
-    ):
-        found = rows[:, columns[label]]
-        np.testing.assert_allclose(found, energy, rtol=1e-9, atol=1e-9)  # eps of 1e5 J
+    names = [one["name"].split("_")[0] for one in made.to_json()["series"]]
+    kinetic, spring, gravity, total = (
+        rows[:, 1 + names.index(name)] for name in ("kinetic", "spring", "gravity", "total")
+    )
+    np.testing.assert_allclose(gravity, fallen, rtol=1e-9, atol=1e-9)  # eps of 1e5 J
+    np.testing.assert_allclose(total, fallen + kinetic + spring, rtol=1e-9, atol=1e-9)
     phase = plot(catalogue, kind="phase", x="t", y="gravity_energy").feed(chunk)
     assert phase is not None
     assert phase[0, 2] < -1e4  # as it is, over another
 
 
-def test_energies_that_a_scene_lacks_are_no_lines_at_zero(make_scene: Any) -> None:
+def test_energies_that_a_scene_lacks_are_no_lines_at_zero(make_scene: Make) -> None:
     """A chain without stiffness and weight has neither springs nor gravity, until it gets some."""
-    scene = make_scene(5, terms=("follower", "gravity", "internal_damping", "external_damping"))
-    catalogue, model = Catalogue(scene, rodgen.build(scene)), rodgen.build(scene)
+    scene = make_scene(5, terms=THESIS_TERMS)
+    catalogue, _ = prepared(scene)
 
     def shown(**values: float) -> tuple[bool, list[str]]:
-        other = catalogue.settle(0.0, model.parameters(**{**scene.parameters, **values}))
+        p = catalogue.model.parameters(**{**scene.parameters, **values})
+        other = catalogue.settle(0.0, p)
         return other, [one.split("_")[0] for one in catalogue.expand("energy")]
 
     every = ["kinetic", "spring", "gravity", "total"]

@@ -1,10 +1,8 @@
-"""The server as a process: addresses, tokens, ports, and what a page may hand in."""
+"""Who is let in, by requests as a server gets them; and the server as a process."""
 
 from __future__ import annotations
 
-import http.server
 import socket
-import threading
 import urllib.error
 import urllib.request
 from collections.abc import Callable
@@ -14,10 +12,105 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from rodgen.live.page.guard import Guard
+from tests.live.conftest import SCENES, finished
 from tests.live.view import PATIENT
 
-SCENES = Path(__file__).parents[2] / "scenes"
-MISSILE = str(SCENES / "missile.toml")
+TOKEN, PORT = "s3cret-token", 8642
+HTTP, SOCKET = "http", "websocket"
+LET_IN, REFUSED = {HTTP: 200, SOCKET: 101}, {HTTP: 403, SOCKET: 1008}
+MOST = 2 * 1024 * 1024  # bytes: a scene of 1 MiB and what is around it
+
+
+def ask(
+    token: str | None = None, query: str = "", kind: str = HTTP, port: int = PORT, **headers: str
+) -> tuple[int, dict[str, str]]:
+    """Status and headers of an answer; 101: the WebSocket is let through."""
+    sent: list[Any] = []
+
+    async def app(scope: Any, _: Any, send: Any) -> None:
+        if scope["type"] == HTTP:
+            await send({"type": "http.response.start", "status": 200, "headers": []})
+        else:
+            await send({"type": "websocket.accept"})
+
+    async def send(message: Any) -> None:
+        sent.append(message)
+
+    async def receive() -> Any:
+        return {"type": "http.request"}
+
+    headers = {"host": "localhost:8642", **headers}
+    scope = {
+        "type": kind,
+        "headers": [(name.encode(), value.encode()) for name, value in headers.items()],
+        "query_string": query.encode(),
+    }
+    finished(Guard(app, token, port)(scope, receive, send))
+    if kind == SOCKET:
+        return (101 if sent[0]["type"] == "websocket.accept" else sent[0]["code"]), {}
+    found = {name.decode(): value.decode() for name, value in sent[0]["headers"]}
+    return sent[0]["status"], found
+
+
+# A stranger's DNS may give this machine a name, and its page would be of our origin.
+STRANGE = ("evil.example:8642", "10.0.0.1", "", "localhost.evil", "[::1")
+ORIGINS = ("http://evil.example", "null", "http://localhost:1", "x")
+
+
+@pytest.mark.parametrize("kind", [HTTP, SOCKET])
+def test_own_machine_is_let_in_and_nobody_else(kind: str) -> None:
+    for host in ("localhost:8642", "127.0.0.1:8642", "[::1]:8642", "localhost"):
+        assert ask(kind=kind, host=host, origin=f"http://{host}")[0] == LET_IN[kind]
+    for host in STRANGE:
+        assert ask(kind=kind, host=host)[0] == REFUSED[kind], host
+    for origin in ORIGINS:
+        assert ask(kind=kind, origin=origin)[0] == REFUSED[kind], origin
+    assert ask(TOKEN, f"token={TOKEN}", kind=kind, origin=ORIGINS[0])[0] == REFUSED[kind]
+
+
+def test_token_is_asked_for_and_kept() -> None:
+    host = "192.168.0.7:8642"
+    assert ask(TOKEN, host=host)[0] == 403
+    assert ask(TOKEN, "token=wrong", host=host)[0] == 403
+    status, headers = ask(TOKEN, f"token={TOKEN}", host=host)
+    assert status == 200
+    cookie = headers["set-cookie"]
+    assert "HttpOnly" in cookie
+    assert "SameSite=Lax" in cookie  # Strict ones are not sent by who follows a link in a mail
+    kept = cookie.split(";")[0]
+    for kind in (HTTP, SOCKET):
+        assert ask(TOKEN, kind=kind, host=host, cookie=kept)[0] == LET_IN[kind]
+        assert ask(TOKEN, kind=kind, host=host)[0] == REFUSED[kind]
+    name = kept.split("=")[0]
+    assert ask(TOKEN, host=host, cookie=name + "=\u00e9")[0] == 403
+    # Cookies are those of a host: with one name for all ports, servers would take each other's.
+    other = ask(TOKEN, f"token={TOKEN}", port=PORT + 1, host=f"lan:{PORT + 1}")[1]["set-cookie"]
+    assert other.split("=")[0] != name
+
+
+def test_pages_of_other_servers_may_link_and_no_more() -> None:
+    """Navigations of frames say no origin, but where they are from and what for."""
+    for site in ("cross-site", "same-site"):
+        for kind in ("iframe", "frame", "embed", "object", "image", "script", "empty"):
+            theirs = {"sec-fetch-site": site, "sec-fetch-dest": kind}
+            assert ask(query="scene=x", **theirs)[0] == 403
+            own = {**theirs, "sec-fetch-site": "same-origin"}
+            assert ask(query="scene=x", **own)[0] == 200
+        link = {"sec-fetch-site": site, "sec-fetch-dest": "document"}
+        assert ask(query="scene=x", **link)[0] == 200
+    for token, query in ((None, ""), (TOKEN, f"token={TOKEN}")):
+        headers = ask(token, query)[1]
+        assert headers["x-frame-options"] == "DENY"
+        assert headers["content-security-policy"] == "frame-ancestors 'none'"
+
+
+def test_long_requests_are_refused() -> None:
+    """Before anything is read."""
+    assert ask(**{"content-length": str(MOST)})[0] == 200
+    for length in (str(MOST + 1), "9" * 5000, "-1"):
+        assert ask(**{"content-length": length})[0] == 403
+    assert ask(**{"transfer-encoding": "chunked"})[0] == 403
 
 
 def status(address: str, **headers: str) -> int:
@@ -31,43 +124,21 @@ def status(address: str, **headers: str) -> int:
 
 
 def test_taken_port_is_named(rodgen: Callable[..., Any]) -> None:
-    pytest.importorskip("nicegui", reason="the extra view is not installed")
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        done = rodgen("view", MISSILE, "--port", port, "--no-open")
+        done = rodgen("view", SCENES / "missile.toml", "--port", port, "--no-open")
     assert done.returncode == 2
     assert f"--port = {port}" in done.stderr
-    assert "in use" in done.stderr
 
 
-def test_loopback_server_refuses_strangers(server: Any) -> None:
+@pytest.mark.slow
+def test_loopback_server_refuses_strangers_and_long_uploads(server: Any) -> None:
+    """At most 2 MiB, whatever a browser lets through; unread."""
     assert status(server.address) == 200
     assert status(server.address, Host="evil.example") == 403
     assert status(server.address, Origin="http://evil.example") == 403
     for path in ("live/channel/x", "..%2f..%2fetc/passwd", "_nicegui/../../etc/passwd", "docs"):
         assert status(server.address + path) in (403, 404)
-
-
-@pytest.mark.nightly
-def test_token_opens_the_page_elsewhere(
-    serve: Callable[..., Any], blank: Any, folder: Path
-) -> None:
-    served = serve(str(folder / "dart.toml"), "--host", "0.0.0.0", "--port", "0")
-    told = urlsplit(served.address)
-    assert told.hostname != "0.0.0.0"  # no browser elsewhere gets there by it
-    assert status(served.address) == 200
-    place, token = f"http://127.0.0.1:{told.port}/", told.query.partition("=")[2]
-    assert len(token) > 20
-    address = f"{place}?token={token}"
-    assert status(place) == 403
-    assert status(f"{place}?token=guess") == 403
-    blank.open(address)
-    blank.page.goto(place)  # the token is kept by the browser
-    blank.ready()
-
-
-def test_long_upload_is_refused_unread(server: Any) -> None:
-    """At most 2 MiB, whatever a browser lets through."""
     told = urlsplit(server.address)
     with socket.create_connection((told.hostname, told.port), timeout=PATIENT) as asking:
         head = f"POST / HTTP/1.1\r\nHost: {told.netloc}\r\nContent-Length: {3 * 2**20}\r\n\r\n"
@@ -75,20 +146,17 @@ def test_long_upload_is_refused_unread(server: Any) -> None:
         assert asking.recv(100).startswith(b"HTTP/1.1 403")
 
 
-def test_page_of_another_server_cannot_hold_ours_in_a_frame(server: Any, blank: Any) -> None:
-    class Theirs(http.server.BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            self.send_response(200)
-            self.send_header("Content-Type", "text/html")
-            self.end_headers()
-            self.wfile.write(f'<iframe src="{server.address}"></iframe>'.encode())
-
-        def log_message(self, *_: object) -> None:
-            pass
-
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Theirs) as made:
-        threading.Thread(target=made.serve_forever, daemon=True).start()
-        with blank.page.expect_response(server.address) as answer:
-            blank.page.goto(f"http://127.0.0.1:{made.server_port}/")
-        made.shutdown()
-    assert answer.value.status == 403
+@pytest.mark.nightly
+def test_token_opens_the_page_elsewhere(
+    serve: Callable[..., Any], another: Callable[..., Any], folder: Path
+) -> None:
+    served, blank = serve(folder / "dart.toml", "--host", "0.0.0.0"), another(apart=True)
+    told = urlsplit(served.address)
+    assert told.hostname != "0.0.0.0"  # no browser elsewhere gets there by it
+    assert status(served.address) == 200
+    place, token = f"http://127.0.0.1:{told.port}/", told.query.partition("=")[2]
+    assert len(token) > 20
+    assert status(place) == 403
+    assert status(f"{place}?token=guess") == 403
+    blank.open(f"{place}?token={token}")
+    blank.open(place)  # the token is kept by the browser

@@ -1,4 +1,4 @@
-"""A page of the live view in a browser, and one way to wait for what it does."""
+"""A page of the live view in a browser, and the ways to wait for what it does."""
 
 from __future__ import annotations
 
@@ -12,52 +12,18 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from rodgen.live.catalogue import KINDS
-
 if TYPE_CHECKING:
     from playwright.sync_api import Locator, LocatorAssertions, Page
 
 T = TypeVar("T")
-NUMBERED = re.compile(r"_(\d+)")  # in the name of a quantity along the rod
-PATIENT = 600.0  # seconds that a busy machine may take, for a module to be made too
-# What a page sends on its own connection, in window.sent by the names of events, and the texts of
-# all notes that it shows, in window.notes; both from its first moment on.
-WATCHED = """
-    window.sent = [];
-    window.notes = [];
-    let socket;
-    Object.defineProperty(window, "socket", {
-        get: () => socket,
-        set(given) {
-            socket = given;
-            const emit = given.emit;
-            given.emit = function (name, message, ...rest) {
-                const of = name === "event" && mounted_app.elements[message.id];
-                const listens = (of?.events ?? []).find(e => e.listener_id === message.listener_id);
-                if (listens) sent.push(listens.type);
-                return emit.call(this, name, message, ...rest);
-            };
-        },
-    });
-    new MutationObserver(changes => {
-        for (const { addedNodes } of changes) for (const node of addedNodes) {
-            const found = node.matches?.(".q-notification") ? [node]
-                : node.querySelectorAll?.(".q-notification") ?? [];
-            notes.push(...[...found].map(note => note.textContent).filter(text => text));
-        }
-    }).observe(document, { childList: true, subtree: true });
-"""
-# A question about no element of the page: the server answers it after all that came before.
-ASK = """new Promise(answered =>
-    socket.emit("event", { client_id: clientId, id: -1, listener_id: "", args: [] }, answered))"""
+PATIENT = 20.0  # seconds for anything that is waited for, on a busy machine too
+DIGITS = 5.1e-5  # of five digits half of the last, of a number that begins with 1
+# A number of the panel of values, from its text.
+NUMBER = """const number = text =>
+    Number((text ?? "").replace(/[\\u2007\\u202f]/g, "").replace("\\u2212", "-") || NaN);"""
 
 
-def until(
-    look: Callable[[], T],
-    wanted: T | Callable[[T], bool],
-    what: str,
-    rest: Callable[[float], object] = time.sleep,
-) -> T:
+def until(look: Callable[[], T], wanted: T | Callable[[T], bool], what: str) -> T:
     """What is seen, once it is as wanted: equal to that, or such that it says so. If it never is,
     fail with `what`, and with what was seen last."""
     end = time.monotonic() + PATIENT
@@ -66,7 +32,7 @@ def until(
         if wanted(seen) if callable(wanted) else seen == wanted:
             return seen
         assert time.monotonic() < end, f"{what}: {seen!r}"
-        rest(0.03)
+        time.sleep(0.02)
 
 
 def expect(locator: Locator) -> LocatorAssertions:
@@ -77,14 +43,13 @@ def expect(locator: Locator) -> LocatorAssertions:
 
 
 class View:
-    """A page of the live view, with what went wrong in it."""
+    """A page of the live view, with what went wrong in it and where it asked."""
 
     def __init__(self, page: Page):
         self.page = page
         self.errors: list[str] = []
         self.asked: list[str] = []
         page.set_default_timeout(1000 * PATIENT)
-        page.add_init_script(WATCHED)
         page.on("pageerror", lambda error: self.errors.append(str(error)))
         page.on("request", lambda request: self.asked.append(request.url))
 
@@ -92,82 +57,66 @@ class View:
         self.page.goto(address)
         return self.ready()
 
-    def reload(self) -> View:
-        """Load the page again, after all that was done on it has reached the server."""
-        self.answered()
-        self.page.reload()
-        return self.ready()
-
     def ready(self) -> View:
-        """The page is built, its parts stand where they will stay, and the rod and the plots are
-        drawn."""
-        expect(self.button("Run (").or_(self.button("Pause ("))).to_be_visible()
-        self.page.evaluate("document.fonts.ready.then(() => null)")
-        self.until(lambda: self.live("frames"), lambda count: count >= 1, "nothing is drawn")
-        draws = "Object.values(rodgenLive.plots ?? {}).map(({ draws }) => draws)"
-        self.sees(draws, lambda found: len(found) > 1 and min(found) > 0, "plots are not drawn")
+        """The page is built, and the rod and all plots are drawn."""
+        expect(self.button("Add plot")).to_be_visible()
+        self.sees("live.connected && live.frames > 0")
+        self.sees("Object.values(live.plots).length > 1")
+        self.sees("Object.values(live.plots).every(({ draws }) => draws > 0)")
         return self
 
-    def until(self, look: Callable[[], T], wanted: T | Callable[[T], bool], what: str) -> T:
-        """Wait for something, while the browser goes on (see `until` above)."""
-        return until(look, wanted, what, lambda pause: self.page.wait_for_timeout(1000 * pause))
+    # The state of the page ---------------------------------------------------------------------
 
-    def sees(self, script: str, wanted: Any, what: str) -> Any:
-        """Wait until a piece of JavaScript gives what is wanted."""
-        return self.until(lambda: self.page.evaluate(script), wanted, what)
+    def sees(self, condition: str, given: object = None) -> Any:
+        """Wait until an expression of JavaScript holds, of `live`, the state of the page (see
+        hub.js), and what is `given`; returns its value."""
+        from playwright.sync_api import TimeoutError as Late
 
-    def answered(self) -> View:
-        """The server has got all that the page has sent up to now."""
-        self.page.evaluate(ASK)
-        return self
+        state = f"{NUMBER} const live = window.rodgenLive;"
+        script = f"given => {{ {state} return live && ({condition}) }}"
+        try:
+            found = self.page.wait_for_function(script, arg=given, polling=30)
+        except Late:
+            state = self.page.evaluate("window.rodgenLive")
+            raise AssertionError(f"never: {condition}, given {given!r}, but {state}") from None
+        return found.json_value()
 
-    def sent(self) -> list[str]:
-        """Events that the page has sent since the last question, by their names."""
-        found: list[str] = self.page.evaluate("sent.splice(0)")
-        return found
+    def live(self, expression: str) -> Any:
+        """What an expression of `live` is now."""
+        return self.page.evaluate(
+            f"() => {{ {NUMBER} const live = window.rodgenLive; return {expression} }}"
+        )
 
-    def notes(self) -> list[str]:
-        """All notes that the page has shown, gone or not."""
-        found: list[str] = self.page.evaluate("notes")
-        return found
-
-    def noted(self, text: str, count: int = 1) -> View:
-        """So many notes with a text in them are or were shown."""
-        self.until(
-            self.notes,
-            lambda notes: sum(text in note for note in notes) == count,
-            f"not noted {count} times: {text}",
+    def shows(self, key: str, value: float, near: float = DIGITS) -> View:
+        """The number of that key in the panel of values is this one, but for a share of it."""
+        margin = max(near * abs(value), 1e-12)
+        self.sees(
+            f"Math.abs(number(live.texts.{key}) - given[0]) <= given[1]", [float(value), margin]
         )
         return self
 
-    def close_notes(self) -> None:
-        """By their buttons, those that have not gone by themselves."""
-        self.page.evaluate(
-            "document.querySelectorAll('.q-notification button').forEach(b => b.click())"
-        )
-        expect(self.page.locator(".q-notification")).to_have_count(0)
-
-    def live(self, key: str) -> float:
-        """A number of window.rodgenLive: t, frames, fps."""
-        return float(self.page.evaluate(f"window.rodgenLive?.{key} ?? -1"))
-
-    def state(self, state: str) -> View:
-        """The run is in that state, and so is what is drawn."""
-        self.sees("window.rodgenLive?.state", state, f"not {state}")
+    def run(self) -> View:
+        self.button("Run (").click()
+        self.sees("live.state === 'running'")
         return self
 
-    def text(self, key: str) -> str:
-        """What stands in a row of the panel of values, once something does."""
-        self.page.wait_for_function(
-            "key => [...document.querySelectorAll(`[data-text=${key}]`)].at(-1)?.textContent",
-            arg=key,
-        )
-        found = self.page.locator(f'[data-text="{key}"]').last.text_content() or ""
-        return found.replace("\u2007", "").replace("\u2212", "-").strip()
+    def pause(self) -> View:
+        self.button("Pause (").click()
+        self.sees("live.state === 'paused'")
+        expect(self.button("Run (")).to_be_visible()
+        return self
+
+    def pause_after(self, t: float) -> View:
+        """Run for so many seconds more of the scene, and hold."""
+        since = self.live("live.t")
+        self.run().sees("live.t > given", since + t)
+        return self.pause()
+
+    # Its parts ---------------------------------------------------------------------------------
 
     def button(self, name: str) -> Locator:
         """A button by the beginning of its name."""
-        return self.page.get_by_role("button", name=re.compile(f"^{re.escape(name)}"))
+        return self.page.get_by_role("button", name=re.compile(f"^{re.escape(name)}")).first
 
     def tab(self, name: str) -> View:
         self.page.get_by_role("tab", name=name).click()
@@ -182,68 +131,56 @@ class View:
         self.field(name).fill(text)
         self.field(name).press("Enter")
 
-    def run(self) -> View:
-        self.button("Run (").click()
-        expect(self.button("Pause (")).to_be_visible()
-        return self.state("running")
+    def refuses(self, name: str) -> None:
+        """The field says that it is wrong, and why; no other does."""
+        wrong = self.page.locator("[aria-invalid=true]")
+        expect(self.field(name).and_(wrong)).to_be_visible()
+        expect(wrong).to_have_count(1)
+        why = self.page.get_by_role("alert").filter(has_text=re.compile(r"\S"))
+        expect(why.filter(visible=True)).to_have_count(1)
 
-    def pause(self) -> View:
-        self.button("Pause (").click()
-        expect(self.button("Run (")).to_be_visible()
-        return self.state("paused")
-
-    def passes(self, t: float) -> View:
-        """So many seconds more of the scene pass."""
-        since = self.live("t")
-        self.until(lambda: self.live("t") - since, lambda past: past > t, "time does not pass")
-        return self
-
-    def pause_after(self, t: float) -> View:
-        """Run for so many seconds more of the scene, and hold."""
-        return self.run().passes(t).pause()
-
-    def dark(self) -> bool:
-        """Whether the page is dark."""
-        return bool(self.page.evaluate("document.body.classList.contains('body--dark')"))
+    def line(self) -> Locator:
+        """The time line."""
+        return self.page.get_by_role("slider", name="Time that is shown")
 
     def select(self, name: str, option: str) -> None:
         """Choose from a list."""
         self.page.get_by_role("combobox", name=name).click()
         self.page.get_by_role("option", name=option, exact=True).click()
 
+    def dialog(self, button: str) -> Locator:
+        """The dialog that a button opens."""
+        self.button(button).click()
+        opened = self.page.get_by_role("dialog")
+        expect(opened).to_be_visible()
+        return opened
+
+    def close(self, dialog: Locator, button: str) -> None:
+        """Close a dialog by one of its buttons."""
+        dialog.get_by_role("button", name=button, exact=True).click()
+        expect(dialog).to_have_count(0)
+
     def plot_dialog(self, kind: str, **chosen: str) -> Locator:
         """The dialog for a kind of plot, with quantities chosen by their names."""
-        self.button("Add plot").click()
-        dialog = self.page.get_by_role("dialog")
+        dialog, options = self.dialog("Add plot"), self.page.get_by_role("option")
         dialog.get_by_role("combobox", name="kind of plot").click()
-        options = self.page.get_by_role("option")
         options.filter(has_text=kind).first.click()
-        for label, names in chosen.items():
+        expect(options).to_have_count(0)
+        for label, name in chosen.items():
             field = dialog.get_by_role("combobox", name=label.replace("_", " "), exact=True)
-            numbers: dict[str, list[str]] = {}
-            for name in names.split():
-                along = None if name.startswith("principal") else NUMBERED.search(name)
-                kind = NUMBERED.sub("", name) if along else name
-                if kind not in numbers:
-                    field.fill(kind)
-                    options.filter(has_text=f"({kind})").first.click()
-                numbers.setdefault(kind, []).extend([along[1]] if along else [])
+            field.fill(name)
+            options.filter(has_text=f"({name})").first.click()
             if label == "quantities":
                 self.page.keyboard.press("Escape")
             expect(options).to_have_count(0)
-            for kind, some in numbers.items():
-                if some:
-                    self._which(dialog, kind).fill(", ".join(some))
         return dialog
 
-    def _which(self, dialog: Locator, kind: str) -> Locator:
-        """The last field that asks which of a kind."""
-        return dialog.get_by_role("textbox", name=f"which {KINDS[kind].title}").last
-
-    def add_plot(self, kind: str, **chosen: str) -> None:
-        dialog = self.plot_dialog(kind, **chosen)
-        dialog.get_by_role("button", name="Add").click()
-        expect(dialog).to_have_count(0)
+    def add_plot(self, kind: str, **chosen: str) -> str:
+        """Add a plot, once it is there; returns its id."""
+        before = self.live("Object.keys(live.plots)")
+        self.close(self.plot_dialog(kind, **chosen), "Add")
+        new = "Object.keys(live.plots).find(id => !given.includes(id) && live.plots[id].draws)"
+        return str(self.sees(new, before))
 
     def download(self, button: Locator) -> Path:
         """The file that a button gives."""

@@ -1,26 +1,42 @@
 """Sow the faults of `tests.mutation.faults` one at a time and tell which of them the tests find.
 
 A fault is sown into a copy of the packages, which the tests of the fault see in place of the
-sources. Ends with status 1 if a fault was missed or a text is gone.
+sources: those that are unmarked, then the slow ones. Outcomes are kept in build/faults.jsonl, by
+the fault, the sources and its tests, so that a run that was interrupted goes on. In the end the
+tests that have found faults are run without any, and have to pass. Ends with status 1 if a fault
+was missed, a text is gone, or such a test fails.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
+import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
-from tests.cache import cache
+from rodgen.loading.cache import PACKAGES as GENERATOR
 from tests.mutation.faults import FAULTS, Fault
+from tests.mutation.finder import NOTE
 
 ROOT = Path(__file__).parents[2]
+KEPT = ROOT / "build" / "faults.jsonl"
 PACKAGES = {"src/rodgen": "rodgen", "derive": "rodgen/derive", "templates": "rodgen/templates"}
-FOUND, MISSED, GONE = "found", "MISSED", "GONE"
+CACHED = (*GENERATOR, "rodgen.check")  # packages that the folder of a cache is named after
+FOUND, MISSED, GONE, BROKEN = "found", "MISSED", "GONE", "BROKEN"
+LIMIT = 900.0  # s of a fault's tests: with the fault there is no end
+FAILED, STOPPED = 1, 2  # status of pytest: a test failed, or files could not be imported
+Row = dict[str, Any]
 
 
 def lay(folder: Path) -> Path:
@@ -46,45 +62,135 @@ def place(fault: Fault, layout: Path) -> Path:
     return holding[0]
 
 
-def sow(fault: Fault, number: int) -> str:
-    """Whether the tests of a fault fail with it."""
+def hash_of(fault: Fault, layout: Path) -> str:
+    """A hash of what the outcome of a fault follows from: itself, the sources, its tests and what
+    these import."""
+    digest = hashlib.sha256(repr(fault).encode())
+    tests = [ROOT / "tests" / test for test in fault.tests.split()]
+    beside = [ROOT / "tests", *(test.parent for test in tests if test.is_file())]
+    helps = [file for folder in beside for file in folder.glob("*.py")]
+    tests += [ROOT / "conftest.py", *(one for one in helps if not one.name.startswith("test_"))]
+    for folder in (layout / "rodgen", *tests):
+        inside = folder.rglob("*") if folder.is_dir() else [folder]
+        for file in sorted(path for path in inside if path.is_file()):
+            if file.suffix != ".pyc":
+                digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+class Runs:
+    """Runs of pytest, which end when this one does."""
+
+    def __init__(self, limit: float):
+        self._limit, self._over = limit, False
+        self._going = set[subprocess.Popen[bytes]]()
+
+    def tested(self, tests: list[str], env: dict[str, str], *options: str) -> tuple[int, Row]:
+        """The status of pytest, which ends with the first test that fails, and what its plugin has
+        written down. A process that dies, or does not end, has failed."""
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "tests.mutation.finder"]
+        command += ["-x", "-p", "no:cacheprovider", "-p", "no:xdist", "-m", "not nightly", *options]
+        with tempfile.TemporaryDirectory(prefix="rodgen-note-") as folder:
+            note = Path(folder) / "note.json"
+            run = self._begun([*command, *tests], {**os.environ, **env, NOTE: str(note)})
+            try:
+                status = run.wait(self._limit)
+            except subprocess.TimeoutExpired:
+                return FAILED, {"by": f"no end within {self._limit:g} s"}
+            finally:
+                self._end(run)
+            if self._over:
+                raise KeyboardInterrupt
+            if status < 0:
+                return FAILED, {"by": f"the tests died of signal {-status}"}
+            return status, json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
+
+    def _begun(self, command: list[str], env: dict[str, str]) -> subprocess.Popen[bytes]:
+        if self._over:
+            raise KeyboardInterrupt
+        quiet = subprocess.DEVNULL
+        streams = {"stdin": quiet, "stdout": quiet, "stderr": quiet}
+        run = subprocess.Popen(command, cwd=ROOT, env=env, start_new_session=True, **streams)
+        self._going.add(run)
+        return run
+
+    def _end(self, run: subprocess.Popen[bytes]) -> None:
+        with suppress(OSError):  # it and all that it has started
+            os.killpg(run.pid, signal.SIGKILL)
+        run.wait()
+        self._going.discard(run)
+
+    def end(self) -> None:
+        """End those that go on, and begin no others."""
+        self._over = True
+        for run in list(self._going):
+            self._end(run)
+
+
+def sow(number: int, layout: Path, runs: Runs, first: str = "") -> Row:
+    """The outcome of a fault in a layout of its own; first: the test that has found it before."""
+    fault = FAULTS[number - 1]
+    row: Row = {"number": number, "fault": repr(fault), "hash": hash_of(fault, layout)}
+    try:
+        file = place(fault, layout)
+    except LookupError as error:
+        return row | {"outcome": GONE, "by": str(error)}
+    row["file"] = file.relative_to(layout).as_posix()
+    text = file.read_text(encoding="utf-8")
+    file.write_text(text.replace(fault.right, fault.wrong), encoding="utf-8")
+    env = {"PYTHONPATH": str(layout)}
+    if any(file.is_relative_to(layout.joinpath(*name.split("."))) for name in CACHED):
+        env["RODGEN_TEST_CACHES"] = str(layout / "cache")  # what nobody else has any use for
+    tests = [str(ROOT / "tests" / test) for test in fault.tests.split()]
+    start, status, note = time.perf_counter(), 0, Row()
+    if first:
+        status, note = runs.tested([first], env)
+    if status not in (FAILED, STOPPED):
+        status, note = runs.tested(tests, env)
+    row |= {"outcome": FOUND if status in (FAILED, STOPPED) else MISSED}
+    row |= note or {"by": f"pytest ended with status {status}"}
+    if row["by"].endswith(".py") and runs.tested(tests, {}, "--collect-only")[0]:
+        row["outcome"] = BROKEN  # a file that cannot be imported without the fault as well
+    return row | {"seconds": round(time.perf_counter() - start, 1)}
+
+
+def sown(number: int, runs: Runs, known: list[Row], again: bool) -> Row:
+    """The outcome of a fault, that which is known or a new one, which is kept."""
+    fault = FAULTS[number - 1]
+    before = [row for row in known if row["fault"] == repr(fault)]
     with tempfile.TemporaryDirectory(prefix="rodgen-fault-") as folder:
         layout = lay(Path(folder))
-        try:
-            file = place(fault, layout)
-        except LookupError as error:
-            print(f"{number:3} {GONE}: {error}", flush=True)
-            return GONE
-        text = file.read_text(encoding="utf-8")
-        file.write_text(text.replace(fault.right, fault.wrong), encoding="utf-8")
-        tests = [str(ROOT / "tests" / test) for test in fault.tests.split()]
-        command = [
-            sys.executable,
-            "-m",
-            "pytest",
-            "-x",
-            "-q",
-            "-p",
-            "no:cacheprovider",
-            "-p",
-            "no:xdist",
-        ]
-        command += ["-m", "not nightly", *tests]
-        env = {**os.environ, "PYTHONPATH": folder}
-        ask = [sys.executable, "-c", "from tests.cache import cache; print(cache())"]
-        made = subprocess.run(ask, cwd=ROOT, env=env, capture_output=True, text=True).stdout.strip()
-        start = time.perf_counter()
-        done = subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True)
-        seconds = time.perf_counter() - start
-        if made and Path(made) != cache():  # by a generator that nobody has
-            shutil.rmtree(made, ignore_errors=True)
-    # 1: tests failed; 2: they could not be collected, as the package cannot be imported.
-    outcome = FOUND if done.returncode in (1, 2) else MISSED
-    lines = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
-    by = lines[0][:90] if lines else f"status {done.returncode}"
-    where = file.relative_to(layout)
-    print(f"{number:3} {outcome} in {seconds:.0f} s: {where}: {fault.wrong!r}; {by}", flush=True)
-    return outcome
+        digest = hash_of(fault, layout)
+        same = [row for row in before if row["hash"] == digest and not again]
+        if same and same[-1]["outcome"] == FOUND and "::" in same[-1]["by"]:
+            return same[-1] | {"number": number}
+        found = [row["by"] for row in before if row["outcome"] == FOUND and "::" in row["by"]]
+        row = sow(number, layout, runs, found[-1] if found else "")
+    keep(row)
+    return row
+
+
+def keep(row: Row) -> None:
+    """Write an outcome down."""
+    with KEPT.open("a", encoding="utf-8") as lines:
+        lines.write(json.dumps(row) + "\n")
+
+
+def shown(row: Row) -> str:
+    """An outcome in a line."""
+    fault = FAULTS[row["number"] - 1]
+    time_ = f" in {row['seconds']:.0f} s ({row.get('processor', 0):.0f} s of a processor)"
+    where = f": {row.get('file', fault.room)}: {fault.wrong[:60]!r}; {row['by']}"
+    return f"{row['number']:3} {row['outcome']}{time_ if 'seconds' in row else ''}{where}"
+
+
+def broken(rows: list[Row], runs: Runs) -> Iterator[Row]:
+    """Of faults that were found: those whose tests fail without them as well."""
+    found = [row for row in rows if row["outcome"] == FOUND and "::" in row["by"]]
+    tests = sorted({row["by"] for row in found})
+    while tests and (failing := runs.tested(tests, {})[1].get("by", "")):
+        yield from (row | {"outcome": BROKEN} for row in found if row["by"] == failing)
+        tests = [test for test in tests if test != failing]
 
 
 def span(word: str) -> range:
@@ -99,20 +205,41 @@ def span(word: str) -> range:
 def main() -> None:
     """Sow, and say how many were found."""
     parser = argparse.ArgumentParser(prog="python -m tests.mutation.seed", description=__doc__)
-    which = f"faults such as 3 or 20-25, of 1 to {len(FAULTS)}; all of them take an hour"
+    last = len(FAULTS)
+    which = f"faults such as 3 or 20-25, of 1 to {last}; all of them take an hour"
     parser.add_argument("faults", nargs="*", type=span, help=which)
-    parser.add_argument("--check", action="store_true", help="only whether texts stand once")
+    parser.add_argument("--from", dest="low", type=int, default=1, help="the first of them")
+    parser.add_argument("--to", dest="high", type=int, default=last, help="the last of them")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="how many at a time")
+    parser.add_argument("--limit", type=float, default=LIMIT, help=f"s for each, {LIMIT:g}")
+    parser.add_argument("--again", action="store_true", help="also those whose outcome is known")
     given = parser.parse_args()
-    numbers = [number for span in given.faults for number in span] or range(1, len(FAULTS) + 1)
-    if given.check:
-        with tempfile.TemporaryDirectory() as folder:
-            layout = lay(Path(folder))
-            for number in numbers:
-                place(FAULTS[number - 1], layout)
-        return
-    outcomes = [sow(FAULTS[number - 1], number) for number in numbers]
-    print(f"{outcomes.count(FOUND)} of {len(outcomes)} found")
-    sys.exit(outcomes.count(FOUND) < len(outcomes))
+    chosen = [number for span in given.faults for number in span] or range(1, last + 1)
+    numbers = [number for number in chosen if given.low <= number <= given.high]
+    KEPT.parent.mkdir(exist_ok=True)
+    lines = KEPT.read_text(encoding="utf-8").splitlines() if KEPT.exists() else []
+    known, rows, runs = [json.loads(line) for line in lines], list[Row](), Runs(given.limit)
+    for one in (signal.SIGINT, signal.SIGTERM):  # also where a shell ignores the first
+        signal.signal(one, signal.default_int_handler)
+    pool = ThreadPoolExecutor(max(given.jobs, 1))
+    try:
+        going = [pool.submit(sown, number, runs, known, given.again) for number in numbers]
+        for one in as_completed(going):
+            rows.append(one.result())
+            print(shown(rows[-1]), flush=True)
+        failing = list(broken(rows, runs))
+    except KeyboardInterrupt:
+        print(f"interrupted after {len(rows)} of {len(numbers)}: the same command goes on")
+        sys.exit(130)
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        runs.end()
+    for row in failing:
+        keep(row)
+        print(f"{row['number']:3} {BROKEN}: fails without the fault as well: {row['by']}")
+    count = sum(row["outcome"] == FOUND for row in rows) - len(failing)
+    print(f"{count} of {len(rows)} found")
+    sys.exit(count < len(rows))
 
 
 if __name__ == "__main__":

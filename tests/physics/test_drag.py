@@ -42,14 +42,6 @@ def test_a_level_rod_falls_to_its_terminal_speed() -> None:
     assert sol.energy_error < 1e-8
 
 
-def test_a_gust_does_work() -> None:
-    """Pushed from the side, a rod at rest gains energy by drag; the balance knows of it."""
-    scene = _rod({"normal": 2.0, "wind": [0.0, "10*sin(3*t)"]}, "clamped")
-    sol = simulate(scene.with_integrate(span=[0.0, 1.0], rtol=1e-10, atol=1e-12))
-    assert sol.work["drag"].max() > 1.0
-    assert sol.energy_error < 1e-8
-
-
 @pytest.mark.nightly
 def test_wind_bends_and_damps_a_clamped_rod() -> None:
     """At rest without wind it has no part in small motions; in a wind along the rod's side it damps
@@ -69,17 +61,14 @@ def test_wind_bends_and_damps_a_clamped_rod() -> None:
     np.testing.assert_allclose(bent.phi, angles, rtol=1e-5)  # small: they are below 1e-3
 
 
-@pytest.mark.parametrize(
-    ("drag", "field"),
-    [
-        ({"normal": -1.0}, "loads.drag.normal"),
-        ({"wind": [1.0]}, "loads.drag.wind"),
-        ({"wind": [1.0, "x*t"]}, "loads.drag.wind.1"),
-        ({"wind": [1.0, float("nan")]}, "loads.drag.wind.1"),
-        ({"wind": 3.0}, "loads.drag.wind"),
-    ],
-)
-def test_what_is_no_drag_is_refused(drag: dict[str, Any], field: str) -> None:
-    with pytest.raises(SceneError) as refused:
-        _rod(drag)
-    assert refused.value.field == field
+def test_what_is_no_drag_is_refused() -> None:
+    for drag, field in (
+        ({"normal": -1.0}, "normal"),
+        ({"wind": [1.0]}, "wind"),
+        ({"wind": [1.0, "x*t"]}, "wind.1"),
+        ({"wind": [1.0, float("nan")]}, "wind.1"),
+        ({"wind": 3.0}, "wind"),
+    ):
+        with pytest.raises(SceneError) as refused:
+            _rod(drag)
+        assert refused.value.field == f"loads.drag.{field}"

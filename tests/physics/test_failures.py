@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
+from itertools import product
 
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ import rodgen
 from rodgen.integrate import Interrupted, RunError, StepWarning
 from rodgen.integrate.methods.libraries import ScipyStep
 from rodgen.scene import Scene
-from tests.palette import cases
+from tests.physics.sets import sets
 
 Make = Callable[..., Scene]
 
@@ -23,12 +25,16 @@ def _with_force(scene: Scene, force: str, **integrate: object) -> Scene:
     return Scene.from_dict(table)
 
 
+def _blames(error: RunError, load: str, at: float, within: float) -> None:
+    """A load is named, and the time at which it is not finite, behind that where the run ends."""
+    times = [float(number) for number in re.findall(r"t = (\S+) s", str(error))]
+    assert load in str(error)
+    assert times[1:] == pytest.approx([at], abs=within)
+
+
 def test_explicit_method_beyond_its_stability_limit_is_stopped(make_scene: Make) -> None:
-    scene = make_scene(6, "free", ("follower",), span=[0.0, 5.0])
-    with (
-        pytest.warns(StepWarning, match="euler is unstable with every step"),
-        pytest.raises(RunError, match=r"stopped at t = \d.*try a smaller step") as caught,
-    ):
+    scene = make_scene(3, "free", ("follower",), span=[0.0, 5.0])
+    with pytest.warns(StepWarning, match="euler"), pytest.raises(RunError) as caught:
         rodgen.simulate(scene, method="euler", step=0.05)
     sol = caught.value.solution
     assert sol.status == "failed"
@@ -37,14 +43,16 @@ def test_explicit_method_beyond_its_stability_limit_is_stopped(make_scene: Make)
     assert len(sol.t) == len(sol.y) == len(sol.work["follower"])
 
 
+@pytest.mark.nightly
 def test_steps_that_go_nowhere_are_stopped(
     make_scene: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """LSODA creeps up to a pole with steps of 1e-18 s and would do so for ever."""
     monkeypatch.setattr("rodgen.integrate.stretches.STRIDE", 1000)
     scene = _with_force(make_scene(3, "free", ("follower",)), "1/(t - 0.5)**2", method="lsoda")
-    with pytest.raises(RunError, match=r"stopped at t = 0\.[45].*(no further|finite|gave up)"):
+    with pytest.raises(RunError) as caught:
         rodgen.simulate(scene)
+    assert 0.4 < caught.value.solution.t[-1] <= 0.5
 
 
 POLES = {
@@ -56,10 +64,23 @@ POLES = {
     "1/(t - 0.30013)": 0.30013,  # nowhere that a step of fixed length would see
     "40 if t < 0.2 else 1/abs(t - 0.4)": 0.4,
     "1/(t - 0.3) if t > 0.3 else 0": 0.3,  # a break point, finite before
+    "sqrt(0.5 - t)": 0.5,  # no number from then on
 }
 
 
-@cases("method, force", ["rk4", "rk45", "lsoda"], POLES)
+BY_EQUAL_STEPS = [("rk4", force) for force in POLES]
+BREAK = "1/(t - 0.3) if t > 0.3 else 0"
+
+
+# Methods that choose their steps creep up to a pole, which takes time.
+@pytest.mark.parametrize(
+    ("method", "force"),
+    sets(
+        [*BY_EQUAL_STEPS[-4:-2], ("dop853", "sqrt(0.5 - t)")],
+        slow=[*BY_EQUAL_STEPS, ("rk45", BREAK), ("lsoda", BREAK)],
+        nightly=product(["rk45", "lsoda"], POLES),
+    ),
+)
 def test_division_by_zero_in_a_load_is_reported_with_its_time(
     make_scene: Make, method: str, force: str
 ) -> None:
@@ -68,48 +89,34 @@ def test_division_by_zero_in_a_load_is_reported_with_its_time(
     scene = _with_force(scene, force, method=method, step=1e-3)
     with pytest.raises(RunError) as caught:
         rodgen.simulate(scene)
-    message = str(caught.value)
-    assert f"loads.follower.force = {force!r} is not finite at t = {at:.9g} s" in message
-    assert message.startswith("stopped at t = ")
+    # Of what is no number from a time on, the time is that of a step.
+    within = 0.01 if "sqrt" in force else 1e-8
+    _blames(caught.value, f"loads.follower.force = {force!r}", at, within)
     assert caught.value.solution.t[-1] <= at
-    assert np.isfinite(caught.value.solution.y).all()
-
-
-@pytest.mark.filterwarnings("ignore::rodgen.integrate.endings.StepWarning")  # Euler's method
-@pytest.mark.parametrize("method", ["euler", "rk4", "rk45", "dop853", "radau", "bdf", "lsoda"])
-def test_load_that_is_no_number_is_named_with_its_time(make_scene: Make, method: str) -> None:
-    scene = _with_force(
-        make_scene(3, "free", ("follower",)), "sqrt(0.5 - t)", method=method, step=1e-3
-    )
-    words = r"force = 'sqrt\(0.5 - t\)' is not finite at t = 0\.50?"
-    with pytest.raises(RunError, match=words) as caught:
-        rodgen.simulate(scene)
-    assert 0.45 < caught.value.solution.t[-1] <= 0.5
     assert np.isfinite(caught.value.solution.y).all()
 
 
 def test_pole_far_ahead_is_not_blamed(make_scene: Make) -> None:
     """Euler's method leaves its stability limit long before the force is not finite."""
-    scene = make_scene(6, "free", ("follower",), span=[0.0, 500.0])
+    scene = make_scene(3, "free", ("follower",), span=[0.0, 500.0])
     scene = _with_force(scene, "40 + 1/(t - 499.3)", method="euler", step=0.05)
-    with pytest.warns(StepWarning), pytest.raises(RunError, match="stopped at t = ") as caught:
+    with pytest.warns(StepWarning), pytest.raises(RunError) as caught:
         rodgen.simulate(scene)
     assert "loads." not in str(caught.value)
 
 
 def test_zero_that_divides_nothing_in_the_end_stops_no_run(make_scene: Make) -> None:
-    scene = make_scene(3, "free", ("follower",))
-    for force in ("min(1/(t - 0.5)**2, 100)", "1/(t - 0.5) if t < 0.3 else 0"):
-        sol = rodgen.simulate(_with_force(scene, force))
-        assert sol.status == "finished"
-        assert abs(sol.energy_balance).max() < 1e-6
+    scene = _with_force(make_scene(3, "free", ("follower",)), "min(1/(t - 0.5)**2, 100)")
+    sol = rodgen.simulate(scene)
+    assert sol.status == "finished"
+    assert abs(sol.energy_balance).max() < 1e-6
 
 
 def test_interrupt_keeps_what_was_computed(make_scene: Make) -> None:
     def press_ctrl_c(t: float) -> None:
         raise KeyboardInterrupt
 
-    scene = make_scene(4, "free", ("follower",), span=[0.0, 500.0])
+    scene = make_scene(3, "free", ("follower",), span=[0.0, 500.0])
     with pytest.raises(Interrupted) as caught:
         rodgen.simulate(scene, progress=press_ctrl_c)
     sol = caught.value.solution
@@ -119,12 +126,12 @@ def test_interrupt_keeps_what_was_computed(make_scene: Make) -> None:
     assert np.abs(sol.energy_balance).max() < 1e-6
 
 
-@pytest.mark.parametrize("where", ["interpolant", "power", "rhs"])
+@pytest.mark.parametrize("where", sets(["rhs"], slow=["interpolant", "power"]))
 def test_interrupt_at_any_place_leaves_whole_samples(
     make_scene: Make, where: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Ctrl-C in the middle of taking in a step: what is kept is what the whole run has."""
-    scene = make_scene(4, "free", ("follower",), span=[0.0, 2.0], output_every=0.005)
+    scene = make_scene(3, "free", ("follower",), span=[0.0, 2.0], output_every=0.005)
     whole = rodgen.simulate(scene)
     model = rodgen.build(scene)
     calls = {"left": 700 if where == "rhs" else 3 if where == "power" else 60}
@@ -153,11 +160,16 @@ def test_interrupt_at_any_place_leaves_whole_samples(
 
 
 def test_too_many_links_for_the_dense_form_are_refused(make_scene: Make) -> None:
-    with pytest.raises(rodgen.SceneError, match="links"):
+    with pytest.raises(rodgen.SceneError, match="links = 100000"):
         rodgen.build(make_scene(100_000), form="dense")
 
 
-@cases("method, target", ("gauss", "radau", "dop853"), ("numpy", "c"))
+@pytest.mark.parametrize(
+    ("method", "target"),
+    sets(
+        [("gauss", "numpy")], slow=[("radau", "c")], nightly=[("dop853", "numpy"), ("gauss", "c")]
+    ),
+)
 def test_rates_beyond_all_numbers_stop_a_run(make_scene: Make, method: str, target: str) -> None:
     scene = make_scene(3, "free", rod={"length": 1e-59}, span=[0.0, 0.1])
     with pytest.raises(RunError) as caught:

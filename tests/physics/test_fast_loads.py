@@ -10,16 +10,16 @@ import pytest
 
 import rodgen
 from rodgen import Scene, StepWarning
-from rodgen.integrate.events import Watch
-from rodgen.integrate.methods.choose import machine
-from rodgen.integrate.samples import Recorder
-from rodgen.integrate.stretches import inside
 from tests.physics.live_runs import bar
+from tests.physics.sets import numbers, sets
 
 SWITCHED = "3 if sin(2*pi*1500*t) > 0 else 0"  # 6000 times, of 4001 samples at first
 SWINGING = "1 + sin(1e4*t)"
-COMPILED = [("dop853", "c"), ("gauss", "c"), ("radau", "c")]
-IN_PYTHON = [("gauss", "numpy"), ("radau", "numpy"), ("lsoda", "numpy"), ("bdf", "numpy")]
+WAYS = sets(
+    [("dop853", "c"), ("gauss", "numpy")],
+    slow=[("radau", "c"), ("lsoda", "numpy")],
+    nightly=[("gauss", "c"), ("radau", "numpy"), ("bdf", "numpy")],
+)
 
 
 def free(load: str, span: float, method: str, **integrate: Any) -> Scene:
@@ -37,7 +37,7 @@ def momentum(scene: Scene, target: str) -> float:
 
 
 @pytest.mark.compiler
-@pytest.mark.parametrize(("method", "target"), [*COMPILED, *IN_PYTHON])
+@pytest.mark.parametrize(("method", "target"), WAYS)
 def test_load_that_switches_is_followed(method: str, target: str) -> None:
     """It is on half of the time."""
     span = 2.0 if target == "c" else 0.05
@@ -47,7 +47,7 @@ def test_load_that_switches_is_followed(method: str, target: str) -> None:
 
 
 @pytest.mark.compiler
-@pytest.mark.parametrize(("method", "target"), [*COMPILED, *IN_PYTHON])
+@pytest.mark.parametrize(("method", "target"), WAYS)
 def test_load_that_swings_is_followed(method: str, target: str) -> None:
     span = 2.0 if target == "c" else 0.02
     got = momentum(free(SWINGING, span, method), target)
@@ -60,15 +60,18 @@ def test_load_that_swings_is_followed(method: str, target: str) -> None:
 @pytest.mark.compiler
 def test_fixed_step_that_cannot_see_a_load_is_warned_of() -> None:
     scene = free(SWINGING, 0.1, "rk4", step=5e-4)
-    with pytest.warns(StepWarning, match="swings with a period of 0.0006"):
+    with pytest.warns(StepWarning) as warned:
         rodgen.simulate(scene, target="c")
+    # Its period, in some digits.
+    told = numbers(warned[0].message)
+    assert any(number == pytest.approx(2 * math.pi / 1e4, rel=0.05) for number in told)
     rodgen.simulate(free(SWINGING, 0.1, "rk4", step=1e-4), target="c")  # nothing is said
 
 
 @pytest.mark.compiler
 def test_load_that_cannot_be_followed_is_warned_of() -> None:
     scene = free("sin(1e9*t)", 1.0, "rk4", step=0.1)
-    with pytest.warns(StepWarning, match=r"loads.tip.x = 'sin\(1e9\*t\)': changes more often"):
+    with pytest.warns(StepWarning, match=r"loads\.tip\.x = 'sin\(1e9\*t\)'"):
         rodgen.simulate(scene, target="c")
 
 
@@ -78,22 +81,3 @@ def test_slow_loads_do_not_bound_steps() -> None:
     assert free("2 + sin(5*t)", 5.0, "dop853").course.swing() == pytest.approx(
         math.pi / 5, rel=1e-2
     )
-
-
-@pytest.mark.compiler
-@pytest.mark.parametrize(("method", "target"), [*COMPILED[1:], *IN_PYTHON[:1]])
-def test_motion_that_is_guessed_exactly_goes_on(method: str, target: str) -> None:
-    """From the second step on Newton's method has nothing to do but rounding, which does not
-    shrink."""
-    scene = free("3 if sin(2*pi*400*t) > 0 else 0", 0.1, method)
-    model = rodgen.build(scene, target)
-    p = model.parameters(**scene.parameters)
-    course = machine(model, p, scene.integrate, 0.0, scene.initial_state())
-    recorder = Recorder(np.empty(0), 6, ("follower",), None, 0)
-    watch = Watch([], model, p)
-    for end in scene.breaks():
-        course.begin(end, *inside(course.t, end), 0.8 * (end - course.t))  # two steps each
-        while not course.advance(recorder, watch, 100):
-            pass
-    assert course.t == scene.breaks()[-1]
-    assert not course.counts.rejected

@@ -14,6 +14,7 @@ import pytest
 
 import rodgen
 from rodgen.scene import Scene
+from tests.physics.sets import sets
 
 PUBLISHED = json.loads((Path(__file__).parent / "ivp_beam_t5.json").read_text(encoding="utf-8"))
 EXACT = np.array(PUBLISHED["y"])
@@ -24,6 +25,7 @@ def scene() -> Scene:
     return Scene.from_toml(Path(__file__).parents[2] / "scenes" / "ivp_beam.toml")
 
 
+@pytest.mark.slow
 def test_published_solution_is_reproduced(scene: Scene) -> None:
     # Off by 2.3e-10; by 2.2e-10 with atol 1e-16, in four times as many steps.
     settings = {"method": "dop853", "rtol": 1e-13, "atol": 1e-14, "output_every": 5.0}
@@ -35,7 +37,7 @@ def test_published_solution_is_reproduced(scene: Scene) -> None:
 
 @pytest.mark.parametrize(
     ("method", "rtol", "limit"),
-    [pytest.param("dop853", 1e-7, 1e-6, marks=pytest.mark.nightly), ("radau", 1e-5, 1e-3)],
+    sets([("radau", 1e-5, 1e-3)], nightly=[("dop853", 1e-7, 1e-6)]),
 )
 def test_other_target_and_method_come_near(
     scene: Scene, method: str, rtol: float, limit: float

@@ -4,6 +4,7 @@ equations that they solve."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 
 import numpy as np
 import pytest
@@ -12,10 +13,23 @@ import rodgen
 from rodgen import Scene
 from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.joint_forces import forces_per_mass
+from rodgen.model.quantities import QUANTITIES
+from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen.model.terms import THESIS_TERMS
+from tests.palette import ALONG, ENDS
+from tests.physics.sets import sets
 
 Make = Callable[..., Scene]
-JOINTED = ("follower", "gravity", "internal_damping", "external_damping", "tip_load", "drag")
-HELD = ("clamped", "cantilever", "pinned")
+# Loads that change with time are among either half.
+RODS = pytest.mark.parametrize(
+    ("boundary", "inertia", "terms"),
+    sets(
+        [("free", "uniform", ENDS), ("cantilever", "lumped", ENDS)],
+        slow=[("clamped", "lumped", ENDS), ("pinned", "lumped", ENDS)],
+        nightly=product(BOUNDARIES, INERTIAS, (ENDS, ALONG)),
+    ),
+)
+LINKS = 3
 
 
 def piece_of(scene: Scene, y: np.ndarray | None = None, t: float = 0.3) -> Piece:
@@ -24,50 +38,51 @@ def piece_of(scene: Scene, y: np.ndarray | None = None, t: float = 0.3) -> Piece
     return Piece(model, p, scene.initial_state() if y is None else y, np.array(t))
 
 
-@pytest.mark.parametrize("inertia", ["uniform", "lumped"])
+@pytest.mark.parametrize("inertia", sets(["uniform"], slow=["lumped"]))
 def test_a_chain_that_hangs_carries_what_is_below(make_scene: Make, inertia: str) -> None:
     down = {"phi": -np.pi / 2, "omega": 0.0}
-    scene = make_scene(5, "pinned", ("gravity",), {"inertia": inertia}, down)
+    scene = make_scene(LINKS, "pinned", ("gravity",), {"inertia": inertia}, down)
     piece = piece_of(scene)
     weight = scene.rod.mass * 9.81
-    below = weight * np.arange(5, 0, -1) / 5
+    below = weight * np.arange(LINKS, 0, -1) / LINKS
     np.testing.assert_allclose(piece.values("axial_force"), below, rtol=1e-12)
     np.testing.assert_allclose(piece.values("shear_force"), 0.0, atol=1e-12 * weight)
     np.testing.assert_allclose(piece.values("reaction"), [0.0, weight], atol=1e-12 * weight)
 
 
+@pytest.mark.slow
 def test_shear_is_the_slope_of_the_moment_at_rest(make_scene: Make) -> None:
     """Links in equilibrium: l Q = M before less M behind, where no load acts between; and the
     reaction carries all that pushes the rod."""
     still = {"phi": 0.0, "omega": 0.0}
-    scene = make_scene(6, "clamped", ("tip_load",), None, still)
+    scene = make_scene(LINKS, "clamped", ("tip_load",), None, still)
     scene = scene.replace({"loads.tip.x": -3.0, "loads.tip.y": 5.0})
     rest = rodgen.static_equilibrium(scene)
-    piece = piece_of(scene, np.concatenate((rest.phi, np.zeros(6))))
+    piece = piece_of(scene, np.concatenate((rest.phi, np.zeros(LINKS))))
     M, phi = piece.values("bending_moments"), piece.values("phi")
     x, y = np.moveaxis(piece.values("joint_forces"), -1, 0)
     across = y * np.cos(phi) - x * np.sin(phi)  # of the link behind the joint
-    l = scene.rod.length / 6
+    l = scene.rod.length / LINKS
     np.testing.assert_allclose(l * across, M[:-1] - M[1:], atol=1e-9)
-    np.testing.assert_allclose(np.stack((x, y), -1), np.tile([-3.0, 5.0], (6, 1)), atol=1e-9)
+    np.testing.assert_allclose(np.stack((x, y), -1), np.tile([-3.0, 5.0], (LINKS, 1)), atol=1e-9)
     np.testing.assert_allclose(piece.values("reaction"), [3.0, -5.0], atol=1e-9)
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("boundary", ["free", *HELD])
-@pytest.mark.parametrize("inertia", ["uniform", "lumped"])
-def test_momentum_of_what_is_behind_a_joint(make_scene: Make, boundary: str, inertia: str) -> None:
+@RODS
+def test_momentum_of_what_is_behind_a_joint(
+    make_scene: Make, boundary: str, inertia: str, terms: tuple[str, ...]
+) -> None:
     """Newton's law for the links behind each joint: their accelerations by differences of the
     joints along the motion, loads as forces on joints, which the link before a joint takes."""
-    scene = make_scene(6, boundary, JOINTED, {"inertia": inertia})
-    t, n, m = 0.3, 6, scene.rod.mass / 6
+    scene = make_scene(LINKS, boundary, terms, {"inertia": inertia})
+    t, m = 0.3, scene.rod.mass / LINKS
     piece = piece_of(scene, t=t)
     model, p, y = piece.model, piece.p, piece.y
 
     def velocities(state: np.ndarray) -> np.ndarray:
         phi = Piece(model, p, state).values("phi")
         omega = Piece(model, p, state).values("omega")
-        l = scene.rod.length / n
+        l = scene.rod.length / LINKS
         steps = l * omega[:, None] * np.stack((-np.sin(phi), np.cos(phi)), -1)
         half = len(state) // 2
         start = state[half : half + 2] if boundary == "free" else np.zeros(2)
@@ -78,22 +93,24 @@ def test_momentum_of_what_is_behind_a_joint(make_scene: Make, boundary: str, ine
     flow = model.rhs(t, y, p)
     acceleration = (velocities(y + h * flow) - velocities(y - h * flow)) / (2 * h)
     loads = sum(piece.values("forces").values())
-    behind = np.array([loads[j + 1 :].sum(axis=0) for j in range(n)])
-    weight = np.array([0.0, -9.81 * m])
-    moving = np.array([m * acceleration[j:].sum(axis=0) - (n - j) * weight for j in range(n)])
+    behind = np.array([loads[j + 1 :].sum(axis=0) for j in range(LINKS)])
+    weight = np.array([0.0, -9.81 * m * ("gravity" in terms)])
+    moving = np.array(
+        [m * acceleration[j:].sum(axis=0) - (LINKS - j) * weight for j in range(LINKS)]
+    )
     first = scene.hold.first_force
     expected = (behind - moving)[first:]
     # The difference has an error of h^2 and of eps/h.
     np.testing.assert_allclose(piece.values("joint_forces"), expected, atol=1e-6, rtol=1e-7)
 
 
-@pytest.mark.parametrize("boundary", ["free", *HELD])
-@pytest.mark.parametrize("inertia", ["uniform", pytest.param("lumped", marks=pytest.mark.nightly)])
-def test_momenta_grow_by_loads_and_reaction(make_scene: Make, boundary: str, inertia: str) -> None:
+@RODS
+def test_momenta_grow_by_loads_and_reaction(
+    make_scene: Make, boundary: str, inertia: str, terms: tuple[str, ...]
+) -> None:
     """Newton's and Euler's laws for the whole rod: what momenta gain along the motion is what all
     forces, and their moments about the same point, do to it; with dampers in the clamp."""
-    terms = (*JOINTED, "material_damping")
-    scene = make_scene(4, boundary, terms, {"inertia": inertia})
+    scene = make_scene(LINKS, boundary, terms, {"inertia": inertia})
     rng = np.random.default_rng(5)
     at_start = scene.initial_state()
     piece = piece_of(scene, at_start + 0.3 * rng.standard_normal(len(at_start)))
@@ -111,17 +128,19 @@ def test_momenta_grow_by_loads_and_reaction(make_scene: Make, boundary: str, ine
     loads = sum(piece.values("forces").values())[0 if free else first + 1 :]
     arms = joints[0 if free else first + 1 :] - about
     middles = (joints[first:-1] + joints[first + 1 :]) / 2 - about
-    weight = -9.81 * scene.rod.mass / 4
+    weight = -9.81 * scene.rod.mass / LINKS * ("gravity" in terms)
     forces = loads.sum(axis=0) + np.array([0.0, weight * len(middles)])
     moment = np.sum(arms[:, 0] * loads[:, 1] - arms[:, 1] * loads[:, 0])
     moment += weight * middles[:, 0].sum()
     forces += 0.0 if free else piece.values("reaction")
     moment += piece.values("reaction_moment") if boundary in ("clamped", "cantilever") else 0.0
+    moment += piece.values("support_moment").sum() if "supports" in terms else 0.0
     # The difference has an error of h^2 and of eps/h.
     np.testing.assert_allclose(gained, forces, rtol=1e-7, atol=1e-7)
     np.testing.assert_allclose(turned, moment, rtol=1e-7, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_momenta_of_an_uneven_rod_are_those_of_its_energy() -> None:
     """With bodies beside the axis and mass that burns: kinetic energy is quadratic in the rates, so
     that what it gains by further rates, that carry all mass by 1 m/s or turn it about the centre by
@@ -169,12 +188,11 @@ def test_of_an_uneven_rod_they_solve_the_equations() -> None:
     assert np.isnan(forces_per_mass(model, times, broken, p)[1]).all()
 
 
-@pytest.mark.parametrize("boundary", ["free", *HELD])
-def test_forces_of_supports_by_momenta_and_by_hand(make_scene: Make, boundary: str) -> None:
-    """They are what the momenta of a rod without other loads gain along the motion, beside the
-    reaction; and springs and dampers of the point, by differences of its place."""
+@pytest.mark.parametrize("boundary", sets(["free"], slow=["cantilever"]))
+def test_forces_of_supports_by_hand(make_scene: Make, boundary: str) -> None:
+    """Springs and dampers of a point inside a link, by differences of its place."""
     n, at, to, rotation, damping = 4, 0.85, [0.3, 0.2], 7.0, [1.5, 2.5]
-    scene = make_scene(n, boundary, ())
+    scene = make_scene(n, boundary, ("foundation", "supports"))
     fixed = {"to": to, "stiffness": [20.0, 30.0], "damping": damping}
     turning = {"rotation": rotation, "rotation_damping": 0.4}
     piece = piece_of(scene.replace({"supports": [{"at": at, **fixed, **turning}]}))
@@ -198,26 +216,58 @@ def test_forces_of_supports_by_momenta_and_by_hand(make_scene: Make, boundary: s
     for whole in (found, turned):
         assert not np.delete(whole, link, axis=0).any()
 
-    rates = model.rhs(0.3, y, p)
-    sides = [Piece(model, p, y + way * h * rates) for way in (1, -1)]
-    gained = (sides[0].values("momentum") - sides[1].values("momentum")) / (2 * h)
-    held = piece.values("reaction") if boundary != "free" else 0.0
-    np.testing.assert_allclose(gained, found.sum(axis=0) + held, rtol=1e-7, atol=1e-7)
-    with pytest.raises(KeyError, match="without supports"):
-        piece_of(scene).values("support_force")
+    with pytest.raises(KeyError):
+        piece_of(make_scene(LINKS, "pinned", ("gravity",))).values("support_force")
 
 
 def test_what_a_boundary_does_not_have_is_refused(make_scene: Make) -> None:
     for boundary, name in (("free", "reaction"), ("pinned", "reaction_moment"), ("pinned", "base")):
         with pytest.raises(KeyError, match=name):
-            piece_of(make_scene(2, boundary)).values(name)
+            piece_of(make_scene(LINKS, boundary)).values(name)
+
+
+def test_points_and_forces_that_are_none_are_refused(make_scene: Make) -> None:
+    piece, kick = piece_of(make_scene(LINKS, "free", ENDS)), [0.7, -1.9]
+    for name, link, share, force in (
+        *(("link", link, 0.5, kick) for link in (-1, 5, 1.0, True, "1")),
+        *(("share", 0, share, kick) for share in (-0.01, 1.01, float("nan"), "half")),
+        *(("force", 0, 0.5, force) for force in (3.0, [1.0, 2.0, 3.0], [1.0, float("inf")], "xy")),
+    ):
+        with pytest.raises(ValueError, match=rf"^{name}\b"):
+            piece.model.generalised_force(piece.y, piece.p, link, share, force)
 
 
 def test_of_a_run_by_both_targets(make_scene: Make) -> None:
-    """In a run's own terms, by either target, and only where the rod has them."""
-    scene = make_scene(3, "clamped", ("follower", "gravity"), span=[0.0, 0.2])
+    """In a run's own terms, by either target."""
+    scene = make_scene(5, terms=THESIS_TERMS, span=[0.0, 0.2])
     runs = [rodgen.simulate(scene, target=target) for target in ("numpy", "c")]
-    for name in ("axial_force", "shear_force", "reaction"):
+    for name in ("axial_force", "shear_force"):
         one, other = (run.values(name) for run in runs)
         assert len(one) == len(runs[0].t)
         np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("boundary", "inertia", "terms"),
+    sets([("cantilever", "lumped", ENDS)], nightly=[("cantilever", "uniform", ALONG)]),
+)
+def test_quantities_of_a_sample_are_those_of_its_state_at_its_time(
+    make_scene: Make, boundary: str, inertia: str, terms: tuple[str, ...]
+) -> None:
+    """Whatever samples are beside it, and however many axes they have: loads change in time."""
+    scene = make_scene(LINKS, boundary, terms, {"inertia": inertia})
+    sol = rodgen.simulate(scene, target="numpy", rtol=1e-4, span=[0.0, 1.0], output_every=0.2)
+    p = sol.model.parameters(**scene.parameters)
+    folded = Piece(sol.model, p, sol.y.reshape(2, 3, -1), sol.t.reshape(2, 3), timed=scene.timed)
+    single = [
+        Piece(sol.model, p, y, t, timed=scene.timed) for y, t in zip(sol.y, sol.t, strict=True)
+    ]
+    names = {row.name for row in QUANTITIES if not row.only or getattr(scene.hold, row.only)}
+    names = {name for name in names if "{" not in name} - {"energy_balance"}  # which a run has
+    names -= set() if "supports" in terms else {"support_force", "support_moment"}
+    names |= {f"force_{term}" for term in sol.forces} | {f"power_{term}" for term in sol.work}
+    for name in names:
+        expected = np.array([one.values(name) for one in single])
+        close = {"rtol": 1e-9, "atol": 1e-9, "err_msg": name}  # other orders of sums
+        np.testing.assert_allclose(sol.values(name), expected, **close)
+        np.testing.assert_allclose(np.concatenate(folded.values(name)), expected, **close)

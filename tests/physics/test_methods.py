@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +13,15 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.integrate.methods.python_steps import rebased, stepper
+from rodgen.integrate.methods.python_steps import stepper
 from rodgen.integrate.stability import limit
 from rodgen.integrate.stepper import Array, Problem, StepError, Stepper
 from rodgen.model.method import Tableau
-from rodgen.model.methods import ADAPTIVE, COMPILED, EITHER, FIXED_STEP, METHODS, TABLEAUX
-from rodgen.model.terms import TERMS
+from rodgen.model.methods import ADAPTIVE, EITHER, FIXED_STEP, METHODS
 from rodgen.scene import Scene
 from rodgen.scene.integration import Integrate
+from tests.palette import ENDS
+from tests.physics.sets import sets
 
 Make = Callable[..., Scene]
 END = 2.0
@@ -84,16 +86,11 @@ def test_order_of_equal_steps(method: str) -> None:
     assert np.log2(inside[0] / inside[1]) > min(order, 4) - 0.3
 
 
-@pytest.mark.parametrize("far", [False, True])
 @pytest.mark.parametrize("method", ADAPTIVE)
-def test_error_follows_the_tolerance(method: str, far: bool) -> None:
-    """At the ends of steps and inside them; from a start a million seconds on too, whose rounding
-    is no part of any step."""
-    start = 2.0**20 if far else 0.0
+def test_error_follows_the_tolerance(method: str) -> None:
+    """At the ends of steps and inside them."""
     for rtol in (1e-3, 1e-5, 1e-7):
-        given = problem(method, rtol=rtol, atol=rtol)
-        given = replace(given, rhs=lambda t, y: rhs(t - start, y), t=start, end=start + END)
-        steps = _Earlier(rebased(stepper, given, slice(0, 1)), start)
+        steps = stepper(problem(method, rtol=rtol, atol=rtol))
         # Some ten to hundred steps, each off by the tolerance; LSODA and CVODE keep to it loosely.
         assert walked(steps) < 30 * rtol
         counts = steps.counts
@@ -103,28 +100,10 @@ def test_error_follows_the_tolerance(method: str, far: bool) -> None:
             assert counts.factorisations > 0
 
 
-class _Earlier:
-    """Steps with their times counted from a start."""
-
-    def __init__(self, steps: Stepper, start: float):
-        self._steps, self._start = steps, start
-
-    t = property(lambda self: self._steps.t - self._start)
-    y = property(lambda self: self._steps.y)
-    counts = property(lambda self: self._steps.counts)
-
-    def step(self) -> bool:
-        return self._steps.step()
-
-    def interpolant(self) -> Callable[[Array], Array]:
-        at = self._steps.interpolant()
-        return lambda times: at(times + self._start)
-
-
-@pytest.mark.parametrize("method", [*FIXED_STEP, *EITHER])
-def test_last_step_meets_the_end(method: str) -> None:
+def test_last_step_meets_the_end() -> None:
     """It is shortened, and left out where it would be a millionth of the others."""
-    for step, count in ((0.3, 7), (END / 5 * (1 - 1e-8), 5)):
+    counts = (0.3, 7), (END / 5 * (1 - 1e-8), 5)
+    for method, (step, count) in product([*FIXED_STEP, *EITHER], counts):
         steps = stepper(problem(method, step=step))
         while not steps.step():
             pass
@@ -147,17 +126,10 @@ def test_rates_that_stop_being_finite_end_the_run(method: str) -> None:
 
 
 def test_weights_of_a_tableau_that_do_not_fit_are_refused() -> None:
-    with pytest.raises(ValueError, match="A has rows of 0 to 1 weights for 2 stages"):
+    with pytest.raises(ValueError, match=r"^A "):
         Tableau(A=((), (1, 1)), b=(1, 0))
-    with pytest.raises(ValueError, match="c has 1 times for 2 stages"):
+    with pytest.raises(ValueError, match=r"^c "):
         Tableau(A=((), (1,)), b=(1, 0), c=(0,))
-
-
-@pytest.mark.parametrize("name", TABLEAUX)
-def test_weights_of_a_tableau_are_consistent(name: str) -> None:
-    """The weights of a step make 1, exactly; names in C are one for one."""
-    assert sum(TABLEAUX[name].b) == 1
-    assert len(set(COMPILED)) == len(COMPILED)
 
 
 def test_documentation_has_the_table_of_methods() -> None:
@@ -176,7 +148,9 @@ def test_documentation_has_the_table_of_methods() -> None:
 # Rods -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("how", [{"rtol": 1e-10}, {"method": "rk4", "step": 2.5e-4}], ids=str)
+@pytest.mark.parametrize(
+    "how", sets([{"rtol": 1e-10}], nightly=[{"method": "rk4", "step": 2.5e-4}])
+)
 def test_break_points_are_stepped_onto(make_scene: Make, how: dict[str, Any]) -> None:
     """A force that jumps in the middle of the span: two runs joined give the same."""
     scene = make_scene(3, "free", ("follower",))
@@ -193,6 +167,6 @@ def test_break_points_are_stepped_onto(make_scene: Make, how: dict[str, Any]) ->
 
 
 def test_runs_are_reproducible(make_scene: Make) -> None:
-    scene = make_scene(4, "free", TERMS, span=[0.0, 0.2])
+    scene = make_scene(3, "free", ENDS, span=[0.0, 0.2])
     one, two = rodgen.simulate(scene), rodgen.simulate(scene)
     np.testing.assert_array_equal(one.y, two.y)

@@ -94,29 +94,6 @@ def test_a_bar_tells_of_stages_and_of_time() -> None:
     assert "swing" in terminal.getvalue()
 
 
-@pytest.mark.usefixtures("_empty_cache")
-def test_the_first_run_has_bars_from_the_start(
-    make_scene: Make, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    bars = dict[str, list[str]]()
-
-    class Bar(progress._Bar):
-        def __init__(self, what: str, *_: object, **__: object):
-            super().__init__(what, None)
-            self._said = bars.setdefault(what, [])
-
-        def show(self, completed: float, at: str) -> None:
-            self._said.append(at)
-
-    monkeypatch.setattr(progress, "_Bar", Bar)
-    monkeypatch.setattr(sys.modules[simulate_function.__module__], "TICK", 0.0)
-    with _looked_at():
-        rodgen.simulate(make_scene(2), target="numpy", rtol=1e-4)
-    assert list(bars) == ["generating", "test"]
-    assert list(dict.fromkeys(bars["generating"])) == [DERIVING, EMITTING]  # part by part
-    assert bars["test"][-1].startswith("t = ")
-
-
 def test_a_bar_in_a_notebook_is_one_output_that_goes_away(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -159,11 +136,6 @@ def test_no_bar_where_it_is_not_wanted(make_scene: Make) -> None:
         vary = {"initial.phi": [0.1, 0.2]}
         rodgen.study(scene, vary, what="static", workers=1, progress=False)
     assert not terminal.getvalue()
-
-
-def test_nobody_looks_on_where_errors_go_to_a_file() -> None:
-    with redirect_stderr(io.StringIO()):
-        assert not progress._shows()
 
 
 def test_a_bar_within_another_speaks_in_that() -> None:

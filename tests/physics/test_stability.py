@@ -8,7 +8,6 @@ from types import ModuleType
 import numpy as np
 import pytest
 from scipy.integrate import DOP853, RK23, RK45, OdeSolver
-from scipy.linalg import eigh
 
 import rodgen
 from rodgen.integrate import RunError
@@ -22,6 +21,7 @@ from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from tests.palette import cases
+from tests.physics.sets import numbers, sets
 
 Make = Callable[..., Scene]
 # Loads that ask nothing of joints or links one by one, and damping.
@@ -67,9 +67,9 @@ def _dense(model: ModuleType, y: Array, p: Array) -> tuple[complex, Array]:
 PAIRS = list(zip(BOUNDARIES, 2 * list(INERTIAS), strict=True))
 
 
-@pytest.mark.parametrize(("boundary", "inertia"), PAIRS)
+@pytest.mark.parametrize(("boundary", "inertia"), sets(PAIRS[:1], slow=PAIRS[1:]))
 def test_spectrum_is_that_of_the_whole_matrix(boundary: str, inertia: str) -> None:
-    model, p = _model(100, boundary, inertia, DAMPED)
+    model, p = _model(40, boundary, inertia, DAMPED)
     y = _bent(model)
     found = dominant(model, 0.0, y, p)
     value, _ = _dense(model, y, p)
@@ -97,29 +97,7 @@ def test_spectrum_of_a_damped_rod(boundary: str, damping: float) -> None:
     assert drag == pytest.approx(ratio * square, rel=1e-3, abs=1e-5 * found.rate)
 
 
-@pytest.mark.parametrize(("inertia", "factor"), [("lumped", 1.0), ("uniform", 1.5)])
-def test_frequency_of_a_pendulum(inertia: str, factor: float) -> None:
-    """sqrt(g/l), and sqrt(3 g/(2 l)) for a bar."""
-    model, p = _model(1, "pinned", inertia, ("gravity",), gravity=9.81)
-    found = dominant(model, 0.0, np.array([-np.pi / 2, 0.0]), p)
-    assert found.rate == pytest.approx(np.sqrt(factor * 9.81 / 5.0), rel=1e-9)
-    assert found.damping == pytest.approx(0.0, abs=1e-9)
-    np.testing.assert_array_equal(found.mode, [1.0])
-
-
-def test_frequency_of_hundreds_of_links() -> None:
-    """Against M and K alone, without rates: K by springs, M as the module has it."""
-    n = 300
-    model, p = _model(n, "pinned")
-    found = dominant(model, 0.0, np.zeros(2 * n), p)
-    joints = np.diff(np.eye(n), axis=0)
-    K = 100.0 / (5.0 / n) * joints.T @ joints
-    M = model.mass_matrix(np.zeros(2 * n), p)
-    top = eigh(K, M, eigvals_only=True, subset_by_index=[n - 1, n - 1])[0]
-    assert found.rate == pytest.approx(np.sqrt(top), rel=1e-4)
-    assert found.evaluations < 3000
-
-
+@pytest.mark.slow
 def test_fastest_motion_at_critical_damping_is_found_soon() -> None:
     """The root is double, where an iteration hardly converges: a percent above it is enough."""
     n, omega = 500, 4 * np.sqrt(3) * 500**2 * np.sqrt(100.0 / (20.0 * 5.0**3))
@@ -150,7 +128,7 @@ def test_spectrum_of_a_body_that_nothing_holds() -> None:
 
 def test_spectrum_of_rates_that_are_not_finite() -> None:
     model, p = _model(20, "free")
-    with pytest.raises(StepError, match="not finite"):
+    with pytest.raises(StepError):
         dominant(model, 0.0, np.full(44, np.nan), p)
     assert warn_of_step("rk4", 1.0, 10.0, model, 0.0, np.full(44, np.nan), p) is None
 
@@ -229,33 +207,18 @@ def test_limit_is_where_steps_begin_to_grow(method: str, damping: float) -> None
     assert max(radii[:-1]) < 1 + 1e-7 < radii[-1]
 
 
-def test_thesis_runge_kutta_damps_what_nothing_damps() -> None:
-    """q'' = -q: after a step h the amplitude is sqrt(1 - 5/6 h^2 + 1/3 h^4 - 1/12 h^6), the root
-    of the determinant of the step, worked out by hand from the thesis's listing (4.1.3)."""
-
-    def swing(_: float, y: Array) -> Array:
-        return np.array([y[1], -y[0]])
-
-    h, step = 0.1, ADVANCE["thesis_runge_kutta"]
-    matrix = np.array([step(swing, 0.0, y, swing(0.0, y), h) for y in np.eye(2)]).T
-    by_hand = 1 - 5 / 6 * h**2 + h**4 / 3 - h**6 / 12
-    assert np.linalg.det(matrix) == pytest.approx(by_hand, abs=1e-14)
-    trace = 2 - 11 / 6 * h**2 + 5 / 6 * h**4 - h**6 / 4 + h**8 / 24
-    assert np.trace(matrix) == pytest.approx(trace, abs=1e-14)
-
-
-@pytest.mark.parametrize("method", ["semi_implicit_euler", "rk4"])
+@pytest.mark.parametrize("method", sets(["rk4"], slow=["semi_implicit_euler"]))
 def test_runs_keep_to_the_limit(make_scene: Make, method: str) -> None:
     """A whole simulation: bounded below the limit, torn apart above it."""
     initial = {"phi": "1e-3*cos(pi*s)", "omega": 0.0}
-    scene = make_scene(8, "clamped", initial=initial, span=[0.0, 3.0])
+    scene = make_scene(3, "clamped", initial=initial, span=[0.0, 3.0])
     model = rodgen.build(scene)
     p = model.parameters(**scene.parameters)
     found = dominant(model, 0.0, scene.initial_state(), p)
     most = limit(method, found.value, found.partner)
     below = rodgen.simulate(scene, method=method, step=0.97 * most)
     assert np.abs(below.phi).max() < 5e-3
-    with pytest.warns(StepWarning, match=f"up to which {method} is stable"):
+    with pytest.warns(StepWarning, match=method):
         above = _as_far_as_it_goes(scene, method, 1.1 * most)
     assert np.abs(above.phi).max() > 2e-2
 
@@ -269,36 +232,31 @@ def _as_far_as_it_goes(scene: Scene, method: str, step: float) -> Solution:
 
 def test_a_step_far_beyond_the_limit_is_warned_of(make_scene: Make) -> None:
     """The growth over the span is more than a number can hold."""
-    scene = make_scene(8, "clamped", span=[0.0, 3.0])
-    with pytest.warns(StepWarning, match="take a smaller step"):
+    scene = make_scene(3, "clamped", span=[0.0, 3.0])
+    with pytest.warns(StepWarning, match="rk4"):
         assert _as_far_as_it_goes(scene, "rk4", 0.5).status
 
 
-# Words ------------------------------------------------------------------------------------------
+# Warnings ---------------------------------------------------------------------------------------
 
 
-def test_warning_names_step_limit_and_motion() -> None:
+def test_warning_has_step_limit_and_rate() -> None:
     model, p = _model(20, "clamped", terms=("internal_damping",), internal_damping=0.2)
     y = np.zeros(len(model.STATE))
     found: Dominant = dominant(model, 0.0, y, p)
     most = limit("rk4", found.value, found.partner)
     assert warn_of_step("rk4", 0.999 * most, 10.0, model, 0.0, y, p) is None
+    assert warn_of_step("radau", 1.0, 10.0, model, 0.0, y, p) is None
     text = warn_of_step("rk4", 0.1, 10.0, model, 0.0, y, p)
     assert text is not None
-    for part in ("0.1 s", f"{most:.2g} s", f"{found.rate:.3g} rad/s", "14 %", "smaller", "radau"):
-        assert part in text
+    # In two or three digits; the damping in per cent of critical.
+    for value in (0.1, most, found.rate, 100 * found.damping):
+        assert any(number == pytest.approx(value, rel=0.06) for number in numbers(text))
 
 
 def test_warning_of_euler_without_damping() -> None:
     model, p = _model(20, "clamped")
     y = np.zeros(len(model.STATE))
-    text = warn_of_step("euler", 1e-4, 10.0, model, 0.0, y, p)
-    assert text is not None
-    assert "unstable with every step" in text
+    assert warn_of_step("euler", 1e-4, 10.0, model, 0.0, y, p) is not None
     # exp(h omega^2/2 T) with h = 1e-9 s, omega = 547 rad/s, T = 10 s: a growth of 0.2 %.
     assert warn_of_step("euler", 1e-9, 10.0, model, 0.0, y, p) is None
-
-
-def test_no_warning_for_implicit_methods() -> None:
-    model, p = _model(20, "clamped")
-    assert warn_of_step("radau", 1.0, 10.0, model, 0.0, np.zeros(len(model.STATE)), p) is None

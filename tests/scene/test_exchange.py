@@ -13,44 +13,36 @@ import pytest
 
 import rodgen
 from rodgen.integrate.reductions import checked
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
+from rodgen.scene.errors import Missing
 from rodgen.scene.examples import about, copies, example, examples
-from rodgen.scene.integration import Integrate
+from rodgen.scene.integration import Integrate, Settings
 from rodgen.scene.keys import with_value
-from tests.scene.tables import ROD
+from tests.scene.tables import ROD, refused, table_of
+from tests.scene.tables import scene_of as scene
 
 LENGTHWISE = {"mass_per_length": 2.0, **{key: ROD[key] for key in ROD if key != "mass"}}
 PHI = [0.0, 0.1, 0.2, 0.3, 0.4]
 
 
-def scene(**tables: Any) -> Scene:
-    return Scene.from_dict({"name": "test", "rod": ROD, **tables})
-
-
-@pytest.mark.parametrize("name", examples())
-def test_an_example_copied_anywhere_is_the_same_scene(name: str, tmp_path: Path) -> None:
-    given = Scene.example(name)
-    assert given == Scene.from_toml(example(name))
-    assert given.name == name
+def test_an_example_copied_anywhere_is_the_same_scene(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
-    path.write_text(copies(example(name), "mine")["mine.toml"], encoding="utf-8")
-    assert Scene.from_toml(path) == given.replace({"name": "mine"})
-    path.write_text(given.to_toml(), encoding="utf-8")
-    again = Scene.from_toml(path)
-    assert again == given
-    assert hash(again) == hash(given)
+    for name in examples():
+        given = Scene.example(name)
+        assert given == Scene.from_toml(example(name))
+        assert given.name == name
+        path.write_text(copies(example(name), "mine")["mine.toml"], encoding="utf-8")
+        assert Scene.from_toml(path) == given.replace({"name": "mine"})
+        path.write_text(given.to_toml(), encoding="utf-8")
+        again = Scene.from_toml(path)
+        assert again == given
+        assert hash(again) == hash(given)
 
 
 def test_examples_say_what_they_are_in_a_sentence() -> None:
-    said = {name: about(path) for name, path in examples().items()}
-    assert said["hanging_chain"].endswith("(D. Bernoulli, 1732).")
-    assert said["missile"].startswith("A slender missile on its way up:")
-    assert all(text.endswith(".") and text.count(". ") <= 1 for text in said.values())
-
-
-def test_an_unknown_example_names_those_there_are() -> None:
-    with pytest.raises(SceneError, match=r"example = 'rocket': must be one of .*missile"):
-        Scene.example("rocket")
+    for text in map(about, examples().values()):
+        assert text.endswith(".")
+        assert text.count(". ") <= 1
 
 
 REPLACED: list[tuple[dict[str, Any], dict[str, Any]]] = [
@@ -63,12 +55,12 @@ REPLACED: list[tuple[dict[str, Any], dict[str, Any]]] = [
 ]
 
 
-@pytest.mark.parametrize(("changes", "tables"), REPLACED, ids=lambda x: "-".join(x))
-def test_replaced_keys_are_those_of_a_file(changes: dict[str, Any], tables: dict[str, Any]) -> None:
+def test_replaced_keys_are_those_of_a_file() -> None:
     before = scene()
     copy = before.to_dict()
-    assert before.replace(changes) == scene(**tables)
-    assert before.to_dict() == copy
+    for changes, tables in REPLACED:
+        assert before.replace(changes) == Scene.from_dict(table_of() | tables)
+        assert before.to_dict() == copy
 
 
 def test_bodies_go_by_name_and_number() -> None:
@@ -78,8 +70,8 @@ def test_bodies_go_by_name_and_number() -> None:
     assert heavier == given.replace({"bodies.1.mass": 7.0})
     assert [one.mass for one in heavier.bodies] == [1.0, 7.0]
     assert given.replace({"bodies.payload": None}) == scene(bodies=[{**body, "name": "engine"}])
-    with pytest.raises(SceneError, match=r"bodies has payload, engine"):
-        given.replace({"bodies.tank.mass": 1.0})
+    told = refused(given.replace, {"bodies.tank.mass": 1.0})
+    assert "payload, engine" in told.allowed
 
 
 def test_another_number_of_links_converts_damping() -> None:
@@ -89,31 +81,26 @@ def test_another_number_of_links_converts_damping() -> None:
     assert finer.loads.internal_damping.coefficient == 8.0  # grows as n^2
 
 
-@pytest.mark.parametrize(
-    ("changes", "says"),
-    [
-        ({"rod.mass": -1.0}, "rod.mass = -1"),
-        ({"rod.links": "many"}, r"rod\.links = 'many'"),
-        ({"rod.links": None}, r"rod\.links = \(missing\)"),
-        ({"loads.graviti": None}, r"loads\.graviti = None.*did you mean gravity"),
-        ({"lods.follower.force": None}, "lods = None.*did you mean loads"),
-        ({"rod.mass.x": 1.0}, "rod.mass is 1"),
-        ({"lods.follower": 1.0}, "not a known key"),
-        ({"": 1.0}, "not a known key"),
-        ([("rod.mass", 1.0)], "a dictionary"),
-    ],
-    ids=str,
-)
-def test_what_cannot_be_replaced_is_said(changes: Any, says: str) -> None:
-    with pytest.raises(SceneError, match=says):
-        scene().replace(changes)
+def test_what_cannot_be_replaced_is_said() -> None:
+    for changes, field, value in (
+        ({"rod.mass": -1.0}, "rod.mass", -1.0),
+        ({"rod.links": "many"}, "rod.links", "many"),
+        ({"rod.links": None}, "rod.links", Missing),
+        ({"loads.graviti": None}, "loads.graviti", None),
+        ({"lods.follower.force": None}, "lods", None),
+        ({"rod.mass.x": 1.0}, "key", "rod.mass.x"),
+        ({"lods.follower": 1.0}, "lods", {"follower": 1.0}),
+        ({"": 1.0}, "", 1.0),
+        ([("rod.mass", 1.0)], "changes", [("rod.mass", 1.0)]),
+    ):
+        assert refused(scene().replace, changes)[:2] == (field, value)
 
 
 def test_a_scene_says_that_it_does_not_change() -> None:
     given = scene()
-    with pytest.raises(AttributeError, match=r"Rod.length cannot be set.*scene.replace\("):
+    with pytest.raises(AttributeError, match=r"^Rod.length.*scene.replace\("):
         given.rod.length = 3.0
-    with pytest.raises(AttributeError, match=r"Scene.name cannot be deleted.*scene.replace\("):
+    with pytest.raises(AttributeError, match=r"^Scene.name.*scene.replace\("):
         del given.name
     assert given == scene()
 
@@ -129,27 +116,25 @@ CHANGES: list[Callable[[Scene], object]] = [
 ]
 
 
-@pytest.mark.parametrize("change", CHANGES)
-def test_lists_and_dictionaries_of_a_scene_do_not_change(change: Callable[[Scene], object]) -> None:
+def test_lists_and_dictionaries_of_a_scene_do_not_change() -> None:
     """Else two equal scenes had two hashes; copies of them change, and tables are plain."""
     given = scene(bodies=[{"name": "a", "at": 0.5, "mass": 1.0}], parameters={"a": 3.0})
     before = hash(given)
-    with pytest.raises(TypeError, match=r"a (list|dictionary) of a scene.*scene.replace\("):
-        change(given)
-    assert hash(given) == before
-    for again in (deepcopy(given), pickle.loads(pickle.dumps(given))):
+    for again in (given, deepcopy(given), pickle.loads(pickle.dumps(given))):
+        for change in CHANGES:
+            with pytest.raises(TypeError, match=r"scene.replace\("):
+                change(again)
         assert (again, hash(again)) == (given, before)
-        with pytest.raises(TypeError, match="scenes do not change"):
-            change(again)
     table = given.to_dict()
     table["bodies"].append({"name": "b", "at": 0.5, "mass": 1.0})
     assert len(given.replace({"bodies": [*given.bodies]}).bodies) == 1 < len(table["bodies"])
 
 
-@pytest.mark.parametrize("function", [rodgen.simulate, rodgen.simulate_many, Scene.with_integrate])
-def test_keywords_of_integration_are_in_signatures(function: Callable[..., object]) -> None:
+def test_keywords_of_integration_are_in_signatures() -> None:
     """Notebooks and editors complete what they find there."""
-    assert set(inspect.signature(function).parameters) >= set(Integrate.model_fields)
+    for function in (rodgen.simulate, rodgen.simulate_many, Scene.with_integrate):
+        assert set(inspect.signature(function).parameters) >= set(Integrate.model_fields)
+    assert set(Settings.__annotations__) == set(Integrate.model_fields)
 
 
 def test_equal_scenes_have_one_hash() -> None:
@@ -165,31 +150,29 @@ def test_equal_scenes_have_one_hash() -> None:
 
 
 def test_a_scene_that_is_not_there_but_comes_with_rodgen(tmp_path: Path) -> None:
-    with pytest.raises(SceneError, match="rodgen new missile --from missile"):
-        Scene.from_toml(tmp_path / "missile.toml")
-    with pytest.raises(SceneError, match="can be read"):
-        Scene.from_toml(tmp_path / "none_such.toml")
+    told = refused(Scene.from_toml, tmp_path / "missile.toml")
+    assert told[:2] == ("scene", str(tmp_path / "missile.toml"))
+    assert "rodgen new missile --from missile" in told.allowed
+    assert "rodgen new" not in refused(Scene.from_toml, tmp_path / "none_such.toml").allowed
 
 
-@pytest.mark.parametrize(
-    ("made", "near"),
-    [
-        (lambda scene: scene.replace({"rod.lenght": 3.0}), "length"),
-        (lambda scene: scene.replace({"load": {}}), "loads"),
-        (lambda scene: scene.replace({"integrate.method": "dopp853"}), "dop853"),
-        (lambda scene: scene.replace({"events": [{"quantity": "tipx", "value": 0}]}), "tip_x"),
-        (lambda scene: Scene.example("missil"), "missile"),
-        (lambda scene: with_value(scene, "loads.followr.force", 1.0), "follower"),
-        (lambda scene: checked(["last(tipx)"], ["tip_y", "tip_x"]), "tip_x"),
-    ],
-)
-def test_of_a_misspelt_name_the_nearest_is_told(made: Callable[[Scene], Any], near: str) -> None:
-    with pytest.raises(SceneError) as raised:
-        made(Scene.example("missile"))
-    assert near in raised.value.allowed.rpartition(";")[2]
-
-
-def test_nothing_is_told_where_nothing_is_near() -> None:
-    with pytest.raises(SceneError) as raised:
-        Scene.example("missile").replace({"zzz": 1})
-    assert ";" not in raised.value.allowed
+def test_of_a_misspelt_name_the_nearest_is_told() -> None:
+    given = Scene.example("missile")
+    watched = {"events": [{"quantity": "tipx", "value": 0}]}
+    for near, make, *of in (
+        ("length", given.replace, {"rod.lenght": 3.0}),
+        ("loads", given.replace, {"load": {}}),
+        ("loads", given.replace, {"lods.follower.force": None}),
+        ("gravity", given.replace, {"loads.graviti": None}),
+        ("dop853", given.replace, {"integrate.method": "dopp853"}),
+        ("tip_x", given.replace, watched),
+        ("missile", Scene.example, "missil"),
+        ("follower", with_value, given, "loads.followr.force", 1.0),
+        ("tip_x", checked, ["last(tipx)"], ["tip_y", "tip_x"]),
+    ):
+        assert near in refused(make, *of).allowed.rpartition(";")[2]
+    # Where nothing is near, nothing is told.
+    assert ";" not in refused(given.replace, {"zzz": 1}).allowed
+    told = refused(Scene.example, "rocket")
+    assert told[:2] == ("example", "rocket")
+    assert all(name in told.allowed for name in examples())

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pytest
 
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
+from rodgen.scene.errors import Missing
 from rodgen.scene.overrides import with_parameters, with_state
+from tests.scene.tables import refused
 
 GIMBAL = {"rate": "(-2*phi(0.3) - 0.5*omega(0.3) - gimbal)/lag", "initial": 0.25}
 TABLE: dict[str, Any] = {
@@ -53,54 +54,51 @@ def test_where_a_sensor_is_belongs_to_the_structure() -> None:
 
 def test_events_watch_states() -> None:
     assert _with(events=[{"quantity": "gimbal", "value": 0.1}]).events[0].quantity == "gimbal"
-    with pytest.raises(SceneError):
-        _with(events=[{"quantity": "rudder", "value": 0.1}])
+    told = refused(_with, events=[{"quantity": "rudder", "value": 0.1}])
+    assert told[:2] == ("events[0].quantity", "rudder")
 
 
-@pytest.mark.parametrize(
-    ("tables", "field"),
-    [
-        ({"states": {"a": {"rate": "phi(1.5)"}}}, "states.a.rate"),
-        ({"states": {"a": {"rate": "phi(-0.1)"}}}, "states.a.rate"),
-        ({"states": {"a": {"rate": "phi(a)"}}}, "states.a.rate"),
-        ({"states": {"a": {"rate": "phi()"}}}, "states.a.rate"),
-        ({"states": {"a": {"rate": "phi"}}}, "states.a.rate"),
-        ({"states": {"a": {"rate": "b"}}}, "states.a.rate"),
-        ({"states": {"a": {"rate": "interp(t, [a, 1], [0, 1])"}}}, "states.a.rate"),
-        ({"states": {"a": {"rate": 1.0, "start": 0.0}}}, "states.a.start"),
-        ({"states": {"a": {"initial": 0.0}}}, "states.a.rate"),
-        ({"states": {"a": {"rate": 1.0, "initial": "0"}}}, "states.a.initial"),
-        ({"states": {"t": {"rate": 1.0}}}, "states.t"),
-        ({"states": {"follower": {"rate": 1.0}}}, "states.follower"),
-        ({"states": {"tip": {"rate": 1.0}}}, "states.tip"),
-        ({"states": {"follower_force": {"rate": 1.0}}}, "states.follower_force"),
-        ({"states": {"phi_0": {"rate": 1.0}}}, "states.phi_0"),
-        ({"states": {"tip_x": {"rate": 1.0}}}, "states.tip_x"),
-        ({"states": {"joint_2_x": {"rate": 1.0}}}, "states.joint_2_x"),
-        ({"states": {"LAG": {"rate": 1.0}}}, "states.LAG"),
-        ({"states": {"a": {"rate": 1.0}, "A": {"rate": 1.0}}}, "states.A"),
-        ({"states": {"a": {"rate": 1.0}, "a_rate_1": {"rate": 1.0}}}, "states.a_rate_1"),
-        (
-            {"parameters": {"gimbal_rate_2": 1.0}, "states": {"gimbal": {"rate": 1.0}}},
-            "parameters.gimbal_rate_2",
-        ),
-        ({"states": {"1st": {"rate": 1.0}}}, "states.1st"),
-        ({"loads": {"gravity": {"g": "9.81*phi(0)"}}}, "loads.gravity.g"),
-        ({"initial": {"phi": "phi(0.3)"}}, "initial.phi"),
-        ({"initial": {"phi": "gimbal"}}, "initial.phi"),
-    ],
-)
-def test_refused(tables: dict[str, Any], field: str) -> None:
-    table = TABLE | {"loads": {}, "states": {}} | tables
-    with pytest.raises(SceneError) as refused:
-        Scene.from_dict(table)
-    assert refused.value.field == field
+def test_a_rate_that_cannot_be_is_refused() -> None:
+    for rate in (
+        *("phi(1.5)", "phi(-0.1)", "phi(a)", "phi()", "phi", "b"),
+        "interp(t, [a, 1], [0, 1])",
+    ):
+        told = refused(_with, loads={}, states={"a": {"rate": rate}})
+        assert told[:2] == ("states.a.rate", rate)
+    for table, key, value in (
+        ({"rate": 1.0, "start": 0.0}, "start", 0.0),
+        ({"initial": 0.0}, "rate", Missing),
+        ({"rate": 1.0, "initial": "0"}, "initial", "0"),
+    ):
+        told = refused(_with, loads={}, states={"a": table})
+        assert told[:2] == (f"states.a.{key}", value)
 
 
-@pytest.mark.parametrize("key", ["bending_stiffness", "mass_per_length"])
-def test_neither_stiffness_nor_mass_follows_the_motion(key: str) -> None:
-    rod = {k: v for k, v in TABLE["rod"].items() if k not in (key, "mass")}
-    rod |= {key: "3*(1 + phi(0.5))"} | ({"mass": 3.0} if key != "mass_per_length" else {})
-    with pytest.raises(SceneError) as refused:
-        _with(rod=rod)
-    assert refused.value.field == f"rod.{key}"
+def test_names_of_other_things_are_no_names_of_states() -> None:
+    """Of the time, loads, parameters, events and, by their letters' size, of other numbers."""
+    for name in (
+        *("t", "follower", "tip", "follower_force", "phi_0", "tip_x", "joint_2_x", "LAG", "1st"),
+        *("A", "a_rate_1"),
+    ):
+        states = {"a": {"rate": 1.0}, name: {"rate": 1.0}}
+        assert refused(_with, loads={}, states=states)[:2] == (f"states.{name}", name)
+    told = refused(_with, parameters={"gimbal_rate_2": 1.0}, states={"gimbal": {"rate": 1.0}})
+    assert told[:2] == ("parameters.gimbal_rate_2", "gimbal_rate_2")
+
+
+def test_what_cannot_follow_the_motion_is_refused() -> None:
+    for table, key, law in (
+        ("loads", "gravity.g", "9.81*phi(0)"),
+        ("initial", "phi", "phi(0.3)"),
+        ("initial", "phi", "gimbal"),
+    ):
+        outer, _, inner = key.partition(".")
+        tables = {table: {outer: {inner: law} if inner else law}}
+        told = refused(_with, **({"loads": {}, "states": {}} | tables))
+        assert told[:2] == (f"{table}.{key}", law)
+    law = "3*(1 + phi(0.5))"
+    rod = TABLE["rod"] | {"bending_stiffness": law}
+    assert refused(_with, rod=rod)[:2] == ("rod.bending_stiffness", law)
+    rod = {key: value for key, value in TABLE["rod"].items() if key != "mass"}
+    told = refused(_with, rod=rod | {"mass_per_length": law})
+    assert told[:2] == ("rod.mass_per_length", law)

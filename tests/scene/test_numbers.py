@@ -1,57 +1,42 @@
-"""Numbers in expressions: parameters of the module, named in [parameters], and tables of them."""
+"""Numbers in expressions: parameters of the module, named in [parameters], tables of them, and
+where they stand in the text."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.scene.expression import Expression, open_expression
+from rodgen.scene.literals import literals, with_literal
 from rodgen.scene.overrides import with_parameters
-from tests.scene.tables import table_of
-
-Make = Callable[..., Scene]
+from tests.scene.tables import refused, scene_of
 
 
-def scene(force: object, angle: float = 0.0, **tables: Any) -> Scene:
-    loads = {"follower": {"force": force, "angle": angle}}
-    return Scene.from_dict(table_of(rod={"links": 3}, loads=loads, **tables))
+def scene(force: object, **tables: Any) -> Scene:
+    return scene_of(rod={"links": 3}, loads={"follower": {"force": force}}, **tables)
 
 
-@pytest.mark.parametrize(
-    ("text", "values"),
-    [
+def test_every_number_but_a_whole_exponent_gets_a_name() -> None:
+    knots = {"f_knot_1": -1.0, "f_knot_2": 2.0, "f_value_1": 3.0, "f_value_2": -4.0}
+    for text, values in (
         ("300*min(t/0.5, 1)", {"f_1": 300.0, "f_2": 0.5, "f_3": 1.0}),
         ("2 if t < 3 else -4", {"f_1": 2.0, "f_2": 3.0, "f_3": 4.0}),
         ("t**2 + t**-3 + t**0.5 + 2**t", {"f_1": 0.5, "f_2": 2.0}),  # whole exponents stay
-        ("interp(t, [-1, 2], [3, -4]) + 5", None),
+        ("interp(t, [-1, 2], [3, -4]) + 5", {**knots, "f_1": 5.0}),
         ("sin(2*pi*t)", {"f_1": 2.0}),
-    ],
-)
-def test_every_number_but_a_whole_exponent_gets_a_name(
-    text: str, values: dict[str, float] | None
-) -> None:
-    expression = Expression(text, "t")
-    named, found = expression.parametrised("f")
-    if values is None:
-        values = {
-            "f_knot_1": -1.0,
-            "f_knot_2": 2.0,
-            "f_value_1": 3.0,
-            "f_value_2": -4.0,
-            "f_1": 5.0,
-        }
-    assert found == values
-    t = np.linspace(0.1, 5, 50)
-    again = open_expression(named, "t").with_values(found)
-    np.testing.assert_array_equal(again(t), expression(t))
-    assert again.names == tuple(found)
+    ):
+        expression = Expression(text, "t")
+        named, found = expression.parametrised("f")
+        assert found == values
+        t = np.linspace(0.1, 5, 50)
+        again = open_expression(named, "t").with_values(found)
+        np.testing.assert_array_equal(again(t), expression(t))
+        assert again.names == tuple(found)
 
 
 def test_scenes_that_differ_in_numbers_share_a_module() -> None:
@@ -64,13 +49,11 @@ def test_scenes_that_differ_in_numbers_share_a_module() -> None:
 
 
 def test_a_named_number_serves_in_several_places() -> None:
-    made = Scene.from_dict(
-        table_of(
-            rod={"links": 3},
-            parameters={"P0": 300.0, "T": 2},
-            loads={"follower": {"force": "P0*min(t/T, 1)"}, "tip": {"x": "P0/10", "y": "-P0*t"}},
-            initial={"phi": "P0*s/1000"},
-        )
+    made = scene_of(
+        rod={"links": 3},
+        parameters={"P0": 300.0, "T": 2},
+        loads={"follower": {"force": "P0*min(t/T, 1)"}, "tip": {"x": "P0/10", "y": "-P0*t"}},
+        initial={"phi": "P0*s/1000"},
     )
     p = made.parameters
     assert (p["P0"], p["T"], p["tip_force_x"]) == (300.0, 2.0, 30.0)
@@ -87,48 +70,28 @@ def test_a_number_of_an_expression_is_changed_by_its_name() -> None:
     assert made.expression("follower_force")(1.0) == -1200.0
 
 
-@pytest.mark.parametrize(
-    ("tables", "field"),
-    [
-        ({"parameters": {"t": 1.0}}, "parameters.t"),
-        ({"parameters": {"mass": 1.0}}, "parameters.mass"),
-        ({"parameters": {"follower_force_1": 1.0}}, "parameters.follower_force_1"),
-        ({"parameters": {"sin": 1.0}}, "parameters.sin"),
-        ({"parameters": {"lambda": 1.0}}, "parameters.lambda"),
-        ({"parameters": {"phi": 1.0}}, "parameters.phi"),
-        ({"parameters": {"_x": 1.0}}, "parameters._x"),
-        ({"parameters": {"é": 1.0}}, "parameters.é"),
-        ({"parameters": {"P0": 1.0, "p0": 1.0}}, "parameters.p0"),
-        ({"parameters": {"P0": "2"}}, "parameters.P0"),
-        ({"parameters": {"P0": float("inf")}}, "parameters.P0"),
-        ({"numbers": {"P0": 2.0}}, "numbers"),
-    ],
-)
-def test_a_name_that_cannot_be_is_refused(tables: dict[str, Any], field: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        scene("t", **tables)
-    assert caught.value.field == field
+def test_a_name_that_cannot_be_is_refused() -> None:
+    for name in ("t", "mass", "follower_force_1", "sin", "lambda", "phi", "_x", "é"):
+        told = refused(scene, "t + 1", parameters={name: 1.0})
+        assert told[:2] == (f"parameters.{name}", name)
+    told = refused(scene, "t", parameters={"P0": 1.0, "p0": 1.0})
+    assert told[:2] == ("parameters.p0", "p0")
+    for value in ("2", float("inf")):
+        assert refused(scene, "t", parameters={"P0": value})[:2] == ("parameters.P0", value)
+    assert refused(scene, "t", numbers={"P0": 2.0})[:2] == ("numbers", {"P0": 2.0})
 
 
 KNOTS, VALUES = [0.0, 0.1, 2.0, 2.5, 5.0], [0.0, 310.0, 290.0, 290.0, -3.0]
 
 
-@pytest.mark.parametrize(
-    ("kind", "reference"),
-    [
-        ("", lambda t: np.interp(t, KNOTS, VALUES)),
-        (", 'linear'", lambda t: np.interp(t, KNOTS, VALUES)),
-        (", 'cubic'", lambda t: PchipInterpolator(KNOTS, VALUES)(np.clip(t, 0, 5))),
-    ],
-)
-def test_a_table_holds_its_ends_and_breaks_at_its_knots(
-    kind: str, reference: Callable[[NDArray[np.float64]], NDArray[np.float64]]
-) -> None:
-    table = Expression(f"interp(t, {KNOTS}, {VALUES}{kind})", "t")
+def test_a_table_holds_its_ends_and_breaks_at_its_knots() -> None:
     t = np.linspace(-1, 7, 801)
-    np.testing.assert_allclose(table(t), reference(t), rtol=1e-14, atol=1e-12)
-    assert table.breaks(-1, 7) == KNOTS
-    assert table.breaks(0, 5) == KNOTS[1:-1]
+    linear, cubic = np.interp(t, KNOTS, VALUES), PchipInterpolator(KNOTS, VALUES)(np.clip(t, 0, 5))
+    for kind, due in (("", linear), (", 'linear'", linear), (", 'cubic'", cubic)):
+        table = Expression(f"interp(t, {KNOTS}, {VALUES}{kind})", "t")
+        np.testing.assert_allclose(table(t), due, rtol=1e-14, atol=1e-12)
+        assert table.breaks(-1, 7) == KNOTS
+        assert table.breaks(0, 5) == KNOTS[1:-1]
 
 
 def test_a_table_of_something_else_breaks_where_that_meets_its_knots() -> None:
@@ -136,9 +99,8 @@ def test_a_table_of_something_else_breaks_where_that_meets_its_knots() -> None:
     assert table.breaks(0.0, 5.0) == pytest.approx([0.5, 1.5], abs=1e-15)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
+def test_what_is_no_table_is_refused() -> None:
+    for text in (
         "interp(t, [0, 1], [0])",
         "interp(t, [0], [0])",
         "interp(t, [1, 0], [0, 1])",
@@ -152,12 +114,8 @@ def test_a_table_of_something_else_breaks_where_that_meets_its_knots() -> None:
         "interp([0], [0, 1], [0, 1])",
         f"interp(t, {list(range(1001))}, {list(range(1001))})",
         "[0, 1]",
-    ],
-)
-def test_what_is_no_table_is_refused(text: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        scene(text)
-    assert caught.value.field == "loads.follower.force"
+    ):
+        assert refused(scene, text)[:2] == ("loads.follower.force", text)
 
 
 SCENE = """
@@ -179,31 +137,33 @@ C6 18 70 0-3-5-7 0.0108 0.0249 Estes
 """
 
 
-@pytest.mark.parametrize(
-    ("name", "text", "knots", "values"),
-    [
+def _from_file(folder: Path, name: str, text: str | None) -> Scene:
+    """A scene that takes the values of a table from a file beside it."""
+    if text is not None:
+        (folder / name).write_text(text, encoding="utf-8")
+    (folder / "scene.toml").write_text(SCENE.replace("{name}", name), encoding="utf-8")
+    return Scene.from_toml(folder / "scene.toml")
+
+
+def test_a_table_in_a_file_is_in_the_scene_afterwards(tmp_path: Path) -> None:
+    for name, text, knots, values in (
         ("a.csv", "time [s], thrust [N]\n0, 0\n0.5, 310 # peak\n\n2,0\n", [0, 0.5, 2], [0, 310, 0]),
         ("b.csv", "0;0\n1;2.5e1\n", [0, 1], [0, 25]),
         ("C.CSV", "0 0\n1\t-2", [0, 1], [0, -2]),
         ("c6.eng", MOTOR, [0, 0.031, 0.2, 1.86], [0, 0.946, 14.09, 0]),
-    ],
-)
-def test_a_table_in_a_file_is_in_the_scene_afterwards(
-    tmp_path: Path, name: str, text: str, knots: list[float], values: list[float]
-) -> None:
-    (tmp_path / name).write_text(text, encoding="utf-8")
-    (tmp_path / "scene.toml").write_text(SCENE.replace("{name}", name), encoding="utf-8")
-    made = Scene.from_toml(tmp_path / "scene.toml")
-    force = made.expression("follower_force")
-    assert force is not None
-    np.testing.assert_allclose(force(knots), 2 * np.array(values))
-    assert force.knots() == knots
-    assert Scene.from_dict(made.model_dump(exclude_none=True)) == made
+    ):
+        made = _from_file(tmp_path, name, text)
+        force = made.expression("follower_force")
+        assert force is not None
+        np.testing.assert_allclose(force(knots), 2 * np.array(values))
+        assert force.knots() == knots
+        assert Scene.from_dict(made.model_dump(exclude_none=True)) == made
 
 
-@pytest.mark.parametrize(
-    ("name", "text"),
-    [
+def test_a_file_that_is_no_table_is_refused(tmp_path: Path) -> None:
+    folder = tmp_path / "scenes"
+    folder.mkdir()
+    for name, text in (
         ("missing.csv", None),
         ("../secret.csv", "0 0\n1 1"),
         ("/etc/passwd", None),
@@ -217,12 +177,65 @@ def test_a_table_in_a_file_is_in_the_scene_afterwards(
         ("a.csv", "\n".join(f"{i} 0" for i in range(1001))),
         ("a.eng", "0 0\n1 1"),
         ("a.eng", MOTOR + MOTOR),
-    ],
+    ):
+        assert refused(_from_file, folder, name, text)[:2] == ("loads.follower.force", name)
+
+
+# Numbers in the text ----------------------------------------------------------------------------
+
+TEXTS = (
+    "300*min(t/0.5, 1)",
+    "  ( 3\n  *t)**2 - 1e-3",
+    "a*2*sin(t)**2 + (1 if t < 3 else 4)",
+    "interp(t, [0, -1.5, 2], [1, a, -3], 'cubic')*5",
+    "(-2*phi(0.3) - 0.5*omega(0.3) - gimbal)/0.05",
 )
-def test_a_file_that_is_no_table_is_refused(tmp_path: Path, name: str, text: str | None) -> None:
-    if text is not None:
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    (tmp_path / "scene.toml").write_text(SCENE.replace("{name}", name), encoding="utf-8")
-    with pytest.raises(SceneError) as caught:
-        Scene.from_toml(tmp_path / "scene.toml")
-    assert (caught.value.field, caught.value.value) == ("loads.follower.force", name)
+
+
+def test_literals_are_the_numbers_that_a_module_has_as_parameters() -> None:
+    """In that order; other values of them are those that the module is given, of equal code."""
+
+    def read(text: str) -> tuple[str, dict[str, float]]:
+        made = Expression(text, "t", numbers=(("a", 2.0),), states=("gimbal",))
+        return made.parametrised("force")
+
+    for text in TEXTS[:3] + TEXTS[4:]:
+        code, named = read(text)
+        named.pop("a", None)
+        assert [one.value for one in literals(text)] == list(named.values())
+        for at in range(len(named)):
+            other, values = read(with_literal(text, at, 0.125, "force"))
+            assert other == code
+            assert values == values | named | {f"force_{at + 1}": 0.125}
+
+
+def test_numbers_of_tables_have_their_signs() -> None:
+    found = literals(TEXTS[3])
+    assert [one.value for one in found] == [0.0, -1.5, 2.0, 1.0, -3.0, 5.0]
+    assert [one.signed for one in found] == [True] * 5 + [False]
+    assert with_literal(TEXTS[3], 1, 0.5, "force").startswith("interp(t, [0, 0.5, 2], ")
+
+
+def test_amplitude_is_what_all_that_changes_is_multiplied_by() -> None:
+    for text, leading in (
+        ("300*min(t/0.5, 1)", [True, False, False]),
+        ("sin(2*t)*a*7", [False, True]),
+        ("(1 - s)*40/3", [False, True, False]),
+        ("3*t + 5", [False, False]),
+        ("-300*t", [False]),  # the sign is not its own
+        ("a*sin(t)", []),
+    ):
+        assert [one.leads for one in literals(text, ("a",))] == leading
+
+
+def test_places_are_told_by_the_text_around_them() -> None:
+    """Which stays what it is when other numbers change."""
+    before = [one.around for one in literals(TEXTS[0])]
+    assert before == ["□*min(t/·, ·)", "·*min(t/□, ·)", "·*min(t/·, □)"]
+    assert before == [one.around for one in literals(with_literal(TEXTS[0], 1, 2.75, ""))]
+    assert literals("1 + 1 + 1 + 1 + 1 + 1 + 1 + 1 + t")[-1].around == "…· + · + · + □ + t"
+
+
+def test_negative_number_stays_what_a_power_takes() -> None:
+    text = with_literal("2**t", 0, -2.5, "")
+    assert Expression(text, "t")(2.0) == 6.25

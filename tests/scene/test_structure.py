@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import pytest
+from itertools import product
+
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rodgen.emit.targets import check_output
 from rodgen.model.rod import BOUNDARIES, INERTIAS, STEADY, UNEVEN
 from rodgen.model.terms import PARAMETERS, PLACES, TERMS, THESIS_TERMS
-from rodgen.scene import SceneError
 from rodgen.scene.structure import Structure, parse_terms
+from tests.scene.tables import refused
 
 DIFFERING = {one.name for way in UNEVEN.values() for one in way.parameters} | {
     one.name for one in STEADY.values()
@@ -46,8 +47,8 @@ def test_order_of_expressions_does_not_matter() -> None:
     assert one == two
     assert one.hash == two.hash
     for name, terms in (("gravity", TERMS), ("tip_force_x", THESIS_TERMS), ("follower_force", ())):
-        with pytest.raises(SceneError, match=f"expressions = '{name}': must be"):
-            Structure(3, terms=terms, expressions=((name, "t"),))
+        told = refused(Structure, 3, terms=terms, expressions=((name, "t"),))
+        assert told[:2] == ("expressions", name)
 
 
 NAMES = [
@@ -57,8 +58,7 @@ NAMES = [
 ]
 
 
-@pytest.mark.parametrize(("output", "ending"), NAMES)
-def test_names_of_modules(output: tuple[str, str], ending: str) -> None:
+def test_names_of_modules() -> None:
     structures = {
         Structure(20): "rod_free_n20",
         Structure(5, "pinned", terms=()): "rod_pinned_n5_conservative",
@@ -66,33 +66,30 @@ def test_names_of_modules(output: tuple[str, str], ending: str) -> None:
         Structure(5, inertia="lumped"): "rod_free_n5_lumped",
         Structure(2, terms=TERMS): f"rod_free_n2_{'_'.join(TERMS)}",
     }
-    for structure, stem in structures.items():
+    for (structure, stem), (output, ending) in product(structures.items(), NAMES):
         assert structure.stem == structure.module_stem() == stem
         assert structure.module_stem(*output) == stem + ending
 
 
-@pytest.mark.parametrize(("output", "ending"), NAMES)
-def test_modules_that_differ_in_an_expression_differ_in_name(
-    output: tuple[str, str], ending: str
-) -> None:
-    stems = set()
-    for text in ("sin(t)", "cos(t)"):
-        structure = Structure(5, expressions=(("follower_force", text),))
-        stem = structure.module_stem(*output)
-        assert stem == f"rod_free_n5{ending}_{structure.hash[:6]}"
-        assert stem.isidentifier()
-        stems.add(stem)
-    assert len(stems) == 2
+def test_modules_that_differ_in_an_expression_differ_in_name() -> None:
+    for output, ending in NAMES:
+        stems = set()
+        for text in ("sin(t)", "cos(t)"):
+            structure = Structure(5, expressions=(("follower_force", text),))
+            stem = structure.module_stem(*output)
+            assert stem == f"rod_free_n5{ending}_{structure.hash[:6]}"
+            assert stem.isidentifier()
+            stems.add(stem)
+        assert len(stems) == 2
 
 
 def test_what_cannot_be_written_is_refused() -> None:
-    for target, form, message in (
-        ("fortran", "chain", "target = 'fortran': must be one of numpy, c"),
-        ("numpy", "sparse", "form = 'sparse': must be one of chain, dense"),
-        ("c", "dense", "form = 'dense': must be chain for target c"),
+    for target, form, field, value in (
+        ("fortran", "chain", "target", "fortran"),
+        ("numpy", "sparse", "form", "sparse"),
+        ("c", "dense", "form", "dense"),
     ):
-        with pytest.raises(SceneError, match=message):
-            check_output(target, form)
+        assert refused(check_output, target, form)[:2] == (field, value)
 
 
 def test_all_terms_are_those_of_the_thesis() -> None:
@@ -100,8 +97,9 @@ def test_all_terms_are_those_of_the_thesis() -> None:
     assert "tip_load" not in THESIS_TERMS
     assert parse_terms("tip_load, follower") == ("follower", "tip_load")
     assert parse_terms("tip_load") == ("tip_load",)
-    with pytest.raises(SceneError, match="gravity, internal_damping, external_damping, tip_load, "):
-        parse_terms("tip")
+    told = refused(parse_terms, "tip")
+    assert told[:2] == ("terms", "tip")
+    assert all(term in told.allowed for term in TERMS)
 
 
 @given(
@@ -114,8 +112,8 @@ def test_structures_are_checked_and_have_a_name_of_their_own(
     links: int, boundary: str, inertia: str, names: list[str]
 ) -> None:
     if links < BOUNDARIES[boundary].least_links:
-        with pytest.raises(SceneError, match="links"):
-            Structure(links, boundary, inertia, tuple(names))
+        told = refused(Structure, links, boundary, inertia, tuple(names))
+        assert told[:2] == ("links", links)
         return
     structure = Structure(links, boundary, inertia, tuple(names))
     assert structure.stem.isidentifier()

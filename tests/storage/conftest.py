@@ -15,7 +15,7 @@ from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import Array
 from rodgen.loading import build
-from rodgen.model.terms import TERMS
+from rodgen.model.terms import THESIS_TERMS
 from rodgen.scene import Scene
 
 EVENTS = [{"quantity": "phi_1", "value": 0.0}, {"quantity": "tip_y", "value": 1.0, "name": "high"}]
@@ -47,10 +47,10 @@ class Samples:
 
 @pytest.fixture
 def samples(make_scene: Callable[..., Scene]) -> Callable[..., Samples]:
-    """Samples of a rod under every load; keywords are those of make_scene."""
+    """Samples of two links under loads of most kinds; keywords are those of make_scene."""
 
     def make(count: int = 200, target: str = "numpy", **keywords: object) -> Samples:
-        bare = make_scene(**{"links": 5, "terms": TERMS, **keywords})
+        bare = make_scene(**{"links": 2, "terms": (*THESIS_TERMS, "supports"), **keywords})
         scene = Scene.from_dict({**bare.model_dump(exclude_none=True), "events": EVENTS})
         model = build(scene, target)
         p = model.parameters(**scene.parameters)

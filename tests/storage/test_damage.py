@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import warnings
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,15 @@ from rodgen.integrate.files.result_file import FileWarning
 from rodgen.integrate.files.storage import Excerpt
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Solution, Stats
+from tests.scene.tables import NUMBER, refused
 
 Make = Callable[..., Any]
 STATS = Stats(10, 2, 30, 4, 5, 0.25)
 FORMER = Path(__file__).with_name("format_2.netcdf")  # written by rodgen before checksums
 REFUSED = rodgen.SceneError
+# Content, the numbers that are said of it, and the samples that are left.
+Damage = tuple[bytes, list[float], list[int]]
+TEN = [*range(2, 12)]
 
 
 @pytest.fixture
@@ -119,9 +124,9 @@ def _refused_or_same(path: Path, due: Solution, cases: Iterator[bytes]) -> tuple
 def test_random_damage_is_refused_or_harmless(whole: Make, ended: bool) -> None:
     path, _, _ = whole(ended)
     due = rodgen.load(path)
-    refused, read = _refused_or_same(path, due, _random(path.read_bytes(), 70, 3))
-    assert refused > 100
-    assert read < 20  # what happened to change nothing
+    refused, read = _refused_or_same(path, due, _random(path.read_bytes(), 42, 3))
+    assert refused > 60
+    assert read < 15  # what happened to change nothing
 
 
 @pytest.mark.nightly
@@ -156,74 +161,60 @@ def test_a_byte_of_each_kind_that_changes_is_noticed(whole: Make) -> None:
                 reader(path)
 
 
-def test_damaged_samples_are_named_and_the_rest_is_had(whole: Make) -> None:
-    path, file, given = whole()
-    header, size = file._file.header, file._file.header.record.itemsize
-    damaged = bytearray(path.read_bytes())
-    for sample in (0, 4, 5):
-        damaged[header.start + sample * size + 11] ^= 4
-    path.write_bytes(damaged)
-    named = r"1 sample before t = 0\.01 s, 2 samples after t = 0\.03 s and before t = 0\.06 s"
-    for reader in (rodgen.load, Excerpt, lambda at: Stream.reopen(at, given.model)):
-        with pytest.raises(REFUSED, match=named):
-            reader(path)
-    with pytest.warns(FileWarning, match=named):
-        part = rodgen.load(path, strict=False)
-    good = [1, 2, 3, *range(6, 12)]
-    np.testing.assert_array_equal(part.t, given.t[good])
-    np.testing.assert_array_equal(part.y, given.y[good])
-    assert "damaged" in part.message
-    some = Excerpt(path, strict=False)
-    assert "2 samples" in some.notes[0]
-    np.testing.assert_array_equal(some.at(np.array([0, 3, 8])).y, given.y[[1, 6, 11]])
-    with pytest.warns(FileWarning):
-        assert len(rodgen.load(path, most=2, strict=False).t) == 2
-
-
-def test_file_that_was_cut_gives_what_is_left(whole: Make) -> None:
-    path, file, given = whole()
-    header = file._file.header
-    content = path.read_bytes()
-    path.write_bytes(content[: header.start + 7 * header.record.itemsize + 100])
-    with pytest.raises(REFUSED, match=r"5 samples after t = 0\.06 s"):
-        rodgen.load(path)
-    with pytest.warns(FileWarning, match="5 samples"):
-        part = rodgen.load(path, strict=False)
-    np.testing.assert_array_equal(part.y, given.y[:7])
-    assert len(part.events) == 2
-
-
-def test_lost_text_of_the_run(whole: Make) -> None:
-    path, file, given = whole()
-    damaged = bytearray(path.read_bytes())
-    damaged[file._file.header.variables["run"].begin + 40] ^= 1
-    path.write_bytes(damaged)
-    with pytest.raises(REFUSED, match="how the run went"):
-        rodgen.load(path)
-    with pytest.warns(FileWarning, match="how the run went"):
-        part = rodgen.load(path, strict=False)
-    np.testing.assert_array_equal(part.y, given.y)
-    assert part.status == "interrupted"
-    assert len(part.events) == 2
-
-
-def test_sample_of_another_place_or_file_is_no_sample(
-    whole: Make, samples: Make, tmp_path: Path
-) -> None:
+@pytest.fixture
+def damages(whole: Make, samples: Make, tmp_path: Path) -> dict[str, Damage]:
+    """What can happen to the file."""
     path, file, _ = whole()
-    start, size = file._file.header.start, file._file.header.record.itemsize
-    content = path.read_bytes()
-    first, second = (content[start + k * size : start + (k + 1) * size] for k in (0, 1))
-    path.write_bytes(content[:start] + second + first + content[start + 2 * size :])
-    with pytest.raises(REFUSED, match="2 samples"):
-        rodgen.load(path)
-    other = samples(12, links=2, rod={"mass": 3.5})
+    content, header = path.read_bytes(), file._file.header
+    start, size = header.start, header.record.itemsize
+    places = [start + k * size for k in range(3)]
+    other = samples(12, rod={"mass": 3.5})
     with other.create(tmp_path / "other.nc", events=4) as made:
         other.append(made, 0, 12)
-    record = (tmp_path / "other.nc").read_bytes()[start : start + size]
-    path.write_bytes(content[:start] + record + content[start + size :])
-    with pytest.raises(REFUSED, match=r"1 sample before t = 0\.01 s"):
-        rodgen.load(path)
+    stranger = (tmp_path / "other.nc").read_bytes()[start : start + size]
+    first, second = (content[at : at + size] for at in places[:2])
+
+    def flipped(*at: int) -> bytes:
+        damaged = bytearray(content)
+        for byte in at:
+            damaged[byte] ^= 4
+        return bytes(damaged)
+
+    return {
+        "samples": (
+            flipped(*(start + k * size + 11 for k in (0, 4, 5))),
+            [1, 0.01, 2, 0.03, 0.06],
+            [1, 2, 3, *range(6, 12)],
+        ),
+        "cut": (content[: start + 7 * size + 100], [5, 0.06], [*range(7)]),
+        "text of the run": (flipped(header.variables["run"].begin + 40), [], [*range(12)]),
+        "exchanged": (content[:start] + second + first + content[places[2] :], [2, 0.02], TEN),
+        "of another run": (content[:start] + stranger + content[places[1] :], [1, 0.01], [1, *TEN]),
+    }
+
+
+def test_damage_is_named_and_the_rest_is_had(damages: Any, tmp_path: Path, samples: Make) -> None:
+    """How many samples are lost between which times; those that are left, and the events."""
+    given, path = samples(12), tmp_path / "run.nc"
+    for content, numbers, good in damages.values():
+        path.write_bytes(content)
+        for reader in (rodgen.load, Excerpt, lambda at: Stream.reopen(at, given.model)):
+            told = refused(reader, path)
+            assert told.value == str(path)
+            assert told.numbers == numbers
+        with pytest.warns(FileWarning) as warned:
+            part = rodgen.load(path, strict=False)
+        said = str(warned[0].message).replace(str(path), "")
+        assert [float(number) for number in NUMBER.findall(said)] == numbers
+        np.testing.assert_array_equal(part.t, given.t[good])
+        np.testing.assert_array_equal(part.y, given.y[good])
+        assert len(part.events) == 2
+        assert part.status == ("finished" if numbers else "interrupted")
+        some = Excerpt(path, strict=False)
+        assert some.notes
+        np.testing.assert_array_equal(some.at(np.array([0, 3])).y, given.y[good][[0, 3]])
+        with pytest.warns(FileWarning):
+            assert len(rodgen.load(path, most=2, strict=False).t) == 2
 
 
 def test_what_is_behind_a_checkpoint_may_be_damaged(whole: Make) -> None:
@@ -232,8 +223,7 @@ def test_what_is_behind_a_checkpoint_may_be_damaged(whole: Make) -> None:
     damaged = bytearray(path.read_bytes())
     damaged[header.start + 9 * header.record.itemsize + 20] ^= 1
     path.write_bytes(damaged)
-    with pytest.raises(REFUSED, match="1 sample after"):
-        Stream.reopen(path, given.model, most=10)
+    assert refused(Stream.reopen, path, given.model, most=10).numbers[0] == 1
     with Stream.reopen(path, given.model, most=9) as again:
         given.append(again, 9, 12)
     np.testing.assert_array_equal(rodgen.load(path).y, given.y)
@@ -260,27 +250,22 @@ def test_former_format_is_read_and_said_to_be_unchecked(tmp_path: Path) -> None:
     np.testing.assert_allclose(sol.y[-1], [0.14240068, -0.66433358], rtol=1e-7)  # as printed
     assert sol.energy_error == 1.6733003004032465e-09
     assert Excerpt(path).notes
-    with pytest.raises(REFUSED, match="present format"):
-        Stream.reopen(path)
+    assert refused(Stream.reopen, path).value == str(path)
     path.write_bytes(path.read_bytes().replace(b"rodgen 2", b"rodgen 3", 1))
-    with pytest.raises(REFUSED, match="damaged"):
-        rodgen.load(path)
+    assert refused(rodgen.load, path).value == str(path)
 
 
 @pytest.mark.filterwarnings("ignore::rodgen.integrate.files.result_file.FileWarning")
 def test_damage_to_the_former_format_is_no_traceback(tmp_path: Path) -> None:
     path = tmp_path / "former.nc"
-    for content in _random(FORMER.read_bytes(), 140, 5):
+    for content in _random(FORMER.read_bytes(), 70, 5):
         path.write_bytes(content)
         for reader in (rodgen.load, Excerpt):
-            try:
+            with suppress(REFUSED):
                 reader(path)
-            except REFUSED as error:
-                assert "\n" not in str(error)  # noqa: PT017
 
 
 def test_version_of_a_checked_file_cannot_be_turned_back(whole: Make) -> None:
     path, _, _ = whole()
     path.write_bytes(path.read_bytes().replace(b"rodgen 3", b"rodgen 2", 1))
-    with pytest.raises(REFUSED, match="header"):
-        rodgen.load(path)
+    assert refused(rodgen.load, path).value == str(path)

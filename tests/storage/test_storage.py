@@ -17,13 +17,13 @@ from rodgen.integrate.files.checksums import NO_STATS
 from rodgen.integrate.files.result_file import header_of
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Event
+from tests.scene.tables import NUMBER, refused
 
 Make = Callable[..., Any]
 
 
-@pytest.mark.parametrize("boundary", ["free", "cantilever"])
-def test_saved_and_loaded_is_the_same(samples: Make, tmp_path: Path, boundary: str) -> None:
-    sol = samples(30, boundary=boundary).solution
+def test_saved_and_loaded_is_the_same(samples: Make, tmp_path: Path) -> None:
+    sol = samples(30).solution
     sol.status, sol.message = "failed", "why"
     sol.events = (Event("high", 0.05, sol.y[5]), Event("phi_1 = 0.0", 0.11, sol.y[11]))
     sol.save(tmp_path / "run.nc")
@@ -46,13 +46,14 @@ def test_run_that_was_killed_says_how_far_it_got(samples: Make, tmp_path: Path) 
     given, path = samples(), tmp_path / "run.nc"
     given.create(path).close()
     sol = rodgen.load(path)
-    assert sol.y.shape == (0, 14)
-    assert "before its first sample" in sol.message
+    assert sol.y.shape == (0, 8)
+    assert sol.message
     with Stream.reopen(path) as file:
         given.append(file, 0, 51)
     sol = rodgen.load(path)
     assert sol.status == "interrupted"
-    assert sol.message == "killed after t = 0.5 s of 1 s; rodgen run --resume continues it"
+    assert [float(number) for number in NUMBER.findall(sol.message)] == [0.5, 1.0]
+    assert "rodgen run --resume" in sol.message
     assert sol.stats == NO_STATS
 
 
@@ -90,16 +91,14 @@ def test_files_of_others(tmp_path: Path) -> None:
     old = b"\x89HDF\r\n\x1a\n" + bytes(100)
     for content in (b"", b"no NetCDF", old, b"CDF\x01" + bytes(28), b"CDF\x02" + bytes(28)):
         path.write_bytes(content)
-        with pytest.raises(rodgen.SceneError, match="NetCDF") as caught:
-            rodgen.load(path)
-        assert ("HDF5" in str(caught.value)) == (content == old)
+        told = refused(rodgen.load, path)
+        assert told.value == str(path)
+        assert ("HDF5" in told.allowed) == (content == old)
     with netcdf_file(path, "w", version=2) as other:
         other.createDimension("time", None)
         for name in ("time", "temperature"):
             other.createVariable(name, "f8", ("time",))[:] = np.arange(3.0)
     for reader in (rodgen.load, Stream.reopen):
-        with pytest.raises(rodgen.SceneError, match="written by rodgen"):
-            reader(path)
-    with pytest.raises(rodgen.SceneError, match="No such file"):
-        rodgen.load(tmp_path / "none.nc")
+        assert refused(reader, path).value == str(path)
+    assert refused(rodgen.load, tmp_path / "none.nc").value == str(tmp_path / "none.nc")
     assert len(list(tmp_path.iterdir())) == 1

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
+
+import tomli_w
 
 from rodgen import Scene
 
@@ -45,3 +48,10 @@ def scene(table: dict[str, Any], **tables: Any) -> Scene:
     for name, values in tables.items():
         made[name] = {**made.get(name, {}), **values} if isinstance(values, dict) else values
     return Scene.from_dict(made)
+
+
+def study_file(path: Path, name: str, table: dict[str, Any], vary: dict[str, Any]) -> Path:
+    """Writes a study of a scene to a file, which keeps last(tip_x)."""
+    study = {"name": name, "scene": table, "vary": vary, "compute": {"keep": ["last(tip_x)"]}}
+    path.write_text(tomli_w.dumps(study), encoding="utf-8")
+    return path

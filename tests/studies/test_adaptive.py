@@ -56,24 +56,24 @@ SHAPES: dict[str, Callable[[Array, Array], Array]] = {
 }
 
 
-@pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("size", [(200, 200), (90, 31)])
-def test_the_whole_border_is_found(shape: str, size: tuple[int, int]) -> None:
+def test_the_whole_border_is_found(size: tuple[int, int]) -> None:
     study = stability(*size)
     x, y = np.meshgrid(*(np.linspace(0, 1, count) for count in size), indexing="ij")
-    whole = SHAPES[shape](x, y).astype(int)
+    for name, shape in SHAPES.items():
+        whole = shape(x, y).astype(int)
 
-    def of(flat: Array) -> dict[str, Array]:
-        return {"stable": whole.flat[flat], "status": np.full(len(flat), "finished")}
+        def of(flat: Array, whole: Array = whole) -> dict[str, Array]:
+            return {"stable": whole.flat[flat], "status": np.full(len(flat), "finished")}
 
-    known, asked = refined(study, of)
-    for axis in (0, 1):
-        classes, there = np.moveaxis(whole, axis, 0), np.moveaxis(known, axis, 0)
-        border = classes[1:] != classes[:-1]
-        assert (there[1:] & there[:-1])[border].all()
-    if size == (200, 200):
-        assert known.mean() < 0.1
-    assert len(asked) == 1 or shape != "nothing"
+        known, asked = refined(study, of)
+        for axis in (0, 1):
+            classes, there = np.moveaxis(whole, axis, 0), np.moveaxis(known, axis, 0)
+            border = classes[1:] != classes[:-1]
+            assert (there[1:] & there[:-1])[border].all(), name
+        if size == (200, 200):
+            assert known.mean() < 0.1, name
+        assert len(asked) == 1 or name != "nothing"
 
 
 def test_a_wider_border_takes_fewer_points_and_a_failed_point_is_a_class() -> None:
@@ -110,7 +110,7 @@ def test_real_numbers_have_a_level() -> None:
 
 def test_the_border_of_stability_is_the_critical_force() -> None:
     """By the modes of each point, and by eigenvalues that cross the axis."""
-    study = stability(71, 5)
+    study = stability(71, 3)
 
     def of(flat: Array) -> dict[str, Array]:
         return evaluate(study, points(study, flat.tolist()), flat).arrays
@@ -122,21 +122,17 @@ def test_the_border_of_stability_is_the_critical_force() -> None:
         critical = rodgen.critical_force(table).force
         row = int(np.searchsorted(forces, critical))
         assert known[row - 1 : row + 1, column].all()
-        sides = of(np.array([(row - 1) * 5 + column, row * 5 + column]))
+        sides = of(np.array([(row - 1) * 3 + column, row * 3 + column]))
         assert sides["stable"].tolist() == [1, 0]
 
 
-@pytest.mark.parametrize(
-    ("vary", "how", "said"),
-    [
-        ({FORCE: [1.0, 2.0]}, (), "a grid of two axes"),
-        ({FORCE: [1.0, 2.0], TIME: [1.0]}, (), "a grid of two axes"),
-        ({FORCE: [1.0, 2.0], TIME: [1.0, 2.0]}, (2.0,), "a width above 0"),
-        ({FORCE: [1.0, 2.0], TIME: [1.0, 2.0]}, (None, "force"), "stable"),
-        ({FORCE: [1.0, 2.0], TIME: [1.0, 2.0]}, (None, "largest_growth > 1-1"), "a number"),
-    ],
-)
-def test_what_cannot_be_refined(vary: dict[str, Any], how: tuple[Any, ...], said: str) -> None:
-    study = Study.of(scene(BECK), vary, what="modes", keep=["stable", "largest_growth"])
-    with pytest.raises(SceneError, match=said):
-        next(adaptive.rounds(study, *how))
+def test_what_cannot_be_refined() -> None:
+    two = {FORCE: [1.0, 2.0], TIME: [1.0, 2.0]}
+    for vary, how in (
+        ({FORCE: [1.0, 2.0]}, ()),
+        ({FORCE: [1.0, 2.0], TIME: [1.0]}, ()),
+        *((two, how) for how in ((2.0,), (None, "force"), (None, "largest_growth > 1-1"))),
+    ):
+        study = Study.of(scene(BECK), vary, what="modes", keep=["stable", "largest_growth"])
+        with pytest.raises(SceneError):
+            next(adaptive.rounds(study, *how))

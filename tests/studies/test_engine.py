@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from time import sleep
+from time import monotonic, sleep
 from typing import Any
 
+import numpy as np
 import pytest
 
 from rodgen.integrate import Solution
-from rodgen.studies import here
+from rodgen.studies import here, task
 from rodgen.studies.engine import run
 from rodgen.studies.here import Here
 from rodgen.studies.specification import Study
@@ -41,9 +42,25 @@ def test_a_short_study_starts_no_workers(tmp_path: Path, monkeypatch: pytest.Mon
 
 def test_a_point_that_takes_long_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
     def slow(run: Solution) -> float:
-        sleep(60)
+        sleep(600)
         return 0.0
 
     monkeypatch.setattr(here, "SOON", 0.2)
+    start = monotonic()
     with Here() as one:
         assert not one.is_enough(study(slow))
+    assert monotonic() - start < 300  # of 600 s that one point takes
+
+
+def test_how_long_a_point_takes_does_not_depend_on_who_shares_the_processor(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Points take 10 ms of it; by the clock so many times as much, the last as they wait."""
+    many = Study.of(SHORT, {"parameters.A": np.arange(24.0)}, keep="last(phi_1)")
+    for beside, taken in ((1, 0.01), (10, 0.01), (100, 1.0)):
+        done: list[int] = []
+        monkeypatch.setattr(task, "computed", lambda study, at, done=done: done.append(len(at)))
+        monkeypatch.setattr(task, "process_time", lambda done=done: 0.01 * sum(done))
+        clock = lambda done=done, beside=beside: 0.01 * sum(done) * beside  # noqa: E731
+        monkeypatch.setattr(task, "perf_counter", clock)
+        assert task.timed(many) == pytest.approx(taken)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
 PROGRAM = """
 import os, sys, threading, time
 import rodgen
@@ -18,13 +20,14 @@ os._exit(0)  # the thread would hold up the end
 """
 
 
+@pytest.mark.slow
 def test_it_does_not_wait_for_who_reads() -> None:
     with subprocess.Popen(
         [sys.executable, "-c", PROGRAM], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as process:
         try:
             assert process.stdout is not None
-            process.wait(timeout=60)
+            process.wait(timeout=600)
             assert process.stdout.read().strip() == "2"
         finally:
             process.kill()

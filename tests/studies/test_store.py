@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,7 @@ from rodgen.studies.engine import run
 from rodgen.studies.store import Store, read
 from rodgen.studies.tally import reason, tally
 from tests.studies.conftest import assert_same
-from tests.studies.scenes import PENDULUM, scene
+from tests.studies.scenes import PENDULUM, scene, study_file
 
 pytestmark = pytest.mark.compiler
 KEEP = ["last(tip_x)", "max(phi_2)", "section(tip_y, where='phi_0', rising=0)"]
@@ -36,13 +38,27 @@ def sampled(count: int, method: str = "random") -> Study:
     return Study.of(SHORT, vary, keep=KEEP[:2], sample=sample)
 
 
+@pytest.fixture(scope="module")
+def computed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The store of the grid."""
+    path = tmp_path_factory.mktemp("computed") / "a.zarr"
+    run(grid(), path, workers=1)
+    return path
+
+
+@pytest.fixture
+def stored(computed: Path, tmp_path: Path) -> Path:
+    """A copy of it."""
+    return Path(shutil.copytree(computed, tmp_path / "a.zarr"))
+
+
 def contents(folder: Path) -> dict[str, bytes]:
     return {str(p): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
 
 
-def test_a_study_is_what_its_runs_are() -> None:
-    """By simulate, point by point."""
-    data = rodgen.study(grid(), workers=1)
+def test_a_study_is_what_its_runs_are(computed: Path) -> None:
+    """By simulate, point by point; and as any reader of zarr has it."""
+    data = read(computed)
     assert [*data["max(phi_2)"].sizes.items()] == [("parameters.A", 6), ("integrate.method", 2)]
     for at, method in ((1, "dop853"), (5, "rk45")):
         point = data.isel({"parameters.A": at}).sel({"integrate.method": method})
@@ -56,6 +72,9 @@ def test_a_study_is_what_its_runs_are() -> None:
     assert (data.status == "finished").all()
     assert data["last(tip_x)"].attrs["units"] == "m"
     assert data.attrs["rodgen"] == rodgen.__version__
+    other = xr.open_zarr(computed, consolidated=False)
+    assert other["max(phi_2)"].dims == ("parameters.A", "integrate.method")
+    np.testing.assert_array_equal(other["max(phi_2)"], data["max(phi_2)"])
 
 
 @pytest.mark.nightly
@@ -65,19 +84,6 @@ def test_blocks_of_any_size_have_the_same_bits(size: int, tmp_path: Path) -> Non
     Store.make(tmp_path / "a.zarr", study, size)
     run(study, tmp_path / "a.zarr", workers=1, resume=True)
     assert_same(read(tmp_path / "a.zarr"), rodgen.study(study, workers=1))
-
-
-def test_any_reader_of_zarr_has_the_study(tmp_path: Path) -> None:
-    run(grid(), tmp_path / "a.zarr", workers=1)
-    data = xr.open_zarr(tmp_path / "a.zarr", consolidated=False)
-    ours = read(tmp_path / "a.zarr")
-    np.testing.assert_array_equal(data["max(phi_2)"], ours["max(phi_2)"])
-    assert data["max(phi_2)"].dims == ("parameters.A", "integrate.method")
-    run(sampled(5), tmp_path / "b.zarr", workers=1)
-    assert {*xr.open_zarr(tmp_path / "b.zarr", consolidated=False).coords} == {
-        "parameters.A",
-        "rod.mass",
-    }
 
 
 def test_what_is_marked_is_not_computed_again(tmp_path: Path) -> None:
@@ -104,7 +110,7 @@ def test_what_is_marked_is_not_computed_again(tmp_path: Path) -> None:
     assert (read(path).seconds.values == whole.seconds.values)[[0, 1, 4, 5, 6, 7]].all()
 
 
-@pytest.mark.parametrize("method", ["random", "sobol"])
+@pytest.mark.parametrize("method", ["random", pytest.param("sobol", marks=pytest.mark.slow)])
 def test_a_study_that_is_extended_is_the_larger_one(method: str, tmp_path: Path) -> None:
     few, many, path = sampled(10, method), sampled(25, method), tmp_path / "a.zarr"
     Store.make(path, few, 4)  # the last block has 2 points
@@ -115,41 +121,36 @@ def test_a_study_that_is_extended_is_the_larger_one(method: str, tmp_path: Path)
     assert_same(data, rodgen.study(many, workers=1))
     assert_same(data.isel(point=slice(10)), before)
     np.testing.assert_array_equal(data.seconds[:8], before.seconds[:8])  # whole blocks are kept
-    with pytest.raises(SceneError, match="at least 25"):
+    with pytest.raises(SceneError, match=r"\b25\b"):
         run(few, path, workers=1, resume=True)
+    assert {*xr.open_zarr(path, consolidated=False).coords} == {"parameters.A", "rod.mass"}
 
 
-@pytest.mark.parametrize(
-    ("other", "words"),
-    [
-        (lambda: grid(7), r"another: vary"),
-        (lambda: grid(keep=KEEP[:1]), r"another: keep"),
-        (lambda: Study.of(scene(PENDULUM), {"parameters.A": [1]}, keep=KEEP), "scene, vary"),
-        (lambda: sampled(4), "sample"),
-    ],
-)
-def test_the_store_of_another_study_is_left_alone(other: Any, words: str, tmp_path: Path) -> None:
-    path = tmp_path / "a.zarr"
-    run(grid(), path, workers=1)
-    before = contents(path)
-    with pytest.raises(SceneError, match=words):
-        run(other(), path, workers=1, resume=True)
+def test_the_store_of_another_study_is_left_alone(stored: Path) -> None:
+    """What differs is named."""
+    before = contents(stored)
+    for other, keys in (
+        (grid(7), "vary"),
+        (grid(keep=KEEP[:1]), "keep"),
+        (Study.of(scene(PENDULUM), {"parameters.A": [1]}, keep=KEEP), "scene, vary"),
+        (sampled(4), "sample"),
+    ):
+        with pytest.raises(SceneError, match=keys):
+            run(other, stored, workers=1, resume=True)
     with pytest.raises(SceneError, match="--resume"):
-        run(grid(), path, workers=1)
-    assert contents(path) == before
+        run(grid(), stored, workers=1)
+    assert contents(stored) == before
 
 
-@pytest.mark.parametrize("key", ["rodgen", "sources"])
 def test_the_store_of_another_version_is_left_alone(
-    key: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    stored: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path = tmp_path / "a.zarr"
-    run(grid(), path, workers=1)
-    before, own = contents(path), store.identity()
-    monkeypatch.setattr(store, "identity", lambda: {**own, key: "another"})
-    with pytest.raises(SceneError, match=f"{key} {own[key]}, not another"):
-        run(grid(), path, workers=1, resume=True)
-    assert contents(path) == before
+    before, own = contents(stored), store.identity()
+    for key in ("rodgen", "sources"):
+        monkeypatch.setattr(store, "identity", lambda key=key: {**own, key: "another"})
+        with pytest.raises(SceneError, match=rf"{key} {re.escape(own[key])}\b"):
+            run(grid(), stored, workers=1, resume=True)
+    assert contents(stored) == before
 
 
 def test_what_is_no_store_is_refused(tmp_path: Path) -> None:
@@ -158,12 +159,12 @@ def test_what_is_no_store_is_refused(tmp_path: Path) -> None:
     xr.Dataset({"x": ("x", [1.0])}).to_zarr(tmp_path / "c.zarr", zarr_format=3, consolidated=False)
     for name in ("a", "b", "c", "missing"):
         path = tmp_path / f"{name}.zarr"
-        with pytest.raises(SceneError, match="store of a study"):
+        with pytest.raises(SceneError, match=re.escape(path.name)):
             read(path)
         if path.exists():
-            with pytest.raises(SceneError, match="store of a study"):
+            with pytest.raises(SceneError, match=re.escape(path.name)):
                 run(grid(), path, workers=1, resume=True)
-    with pytest.raises(SceneError, match="a place for a store"):
+    with pytest.raises(SceneError, match=r"^out = "):
         run(grid(), tmp_path / "b.zarr" / "inside.zarr", workers=1)
 
 
@@ -176,37 +177,31 @@ def test_success_is_what_the_store_says(tmp_path: Path, monkeypatch: pytest.Monk
             yield Done(block, store.layout.points(block), 0)
 
     monkeypatch.setattr(here.Here, "compute", lying)
-    with pytest.raises(StudyError, match=r"\d+ of \d+ blocks are not done"):
+    with pytest.raises(StudyError):
         run(grid(), tmp_path / "a.zarr", workers=1)
 
 
 def test_failures_are_counted_by_reason(tmp_path: Path, rodgen: Any) -> None:
-    masses = "[-1.0, -2.0, 1.0, 2.0]"
-    (tmp_path / "pendulum.toml").write_text(
-        'name = "pendulum"\n[rod]\nlinks = 3\nlength = 1.0\nbending_stiffness = 1.0\nmass = 2.0\n'
-        'boundary = "pinned"\n[loads.gravity]\n[loads.internal_damping]\ncoefficient = 0.02\n'
-        '[loads.tip]\nx = "A*sin(3*t)"\n[parameters]\nA = 1.0\n'
-        '[integrate]\nspan = [0.0, 0.2]\nmethod = "dop853"\nmax_steps = 500\n'
-    )
-    (tmp_path / "study.toml").write_text(
-        'name = "masses"\nscene = "pendulum.toml"\n[vary]\n'
-        f'"rod.mass" = {{values = {masses}}}\n"integrate.max_steps" = {{values = [1, 500]}}\n'
-        '[compute]\nkeep = ["last(tip_x)"]\n'
-    )
-    done = rodgen("study", tmp_path / "study.toml", "--out", tmp_path, "--workers", 1)
+    """Four points have masses below zero, and two of the others too few steps."""
+    few = {"span": [0.0, 0.2], "method": "dop853"}
+    vary = {
+        "rod.mass": {"values": [-1.0, -2.0, 1.0, 2.0]},
+        "integrate.max_steps": {"values": [1, 500]},
+    }
+    file = study_file(tmp_path / "study.toml", "masses", {**PENDULUM, "integrate": few}, vary)
+    given = ("--out", tmp_path, "--workers", 1, "--no-pictures")
+    done = rodgen("study", file, *given)
     assert done.returncode == 0, done.stderr
-    store = tmp_path / "masses" / "study.zarr"
-    found = tally(store)
+    path = tmp_path / "masses" / "study.zarr"
+    found = tally(path)
     assert (found.points, found.computed, found.failed) == (8, 8, 6)
     assert sorted(found.reasons.values()) == [2, 4]
-    assert "4 of them" in done.stdout
-    assert "must be greater than #" in max(found.reasons, key=lambda why: found.reasons[why])
-    shown = rodgen("study", "show", store, "--json")
+    assert "rod.mass" in max(found.reasons, key=lambda why: found.reasons[why])
+    shown = rodgen("study", "show", path, "--json", "--no-pictures")
     assert shown.returncode == 0
     told = json.loads(shown.stdout)
     assert (told["name"], told["points"], told["failed"]) == ("masses", 8, 6)
     assert told["reasons"] == dict(found.reasons)
-    assert [Path(one) for one in told["pictures"]] == list(store.parent.glob("*.png"))
 
 
 def test_a_reason_has_no_numbers() -> None:
@@ -214,26 +209,23 @@ def test_a_reason_has_no_numbers() -> None:
 
 
 def test_large_stores_are_read_as_they_are_asked_for(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    stored: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    run(sampled(20), tmp_path / "a.zarr", workers=1)
-    whole = read(tmp_path / "a.zarr")
+    whole = read(stored)
     monkeypatch.setattr(store, "LARGE", 10)
-    lazy = read(tmp_path / "a.zarr")
-    assert not lazy["last(tip_x)"].variable._in_memory
+    lazy = read(stored)
     assert {*lazy.coords} == {*whole.coords}
-    np.testing.assert_array_equal(lazy["last(tip_x)"], whole["last(tip_x)"])
+    np.testing.assert_array_equal(lazy["max(phi_2)"], whole["max(phi_2)"])
+    shutil.rmtree(stored / "last(tip_x)" / "c")  # what is not there any more was not read before
+    assert np.isnan(lazy["last(tip_x)"]).all()
 
 
-@pytest.mark.parametrize(
-    ("points", "seconds", "workers", "size"),
-    [
+def test_how_many_points_a_block_has() -> None:
+    for points, seconds, workers, size in (
         (10**6, 1e-3, 2, 1000),  # a second of work
         (10**9, 1e-3, 1000, 5000),  # so that there are 200 tasks a second
         (10**5, 1e-3, 1000, 25),  # four for every worker
         (10**9, 1e-6, 2, 10**5),
         (10**4, 60.0, 2, 1),
-    ],
-)
-def test_how_many_points_a_block_has(points: int, seconds: float, workers: int, size: int) -> None:
-    assert engine.size_of(sampled(points), seconds, workers) == size
+    ):
+        assert engine.size_of(sampled(points), seconds, workers) == size

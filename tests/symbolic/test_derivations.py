@@ -29,22 +29,15 @@ from rodgen.derive.proofs import any_n as proof_any_n
 from rodgen.derive.proofs.any_n import prove_any_n
 from rodgen.derive.proofs.explicit import prove_explicit
 from rodgen.derive.proofs.points import prove_at_points
-from rodgen.derive.symbols import i, j, l, later, m, n, omega, phi, xi
+from rodgen.derive.symbols import l, m, omega, xi
 from rodgen.model import rod, terms
 from rodgen.model.rod import BOUNDARIES
-from tests.palette import cases
+from tests.palette import can_move, cases
 
-CHAINS = [
-    pytest.param(b, links, marks=[pytest.mark.nightly] * (links > 3))
-    for b in BOUNDARIES
-    for links in range(1, 5)
-    if links > BOUNDARIES[b].first
-]
-EVERY = pytest.mark.parametrize("inertia", inertia.INERTIAS)
+RODS = cases("boundary, inertia", BOUNDARIES, inertia.INERTIAS)
 
 
-@EVERY
-@pytest.mark.parametrize(("boundary", "links"), CHAINS)
+@cases("boundary, links, inertia", BOUNDARIES, (1, 2, 3), inertia.INERTIAS, where=can_move)
 def test_explicit_derivation_equals_the_closed_form(
     boundary: str, links: int, inertia: str
 ) -> None:
@@ -58,8 +51,7 @@ def test_explicit_derivation_equals_the_closed_form(
     assert held["F"] == held["A"] == held["D_e"] == held["T"] == size
 
 
-@EVERY
-@pytest.mark.parametrize("boundary", BOUNDARIES)
+@RODS
 def test_any_n_equals_the_closed_form(boundary: str, inertia: str) -> None:
     names = {c.name for c in prove_any_n(boundary, inertia)}
     letters = {load.letter for load in LOADS.values()}
@@ -78,18 +70,7 @@ def test_every_term_is_proven_where_it_is_alone(boundary: str, term: str) -> Non
         assert names == {"M", "Q", "K", "joints", name}
 
 
-@pytest.mark.parametrize(
-    ("boundary", "links", "inertia"),
-    [
-        ("free", 1, "uniform"),
-        ("free", 20, "uniform"),
-        ("cantilever", 80, "lumped"),  # of which pairs of links are drawn
-        ("clamped", 1, "lumped"),
-        ("clamped", 20, "uniform"),
-        ("pinned", 1, "uniform"),
-        ("pinned", 20, "lumped"),
-    ],
-)
+@cases("boundary, links, inertia", BOUNDARIES, (1, 20), inertia.INERTIAS, where=can_move)
 def test_rational_points_equal_the_closed_form(boundary: str, links: int, inertia: str) -> None:
     held = {c.name: c.entries for c in prove_at_points(links, boundary, inertia)}
     assert set(held) >= {"M", "Q", "F", "T", "A", "D_e"}
@@ -98,8 +79,14 @@ def test_rational_points_equal_the_closed_form(boundary: str, links: int, inerti
     assert all(count or (name, links) == ("Q", 1) for name, count in held.items())
 
 
-@EVERY
-@pytest.mark.parametrize("boundary", BOUNDARIES)
+@pytest.mark.slow
+def test_rational_points_of_a_long_rod() -> None:
+    """Of eighty links, pairs are drawn."""
+    held = {c.name: c.entries for c in prove_at_points(80, "cantilever", "lumped")}
+    assert all(held.values())
+
+
+@RODS
 def test_polynomial_matrices_give_what_plain_lagranges_method_gives(
     boundary: str, inertia: str
 ) -> None:
@@ -115,8 +102,7 @@ def test_polynomial_matrices_give_what_plain_lagranges_method_gives(
     assert (forcing - plain.forcing).applyfunc(simplify).is_zero_matrix
 
 
-@EVERY
-@pytest.mark.parametrize("links", [1, 2, 3])
+@cases("links, inertia", (1, 2), inertia.INERTIAS)
 def test_kinetic_energy_is_that_of_points_along_the_links(links: int, inertia: str) -> None:
     """Energy by integrating over each link directly, or by summing over the masses in the
     joints, without Calculus or collecting."""
@@ -135,45 +121,6 @@ def test_kinetic_energy_is_that_of_points_along_the_links(links: int, inertia: s
     assert simplify(total - derived.calculus.expr(derived.kinetic_energy)) == 0
 
 
-@pytest.mark.parametrize(
-    ("boundary", "links", "inertia"),
-    [
-        ("free", 3, "uniform"),
-        ("cantilever", 3, "uniform"),
-        ("clamped", 3, "lumped"),
-        ("pinned", 3, "uniform"),
-    ],
-)
-def test_general_entries_are_the_explicit_ones(boundary: str, links: int, inertia: str) -> None:
-    """Derivation 2 at a given n against derivation 1, entry by entry, without the closed form."""
-    one, two = ExplicitDerivation(links, boundary, inertia), Equations(boundary, inertia, TERMS)
-    first, base = BOUNDARIES[boundary].first, 2 * BOUNDARIES[boundary].translates
-    angles = {phi[q]: angle for q, angle in enumerate(one.angles)}
-    columns = {term: one.load(term) for term in two.works}
-
-    def same(entry: Any, at: dict[Any, int], polynomial: Any) -> bool:
-        here = entry.subs({**at, n: links}).doit().subs(angles)
-        return bool(simplify(here - one.calculus.expr(polynomial)) == 0)
-
-    for a in range(first, links):
-        row = base + a - first
-        for b in range(first, links):
-            at = {i: a, j: b, later: max(a, b)}
-            mass = two.mass_link if a == b else two.mass_link_link
-            velocity = two.velocity_link_link if a != b else mass * 0
-            assert same(mass, at, one.mass_matrix[row][base + b - first])
-            assert same(velocity, at, one.velocity_matrix[row][b - first])
-        for term, work in two.works.items():
-            assert same(work.link, {i: a}, columns[term][row])
-    for axis in range(base):
-        for b in range(first, links):
-            at = {i: b}
-            assert same(two.mass_base_link[axis], at, one.mass_matrix[axis][base + b - first])
-            assert same(two.velocity_base_link[axis], at, one.velocity_matrix[axis][b - first])
-        for term, work in two.works.items():
-            assert same(work.base[axis], {}, columns[term][axis])
-
-
 def _times(factor: int) -> Callable[[Any], Any]:
     """A method that gives a multiple of what the right one gives."""
 
@@ -187,22 +134,26 @@ def _times(factor: int) -> Callable[[Any], Any]:
     return change
 
 
-WRONG = {
-    "M_base": "M",
-    "M_base_link": "M",
-    "M_link": "M",
-    "M_link_link": "M",
-    "Q_base_link": "Q",
-    "Q_link_link": "Q",
-    "bending_row": "K",
-}
-# By term: the class whose entries by hand are spoilt.
-WRONG_LOADS = {
-    "follower": Follower,
-    "tip_load": PointForce,
-    "gravity": Gravity,
-    "external_damping": JointDrag,
-}
+# What is spoilt (methods of the closed form, and of loads whose entries are written by hand), the
+# entry that proofs then name, and the loads that a rod has.
+WRONG = [
+    *(
+        (ClosedForm, method, "M", ())
+        for method in ("M_base", "M_base_link", "M_link", "M_link_link")
+    ),
+    *((ClosedForm, method, "Q", ()) for method in ("Q_base_link", "Q_link_link")),
+    (ClosedForm, "bending_row", "K", ()),
+    *(
+        (kind, method, LOADS[term].letter, (term,))
+        for term, kind in {
+            "follower": Follower,
+            "tip_load": PointForce,
+            "gravity": Gravity,
+            "external_damping": JointDrag,
+        }.items()
+        for method in ("base_by_hand", "link_by_hand")
+    ),
+]
 FREE, HELD = ("free", "uniform"), ("clamped", "lumped")
 PROOFS = {
     "explicit": partial(prove_explicit, 3),
@@ -212,25 +163,12 @@ PROOFS = {
 
 
 @pytest.mark.parametrize("proof", PROOFS)
-@pytest.mark.parametrize("method", WRONG)
-def test_every_proof_catches_every_wrong_entry(
-    proof: str, method: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(ClosedForm, method, _times(3)(getattr(ClosedForm, method)))
-    with pytest.raises(DisagreementError, match=rf"^{WRONG[method]}\b"):
-        list(PROOFS[proof](*FREE, ()))
-
-
-@pytest.mark.parametrize("proof", PROOFS)
-@pytest.mark.parametrize("method", ["base_by_hand", "link_by_hand"])
-@pytest.mark.parametrize("term", WRONG_LOADS)
-def test_every_proof_catches_every_wrong_entry_of_a_load(
-    proof: str, method: str, term: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    kind: Any = WRONG_LOADS[term]
-    monkeypatch.setattr(kind, method, _times(3)(getattr(kind, method)))
-    with pytest.raises(DisagreementError, match=rf"^{LOADS[term].letter}\b"):
-        list(PROOFS[proof](*FREE, (term,)))
+def test_every_proof_catches_every_wrong_entry(proof: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    for kind, method, entry, loads in WRONG:
+        with monkeypatch.context() as patch:
+            patch.setattr(kind, method, _times(3)(getattr(kind, method)))
+            with pytest.raises(DisagreementError, match=rf"^{entry}\b"):
+                list(PROOFS[proof](*FREE, loads))
 
 
 def _wrong_root(patch: pytest.MonkeyPatch) -> None:
@@ -256,40 +194,40 @@ def _wrong_inertia(patch: pytest.MonkeyPatch) -> None:
     patch.setitem(inertia.INERTIAS, "lumped", inertia.INERTIAS["uniform"])
 
 
-@pytest.mark.parametrize("proof", PROOFS)
-@pytest.mark.parametrize(
-    ("wrong", "entry"), [(_wrong_root, "K"), (_wrong_root_damper, "D_i"), (_wrong_inertia, "M")]
-)
-def test_every_proof_catches_a_wrong_clamp_and_wrong_masses(
-    proof: str,
-    wrong: Callable[[pytest.MonkeyPatch], None],
-    entry: str,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    wrong(monkeypatch)
-    with pytest.raises(DisagreementError, match=rf"^{entry}\b"):
-        list(PROOFS[proof](*HELD, ("internal_damping",)))
-
-
-@pytest.mark.parametrize("size", ["m", "l", "k"])
-def test_a_wrong_size_of_a_link_is_caught(size: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As k = EI l for EI / l would be: the matrices only know k."""
-    right = symbols.discretisation()
-    wrong = {x: value * (l**2 if str(x) == size else 1) for x, value in right.items()}
-    monkeypatch.setattr(proof_any_n, "discretisation", lambda: wrong)
-    with pytest.raises(DisagreementError, match=r"^sizes\b"):
-        list(PROOFS["any n"](*FREE, ()))
-
-
-@pytest.mark.parametrize("proof", PROOFS)
-def test_every_proof_catches_wrong_internal_damping(
-    proof: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def _wrong_law(patch: pytest.MonkeyPatch) -> None:
     """K is right, D_i is not: its law is changed in the derivation."""
     right = InternalDamping.moment
-    monkeypatch.setattr(InternalDamping, "moment", lambda *given: -2 * right(*given))
-    with pytest.raises(DisagreementError, match=r"D_i"):
-        list(PROOFS[proof](*FREE, ("internal_damping",)))
+    patch.setattr(InternalDamping, "moment", lambda *given: -2 * right(*given))
+
+
+# What is wrong, with which rod, and the entry that proofs then name.
+WRONG_TABLES = [
+    (_wrong_root, HELD, "K"),
+    (_wrong_root_damper, HELD, "D_i"),
+    (_wrong_inertia, HELD, "M"),
+    (_wrong_law, FREE, "D_i"),
+]
+
+
+@pytest.mark.parametrize("proof", PROOFS)
+def test_every_proof_catches_a_wrong_clamp_wrong_masses_and_a_wrong_law(
+    proof: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for wrong, rod_of, entry in WRONG_TABLES:
+        with monkeypatch.context() as patch:
+            wrong(patch)
+            with pytest.raises(DisagreementError, match=rf"^{entry}\b"):
+                list(PROOFS[proof](*rod_of, ("internal_damping",)))
+
+
+def test_a_wrong_size_of_a_link_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As k = EI l for EI / l would be: the matrices only know k."""
+    right = symbols.discretisation()
+    for size in ("m", "l", "k"):
+        wrong = {x: value * (l**2 if str(x) == size else 1) for x, value in right.items()}
+        monkeypatch.setattr(proof_any_n, "discretisation", lambda wrong=wrong: wrong)
+        with pytest.raises(DisagreementError, match=r"^sizes\b"):
+            list(PROOFS["any n"](*FREE, ()))
 
 
 @pytest.mark.parametrize("quantity", [symbols.joint_x, symbols.joint_vy])

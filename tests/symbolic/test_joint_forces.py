@@ -18,22 +18,14 @@ from rodgen.derive.proofs import DisagreementError
 from rodgen.derive.proofs import joint_forces as proof_joint_forces
 from rodgen.derive.proofs.joint_forces import prove_joint_forces
 from rodgen.derive.rod import Rod
-from rodgen.derive.symbols import Array, m, n, omega
+from rodgen.derive.symbols import Array, m
 from rodgen.derive.tensions import Tensions
 from rodgen.model.rod import BOUNDARIES
-from tests.palette import cases
-
-CHAINS = [
-    pytest.param(b, links, marks=[pytest.mark.nightly] * (links > 3))
-    for b in BOUNDARIES
-    for links in range(1, 5)
-    if links > BOUNDARIES[b].first
-]
-EVERY = pytest.mark.parametrize("inertia", INERTIAS)
+from rodgen.model.terms import THESIS_TERMS
+from tests.palette import can_move, cases
 
 
-@EVERY
-@pytest.mark.parametrize(("boundary", "links"), CHAINS)
+@cases("boundary, links, inertia", BOUNDARIES, (1, 2, 3), INERTIAS, where=can_move)
 def test_accelerations_are_those_of_derivation_1(boundary: str, links: int, inertia: str) -> None:
     hold = BOUNDARIES[boundary]
     # Loads enter joint by joint: one alone is seen with one link (both ends at once) and with
@@ -43,24 +35,6 @@ def test_accelerations_are_those_of_derivation_1(boundary: str, links: int, iner
     for terms in ((), *single, TERMS):
         (held,) = prove_joint_forces(links, boundary, inertia, terms)
         assert held.entries == links - hold.first + 2 * hold.translates
-
-
-@EVERY
-@pytest.mark.parametrize("boundary", BOUNDARIES)
-def test_system_is_block_tridiagonal_of_the_size_that_is_promised(
-    boundary: str, inertia: str
-) -> None:
-    hold = BOUNDARIES[boundary]
-    system = joint_system(Equations(boundary, inertia, TERMS))
-    width = {"uniform": 2, "lumped": 1}[inertia]
-    assert len(system.unknowns) == width
-    assert system.diagonal.shape == system.coupling.shape == (width, width)
-    assert system.diagonal.is_symmetric()
-    first = hold.first if inertia == "lumped" or not hold.translates else 1
-    assert (system.low, system.high) == (first, n - 1)
-    assert len(system.base) == 2 * hold.translates
-    # Scaled by the mass of a link: blocks hold directions alone, and do not change with speed.
-    assert not (system.diagonal.free_symbols | system.coupling.free_symbols) & {m, omega}
 
 
 Change = Callable[[System], System]
@@ -96,7 +70,7 @@ def test_wrong_system_is_caught(wrong: str, monkeypatch: pytest.MonkeyPatch) -> 
     inertia, change = WRONG_SYSTEMS[wrong]
     monkeypatch.setattr(proof_joint_forces, "joint_system", lambda e: change(joint_system(e)))
     with pytest.raises(DisagreementError, match=r"accelerations\[\d\].*joint forces"):
-        list(prove_joint_forces(4, "free", inertia))
+        list(prove_joint_forces(3, "free", inertia, THESIS_TERMS))
 
 
 WRONG_LAWS = {

@@ -1,23 +1,31 @@
-"""A force on any point of the rod, dead or turning with its link, needs its law and no more."""
+"""A force on any point of the rod or on every link, dead or turning, needs its law and no more."""
+
+from __future__ import annotations
 
 from collections.abc import Callable
 from types import MappingProxyType
 
 import pytest
-from sympy import Expr, Indexed, Integer, Rational, S, Symbol, cos, sin
+from sympy import Expr, Indexed, IndexedBase, Integer, Rational, S, Symbol, cos, sin
 
 from rodgen.derive import symbols
 from rodgen.derive.general import Equations
 from rodgen.derive.loads import LOADS
+from rodgen.derive.loads.link_force import LinkForce
 from rodgen.derive.loads.point_force import Point, PointForce
 from rodgen.derive.proofs import DisagreementError, comparisons
-from rodgen.derive.symbols import joint, n, phi
+from rodgen.derive.symbols import joint, l, n, phi
 from rodgen.model import terms
-from rodgen.model.parameter import Parameter
+from rodgen.model.parameter import LINKS, Parameter
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from tests.palette import cases
 
 SIZE = Symbol("side_force", real=True)
+EACH = IndexedBase("side_pull", real=True)
+PARAMETERS = (
+    Parameter(name="side_force", key="force", label="side force", description="at a point"),
+    Parameter(name="side_pull", key="pull", label="side pull", description="", each=LINKS),
+)
 POINTS = MappingProxyType(
     {
         "joint 0": Point(Integer(0), S.Zero),
@@ -27,84 +35,114 @@ POINTS = MappingProxyType(
         "a third of the last link": Point(n - 1, Rational(1, 3)),
     }
 )
+PLACES = (*POINTS, "every link")
+LAWS: dict[str, Callable[[Expr], tuple[Expr, Expr]]] = {
+    "dead": lambda angle: (2 * SIZE, -SIZE),
+    "turning": lambda angle: (SIZE * cos(angle), 3 * SIZE * sin(angle)),
+}
 
 
-def _dead(angle: Expr) -> tuple[Expr, Expr]:
-    return 2 * SIZE, -SIZE
+class SidePull(LinkForce):
+    """Turns with its link, and pulls at a third of it along and across."""
+
+    letter = "S"
+    share = Rational(1, 3)
+    term = "side_load"
+
+    def force(self, angle: Expr, link: Expr) -> tuple[Expr, Expr]:
+        return EACH[link] * l * cos(angle) + SIZE, 2 * EACH[link] * l * sin(angle)
 
 
-def _turning(angle: Expr) -> tuple[Expr, Expr]:
-    return SIZE * cos(angle), 3 * SIZE * sin(angle)
-
-
-LAWS = {"dead": _dead, "turning": _turning}
+Give = Callable[[str, str], None]
 
 
 @pytest.fixture
-def side_load(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, str], str]:
-    """Gives rods a load of one more term, at a point and of a law that are named."""
+def give(monkeypatch: pytest.MonkeyPatch) -> Give:
+    """Gives rods a load of one more term, side_load, at a place and of a law that are named."""
 
-    def give(point_name: str, law: str) -> str:
+    def load(place: str, law: str) -> None:
         class SideLoad(PointForce):
             letter = "S"
             term = "side_load"
-            point = POINTS[point_name]
+            point = POINTS.get(place)
 
             def force(self, angle: Expr) -> tuple[Expr, Expr]:
                 return LAWS[law](angle)
 
-        size = Parameter(
-            name="side_force", key="force", label="side force", description="at a point"
-        )
         row = terms.Term(
             name="side_load",
             table="side",
-            kind=terms.FORCE,
+            kind=terms.FORCE if place in POINTS else terms.SPREAD,
             label="side load",
-            description="force at a point",
-            parameters=(size,),
+            description="a force",
+            parameters=PARAMETERS[: 1 if place in POINTS else 2],
         )
         monkeypatch.setitem(terms.TERMS, "side_load", row)
         monkeypatch.setitem(symbols.PARAMETERS, "side_force", SIZE)
-        monkeypatch.setitem(LOADS, "side_load", SideLoad())
-        return "side_load"
+        monkeypatch.setitem(symbols.PARAMETERS, "side_pull", EACH)
+        monkeypatch.setitem(LOADS, "side_load", SideLoad() if place in POINTS else SidePull())
 
-    return give
+    return load
 
 
-Give = Callable[[str, str], str]
+def has(place: str, law: str, *_: object) -> bool:
+    return place in POINTS or law == "turning"
 
 
 @cases(
-    "point, law, boundary, inertia, explicit",
-    *(POINTS, LAWS, BOUNDARIES, INERTIAS, (True, False)),
+    "place, law, boundary, inertia, explicit",
+    *(PLACES, LAWS, BOUNDARIES, INERTIAS, (True, False)),
+    where=has,
 )
 def test_derivations_agree_on_it(
-    side_load: Give, point: str, law: str, boundary: str, inertia: str, explicit: bool
+    give: Give, place: str, law: str, boundary: str, inertia: str, explicit: bool
 ) -> None:
-    name = side_load(point, law)
-    held = [c.name for c in comparisons(3, boundary, inertia, (name,), explicit, 3)]
+    give(place, law)
+    held = [c.name for c in comparisons(3, boundary, inertia, ("side_load",), explicit, 3)]
     assert held.count("S") == 2
     assert "accelerations" in held
 
 
-@cases("point, law", POINTS, LAWS)
+@cases("place, law", POINTS, LAWS)
 def test_a_wrong_share_is_caught(
-    side_load: Give, point: str, law: str, monkeypatch: pytest.MonkeyPatch
+    give: Give, place: str, law: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Derivation 3 with the whole force a joint too far."""
-    name, right = side_load(point, law), Point.parts.fget
+    give(place, law)
+    right = Point.parts.fget
     assert right is not None
     monkeypatch.setattr(Point, "parts", property(lambda self: [(a + 1, x) for a, x in right(self)]))
     with pytest.raises(DisagreementError, match="joint forces"):
-        list(comparisons(3, "free", "uniform", (name,), False, 3))
+        list(comparisons(3, "free", "uniform", ("side_load",), False, 3))
 
 
-@cases("point, law, boundary", POINTS, LAWS, ["free", "clamped"])
-def test_newton_sees_how_it_turns(side_load: Give, point: str, law: str, boundary: str) -> None:
+@pytest.mark.parametrize(
+    ("method", "where"),
+    [("_law", "joint forces"), ("work", "any n"), ("rows", "explicit n")],
+)
+def test_a_force_on_another_place_of_its_link_is_caught(
+    give: Give, method: str, where: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In one derivation, the force stands in the middle of its link."""
+    give("every link", "turning")
+    right: Callable[..., object] = getattr(SidePull, method)
+
+    def spoilt(self: SidePull, *of: object) -> object:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(SidePull, "share", Rational(1, 2))
+            return right(self, *of)
+
+    monkeypatch.setattr(SidePull, method, spoilt)
+    with pytest.raises(DisagreementError, match=where):
+        list(comparisons(3, "free", "uniform", ("side_load",), True, 3))
+
+
+@cases("place, law, boundary", PLACES, LAWS, ["free", "clamped"], where=has)
+def test_newton_sees_how_it_turns(give: Give, place: str, law: str, boundary: str) -> None:
     """On every joint, the law in the angles next to it is the force of derivation 3 there."""
-    name, links = side_load(point, law), 4
-    chain, load = Equations(boundary, "uniform", (name,)), LOADS[name]
+    give(place, law)
+    links, load = 4, LOADS["side_load"]
+    chain = Equations(boundary, "uniform", ("side_load",))
     for at in range(chain.hold.first_joint, links + 1):
 
         def there(element: Indexed, at: int = at) -> Expr:
@@ -115,4 +153,5 @@ def test_newton_sees_how_it_turns(side_load: Give, point: str, law: str, boundar
         assert bool(laws) == (law == "turning" and bool(load.arrays(chain)))
         for force, near in laws.items():
             shares = [e for e in near.atoms(Indexed) if e.base in chain.arrays]
-            assert near.subs(n, links).xreplace({e: there(e) for e in shares}) == there(force)
+            found = near.subs(n, links).xreplace({e: there(e) for e in shares})
+            assert found - there(force) == 0

@@ -23,6 +23,7 @@ from rodgen.show.animation.files import ffmpeg
 from rodgen.show.animation.film import Picture, animate
 from rodgen.show.animation.motion import motion
 from rodgen.show.animation.times import Settings, nearest, plan
+from tests.palette import cases
 
 Make = Callable[..., Solution]
 Pixels = np.ndarray
@@ -97,6 +98,7 @@ def test_gif_shows_the_tail_where_the_angle_says(pendulum: Solution, tmp_path: P
     assert [found.name for found in tmp_path.iterdir()] == ["film.gif"]
 
 
+@pytest.mark.slow
 def test_gif_goes_at_its_speed(pendulum: Solution, tmp_path: Path) -> None:
     """Frames of 1/30 s in hundredths: 3, 3, 4, so that the whole is right."""
     path = tmp_path / "film.gif"
@@ -110,13 +112,14 @@ def test_gif_goes_at_its_speed(pendulum: Solution, tmp_path: Path) -> None:
     assert set(durations) == {30, 40}
 
 
+@pytest.mark.slow
 @needs_ffmpeg
 def test_mp4_shows_the_same(pendulum: Solution, tmp_path: Path) -> None:
     path = tmp_path / "film.MP4"
     film = animate(pendulum, path, fps=10, speed=1)
     command = [str(ffmpeg()), "-hide_banner", "-i", str(path), "-f", "rawvideo"]
     done = subprocess.run(
-        [*command, "-pix_fmt", "rgb24", "-"], capture_output=True, check=True, timeout=60
+        [*command, "-pix_fmt", "rgb24", "-"], capture_output=True, check=True, timeout=600
     )
     stream = re.search(r"Video: h264.*", done.stderr.decode())
     assert stream
@@ -130,30 +133,31 @@ def test_mp4_shows_the_same(pendulum: Solution, tmp_path: Path) -> None:
     on_a_circle(places, pendulum.phi[:, 0], 2.5)
 
 
-@pytest.mark.parametrize(("view", "stays"), [("fixed", False), ("centre", False), ("axes", True)])
-def test_views_of_a_turning_rod(moved: Make, tmp_path: Path, view: str, stays: bool) -> None:
+@pytest.mark.parametrize(
+    "view", ["fixed", *(pytest.param(v, marks=pytest.mark.slow) for v in ("centre", "axes"))]
+)
+def test_views_of_a_turning_rod(moved: Make, tmp_path: Path, view: str) -> None:
     """A rod that turns about its middle while that flies away, 5 m/s: the tail's mark stays where
     it is if the view turns with the rod, turns if it only moves along, and else flies."""
-    t = np.arange(9) / 10
+    t = np.arange(5) / 5
     phi = 2.0 * t
     nose = np.c_[5 * t, 0 * t] - np.c_[np.cos(phi), np.sin(phi)]
-    zero = np.zeros((9, 3))
-    sol = moved(t, np.c_[nose, phi, zero], links=1)
+    sol = moved(t, np.c_[nose, phi, np.zeros((5, 3))], links=1)
     path = tmp_path / "film.gif"
-    animate(sol, path, view=view, **SMALL)
+    animate(sol, path, view=view, **SMALL | {"fps": 5})
     places = np.array([tail(frame) for frame in frames(path)])
-    moves = np.ptp(places, axis=0)
+    away = np.hypot(*(places - places[0]).T)
     if view == "fixed":
         ahead = np.c_[5 * t + np.cos(phi), np.sin(phi)]
-        scale = np.hypot(*(places[-1] - places[0])) / np.hypot(*(ahead[-1] - ahead[0]))
+        scale = away[-1] / np.hypot(*(ahead[-1] - ahead[0]))
         assert np.abs(places - places[0] - scale * (ahead - ahead[0])).max() < 1.5
+    elif view == "centre":  # two ends of a chord of a circle about the middle of the rod
+        assert away[-1] / away[2] == pytest.approx(np.sin(0.8) / np.sin(0.4), abs=0.02)  # of 100
     else:
-        assert (moves.max() < 1.0) == stays
-    if view == "centre":  # two ends of a chord of a circle about the middle of the rod
-        chord = np.hypot(*(places[-1] - places[0])) / np.hypot(*(places[4] - places[0]))
-        assert chord == pytest.approx(np.sin(0.8) / np.sin(0.4), abs=0.02)  # a pixel of 100
+        assert away.max() < 1.5
 
 
+@pytest.mark.slow
 def test_a_body_is_drawn_beside_its_link(moved: Make, tmp_path: Path) -> None:
     """Half-way along a rod of 2 m, and 0.6 m to its left, whichever way the rod points."""
     sol = moved([0.0, 0.1], [[0, 0], [np.pi, 0]], links=1, boundary="pinned")
@@ -169,17 +173,19 @@ def test_a_body_is_drawn_beside_its_link(moved: Make, tmp_path: Path) -> None:
     np.testing.assert_allclose(bodies[1], middle - half / 2 - beside, atol=1.5)
 
 
-@pytest.mark.parametrize(("angle", "warm"), [(0.5, True), (-0.5, False)])
-def test_colour_tells_the_sign_of_the_bending(
-    moved: Make, tmp_path: Path, angle: float, warm: bool
-) -> None:
-    sol = moved([0.0], [[0, 0, 0, angle, 0, 0, 0, 0]], links=2)
+@pytest.mark.slow
+def test_colour_tells_the_sign_of_the_bending(moved: Make, tmp_path: Path) -> None:
+    """One way in a frame, the other way in the next."""
+    bent = [[0, 0, 0, angle, 0, 0, 0, 0] for angle in (0.5, -0.5)]
     path = tmp_path / "film.gif"
-    animate(sol, path, **SMALL)
-    shown = next(frames(path))[AXES].astype(int)
+    animate(moved([0.0, 0.1], bent, links=2), path, **SMALL)
     blue, *_, red = (list(bytes.fromhex(end[1:])) for end in shades("moments"))
-    blues, reds = (np.count_nonzero(np.abs(shown - end).max(axis=-1) < 12) for end in (blue, red))
-    assert (reds > 50, blues > 50) == (warm, not warm)  # 50 pixels: some of the rod
+    for frame, (due, other) in zip(frames(path), ((red, blue), (blue, red)), strict=True):
+        shown = frame[AXES].astype(int)
+        there, not_there = (
+            np.count_nonzero(np.abs(shown - end).max(axis=-1) < 12) for end in (due, other)
+        )
+        assert there > 50 > not_there  # pixels: some of the rod
 
 
 @pytest.mark.nightly
@@ -189,14 +195,15 @@ def test_run_that_blew_up_is_drawn_up_to_there(pendulum: Solution, tmp_path: Pat
         pendulum.y[7:] = bad
         film = animate(pendulum, path, **SMALL)
         assert film.frames == len(list(frames(path))) == 7
-        assert "from t = 0.7 s on" in film.notes[0]
+        assert "t = 0.7 s" in film.notes[0]
     pendulum.y[0] = np.nan
     path.unlink()
-    with pytest.raises(SceneError, match="can be drawn"):
+    with pytest.raises(SceneError):
         animate(pendulum, path, **SMALL)
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_far_from_the_origin_the_shape_stays(moved: Make, tmp_path: Path) -> None:
     """At 1e12 m doubles are 1.2e-4 m apart: less than a pixel of a rod of 2 m."""
     y = np.array(
@@ -211,6 +218,7 @@ def test_far_from_the_origin_the_shape_stays(moved: Make, tmp_path: Path) -> Non
     assert np.abs(places[0] - places[1]).max() < 1.0
 
 
+@pytest.mark.slow
 def test_trail_is_behind_the_tail(pendulum: Solution, tmp_path: Path) -> None:
     """Half way along the arc there is a trail at the end, and none at the start."""
     path = tmp_path / "film.gif"
@@ -222,7 +230,9 @@ def test_trail_is_behind_the_tail(pendulum: Solution, tmp_path: Path) -> None:
     assert last.min() < 150 < first.min()  # it is transparent, by a quarter, and thin
 
 
-@pytest.mark.parametrize("ending", ["gif", pytest.param("mp4", marks=needs_ffmpeg)])
+@pytest.mark.parametrize(
+    "ending", ["gif", pytest.param("mp4", marks=[needs_ffmpeg, pytest.mark.slow])]
+)
 def test_nothing_is_left_of_what_was_stopped(
     pendulum: Solution, tmp_path: Path, ending: str
 ) -> None:
@@ -239,58 +249,45 @@ def test_nothing_is_left_of_what_was_stopped(
     assert before.read_text() == "an older film"
 
 
-@pytest.mark.parametrize(
-    ("file", "change", "message"),
-    [
-        ("film.avi", {}, r"\.mp4 or \.gif"),
-        ("film", {}, r"\.mp4 or \.gif"),
-        ("nowhere/film.gif", {}, "in a folder that exists"),
-        ("film.gif", {"fps": 60}, "at most 50"),
-        ("film.gif", {"fps": 0}, "from 1 to 120"),
-        ("film.gif", {"fps": float("nan")}, "from 1 to 120"),
-        ("film.gif", {"speed": 0.0}, "a positive number"),
-        ("film.gif", {"speed": float("inf")}, "a positive number"),
-        ("film.gif", {"speed": 1e-9}, "frames at most"),
-        ("film.gif", {"view": "sideways"}, "one of fixed, centre, axes"),
-        ("film.gif", {"width": 641}, "an even number"),
-        ("film.gif", {"height": 100_000}, "an even number"),
-        ("film.gif", {"start": -1.0}, "from 0 to 1.2 s"),
-        ("film.gif", {"end": float("nan")}, "from 0 to 1.2 s"),
-        ("film.gif", {"start": 0.5, "end": 0.4}, "later than 0.5 s"),
-    ],
-)
-def test_bad_input_is_refused(
-    pendulum: Solution, tmp_path: Path, file: str, change: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(SceneError, match=message):
-        animate(pendulum, tmp_path / file, **SMALL | change)
+REFUSED: dict[str, list[tuple[str, dict[str, Any]]]] = {
+    "--out": [("film.avi", {}), ("film", {}), ("nowhere/film.gif", {})],
+    "fps": [("film.gif", {"fps": rate}) for rate in (60, 0, float("nan"))],
+    "speed": [("film.gif", {"speed": speed}) for speed in (0.0, float("inf"), 1e-9)],
+    "view": [("film.gif", {"view": "sideways"})],
+    "width": [("film.gif", {"width": 641})],
+    "height": [("film.gif", {"height": 100_000})],
+    "from": [("film.gif", {"start": -1.0})],
+    "to": [("film.gif", {"end": float("nan")}), ("film.gif", {"start": 0.5, "end": 0.4})],
+}
+
+
+def test_bad_input_is_refused(pendulum: Solution, tmp_path: Path) -> None:
+    for field, given in REFUSED.items():
+        for file, change in given:
+            with pytest.raises(SceneError) as refused:
+                animate(pendulum, tmp_path / file, **SMALL | change)
+            assert refused.value.field == field, change
     assert not list(tmp_path.iterdir())
 
 
-def test_without_ffmpeg_it_is_said_what_to_do(
+def test_ffmpeg_that_is_missing_or_fails_is_told_of(
     pendulum: Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """How it is installed; and what it says itself."""
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(SceneError, match=r"a \.gif, or ffmpeg installed \(pip install"):
+    with pytest.raises(SceneError, match=r"pip install"):
         animate(pendulum, tmp_path / "film.mp4", **SMALL)
-
-
-def test_ffmpeg_that_fails_is_quoted(
-    pendulum: Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
     program = tmp_path / "ffmpeg"
     program.write_text("#!/bin/sh\necho 'Unknown encoder libx264' >&2\nexit 1\n")
     program.chmod(0o755)
-    monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(SceneError, match="Unknown encoder libx264"):
         animate(pendulum, tmp_path / "film.mp4", **SMALL)
     assert list(tmp_path.iterdir()) == [program]
 
 
-@pytest.mark.parametrize(
-    ("span", "samples", "speed"),
-    [
+def test_speed_is_chosen() -> None:
+    for span, samples, speed in (
         (120.0, 10_000, 2.0),  # a minute of film
         (10.0, 10_000, 1.0),
         (2.92, 293, 1.0),  # not slowed 1.02 times
@@ -298,12 +295,10 @@ def test_ffmpeg_that_fails_is_quoted(
         (0.3, 10_000, 0.1),  # three seconds of film
         (0.3, 46, 0.2),  # 45 intervals, shown at 30 a second: 1.5 s
         (1e-6, 10_000, 3.4e-7),  # a third, with two digits, rounded up
-    ],
-)
-def test_speed_is_chosen(span: float, samples: int, speed: float) -> None:
-    planned = plan(np.linspace(0, span, samples), Settings())
-    assert planned.speed == pytest.approx(speed)
-    assert len(planned.frames) == int(span / speed * 30 + 1e-9) + 1
+    ):
+        planned = plan(np.linspace(0, span, samples), Settings())
+        assert planned.speed == pytest.approx(speed)
+        assert len(planned.frames) == int(span / speed * 30 + 1e-9) + 1
 
 
 def test_nearest_samples_are_taken() -> None:
@@ -334,8 +329,7 @@ def test_the_arrow_of_the_key_is_as_long_as_its_force(make_scene: Callable[..., 
     assert drawn == pytest.approx(key.U / 7.0 * longest, abs=0.01)  # of a pixel
 
 
-@pytest.mark.parametrize("view", ["fixed", "centre", "axes"])
-@pytest.mark.parametrize("size", [(1280, 720), (640, 480), (320, 640)])
+@cases("view, size", ("fixed", "centre", "axes"), ((1280, 720), (640, 480), (320, 640)))
 def test_grid_is_square(moved: Make, view: str, size: tuple[int, int]) -> None:
     """One step along both axes, some centimetres of a screen; where the picture moves, the
     legend says it."""
@@ -348,7 +342,6 @@ def test_grid_is_square(moved: Make, view: str, size: tuple[int, int]) -> None:
     steps = np.concatenate((across, up))
     assert steps == pytest.approx(np.full(len(steps), stage.grid_step))
     low, high = stage.axes.get_ylim()
-    pixels = stage.grid_step / (high - low) * stage.size[1] / stage.zoom
-    assert 50 < pixels < 160
+    assert 50 < stage.grid_step / (high - low) * stage.size[1] / stage.zoom < 160  # pixels
     texts = [text.get_text() for text in stage.figure.legends[0].get_texts()]
-    assert (f"grid of {stage.grid_step:g} m" in texts) is (view != "fixed")
+    assert any(f"{stage.grid_step:g} m" in text for text in texts) is (view != "fixed")

@@ -174,6 +174,7 @@ def test_motions_that_differ_are_found() -> None:
         leaving_out.check(float("nan"), 0.0)
 
 
+@pytest.mark.nightly
 @pytest.mark.compiler
 def test_module_from_cold(tmp_path: Path) -> None:
     table = rod("two", 2, 1.0)

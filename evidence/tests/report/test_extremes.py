@@ -188,6 +188,7 @@ def test_scenes_refuse_what_is_no_number() -> None:
     assert "rtol" in str(rows[-1]["said"])
 
 
+@pytest.mark.nightly
 def test_reference_of_a_switched_load_knows_its_jumps_itself(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -201,6 +202,7 @@ def test_reference_of_a_switched_load_knows_its_jumps_itself(
     assert max(measure.errors(known.y).values()) < 1e-13
 
 
+@pytest.mark.nightly
 def test_late_spans_move_as_that_from_zero_on() -> None:
     """Seconds since 1970: a double has 2e-7 s of them."""
     late = {case.name: case for case in spans() if "1.7e+09" in case.name}

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -81,6 +81,7 @@ def test_a_scene_of_a_user(call: Call, tmp_path: Path) -> None:
     assert {file: file.stat().st_mtime_ns for file in measured} == measured
 
 
+@pytest.mark.nightly
 @pytest.mark.compiler
 def test_a_scene_that_blows_up(call: Call, tmp_path: Path) -> None:
     """It has no reference, which is said; its page is written all the same."""
@@ -110,6 +111,15 @@ def test_what_is_refused(call: Call, tmp_path: Path) -> None:
         assert words in done.err
         assert len(done.err.splitlines()) == 1
     assert not (tmp_path / "results").exists()
+
+
+@pytest.mark.parametrize("command", ["report", "thesis", "audit"])
+def test_folder_that_cannot_be_made_is_refused(rodgen: Callable[..., Any], command: str) -> None:
+    """Before anything is computed, by every command of this package."""
+    done = rodgen(command, "--out", "/dev/null/folder")
+    assert (done.returncode, done.stdout) == (2, "")
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("rodgen: --out = '/dev/null")
 
 
 def test_sections_bring_what_they_are_made_from() -> None:

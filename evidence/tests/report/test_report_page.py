@@ -312,6 +312,7 @@ def test_little_or_nothing_was_measured(tmp_path):
         assert save_guide_figures(folder / "report.json", folder) == []
 
 
+@pytest.mark.nightly
 def test_guide_has_its_pictures(written, tmp_path):
     folder, _, _, _ = written
     names = {path.name for path in save_guide_figures(folder / "report.json", tmp_path)}
@@ -442,6 +443,7 @@ def test_page_of_one_section_says_nothing_of_the_others(tmp_path):
     assert "none got there" not in text
 
 
+@pytest.mark.nightly
 def test_scene_is_introduced_by_its_links_and_its_events(tmp_path):
     contents = made_up(("missile",))
     contents["references"][0].rows[0]["events"] = 1
@@ -450,6 +452,7 @@ def test_scene_is_introduced_by_its_links_and_its_events(tmp_path):
     assert "<p>20 links: own_event.toml. The scene&#39;s events take no part here" in text
 
 
+@pytest.mark.nightly
 def test_unseen_errors_are_counted_and_listed(tmp_path):
     contents = made_up()
     row = {**contents["extremes"][0].rows[0], "outcome": "unseen", "case": "a step too large"}

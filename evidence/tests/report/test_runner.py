@@ -77,6 +77,7 @@ def test_rows_come_back_in_order(tmp_path: Path) -> None:
     assert {one.rows[0]["threads"] for one in found} == {"1"}
 
 
+@pytest.mark.nightly
 def test_failures_are_told_and_take_none_along(tmp_path: Path) -> None:
     begun = str(tmp_path / "begun")
     units = [
@@ -126,6 +127,7 @@ def test_what_is_held_is_not_measured(tmp_path: Path) -> None:
     assert not (folder / "b.json").exists()
 
 
+@pytest.mark.nightly
 def test_other_sections_are_kept_on_resume(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """--only of one section, where another is measured already: the page has both."""
 
@@ -141,6 +143,7 @@ def test_other_sections_are_kept_on_resume(tmp_path: Path, monkeypatch: pytest.M
     assert list(report.measure([], tmp_path, ["costs"])) == ["costs"]
 
 
+@pytest.mark.nightly
 def test_what_failed_is_tried_again(tmp_path: Path) -> None:
     runner = Runner(tmp_path / "m", [], resume=True)
     assert runner.run([unit("w", "fail")])[0].failed
@@ -164,6 +167,7 @@ Runner(folder / "m", []).run(units)
 """
 
 
+@pytest.mark.nightly
 def test_ctrl_c_ends_all_processes(tmp_path: Path) -> None:
     process = subprocess.Popen(
         [sys.executable, "-c", PROGRAM, str(tmp_path)], stderr=subprocess.PIPE, text=True

@@ -180,6 +180,7 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
 
+@pytest.mark.nightly
 def test_page_is_whole_and_needs_no_network(findings: list[Finding]) -> None:
     text = html(findings, stepper_orders())
     page = Page(text)
@@ -192,6 +193,7 @@ def test_page_is_whole_and_needs_no_network(findings: list[Finding]) -> None:
     assert "for (l=0; l&lt;=i; l++)" in text  # what was printed is escaped
 
 
+@pytest.mark.nightly
 def test_tables_hold_every_finding(findings: list[Finding], tmp_path: Path) -> None:
     rows = list(csv.DictReader(io.StringIO(csv_text(findings))))
     assert {row["number"] for row in rows} == {f.claim.number for f in findings}

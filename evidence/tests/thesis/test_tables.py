@@ -214,6 +214,7 @@ def made_up(number: str) -> Table:
     return table
 
 
+@pytest.mark.nightly
 def test_free_rod_end_to_end():
     # 109.68919 EI/L^2: the root of the characteristic equation, which the discrete model tends to.
     (row,) = critical.table_3_4([10], span=100.0).rows.to_dict("records")
@@ -223,6 +224,7 @@ def test_free_rod_end_to_end():
     assert str(row["verdict"]).startswith("off by +0.013 %: 4 of 5 digits")
 
 
+@pytest.mark.nightly
 def test_clamps_converge_with_their_orders():
     for row in clamp.table_clamp((10, 20, 40)).rows.to_dict("records"):
         expected = 1 if row["boundary"] == "cantilever" else 2
@@ -232,6 +234,7 @@ def test_clamps_converge_with_their_orders():
         assert row["limit"] == pytest.approx(row["continuum"], abs=10 * row["limit_error"])
 
 
+@pytest.mark.nightly
 def test_the_outlook_is_answered():
     """With figures of other routes: critical_force has the Hopf point, a run the amplitude; small
     modes have the shapes of the continuum but for 1/n^2, 6e-4 times some ten for the third."""

@@ -25,7 +25,7 @@ from rodgen.progress import EMITTING, tell
 from rodgen.scene.grammar import NUMPY
 from rodgen.scene.structure import Structure
 
-GUARD = "tests/generated/test_reference_modules.py"
+GUARD = "tests/reference.py"
 
 NO_ENERGY = "np.zeros_like(kinetic)"  # the contract has three energies, whatever the scene
 

@@ -55,6 +55,7 @@ class Bar:
         """folder: scenes to choose from; turn_shade: from light to dark and back."""
         self.page, self._folder = page, folder
         self._now: object = None
+        self._listing = False  # whether the list of scenes is being brought up to date
         self._keys: dict[str, Callable[[], object]] = {}
         self._said: dict[str, str] = {}  # of keys: what they do
         if page.run.files is None:
@@ -164,13 +165,17 @@ class Bar:
         """Show which scenes can be chosen; present: name of that of the run."""
         names = {name: name for name in sorted({*self._folder.names(), self._file} - {OTHER})}
         other = {OTHER: f"{present} (other)"} if self._shown == OTHER else {}
+        self._listing = True
         self.scenes.set_options(names | other, value=self._shown)
+        self._listing = False
         self.again.rename(f"Load {self._file} again, as it is in its file", AGAIN)
         self.again.set_enabled(self._file != OTHER)
 
-    async def _chosen(self, event: ValueChangeEventArguments[Any]) -> None:
-        if event.value not in (None, OTHER, self._shown):
-            await self._load(event.value)
+    def _chosen(self, event: ValueChangeEventArguments[Any]) -> None:
+        """Begin with a scene of the list. Whether it was chosen is asked at once: by the time that
+        it is loaded, the list may show another."""
+        if not self._listing and event.value not in (None, OTHER, self._shown):
+            self.page.begin(self._load(event.value))
 
     async def _again(self) -> None:
         await self._load(self._file)

@@ -1,8 +1,6 @@
 """The components of the page: keys, connection, picture of the rod, plots (static/).
 
-Which arrays a message carries: message.py. In the page, window.rodgenLive tells what was drawn:
-{fps, frames, t, past (the time that is looked back at), state, connected, milliseconds (of script a
-frame), plots: {id: {rows, kept (of the run that is kept), draws, x and y: [low, high]}}}.
+Which arrays a message carries: message.py. What window.rodgenLive tells in the page: hub.js.
 Every element of the page with data-text="key" shows the text of that key; the connection itself
 writes the key "connection", empty while it stands.
 """
@@ -24,7 +22,7 @@ from rodgen.model.terms import TERMS
 STATIC = Path(__file__).parents[1] / "static"
 LIBRARY = Path(nicegui.__file__).parent / "static"
 SHEETS = "vendor/uPlot.min.css", "page.css"
-ICONS = STATIC / "vendor" / "icons.woff2"  # made by `--update` of tests/live/test_icons.py
+ICONS = STATIC / "vendor" / "icons.woff2"  # made by `--update` of tests/live/test_appearance.py
 View = Literal["fixed", "centre", "axes"]
 
 

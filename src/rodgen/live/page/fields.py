@@ -52,11 +52,17 @@ def dialog(
     made.open()
 
 
+def tell(field: Field, refusal: str | None) -> None:
+    """Say beside a field, and to who does not see it, why it is refused; None: it is fine."""
+    field.error = refusal
+    field.props(**{"add" if refusal else "remove": "aria-invalid=true"})
+
+
 def refuse(fields: Mapping[str, Field], refusals: Mapping[str, str]) -> str:
     """Say beside each field why it is refused, beside the others nothing; returns what is to be
     said of names that have no field."""
     for name, field in fields.items():
-        field.error = refusals.get(name)
+        tell(field, refusals.get(name))
     return "; ".join(f"{name} {text}" for name, text in refusals.items() if name not in fields)
 
 
@@ -97,7 +103,7 @@ class Entry:
 
     def say(self, refusal: str) -> None:
         """Show why a text is refused; nothing: it is fine."""
-        self.field.error = refusal or None
+        tell(self.field, refusal or None)
 
     def shows(self, text: str) -> bool:
         """Whether that is the value that was taken last."""

@@ -80,7 +80,22 @@ class Hub {
   // Called with (t, by) for the time that is looked at, null for none, and who has told of it.
   cursors = new Set();
   send = () => {};
-  shown = { fps: 0, frames: 0, t: null, past: null, state: null, connected: false, milliseconds: 0 };
+  // What the page tells of itself as window.rodgenLive, for tests and benchmarks to wait for:
+  //   connected, state: whether there is a connection, and the state of the run;
+  //   frames, fps, milliseconds: how often a new state was drawn, in all and in the last second, and
+  //     how long scripts take for that;
+  //   t, past, span: the time that is shown, that of the past which is looked at (null: the present),
+  //     and those of the first and the last sample that are kept [s];
+  //   joints, scale, pull, mode: of the rod that is drawn, places of its joints in the picture, x and
+  //     y in turn [pixels], pixels per metre, its pull as message.py has it, and its mode in words;
+  //   texts: the panel of values, by key, as it was told last;
+  //   plots: by id, rows that came, kept (of the run that is kept), draws, and of what is drawn the
+  //     ends of its axes x and y, the row at that is looked at, and how many are seen.
+  shown = {
+    ...{ connected: false, state: null, frames: 0, fps: 0, milliseconds: 0 },
+    ...{ t: null, past: null, span: null, joints: [], scale: null, pull: [], mode: null },
+    ...{ texts: {}, plots: {} },
+  };
   #clock = new Written();
   #unanswered = [];
   #drawn = [];
@@ -105,7 +120,10 @@ class Hub {
     if (header.state !== undefined) this.shown.state = header.state;
     if (header.origin !== undefined) this.rod.origin = header.origin;
     this.#keep(arrays);
-    if (header.texts) this.texts.set(header.texts);
+    if (header.texts) {
+      this.texts.set(header.texts);
+      Object.assign(this.shown.texts, header.texts);
+    }
     if (header.frame !== undefined) this.#unanswered.push(header.frame);
     this.#wake();
   }
@@ -121,6 +139,7 @@ class Hub {
     const moved = line.past !== this.shown.past;
     this.past.take(line);
     this.shown.past = line.past;
+    this.shown.span = [line.from, line.to];
     if (moved) this.cursor(null);
   }
 
@@ -144,6 +163,7 @@ class Hub {
     if (joints) {
       this.rod.frame += 1;
       this.#fresh = true;
+      this.shown.pull = [...(this.rod.pull ?? [])];
     }
   }
 

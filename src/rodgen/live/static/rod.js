@@ -243,7 +243,11 @@ export default {
       paint: (...frame) => {
         pointer.follow();
         const more = picture.paint(...frame);
-        hub.shown.scale = picture.camera.scale;
+        Object.assign(hub.shown, {
+          joints: Array.from(picture.points),
+          scale: picture.camera.scale,
+          mode: picture.options.mode?.text ?? null,
+        });
         return more;
       },
     };

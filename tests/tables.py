@@ -1,4 +1,4 @@
-"""What the pages say of keys and boundaries is the vocabulary: `pytest --update` rewrites it."""
+"""Tables of docs/scenes.md and docs/studies.md, from the vocabulary, for `make reference`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, get_args, get_origin
 
 import annotated_types
-import pytest
+from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from rodgen.model.parameter import LINKS, Parameter
@@ -16,8 +16,11 @@ from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.scene.tables import Table
+from rodgen.studies.axis import Range, Sample
+from rodgen.studies.findings import FINDINGS, Finding
+from rodgen.studies.specification import KEYS
 
-PAGE = Path(__file__).parents[2] / "docs" / "scenes.md"
+DOCS = Path(__file__).parents[1] / "docs"
 TIMED = "a number or an expression in t"
 LIMITS = {"positive": ", above 0", "at least 0": ", at least 0"}
 
@@ -131,24 +134,59 @@ def _boundaries() -> Iterator[str]:
         yield _row(f"`{name}`", joint, links, one.description)
 
 
-@pytest.mark.parametrize(
-    ("name", "lines"),
-    [
-        ("scene", _first()),
-        ("rod", _tables("rod", "bodies", "supports", "foundation")),
-        ("loads", _loads()),
-        ("run", _tables("states", "initial", "events", "integrate")),
-        ("boundaries", _boundaries()),
-    ],
-)
-def test_tables_of_the_page_are_the_vocabulary(
-    name: str, lines: Iterator[str], pytestconfig: pytest.Config
-) -> None:
-    begin, end = f"<!-- {name}: from the vocabulary -->\n", f"<!-- /{name} -->"
-    before, there = PAGE.read_text().split(begin)
-    there, after = there.split(end)
-    wanted = "\n" + "\n".join(lines) + "\n\n"
-    if pytestconfig.getoption("--update"):
-        PAGE.write_text(before + begin + wanted + end + after)
-    else:
-        assert there == wanted
+def _finding(name: str, one: Finding) -> str:
+    text = f"`{name}(k)`" if one.several else f"`{name}`"
+    text = f"**{text}**" if one.usual else text
+    return f"{text} [{one.units}]" if one.units else text
+
+
+def _findings() -> Iterator[str]:
+    yield from ("| `what =` | what can be kept; **bold** is kept if none is named |", "|---|---|")
+    for what, found in FINDINGS.items():
+        kept = ", ".join(_finding(name, one) for name, one in found.items())
+        yield f'| `"{what}"` | {kept} |'
+
+
+def _fields_of(table: str, model: type[BaseModel]) -> Iterator[str]:
+    for name, one in model.model_fields.items():
+        default = "required" if one.is_required() else f"`{one.default}`"
+        default = "absent" if one.default is None else default
+        yield f"| `{table}` | `{one.alias or name}` | {one.description} | {default} |"
+
+
+def _keys() -> Iterator[str]:
+    yield from ("| table | key | what it is | without it |", "|---|---|---|---|")
+    for table, keys in KEYS.items():
+        shown = f"`[{table}]`" if table else "the file"
+        for key, (what, default) in keys.items():
+            yield f"| {shown} | `{key}` | {what} | {default} |"
+    yield from _fields_of('[vary] "KEY"', Range)
+    yield from _fields_of("[sample]", Sample)
+
+
+def tables() -> dict[str, dict[str, Iterator[str]]]:
+    """Lines of every table, by the page and the mark between which it stands there."""
+    return {
+        "scenes.md": {
+            "scene": _first(),
+            "rod": _tables("rod", "bodies", "supports", "foundation"),
+            "loads": _loads(),
+            "run": _tables("states", "initial", "events", "integrate"),
+            "boundaries": _boundaries(),
+        },
+        "studies.md": {"findings": _findings(), "keys": _keys()},
+    }
+
+
+def pages() -> dict[Path, str]:
+    """Texts of the pages with the tables of today. Raises ValueError where a mark is gone."""
+    texts = {}
+    for name, parts in tables().items():
+        text = (DOCS / name).read_text(encoding="utf-8")
+        for mark, lines in parts.items():
+            begin, end = f"<!-- {mark}: from the vocabulary -->\n", f"<!-- /{mark} -->"
+            before, rest = text.split(begin)
+            _, after = rest.split(end)
+            text = before + begin + "\n" + "\n".join(lines) + "\n\n" + end + after
+        texts[DOCS / name] = text
+    return texts

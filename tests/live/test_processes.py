@@ -1,0 +1,286 @@
+"""What is made and computed in processes of their own: modules, answers, sweeps of a number."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import queue
+import signal
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+from unittest.mock import Mock
+
+import pytest
+
+import rodgen
+from rodgen.live.page import module_process
+from rodgen.live.page.module_process import Modules
+from rodgen.live.page.sweep_picture import HEIGHT, WIDTH, Diagram, Point, picture
+from rodgen.live.run import critical
+from rodgen.live.run.aside import Answer, Aside, Errand
+from rodgen.live.run.aside_process import WORKS, Works
+from rodgen.live.run.critical import COMPUTING, Critical
+from rodgen.live.run.live_run import LiveRun
+from rodgen.live.run.sweep import COUNT, sweep
+from rodgen.loading.ahead import dump, parse
+from rodgen.scene import Scene, SceneError, Structure
+from tests.live.conftest import ROD, SCENES, finished, runs, varied
+from tests.live.view import PATIENT
+
+SCENE = Scene.from_dict(ROD)
+FREE = Scene.from_dict({**ROD, "loads": {}})
+
+
+def test_answers_refusals_and_defects_are_told_and_nothing_of_what_is_dropped() -> None:
+    """In the process itself: requests are answered a part at a time, by turns."""
+    told: list[tuple[int, dict[str, Any]]] = []
+    works = Works(lambda number, **answer: told.append((number, answer)))
+    run = LiveRun(SCENE)
+    state = {"t": 0.0, "y": run.shown.y[-1].tolist(), "p": run.shown.p.tolist()}
+    run.close()
+    for number, what, scene, more in (
+        (1, "modes", SCENE, state),
+        (2, "critical", FREE, {}),
+        (3, "none", SCENE, {}),
+        (4, "modes", SCENE, state),
+    ):
+        table = json.loads(json.dumps(scene.model_dump(exclude_none=True)))
+        works.take({"number": number, "what": what, "scene": table, "more": more})
+    works.take({"number": 4})
+    while len(works):
+        works.go_on()
+    (modes,) = WORKS["modes"](SCENE, **state)
+    assert told[0] == (1, {"value": modes, "last": False})
+    assert sorted(number for number, _ in told) == [1, 1, 2, 3]
+    assert {number for number, answer in told if answer["last"]} == {1, 2, 3}
+    refused = {number: answer["refused"] for number, answer in told if "refused" in answer}
+    assert ("follow" in refused[2], "KeyError" in refused[3]) == (True, True)
+
+
+class Told(queue.Queue[Answer]):
+    """Answers in the order in which they came."""
+
+    def all(self) -> list[Answer]:
+        """Up to the last."""
+        found = [self.get(timeout=PATIENT)]
+        while not found[-1].last:
+            found.append(self.get(timeout=PATIENT))
+        return found
+
+
+@pytest.mark.slow
+def test_process_answers_what_is_not_dropped_and_is_started_again_where_it_died() -> None:
+    aside, dropped, told = Aside(), Told(), Told()
+    try:
+        for errand in [aside.ask("critical", SCENE, dropped.put) for _ in range(50)]:
+            errand.drop()
+        aside.ask("critical", SCENE, told.put)
+        wanted = [Answer(rodgen.critical_force(SCENE).force), Answer(last=True)]
+        assert told.all() == wanted
+        assert dropped.empty()
+        aside.ask("critical", SCENE, told.put)
+        assert aside._process is not None
+        aside._process.send_signal(signal.SIGKILL)
+        assert told.all()[-1].refused
+        aside.ask("critical", SCENE, told.put)
+        assert told.all() == wanted
+    finally:
+        aside.close()
+
+
+def test_force_of_a_scene_that_changes_is_asked_for_once(
+    clock: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """When nothing has changed for a while; an answer for the scene before is not taken, nor is
+    it waited for."""
+    asked: list[tuple[float, Any]] = []
+    done: list[float] = []
+    aside = Mock(spec=Aside)
+    aside.ask = lambda _, scene, told: (
+        asked.append((scene.loads.follower.force, told)) or Errand(aside, len(asked))
+    )
+    monkeypatch.setattr(critical, "ASIDE", aside)
+    one = Critical(lambda work: work(), lambda: done.append(one.value), clock)
+
+    def look(force: float) -> None:
+        one.look(Scene.from_dict({**ROD, "loads": {"follower": {"force": force}}}))
+
+    for force in (1.0, 2.0, 3.0):
+        look(force)
+        clock.now += 0.3
+        one.tick()
+    assert asked == []
+    clock.now += 0.3
+    for _ in range(2):
+        one.tick()
+    assert [force for force, _ in asked] == [3.0]
+    look(4.0)
+    aside.drop.assert_called_once_with(1)
+    asked[0][1](Answer(30.0))
+    assert (one.value, done) == (COMPUTING, [])
+    clock.now += 1.0
+    one.tick()
+    for answer in (Answer(40.0), Answer(last=True)):
+        asked[1][1](answer)
+    assert (one.value, done) == (40.0, [40.0])
+
+
+def swept(scene: str, path: Sequence[str], low: float, high: float, t: float) -> dict[str, Any]:
+    """All parts of a sweep of a scene of the package, put together."""
+    found: dict[str, Any] = {"rows": []}
+    for part in sweep(Scene.from_toml(SCENES / f"{scene}.toml"), path, low, high, t=t):
+        found["rows"] += part.pop("rows", [])
+        found |= part
+    return found
+
+
+@pytest.mark.nightly
+def test_sweep_of_an_amplitude_finds_the_critical_force() -> None:
+    """That of the missile under its full thrust, by the iteration of `rodgen.critical_force`; half
+    the last interval is 600/40/6^4/2 N, and four digits are given. Its flight, which the branch
+    follows over the number in the expression, begins to flutter there too."""
+    found = swept("missile", ["loads", "follower", "force", "0"], 100.0, 700.0, t=1.0)
+    values = [value for value, *_ in found["rows"]]
+    assert values == pytest.approx([100 + 15 * at for at in range(COUNT)])
+    critical = rodgen.critical_force(Scene.from_toml(SCENES / "missile.toml"), t=1.0).force
+    assert found["critical"] == pytest.approx(critical, abs=0.06)
+    for value, growth, _, stable in found["rows"]:
+        assert stable == (growth < 0) == (value < found["critical"])
+    ((value, kind),) = found["special"]
+    assert (value, kind) == (pytest.approx(found["critical"], abs=0.06), "hopf")
+
+
+@pytest.mark.slow
+def test_sweep_of_a_dead_load_has_its_equilibria() -> None:
+    """After the span: the column buckles, and the branch of its straight equilibria, whose states
+    lead on from there, has a point where another leaves it."""
+    branch = (found := swept("euler_column", ["loads", "tip", "y"], -30.0, -1.0, t=1e3))["branch"]
+    scene = Scene.from_toml(SCENES / "euler_column.toml")
+    assert len(branch["state"][0]) == len(scene.initial_state())
+    assert {*branch["away"]} == {0.0}  # straight, but for rounding
+    assert "branch" in [kind for _, kind in found["special"]]
+
+
+def test_rods_of_very_many_links_are_not_swept() -> None:
+    with pytest.raises(SceneError, match=r"^rod\.links = 300"):
+        next(sweep(Scene.from_dict(varied(links=300)), ["rod", "mass"], 1.0, 2.0, t=0.0))
+
+
+def test_picture_shows_what_is_stable_and_where_that_ends() -> None:
+    points = [Point(0.0, -1.0, True), Point(1.0, 0.5, False), Point(2.0, 3.0, False)]
+    one = Diagram("growth", 0.0, 2.0, points)
+    svg = ElementTree.fromstring(picture([one], "sweep of P", 0.5, 0.7, []))
+    drawn = {line.get("class"): line.get("points") for line in svg.iter("polyline")}
+    assert drawn.keys() == {"stable", "unstable"}
+    assert "0.7" in [text.text for text in svg.iter("text")]
+    assert {"present", "critical"} <= {path.get("class") for path in svg.iter("path")}
+    for point in points:
+        x, y = one.at(point)
+        assert 0 <= x <= WIDTH
+        assert 0 <= y <= HEIGHT
+        assert one.nearest(x + 1.0, y - 40.0) == point
+
+
+def quiet(_: str) -> None:
+    """Of no use is what is being done."""
+
+
+@pytest.fixture
+def compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a file for each compiler that was started, by the id of its process."""
+    if os.name != "posix":
+        pytest.skip("the compiler here is a shell script")
+    script = tmp_path / "cc"
+    started = tmp_path / "started"
+    started.mkdir()
+    script.write_text(f"#!/bin/sh\ntouch {started}/$$\nexec sleep 600\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", str(script))
+    monkeypatch.setenv("RODGEN_CACHE", str(tmp_path / "cache"))
+    return started
+
+
+async def come(true: Callable[[], bool]) -> None:
+    async with asyncio.timeout(PATIENT):
+        while not true():
+            await asyncio.sleep(0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are seen in /proc")
+def test_cancelled_making_ends_its_compiler(compiler: Path) -> None:
+    """And none is begun while the server ends."""
+
+    def started() -> set[int]:
+        return {int(file.name) for file in compiler.iterdir()}
+
+    async def cancelled() -> None:
+        stages: list[str] = []
+        task = asyncio.create_task(Modules().make(Structure(2, terms=()), stages.append))
+        await come(lambda: any(map(runs, started())))
+        assert stages
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+
+    finished(cancelled())
+    before = started()
+    assert before
+    assert not any(map(runs, before))
+    modules = Modules()
+    modules.close()
+    with pytest.raises(SceneError, match="module"):
+        finished(modules.make(Structure(2, terms=()), quiet))
+    assert started() == before
+
+
+def test_structure_comes_to_the_process_as_it_is() -> None:
+    for path in SCENES.glob("*.toml"):
+        one = Scene.from_toml(path).structure
+        other = parse(dump(one))
+        assert (other, hash(other)) == (one, hash(one)), path
+
+
+def test_two_at_a_time_and_none_of_too_many_links(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The third begins when one of the others is given up."""
+    begun: list[int] = []
+
+    async def endless(structure: Structure, _: object) -> None:
+        begun.append(structure.links)
+        await asyncio.Event().wait()
+
+    async def three() -> None:
+        modules = Modules()
+        tasks = [asyncio.create_task(modules.make(Structure(n), quiet)) for n in (2, 3, 4)]
+        await come(lambda: len(begun) == 2)
+        for _ in range(10):  # nothing else is to be done
+            await asyncio.sleep(0)
+        assert begun == [2, 3]
+        tasks[0].cancel()
+        await come(lambda: len(begun) == 3)
+        for task in tasks[1:]:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    monkeypatch.setattr(module_process, "_make", endless)
+    finished(three())
+    with pytest.raises(SceneError, match="2000"):
+        finished(Modules().make(Structure(2001), quiet))
+
+
+@pytest.mark.slow
+def test_no_hook_of_a_fork_runs_in_the_process(tmp_path: Path) -> None:
+    """Threads of the server are gone there, and Python's own hooks fail at times. With the loop
+    that the server has."""
+    uvloop = pytest.importorskip("uvloop", reason="the extra view is not installed")
+    seen = tmp_path / "seen"
+    listening = [True]  # a hook stays for good
+    os.register_at_fork(after_in_child=lambda: listening and seen.touch())
+    try:
+        finished(Modules().make(Scene.from_dict(ROD).structure, quiet), uvloop.new_event_loop)
+    finally:
+        listening.clear()
+    assert not seen.exists()

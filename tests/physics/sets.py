@@ -1,0 +1,30 @@
+"""Cases by the sets of tests that they belong to, where no covering array chooses them; and the
+numbers that a sentence tells."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import Any
+
+import pytest
+
+
+def sets(quick: Iterable[Any], slow: Iterable[Any] = (), nightly: Iterable[Any] = ()) -> list[Any]:
+    """Cases to parametrize a test by: those of `make test`, of `make check`, and of the night. A
+    later set may name all of them, of which it has the others."""
+    found: list[Any] = []
+    seen: list[Any] = []
+    for marks, some in (((), quick), (pytest.mark.slow, slow), (pytest.mark.nightly, nightly)):
+        for case in some:
+            if case not in seen:
+                parts = case if isinstance(case, tuple) else (case,)
+                found.append(pytest.param(*parts, marks=marks))
+                seen.append(case)
+    return found
+
+
+def numbers(text: object) -> list[float]:
+    """All numbers in a text, but those in names such as rk4."""
+    found = re.findall(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)", str(text))
+    return [float(number) for number in found]

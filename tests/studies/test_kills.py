@@ -1,0 +1,164 @@
+"""Clients that are killed and followed by others, schedulers that die, Ctrl-C: the same bits."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from rodgen import Study
+from rodgen.studies.engine import run
+from rodgen.studies.store import read
+from tests.studies.conftest import assert_same
+from tests.studies.scenes import PENDULUM, study_file
+from tests.studies.test_workers import in_blocks, study_of
+
+pytestmark = [pytest.mark.compiler, pytest.mark.nightly]
+CLIENT = """
+import os, signal, sys, time
+from pathlib import Path
+import numpy as np
+from rodgen import Study
+from rodgen.studies.engine import run
+from tests.studies.scenes import PENDULUM, study_file
+from tests.studies.test_workers import SHORT, POINTS
+
+path, pause, last = Path(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3])
+def slow(solution):
+    if solution.scene.numbers["A"] == last:
+        os.kill(os.getppid(), signal.SIGKILL)  # of the client, whose process computes
+    time.sleep(pause)
+    return float(solution.scene.numbers["A"])
+# As another function it would be that of another study.
+import rodgen.studies.specification as specification
+specification._named = lambda kept: str(kept) if isinstance(kept, str) else "slow"
+study = Study.of(SHORT, {"parameters.A": np.arange(float(POINTS))}, keep=["max(phi_2)", slow])
+run(study, path, workers=1, resume=True)
+"""
+
+
+def client(path: Path, pause: float, last: float = -1.0) -> subprocess.Popen[bytes]:
+    arguments = map(str, (path, pause, last))
+    return subprocess.Popen([sys.executable, "-c", CLIENT, *arguments], cwd=Path.cwd())
+
+
+@pytest.fixture
+def slow(monkeypatch: pytest.MonkeyPatch) -> Study:
+    """The study of these clients."""
+
+    def slow(solution: Any) -> float:
+        return float(solution.scene.numbers["A"])
+
+    from rodgen.studies import specification
+
+    monkeypatch.setattr(
+        specification, "_named", lambda kept: str(kept) if isinstance(kept, str) else "slow"
+    )
+    return study_of(slow)
+
+
+def test_a_client_that_is_killed_is_followed_by_another(tmp_path: Path, slow: Study) -> None:
+    path = in_blocks(tmp_path / "a.zarr", slow, 2)
+    assert client(path, 0.0, last=13.0).wait(timeout=600) == -signal.SIGKILL
+    before = read(path)
+    there = before.status.values == "finished"
+    assert there.sum() == 12  # six blocks of two
+    run(slow, path, workers=1, resume=True)
+    after = read(path)
+    assert_same(after, rodgen.study(slow, workers=1))
+    np.testing.assert_array_equal(after.seconds.values[there], before.seconds.values[there])
+
+
+def test_two_clients_do_not_harm_each_other(tmp_path: Path, slow: Study) -> None:
+    path = in_blocks(tmp_path / "a.zarr", slow, 1)
+    both = [client(path, 0.05), client(path, 0.05)]
+    assert [one.wait(timeout=600) for one in both] == [0, 0]
+    assert_same(read(path), rodgen.study(slow, workers=1))
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    """A study of 40 points of a few hundredths of a second, in blocks of two."""
+    long = {"method": "rk4", "step": 1e-4, "span": [0.0, 4.0]}
+    vary = {"parameters.A": {"from": 0.1, "to": 2, "count": 40}}
+    path = study_file(tmp_path / "study.toml", "swings", {**PENDULUM, "integrate": long}, vary)
+    in_blocks(tmp_path / "swings" / "study.zarr", Study.from_toml(path), 2)
+    return path
+
+
+def command(file: Path, *options: object) -> subprocess.Popen[str]:
+    words = ["-m", "rodgen", "study", file, "--out", file.parent, "--resume", *options]
+    return subprocess.Popen(
+        [sys.executable, *map(str, words)],
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+
+
+def wait_for_marks(file: Path, count: int, process: subprocess.Popen[str]) -> None:
+    marks = file.parent / "swings" / "study.zarr" / "status" / "c"
+    while process.poll() is None and (not marks.exists() or len(list(marks.iterdir())) < count):
+        time.sleep(0.02)
+
+
+def test_the_death_of_a_scheduler_ends_in_one_line(file: Path, tmp_path: Path) -> None:
+    """And status 3; what is marked is kept, and another client does the rest."""
+    where = tmp_path / "scheduler.json"
+    start = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0"]
+    quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    begun = [subprocess.Popen([*start, "--scheduler-file", where, "--no-dashboard"], **quiet)]
+    try:
+        work = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", where]
+        alone = ["--no-nanny", "--no-dashboard", "--nthreads", "1", "--death-timeout", "60"]
+        begun.append(subprocess.Popen([*work, *alone], **quiet))
+        while not where.exists():
+            time.sleep(0.05)
+        address = where.read_text().split('"address": "')[1].split('"')[0]
+        process = command(file, "--scheduler", address)
+        wait_for_marks(file, 3, process)
+        begun[0].kill()
+        _out, err = process.communicate(timeout=600)
+    finally:
+        for one in begun:
+            one.kill()
+            one.wait()
+    assert process.returncode == 3, err
+    assert "--resume" in err
+    assert err.count("\n") == 1
+    path = file.parent / "swings" / "study.zarr"
+    there = read(path).status.values == "finished"
+    assert 6 <= there.sum() < 40
+    run(Study.from_toml(file), path, workers=1, resume=True)
+    assert_same(read(path), rodgen.study(Study.from_toml(file), workers=1))
+
+
+def test_ctrl_c_keeps_what_is_marked_and_ends_the_workers(file: Path) -> None:
+    """With two workers of its own, in one process group as in a terminal."""
+    import psutil
+
+    process = command(file, "--workers", 2)
+    wait_for_marks(file, 3, process)
+    children = psutil.Process(process.pid).children(recursive=True)
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate(timeout=600)
+    assert process.returncode == 130, err
+    assert "http://127.0.0.1:" in out  # of the dashboard
+    assert err.count("\n") == 1
+    psutil.wait_procs(children, timeout=120)
+    assert not [one for one in children if one.is_running()]
+    path = file.parent / "swings" / "study.zarr"
+    assert 6 <= (read(path).status.values == "finished").sum() < 40
+    again = command(file, "--workers", 1)
+    out, err = again.communicate(timeout=600)
+    assert again.returncode == 0, err
+    assert_same(read(path), rodgen.study(Study.from_toml(file), workers=1))
