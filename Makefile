@@ -2,7 +2,7 @@
 # make test     the tests of every day              make test-times [COUNT=40]    processor time of each, of the last runs
 # make check    lint, types, slower tests, the live view in a browser, the pages of docs/
 # make check-clean      .ci/run (demo, test, check) in a clean clone of HEAD; if green, noted in build/checked
-# make check-all        everything, and every seeded fault: make faults [FROM=1] [TO=105] [AGAIN=1]
+# make check-all        everything, and every seeded fault: make faults [FROM=1] [TO=20] [AGAIN=1]
 # make check-newest     the same but the faults, with the newest dependencies, warnings are errors    make check-lowest   the oldest
 # make check-package    what pip installs, alone    make check-joints   with JAX, diffrax, Numba     make lock   the versions of all dependencies
 # make view [SCENE=scenes/missile.toml]          the live view, in a browser

@@ -9,7 +9,7 @@ import pytest
 from scipy.sparse import csc_array
 
 from rodgen.analyse.curves.bordered import Bordered, Matrix
-from rodgen.analyse.curves.continuation import Steps, continued, started
+from rodgen.analyse.curves.continuation import continued, started
 from rodgen.analyse.curves.curve import BRANCH, FOLD, Curve, Point, Problem
 from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.stepper import Array
@@ -119,14 +119,6 @@ def test_a_measure_is_found_where_it_is_zero() -> None:
     found = followed(Measured(ellipse, 2), [1.0, 0.0], -0.49, 0.49)
     assert [one.kind for one in found.special] == ["passing"]
     assert found.special[0].u[-1] == pytest.approx(np.sqrt(1 - 0.09) / 2, abs=1e-11)
-
-
-def test_no_more_points_than_asked_for() -> None:
-    problem = Known(ellipse, 2)
-    start = started(problem, np.array([1.0, 0.0]))
-    found = continued(problem, start, -5, 5, Steps(most=7))
-    assert len(found.points) == 7
-    assert not found.complete
 
 
 @pytest.mark.parametrize("sparse", [False, True])

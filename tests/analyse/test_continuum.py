@@ -1,4 +1,4 @@
-"""Continuum references against collocation, shooting, quadrature and published tables."""
+"""Continuum references against weak forms, shooting, quadrature and published tables."""
 
 from __future__ import annotations
 
@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from mpmath import mp
-from scipy.integrate import quad, solve_bvp, solve_ivp
-from scipy.linalg import eigvals
+from scipy.integrate import quad, solve_ivp
 from scipy.special import jn_zeros
 
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.references.columns import (
     Onset,
     beck,
@@ -29,25 +27,6 @@ from rodgen.analyse.references.continuum import (
     wave_number,
 )
 from rodgen.analyse.references.elastica import Tip, axial_force, own_weight, tip_force
-from tests.analyse.rods import numbers
-
-
-def _collocated(p: float, points: int = 22) -> np.ndarray:
-    """Omega^2 of y'''' + p (x y')' = Omega^2 y, y'' = y''' = 0 at both ends: Chebyshev collocation
-    (Trefethen, Spectral Methods in MATLAB, 2000, ch. 6), boundary conditions in place of the outer
-    rows. Rising moduli, those of the two rigid motions first."""
-    theta = np.pi * np.arange(points) / (points - 1)
-    x = np.cos(theta)
-    c = np.where((x == x[0]) | (x == x[-1]), 2.0, 1.0) * (-1.0) ** np.arange(points)
-    D = np.outer(c, 1 / c) / (x[:, None] - x + np.eye(points))
-    D = 2 * (D - np.diag(D.sum(axis=1)))  # on [0, 1], from its end to its start
-    powers = [np.linalg.matrix_power(D, k) for k in range(5)]
-    A, B = powers[4] + p * D @ np.diag((x + 1) / 2) @ D, np.eye(points)
-    for row, condition in ((0, powers[2]), (1, powers[3]), (-1, powers[2]), (-2, powers[3])):
-        A[row], B[row] = condition[0 if row >= 0 else -1], 0
-    values = eigvals(A, B)
-    values = values[np.isfinite(values) & (np.abs(values) < 1e9)]
-    return values[np.argsort(np.abs(values))]
 
 
 @pytest.mark.parametrize("k", [1, 2, 17, 50])
@@ -85,20 +64,22 @@ def _all_along(i: int, j: int, power: int) -> Any:
     return j * (j - 1) * mp.beta(i + j - 1, power + 1)
 
 
-def _newton_step(
-    first: int, load: Callable[[int, int, int], Any], tilt: int, size: int, p: Any, w: Any
-) -> list[float]:
-    """Relative step of Newton's method to the double root of the weak form with the polynomials
-    xi^first, xi^(first + 1), ...: int y'' v'' + p times the work of the load = w^2 int y v, whose
-    natural conditions are those of a free end. Not the differential equation, and it converges
-    superexponentially."""
+def _weak_form(first: int, load: Callable[[int, int, int], Any], tilt: int, size: int) -> Any:
+    """B, P and M of int y'' v'' + p times the work of the load = w^2 int y v for the polynomials
+    xi^first, xi^(first + 1), ..., whose natural conditions are those of a free end. Not the
+    differential equation, and it converges superexponentially."""
 
     def entry(i: int, j: int) -> tuple[Any, Any, Any]:
         bend = mp.mpf(i * (i - 1) * j * (j - 1)) / max(i + j - 3, 1)
         return bend, load(i, j, tilt), mp.mpf(1) / (i + j + 1)
 
     k = range(first, first + size)
-    B, P, M = (mp.matrix([[entry(i, j)[c] for j in k] for i in k]) for c in range(3))
+    return [mp.matrix([[entry(i, j)[c] for j in k] for i in k]) for c in range(3)]
+
+
+def _newton_step(weak_form: Any, p: Any, w: Any) -> list[float]:
+    """Relative step of Newton's method to the double root of the weak form."""
+    B, P, M = weak_form
 
     def det(p: Any, w: Any) -> Any:
         return mp.det(B + p * P - w**2 * M)
@@ -140,52 +121,42 @@ def test_flutter(
     # Of other rounding and other steps; a float is right to its last digit.
     np.testing.assert_array_equal([float(x) for x in at], found)
     with mp.workdps(70):
-        assert max(_newton_step(first, load, tilt, size, *at)) < 1e-16
+        assert max(_newton_step(_weak_form(first, load, tilt, size), *at)) < 1e-16
 
 
 def test_frequencies_under_thrust() -> None:
+    """Powers of x are nearly dependent: they are made orthogonal with many digits."""
+    with mp.workdps(60):
+        B, P, M = _weak_form(0, _at_the_tail, 1, 14)
+        T = mp.inverse(mp.cholesky(M))
+        B, P = (np.array((T * one * T.T).tolist(), dtype=float) for one in (B, P))
     for p in (-100.0, 0.0, 60.0, 109.0):
-        route = np.sqrt(_collocated(p)[2:5].real)
+        squares = sorted(np.linalg.eigvals(B + p * P), key=abs)
+        route = np.sqrt(np.real(squares[2:5]))
         np.testing.assert_allclose(thrust_frequencies(p, 3), route, rtol=1e-6)
     free = [wave_number("free", k) ** 2 for k in (1, 2, 3)]
     np.testing.assert_allclose(thrust_frequencies(0, 3), free, rtol=1e-15)
 
 
-def _integrated(load: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """x, y, theta at the tip for theta'' = -load(s) cos(theta), by SciPy's collocation."""
-    s = np.linspace(0, 1, 101)
-    run = solve_bvp(
-        lambda s, w: np.array([w[1], -load(s) * np.cos(w[0]), np.cos(w[0]), np.sin(w[0])]),
-        lambda a, b: np.array([a[0], b[1], a[2], a[3]]),
-        s,
-        np.array([1.2 * s * (2 - s), 2.4 * (1 - s), s, 0 * s]),
-        tol=1e-10,
-        max_nodes=20000,
-    )
-    assert run.success
-    return run.y[[2, 3, 0], -1]
+@pytest.mark.parametrize(
+    ("solve", "load"),
+    [
+        *((solve, load) for solve in (tip_force, own_weight) for load in (0.01, 8.0)),
+        *((axial_force, load) for load in (2.4675, 8.0, 60.0)),
+        *(pytest.param(solve, 60.0, marks=pytest.mark.slow) for solve in (tip_force, own_weight)),
+    ],
+)
+def test_elastica_by_shooting_from_the_tip(solve: Callable[..., Tip], load: float) -> None:
+    """theta'' = -load cos(theta), less towards the tip of its own weight, and -load sin(theta) of a
+    column, from the angle of the tip ends at the clamp with zero."""
+    tip = solve(load)
 
+    def rates(s: float, w: Any) -> tuple[float, ...]:
+        across = np.sin(w[0]) if solve is axial_force else np.cos(w[0])
+        share = s if solve is own_weight else 1.0
+        return w[1], -load * share * across, np.cos(w[0]), np.sin(w[0])
 
-@pytest.mark.parametrize("load", [0.01, 8.0, pytest.param(60.0, marks=pytest.mark.slow)])
-@pytest.mark.parametrize(("solve", "rise"), [(tip_force, 0), (own_weight, 1)])
-def test_elastica(solve: Callable[..., Tip], rise: int, load: float) -> None:
-    """The tolerance is that of the collocation."""
-    found = solve(load)
-    np.testing.assert_allclose(found, _integrated(lambda s: load * (1 - s) ** rise), atol=2e-10)
-
-
-@pytest.mark.parametrize("load", [2.4675, 8.0, 60.0])
-def test_columns_by_shooting_from_the_tip(load: float) -> None:
-    """theta'' = -load sin(theta) from the angle of the tip ends at the clamp with zero."""
-    tip = axial_force(load)
-    run = solve_ivp(
-        lambda s, w: (w[1], -load * np.sin(w[0]), np.cos(w[0]), np.sin(w[0])),
-        (0, 1),
-        (tip.angle, 0.0, 0.0, 0.0),
-        "DOP853",
-        rtol=1e-13,
-        atol=1e-15,
-    )
+    run = solve_ivp(rates, (0, 1), (tip.angle, 0.0, 0.0, 0.0), "DOP853", rtol=1e-13, atol=1e-15)
     # What the integrator loses near the tip grows by cosh(sqrt(load)), 1200 at the largest.
     np.testing.assert_allclose(run.y[[0, 2, 3], -1], (0.0, tip.x, tip.y), atol=1e-10)
 
@@ -231,11 +202,3 @@ def test_small_deflections_are_linear() -> None:
         (own_weight(e), linear_own_weight(load=e, **unit)),
     ):
         np.testing.assert_allclose((tip.y, tip.angle), line, rtol=1e-11)
-
-
-@pytest.mark.nightly
-def test_beyond_flutter_there_is_no_frequency() -> None:
-    """The error names the load at which it begins, to its six digits."""
-    with pytest.raises(AnalysisError) as error:
-        thrust_frequencies(110, 1)
-    assert thrust().load == pytest.approx(numbers(error.value)[-1], rel=1e-5)

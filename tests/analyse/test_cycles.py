@@ -11,9 +11,7 @@ from scipy.integrate import solve_ivp
 
 import rodgen
 from rodgen.analyse.cycles.cycle import Cycle
-from rodgen.analyse.cycles.elimination import multipliers
 from rodgen.analyse.cycles.search import Search, find_cycle
-from rodgen.analyse.errors import AnalysisError
 from rodgen.scene import Scene
 from tests.analyse.rods import COLUMN
 
@@ -124,31 +122,3 @@ def test_a_kink_takes_more_intervals_and_what_is_left_is_told() -> None:
     shot = find_cycle(scene, y0=found.y0, period=found.period, by="shooting")
     assert shot.period == pytest.approx(found.period, rel=1e-9)
     assert np.abs(shot.nontrivial[0] - found.nontrivial[0]) < 1e-5
-
-
-@pytest.mark.parametrize("segments", [3, 5, 20])
-def test_multipliers_that_a_product_of_segments_loses(segments: int) -> None:
-    """Of segments that are made from their multipliers, from 1e14 to 1e-6: beside the largest, a
-    product is all rounding below 1e-2."""
-    random = np.random.default_rng(3)
-    mu = np.array([1e14, 1e6, 1.0, 0.5, 1e-3, 1e-6])
-    bases = [np.linalg.qr(random.standard_normal((6, 6)))[0] for _ in range(segments)]
-    share = np.diag(mu ** (1 / segments))
-    G = [bases[(i + 1) % segments] @ share @ bases[i].T for i in range(segments)]
-    product = np.linalg.multi_dot(G[::-1])
-    assert abs(np.sort(np.abs(np.linalg.eigvals(product)))[1] - 1e-3) > 1e-4
-    found = multipliers(G)
-    # Errors are those of angles: 1e-16 about 1, and as much of the inverse of a large one.
-    assert found[0].real == pytest.approx(mu[0], rel=1e-2)
-    np.testing.assert_allclose(found.real[1:4], mu[1:4], rtol=1e-9)
-    np.testing.assert_allclose(found[4:], mu[4:], atol=1e-9)
-
-
-def test_what_is_no_cycle_is_refused() -> None:
-    """Below flutter: a rod at rest, and one that comes to rest."""
-    loads = COLUMN["loads"] | {"follower": {"force": 5.0}}
-    below = Scene.from_dict(COLUMN | {"loads": loads, "initial": {"phi": 0.0}})
-    with pytest.raises(AnalysisError):
-        find_cycle(below)
-    with pytest.raises(AnalysisError):
-        find_cycle(below, y0=[0.3, 0.1, 0.1, 0, 0, 0], period=1.0)

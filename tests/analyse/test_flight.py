@@ -10,7 +10,6 @@ import pytest
 
 import rodgen
 from rodgen.analyse.critical import Critical, critical_force, family_of
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.growth import SimulatedCritical, doubt, simulated_critical_force
 from rodgen.analyse.modes import Modes, natural_modes
 from rodgen.analyse.steady import steady
@@ -154,7 +153,7 @@ def test_after_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.nightly
 def test_runs_find_it_too() -> None:
-    """Measured growth sees the onset of flutter in damped flight; a hundredfold comes far later."""
+    """Measured growth sees the onset of flutter in damped flight."""
     scene, span = rod(4, "free", PUSHED, mass=20.0), 4.0
     exact = critical_force(scene, speed=20.0).force
     how: dict[str, Any] = {"span": span, "speed": 20.0, "target": "numpy", "tolerance": 4e-3}
@@ -164,8 +163,6 @@ def test_runs_find_it_too() -> None:
     # of a disturbance that is not infinitely small counts.
     rates = family_of(scene, speed=20.0).rates(np.array([found.low, found.high])).real.max(axis=1)
     assert rates[0] * 0.9 < np.log(1.01) / span < rates[1] * 1.1
-    with pytest.raises(AnalysisError, match=r"\b100\b.*\b4 s"):
-        simulated_critical_force(scene, growth=100.0, high=1.05 * exact, **how)
 
 
 def _simulated(force: float, growth: float | None = None) -> SimulatedCritical:

@@ -18,16 +18,13 @@ from tests.analyse.rods import jacobian, numbers, rod
 SMALL = "1e-4*cos(pi*s) + 1e-4*s**3"  # rad: symmetric and antisymmetric, products of 1e-8
 
 
-def _scene(boundary: str, phi: str, seconds: float, every: float, **more: Any) -> Scene:
-    sizes = {"length": 2.0, "bending_stiffness": 30.0, "mass": 3.0}
-    integrate = {"span": [0.0, seconds], "rtol": 1e-8, "atol": 1e-13, "output_every": every}
-    return rod(4, boundary, **sizes, initial={"phi": phi, **more}, integrate=integrate)
-
-
 @lru_cache
 def _run(boundary: str, phi: str = SMALL, seconds: float = 2.1, every: float = 0.004, **more: Any):
     initial = {key: list(v) if isinstance(v, tuple) else v for key, v in more.items()}
-    return rodgen.simulate(_scene(boundary, phi, seconds, every, **initial), target="numpy")
+    sizes = {"length": 2.0, "bending_stiffness": 30.0, "mass": 3.0}
+    integrate = {"span": [0.0, seconds], "rtol": 1e-8, "atol": 1e-13, "output_every": every}
+    scene = rod(4, boundary, **sizes, initial={"phi": phi} | initial, integrate=integrate)
+    return rodgen.simulate(scene, target="numpy")
 
 
 def _frequencies(scene: Scene) -> tuple[np.ndarray, np.ndarray]:

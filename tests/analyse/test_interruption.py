@@ -18,8 +18,8 @@ from tests.analyse.test_boundary import INTERNAL
 Follow = Callable[..., Any]
 
 
-def _equilibria() -> tuple[Follow, str, str]:
-    scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
+def _equilibria(across: float = 0.3) -> tuple[Follow, str, str]:
+    scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": across}})
 
     def follow(**given: Any) -> Any:
         return rodgen.continue_equilibria(scene, AXIAL, (0.0, -20.0), step=0.1, **given)
@@ -86,11 +86,7 @@ def test_what_was_found_is_kept_and_gone_on_with(kind: Any, tmp_path: Path) -> N
 
 
 def test_ctrl_c_before_the_other_branch_leaves_the_first() -> None:
-    scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": 0.0}})
-
-    def follow(**given: Any) -> Any:
-        return rodgen.continue_equilibria(scene, AXIAL, (0.0, -20.0), step=0.1, **given)
-
+    follow, *_ = _equilibria(across=0.0)
     straight = _stopped(follow, 3, switch=1)
     assert straight.attrs["switch"] == 0
     assert np.abs(straight["phi"].values).max() == 0.0
@@ -101,7 +97,7 @@ def test_ctrl_c_before_the_other_branch_leaves_the_first() -> None:
 
 def test_numbers_beyond_range_end_a_branch() -> None:
     """Whatever breaks in the middle, what was found before is there."""
-    scene = rod(4, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
+    follow, *_ = _equilibria()
     seen = []
 
     def watch(value: float) -> None:
@@ -109,7 +105,7 @@ def test_numbers_beyond_range_end_a_branch() -> None:
         if len(seen) == 5:
             raise OverflowError("math range error")
 
-    found = rodgen.continue_equilibria(scene, AXIAL, (0.0, -20.0), step=0.1, watch=watch)
+    found = follow(watch=watch)
     assert found["value"].values.tolist() == pytest.approx(seen, rel=1e-12)
     assert "math range error" in found.attrs["end"]  # what was raised
     assert not found.attrs["complete"]

@@ -1,4 +1,5 @@
-"""Natural frequencies and shapes: against 50 digits, the continuum, hanging chains, runs."""
+"""Natural frequencies and shapes: against 50 digits, the continuum, hanging chains, runs; and
+modes about any state beside those about a steady one."""
 
 from __future__ import annotations
 
@@ -9,12 +10,15 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.modes import natural_modes
+from rodgen.analyse.modes_about import modes_about
 from rodgen.analyse.references.continuum import chain_frequency, natural_frequency
+from rodgen.live.run.aside_process import MOST_LINKS, WORKS
 from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen.scene import Scene, SceneError
 from tests.analyse.rods import SIZES, THRUST, eigenvalues, exact_rates, rod
+from tests.live.conftest import ROD
 from tests.palette import cases
 
 FINS = [1.0, 1.0, 2.0, 4.0]
@@ -133,13 +137,6 @@ def test_shapes_keep_the_centre_of_gravity() -> None:
     np.testing.assert_allclose(weights @ modes.displacements[:, :, 1].T, 0.0, atol=1e-6)
 
 
-def test_a_rod_beyond_its_critical_force_grows() -> None:
-    found = natural_modes(rod(10, "clamped", {"follower": {"force": 90.0}}), 3)
-    assert found.growth.max() > 0
-    assert found.growth[0] == pytest.approx(-found.growth[1])
-    assert found.frequencies[0] == pytest.approx(found.frequencies[1])
-
-
 def test_what_grows_is_seen_among_motions_that_die_away() -> None:
     """Strong damping and thrust give dozens of motions that are gone within a period, with
     frequencies next to zero. Growth begins where `critical_force`, by other matrices, finds it."""
@@ -151,25 +148,42 @@ def test_what_grows_is_seen_among_motions_that_die_away() -> None:
             assert (natural_modes(pushed, count=1).growth.max() > 0) == grows
 
 
-@pytest.mark.parametrize(
-    ("boundary", "loads"),
-    [
-        ("free", {"tip": {"y": 1.0}}),  # it turns, and is not steady
-        pytest.param(*("free", {"follower": {"force": 5.0, "angle": 0.1}}), marks=pytest.mark.slow),
-        # Drag has no linear part about a bent state.
-        pytest.param(
-            *("clamped", {"gravity": {}, "external_damping": {"coefficient": 0.3}}),
-            marks=pytest.mark.slow,
-        ),
-    ],
-)
-def test_states_that_have_no_modes(boundary: str, loads: dict[str, Any]) -> None:
-    with pytest.raises(AnalysisError):
-        natural_modes(rod(4, boundary, loads))
-
-
 @pytest.mark.parametrize(("boundary", "rigid"), [("free", 3), ("pinned", 1)])
 def test_one_link_that_turns_freely_has_no_modes(boundary: str, rigid: int) -> None:
     found = natural_modes(rod(1, boundary))
     assert (len(found.frequencies), found.rigid) == (0, rigid)
     assert found.displacements.shape == (0, 2, 2)
+
+
+def straight(**initial: Any) -> Scene:
+    """The rod without thrust and gravity."""
+    loads = {**ROD["loads"], "follower": {"force": 0.0}, "gravity": {"g": 0.0}}
+    return Scene.from_dict({**ROD, "loads": loads, "initial": {"phi": 0.3, **initial}})
+
+
+def test_modes_of_a_straight_rod_are_its_natural_modes() -> None:
+    """Whatever its speed is, which is left out."""
+    scene = straight(velocity=[3.0, -1.0], omega="0.5*s")
+    model = rodgen.build(scene, target="numpy")
+    p = model.parameters(**scene.parameters)
+    found = modes_about(model, 0.0, scene.initial_state(), p, 3)
+    wanted = rodgen.natural_modes(straight(), count=3)
+    # Differences of 1e-5 rad, and zeros of the rigid motions beside.
+    assert found.frequencies == pytest.approx(wanted.frequencies, rel=1e-6)
+    turned = np.array([[np.cos(0.3), np.sin(0.3)], [-np.sin(0.3), np.cos(0.3)]])
+    for mode, other in zip(found.displacements, wanted.displacements, strict=True):
+        one, two = ((shape @ turned.T)[:, 1] for shape in (mode, other))
+        assert one / one[0] == pytest.approx(two / two[0], abs=1e-6)
+
+
+@pytest.mark.slow
+def test_modes_for_the_page_have_names_and_displacements() -> None:
+    scene = straight()
+    p = rodgen.build(scene, target="numpy").parameters(**scene.parameters).tolist()
+    (modes,) = WORKS["modes"](scene, t=0.0, y=scene.initial_state().tolist(), p=p)
+    assert len(modes) == 4  # of five links, one motion turns all
+    assert modes[0]["name"].endswith(" Hz")
+    assert len(modes[0]["re"]) == len(modes[0]["im"]) == 12
+    long = scene.with_links(MOST_LINKS + 1)
+    with pytest.raises(SceneError, match=rf"\b{MOST_LINKS}\b"):
+        next(WORKS["modes"](long, t=0.0, y=long.initial_state().tolist(), p=[]))  # before p counts

@@ -1,4 +1,4 @@
-"""What no analysis takes: each refuses it by the field that it is about."""
+"""What no analysis takes: each refuses it by the field that it is about; and what has no answer."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from rodgen.analyse.cycles.branches import continue_cycles
 from rodgen.analyse.cycles.floquet import floquet
 from rodgen.analyse.cycles.nonlinear_modes import nonlinear_mode
 from rodgen.analyse.cycles.search import find_cycle
+from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.fourier import peaks_of
 from rodgen.analyse.growth import simulated_critical_force
@@ -176,3 +177,45 @@ def test_what_else_is_refused() -> None:
         with pytest.raises(SceneError) as error:
             call()
         assert error.value.field == field, number
+
+
+def steered(boundary: str, angle: str, links: int = 4, rate: str | None = None) -> Scene:
+    """A rod whose thrust is turned, by a state z if its rate is given."""
+    loads = {"follower": {"force": 3.0, "angle": angle}}
+    return rod(links, boundary, loads, states={"z": {"rate": rate}} if rate else {})
+
+
+BELOW = CYCLING.replace({"loads.follower.force": 5.0, "initial.phi": 0.0})  # it does not flutter
+# Scenes are all right, but have not what is to be found.
+NOTHING: list[Callable[[], object]] = [
+    lambda: natural_modes(rod(4, "free", {"tip": {"y": 1.0}})),  # it turns, and is not steady
+    lambda: natural_modes(steered("free", "0.1 + phi(0.3)")),
+    lambda: natural_modes(steered("free", "z", rate="1 + z**2")),  # it rises for ever
+    lambda: static_equilibrium(rod(4, "pinned")),  # it points anywhere
+    # A follower force across the tail winds the chain without stiffness up for ever.
+    lambda: static_equilibrium(
+        rod(3, "clamped", {"follower": {"force": 1.0, "angle": 1.5}}, bending_stiffness=0.0)
+    ),
+    lambda: find_cycle(BELOW),  # at rest
+    lambda: find_cycle(BELOW, y0=[0.3, 0.1, 0.1, 0, 0, 0], period=1.0),  # it comes to rest
+]
+MORE: list[Callable[[], object]] = [
+    lambda: thrust_frequencies(110, 1),  # it flutters from 109.9 on
+    lambda: natural_modes(rod(4, "free", {"follower": {"force": 5.0, "angle": 0.1}})),
+    # External damping has no linear part about a bent state.
+    lambda: natural_modes(
+        rod(4, "clamped", {"gravity": {}, "external_damping": {"coefficient": 0.3}})
+    ),
+    # A foundation holds across itself alone.
+    lambda: static_equilibrium(rod(2, "free", {"tip": {"x": 1.0}}, foundation={"stiffness": 50.0})),
+    lambda: static_equilibrium(steered("clamped", "0.1*z", 1, "1 + z**2")),
+]
+
+
+@pytest.mark.parametrize(
+    "calls", [NOTHING, pytest.param(MORE, marks=pytest.mark.slow)], ids=["few", "more"]
+)
+def test_what_has_no_answer(calls: list[Callable[[], object]]) -> None:
+    for call in calls:
+        with pytest.raises(AnalysisError):
+            call()

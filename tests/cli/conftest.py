@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import tomllib
@@ -88,6 +89,20 @@ def refused(rodgen: Run) -> Run:
     return run
 
 
+def one_object(done: Done) -> dict[str, Any]:
+    """What a command prints: one JSON object on one line, without NaN and Infinity; and it wrote
+    nothing."""
+
+    def refuse(constant: str) -> None:
+        raise AssertionError(constant)
+
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("\n") == 1
+    assert list(Path.cwd().iterdir()) == []
+    found: dict[str, Any] = json.loads(done.stdout, parse_constant=refuse)
+    return found
+
+
 @pytest.fixture
 def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty folder in which commands are called."""
@@ -98,54 +113,38 @@ def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def short(tmp_path: Path) -> Write:
-    """Writes the scene of a short run, with other texts in place of some of its."""
-
-    def write(*changes: tuple[str, str]) -> Path:
-        text, path = SHORT, tmp_path / "short.toml"
-        for old, new in changes:
-            assert old in text
-            text = text.replace(old, new)
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
-
-
-def table_of(loads: str, links: int, boundary: str, **rod: Any) -> dict[str, Any]:
-    """The scene of a rod; loads: text of its tables."""
-    rod = {"mass": 20.0, "bending_stiffness": STIFFNESS, "length": LENGTH, **rod}
-    return {
-        "name": "rod",
-        "rod": {"links": links, "boundary": boundary, **rod},
-        **tomllib.loads(loads),
-    }
+def short(tmp_path: Path) -> Path:
+    """The file of the scene of a short run."""
+    path = tmp_path / "short.toml"
+    path.write_text(SHORT, encoding="utf-8")
+    return path
 
 
 @pytest.fixture
 def write(tmp_path: Path) -> Write:
-    """Writes the scene of a rod with these loads alone."""
+    """Writes the scene of a rod with these loads alone; loads: text of its tables."""
 
     def make(loads: str = "", links: int = 4, boundary: str = "clamped", **rod: Any) -> Path:
+        rod = {"mass": 20.0, "bending_stiffness": STIFFNESS, "length": LENGTH, **rod}
+        rod |= {"links": links, "boundary": boundary}
         path = tmp_path / "rod.toml"
-        path.write_text(tomli_w.dumps(table_of(loads, links, boundary, **rod)), encoding="utf-8")
+        table = {"name": "rod", "rod": rod, **tomllib.loads(loads)}
+        path.write_text(tomli_w.dumps(table), encoding="utf-8")
         return path
 
     return make
 
 
 @pytest.fixture
-def column(tmp_path: Path) -> Write:
+def column(write: Write) -> Write:
     """Writes the scene of three clamped links, or of five free ones, with other loads of no size
     beside those that are given."""
 
     def make(loads: str = "", boundary: str = "clamped", **rod: Any) -> Path:
-        table = table_of(loads, 3 if boundary == "clamped" else 5, boundary, **rod)
+        table = tomllib.loads(loads)
         given = table.get("loads", {})
         kinds = [name for name in ENDS if name != "tip" or boundary == "clamped"]
         table["loads"] = {name: {**ENDS[name], **given.get(name, {})} for name in kinds}
-        path = tmp_path / "column.toml"
-        path.write_text(tomli_w.dumps(table), encoding="utf-8")
-        return path
+        return write(tomli_w.dumps(table), 3 if boundary == "clamped" else 5, boundary, **rod)
 
     return make

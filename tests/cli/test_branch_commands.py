@@ -1,4 +1,4 @@
-"""rodgen branch, boundary and static --all: what they print, write and draw."""
+"""rodgen branch, boundary, cycle and static --all: what they print, write and draw."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ import pytest
 from rodgen.analyse.branches import branch_data
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.curves import files
+from rodgen.integrate import simulate
 from rodgen.scene import Scene
-from tests.cli.conftest import Run, Write, numbers
+from tests.cli.conftest import Run, Write, numbers, one_object
 
 BOTH = ("--vary", "loads.follower.force,loads.internal_damping.coefficient", "--a", "0:60")
 FLUTTER = ("boundary", *BOTH)
@@ -28,16 +29,9 @@ def scene(column: Write, work: Path) -> Path:
     return column(damped, length=1.0, mass=1.0, bending_stiffness=1.0)
 
 
-def _one_object(done: Any) -> dict[str, Any]:
-    assert done.stdout.count("\n") == 1
-    assert list(Path.cwd().iterdir()) == []
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
-
-
 def test_branch_as_json(works: Run, scene: Path) -> None:
     way = ("--vary", "loads.tip.x", "--from", 0, "--to", -30, "--step", 0.1)
-    found = _one_object(works("branch", scene, *way, "--json"))
+    found = one_object(works("branch", scene, *way, "--json"))
     data = continue_equilibria(Scene.from_toml(scene), "loads.tip.x", (0.0, -30.0), step=0.1)
     assert [one["value"] for one in found["points"]] == data["value"].values.tolist()
     assert set(found["points"][0]) == {"value", "unstable", "tip", "phi"}
@@ -82,19 +76,11 @@ def test_boundary_in_a_file_with_its_picture(works: Run, scene: Path) -> None:
     assert data.attrs["complete"]
 
 
-@pytest.mark.slow
-def test_boundary_as_json(works: Run, scene: Path) -> None:
-    found = _one_object(works("boundary", scene, *BOTH, "--json"))
-    assert len(found["points"][0]) == 3
-    assert found["points"][0][1] == 0.0
-    assert found["kind"] == "flutter"
-
-
 @pytest.mark.nightly
 def test_all_equilibria(works: Run, write: Write, work: Path) -> None:
     """Straight, and bent to either side in two shapes."""
     pressed = write("[loads.tip]\nx = -30.0", 6, length=1.0, mass=1.0, bending_stiffness=1.0)
-    found = _one_object(works("static", pressed, "--all", "--json"))["equilibria"]
+    found = one_object(works("static", pressed, "--all", "--json"))["equilibria"]
     assert [one["stable"] for one in found] == [True, True, False, False, False]
     shown = numbers(works("static", pressed, "--all").stdout)
     for one in found:
@@ -142,3 +128,57 @@ def test_ctrl_c_writes_what_was_found(
     ways = ("--resume", written, *(("--at", 0) if file == "boundary" else ()))
     works(first, scene, *rest, *ways)
     assert files.read(written, "file", "a curve", f"rodgen {file} 1").attrs["complete"]
+
+
+# Cycles ------------------------------------------------------------------------------------------
+
+COLUMN = """
+[loads.follower]
+force = 20.0
+[loads.internal_damping]
+coefficient = 0.3
+[initial]
+phi = "0.2*s"
+[integrate]
+span = [0.0, 20.0]
+"""
+VARIED = ("--vary", "loads.follower.force", "--between", "18,20")
+
+
+@pytest.fixture
+def flutter(column: Write) -> Path:
+    return column(COLUMN, length=1.0, mass=1.0, bending_stiffness=1.0)
+
+
+def test_a_cycle_as_json_and_as_a_table(works: Run, flutter: Path, tmp_path: Path) -> None:
+    """It comes back to where it began, which is a multiplier of 1; and pictures beside a table."""
+    found = json.loads(works("cycle", flutter, "--json").stdout)
+    assert list(found) == ["period", "multipliers", "energy", "y0"]
+    scene = Scene.from_toml(flutter)
+    run = simulate(scene, y0=found["y0"], span=[0, found["period"]], rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(run.y[-1], found["y0"], atol=1e-7)
+    assert found["energy"] == pytest.approx(run.energy.total[0], rel=1e-12)
+    mu = [complex(*one) for one in found["multipliers"]]
+    assert min(abs(one - 1) for one in mu) < 1e-8
+    assert len(mu) == len(found["y0"])
+    shown = numbers(works("cycle", flutter, "--out", tmp_path).stdout)
+    assert min(abs(n / found["period"] - 1) for n in shown) < 1e-5  # of its digits
+    assert {path.name for path in (tmp_path / "rod").iterdir()} == {
+        "cycle.png",
+        "multipliers.png",
+    }
+
+
+@pytest.mark.slow
+def test_a_branch_in_a_file_and_a_cycle_of_it(works: Run, flutter: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    works("cycle", flutter, *VARIED, "--start", "run", "--out", out)
+    file = out / "rod" / "cycles.nc"
+    assert {path.name for path in file.parent.iterdir()} == {file.name, "cycles.png"}
+    branch = files.read(file, "file", "a branch", "rodgen cycles 1")
+    assert branch["value"][[0, -1]].values.tolist() == [18.0, 20.0]
+    own = json.loads(works("cycle", flutter, "--json").stdout)
+    found = json.loads(works("cycle", flutter, "--from", file, "--json").stdout)
+    assert found["period"] == pytest.approx(own["period"], rel=1e-9)
+    first = json.loads(works("cycle", flutter, "--from", file, "--at", "0", "--json").stdout)
+    assert first["period"] == pytest.approx(float(branch["period"][0]), rel=1e-9)

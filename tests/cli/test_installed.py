@@ -12,10 +12,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-import rodgen as package
 from rodgen.cli import app as module
 from rodgen.cli.errors import BAD_INPUT
-from tests.cli.conftest import ROOT, Write
+from tests.cli.conftest import ROOT
 
 Commands = Callable[..., tuple[int, str, str]]
 
@@ -71,48 +70,17 @@ sys.meta_path.insert(0, Absent())
 from rodgen.cli import main
 main()
 """
-VIEW = ("nicegui", "uvicorn", "fastapi", "starlette")
-EXTRAS = ",".join((*VIEW, "imageio_ffmpeg", "cffi", "sksundae"))
-VIEWED = ("view", ROOT / "scenes" / "missile.toml", "--no-open", "--port", 0)
-
-
-def without(packages: str, *arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", BLOCKED, packages, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
+EXTRAS = "nicegui,uvicorn,fastapi,starlette,imageio_ffmpeg,cffi,sksundae"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("missing", "arguments", "extra"),
-    [
-        (EXTRAS, VIEWED, ".[view]"),
-        (EXTRAS, ("run", "SCENE", "--target", "c"), "cffi"),
-        pytest.param(
-            *(EXTRAS, ("run", "SCENE", "--method", "cvode"), ".[cvode]"), marks=pytest.mark.nightly
-        ),
-        *(pytest.param(name, VIEWED, ".[view]", marks=pytest.mark.nightly) for name in VIEW),
-    ],
+    ("command", "extra"),
+    [("view SCENE --no-open --port 0", ".[view]"), ("run SCENE --target c", "cffi")],
 )
-def test_what_to_install_is_said(
-    short: Write, tmp_path: Path, missing: str, arguments: tuple[object, ...], extra: str
-) -> None:
-    given = [short() if word == "SCENE" else word for word in arguments]
-    out = ("--out", tmp_path) if "run" in arguments else ()
-    done = without(missing, *given, *out)
+def test_what_to_install_is_said(short: Path, work: Path, command: str, extra: str) -> None:
+    words = [sys.executable, "-c", BLOCKED, EXTRAS, *command.replace("SCENE", str(short)).split()]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 2
     assert done.stderr.startswith("rodgen: ")
     assert re.search(rf'pip install "?{re.escape(extra)}', done.stderr)
-
-
-@pytest.mark.nightly  # runs by NumPy and films are tested where all is installed
-def test_run_and_film_without_extras(short: Write, tmp_path: Path) -> None:
-    """A run by NumPy names what is missing; a film can still be a GIF."""
-    done = without(EXTRAS, "run", short(), "--out", tmp_path)
-    assert done.returncode == 0, done.stderr
-    result, film = tmp_path / "short" / "solution.nc", tmp_path / "film.gif"
-    assert package.load(result).stats.target == "numpy"
-    assert "cffi" in done.stdout
-    size = ("--width", 480, "--height", 320, "--speed", 0.2)
-    done = without(EXTRAS, "animate", result, "--out", film, *size)
-    assert done.returncode == 0, done.stderr
-    assert film.is_file()

@@ -15,10 +15,7 @@ MISSILE = ROOT / "scenes" / "missile.toml"
 PUSHED = "[loads.follower]\nforce = 10.0"
 # What stands for the file of a scene in the tables below, beside DAMPED, a column that has all
 # loads.
-SCENES: dict[str, tuple[Any, ...]] = {
-    "FREE": ("", 4, "free"),
-    "PUSHED": (PUSHED,),
-}
+SCENES: dict[str, tuple[Any, ...]] = {"FREE": ("", 4, "free"), "PUSHED": (PUSHED,)}
 LOADED = {
     "DAMPED": (f"{PUSHED}\n[loads.internal_damping]\ncoefficient = 0.3",),
     "TURNED": (f"{PUSHED}\nangle = 0.3", "free"),
@@ -48,11 +45,8 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
         "--out": ("MISSILE --out MISSILE", "MISSILE --out /proc/rodgen"),
         "--step": ("missing.toml --step abc",),
         "--step = 0.1": ("MISSILE --step 0.1",),
-        "integrate.step = -1.0": ("MISSILE --step -1 --method rk4",),
         "integrate.method": ("MISSILE --method magic",),
-        "integrate.span = [1.0, 0.0]": ("MISSILE --span 1 0",),
         "integrate.output_every": ("MISSILE --output-every 0",),
-        "integrate.rtol": ("MISSILE --rtol nan",),
         "--atol = 1e-07": ("MISSILE --method rk4 --step 0.01 --atol 1e-7",),
         "--checkpoint": tuple(f"MISSILE --checkpoint {x}" for x in ("nan", "inf", "-1", "0")),
     },
@@ -81,7 +75,6 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
     "modes": {
         "scene": ("", "missing.toml"),
         "count = 0": ("FREE --count 0",),
-        "count = -3": ("FREE --count -3",),
         "--count": ("FREE --count many",),
         "--t = nan": ("FREE --t nan",),
         "t = 11.0": ("FREE --t 11",),
@@ -89,27 +82,21 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
     },
     "static": {
         "--t = inf": ("FREE --t inf",),
-        "rod.boundary": ("FREE",),
         "imperfection": ("PUSHED --imperfection 0", "PUSHED --imperfection nan"),
         "--imperfection": ("DAMPED --all --imperfection 0.1",),
     },
     "critical": {
         "loads.follower": ("FREE",),
-        "loads.tip": ("PUSHED --load tip",),
         "load = 'wind'": ("PUSHED --load wind",),
         "--lowest = nan": ("PUSHED --lowest nan",),
         "--highest = inf": ("PUSHED --highest inf",),
-        "highest = 3.0": ("PUSHED --lowest 9 --highest 3",),
-        "highest = 5e-324": ("PUSHED --highest 5e-324",),
         "end = 'middle'": ("PUSHED --end middle",),
         "50": ("PUSHED 50",),
         "--simulate": tuple(f"PUSHED --simulate {x}" for x in ("0", "-5", "nan")),
         "--simulate = 5.0": ("PUSHED --load all --simulate 5",),
     },
     "branch": {
-        "vary = 'rod.links'": (f"{BRANCH} rod.links",),
         "loads.tip.q": (f"{BRANCH} loads.tip.q",),
-        "vary.loads.tip.x": (f"{BRANCH} loads.tip.x --to 0",),
         "--to = nan": (f"{BRANCH} loads.tip.x --to nan",),
         "switch = 1": (f"{BRANCH} loads.tip.x --switch 1",),
         "start = 11.0": (f"{BRANCH} loads.tip.x --start 11",),
@@ -132,13 +119,9 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
         "--switch": ("DAMPED --switch 1",),
         "--mode": ("DAMPED --mode 1",),
         "mode": ("DAMPED --mode 1 --energy 1",),
-        "loads.follower.forc": ("DAMPED --vary loads.follower.forc --between 1,2",),
-        "vary = 'rod.links'": ("DAMPED --vary rod.links --between 3,9",),
         "from = 'nothing.nc'": ("DAMPED --from nothing.nc",),
     },
-    "study": {
-        "study": ("missing.toml",),
-    },
+    "study": {"study": ("missing.toml",)},
 }
 # What is well asked for and has no answer.
 UNANSWERED = (

@@ -17,20 +17,16 @@ import numpy as np
 import pytest
 
 import rodgen as package
-from tests.cli.conftest import Run, Write, numbers
+from tests.cli.conftest import Run, numbers
 
 PYTHON_ONLY = {"rod_free_n4_follower_gravity.py"}
 C_ONLY = {f"rod_free_n4_follower_gravity_c.{ending}" for ending in ("py", "c", "h")}
-SPAN = "[0.0, 0.3]"
 
 
-def _without_hash(path: Path) -> str:
-    """Name of a file; of a module with expressions without the letters of its hash."""
-    return re.sub(r"^(rod_.*)_[0-9a-f]{6}\.", r"\1.", path.name)
-
-
-def modules(folder: Path) -> set[str]:
-    return {_without_hash(path) for path in folder.glob("rod_*")}
+def files(folder: Path, pattern: str = "rod_*") -> set[str]:
+    """Names of modules, or of all files; those of modules with expressions without the letters of
+    their hash."""
+    return {re.sub(r"^(rod_.*)_[0-9a-f]{6}\.", r"\1.", path.name) for path in folder.glob(pattern)}
 
 
 @pytest.fixture
@@ -52,15 +48,14 @@ def _few_pictures(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
 
 @pytest.mark.compiler
 def test_run_writes_everything_and_says_so(
-    works: Run, short: Write, tmp_path: Path, pictures: set[str]
+    works: Run, short: Path, tmp_path: Path, pictures: set[str]
 ) -> None:
     """And no traces beside it, or where the command was called."""
     work, folder = tmp_path / "work", tmp_path / "results" / "short"
     work.mkdir()
-    done = works("run", short(), "--out", folder.parent, cwd=work)
+    done = works("run", short, "--out", folder.parent, cwd=work)
     assert list(work.iterdir()) == []
-    names = {_without_hash(path) for path in folder.iterdir()}
-    assert names == {"solution.nc", "summary.txt", "rodgen_native", *C_ONLY, *pictures}
+    assert files(folder, "*") == {"solution.nc", "summary.txt", "rodgen_native", *C_ONLY, *pictures}
     for picture in pictures:
         assert (folder / picture).read_bytes().startswith(b"\x89PNG")
     words = (folder / "summary.txt").read_text(encoding="utf-8")
@@ -76,11 +71,11 @@ def test_run_writes_everything_and_says_so(
 
 @pytest.mark.compiler
 def test_a_run_in_json_without_pictures_with_settings_of_the_command_line(
-    works: Run, short: Write, tmp_path: Path
+    works: Run, short: Path, tmp_path: Path
 ) -> None:
     given = ("--span", -0.5, 0.5, "--atol", 1e-7, "--rtol", 1e-6, "--output-every", 0.25)
     options = ("--set", "name=other", "--json", "--no-pictures", "--out", tmp_path)
-    told = json.loads(works("run", short(), *given, *options).stdout)
+    told = json.loads(works("run", short, *given, *options).stdout)
     run = package.load(tmp_path / "other" / "solution.nc")
     assert run.t.tolist() == [-0.5, -0.25, 0.0, 0.25, 0.5]
     assert (run.scene.integrate.rtol, run.scene.integrate.atol) == (1e-6, 1e-7)
@@ -94,27 +89,27 @@ def test_a_run_in_json_without_pictures_with_settings_of_the_command_line(
     }
 
 
-def test_run_without_a_compiler(works: Run, rodgen: Run, short: Write, tmp_path: Path) -> None:
+def test_run_without_a_compiler(works: Run, rodgen: Run, short: Path, tmp_path: Path) -> None:
     """By NumPy, which is said with what is missing, unless C is wanted."""
     env = {"CC": "/nonexistent", "RODGEN_CACHE": str(tmp_path / "cache")}
     folder = tmp_path / "short"
-    command = ("run", short(), "--out", tmp_path)
+    command = ("run", short, "--out", tmp_path)
     done = rodgen(*command, "--target", "c", env=env)
     assert (done.returncode, done.stdout) == (2, "")
     assert "/nonexistent" in done.stderr
     assert not folder.exists()
     assert works(*command, env=env).stderr == ""
-    assert modules(folder) == PYTHON_ONLY
+    assert files(folder) == PYTHON_ONLY
     assert package.load(folder / "solution.nc").stats.target == "numpy"
     assert "CC=/nonexistent" in (folder / "summary.txt").read_text(encoding="utf-8")
 
 
 def test_blow_up_exits_3_with_the_time_and_keeps_samples(
-    rodgen: Run, short: Write, tmp_path: Path
+    rodgen: Run, short: Path, tmp_path: Path
 ) -> None:
     """Warned of before, as the step is beyond what is stable."""
     far = ("--method", "rk4", "--step", 0.05, "--span", 0, 50)
-    done = rodgen("run", short(), *far, "--out", tmp_path)
+    done = rodgen("run", short, *far, "--out", tmp_path)
     assert done.returncode == 3
     warning, failure = done.stderr.splitlines()
     assert warning.startswith("rodgen: warning: ")
@@ -129,16 +124,11 @@ def test_blow_up_exits_3_with_the_time_and_keeps_samples(
 
 @pytest.mark.slow
 def test_numbers_at_the_limit_are_no_traceback(
-    rodgen: Run, short: Write, tmp_path: Path, pictures: set[str]
+    rodgen: Run, short: Path, tmp_path: Path, pictures: set[str]
 ) -> None:
     """With pictures of them."""
-    for k, change in enumerate(
-        (
-            ("length = 1.0", "length = 1e-59"),
-            ("[initial]", "[initial]\nposition = [1e60, -1e60]"),
-        )
-    ):
-        done = rodgen("run", short(change), "--out", tmp_path / str(k))
+    for k, key in enumerate(("rod.length=1e-59", "initial.position=[1e60, -1e60]")):
+        done = rodgen("run", short, "--set", key, "--out", tmp_path / str(k))
         assert done.returncode in (0, 3)
         assert (tmp_path / str(k) / "short" / "solution.nc").is_file()
 
@@ -147,20 +137,20 @@ def test_numbers_at_the_limit_are_no_traceback(
 
 
 def test_what_is_replaced_is_said_where_it_is_another_thing(
-    works: Run, refused: Run, short: Write, tmp_path: Path
+    works: Run, refused: Run, short: Path, tmp_path: Path
 ) -> None:
     """The result of another scene of the name, or a file that is no result; not the result of the
     scene integrated otherwise."""
-    command = ("run", short(), "--target", "numpy", "--out", tmp_path)
+    command = ("run", short, "--target", "numpy", "--out", tmp_path)
     file = tmp_path / "short" / "solution.nc"
     works(*command)
     refused(*command, "--resume")
-    short((SPAN, "[0.0, 0.2]"))
-    assert works(*command).stderr == ""
-    length = (("length = 1.0", "length = 2.0"),)
-    lag = (("t/0.1", "t/lag"), (SPAN, f"{SPAN}\n[parameters]\nlag = 0.1"))
-    for changes, field in ((length, "rod.length"), (lag, "parameters")):
-        short(*changes)
+    assert works(*command, "--span", 0, 0.2).stderr == ""
+    text = short.read_text()
+    longer = text.replace("length = 1.0", "length = 2.0")
+    named = f"{text.replace('t/0.1', 't/lag')}[parameters]\nlag = 0.1\n"
+    for changed, field in ((longer, "rod.length"), (named, "parameters")):
+        short.write_text(changed)
         (line,) = works(*command).stderr.splitlines()
         assert str(file) in line
         assert field in line
@@ -170,14 +160,13 @@ def test_what_is_replaced_is_said_where_it_is_another_thing(
 
 
 @pytest.mark.compiler
-def test_module_of_an_earlier_run_is_taken_away(works: Run, short: Write, tmp_path: Path) -> None:
+def test_module_of_an_earlier_run_is_taken_away(works: Run, short: Path, tmp_path: Path) -> None:
     """Of another structure or target; but not what is another's, by its name or by its text."""
     folder, numpy = tmp_path / "short", ("--target", "numpy")
 
     def run(*options: object, links: int = 4) -> set[str]:
-        scene = short(("links = 4", f"links = {links}"))
-        works("run", scene, *options, "--out", tmp_path)
-        return modules(folder)
+        works("run", short, "--set", f"rod.links={links}", *options, "--out", tmp_path)
+        return files(folder)
 
     assert run() == C_ONLY
     assert run(*numpy) == PYTHON_ONLY
@@ -210,7 +199,8 @@ STEPS = ("--method", "rk4", "--step", "1e-4")
 
 @contextmanager
 def _started(program: str, *arguments: object) -> Iterator[subprocess.Popen[str]]:
-    """A command that runs on, with Ctrl-C as in a terminal, and that does not outlive the test."""
+    """A command that runs on, with Ctrl-C as in a terminal, and that does not outlive the test, or
+    ten minutes."""
     process = subprocess.Popen(
         [sys.executable, "-c", program, *map(str, arguments)],
         stdout=subprocess.PIPE,
@@ -219,41 +209,30 @@ def _started(program: str, *arguments: object) -> Iterator[subprocess.Popen[str]
         # A test runner in the background ignores SIGINT, and its children would too.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.communicate()
-
-
-def _left(process: subprocess.Popen[str]) -> str:
-    """What it writes to standard error until it ends, behind a line that was read: `communicate`
-    loses what came with that line."""
-    assert process.stderr is not None
     too_long = Timer(600, process.kill)
     too_long.start()
     try:
-        said = process.stderr.read()
-        process.wait()
+        yield process
     finally:
         too_long.cancel()
-    return said
+        process.kill()
+        process.communicate()
 
 
 @pytest.mark.compiler
 @pytest.mark.slow
 def test_killed_run_is_resumed_to_the_same_bits(
-    works: Run, refused: Run, short: Write, tmp_path: Path
+    works: Run, refused: Run, short: Path, tmp_path: Path
 ) -> None:
-    whole, part, scene = tmp_path / "whole", tmp_path / "part", short()
+    whole, part = tmp_path / "whole", tmp_path / "part"
     file = part / "short" / "solution.nc"
-    works("run", scene, *STEPS, "--out", whole)
-    given = ("SIGKILL", "run", scene, *STEPS, "--out", part, "--checkpoint", 1e-9)
+    works("run", short, *STEPS, "--out", whole)
+    given = ("SIGKILL", "run", short, *STEPS, "--out", part, "--checkpoint", 1e-9)
     with _started(STOPPED, *given) as process:
-        process.communicate(timeout=600)
+        process.wait()
     assert (process.returncode, package.load(file).status) == (-signal.SIGKILL, "interrupted")
-    refused("run", scene, "--method", "rk4", "--step", "2e-4", "--out", part, "--resume")
-    works("run", scene, *STEPS, "--out", part, "--resume")
+    refused("run", short, "--method", "rk4", "--step", "2e-4", "--out", part, "--resume")
+    works("run", short, *STEPS, "--out", part, "--resume")
     assert not file.with_name("solution.nc.checkpoint").exists()
     a, b = (package.load(folder / "short" / "solution.nc") for folder in (whole, part))
     assert a.y.tobytes() == b.y.tobytes()
@@ -263,15 +242,16 @@ def test_killed_run_is_resumed_to_the_same_bits(
 @pytest.mark.compiler
 @pytest.mark.slow
 @pytest.mark.parametrize("impatient", [False, True])
-def test_ctrl_c_keeps_what_was_computed(short: Write, tmp_path: Path, impatient: bool) -> None:
+def test_ctrl_c_keeps_what_was_computed(short: Path, tmp_path: Path, impatient: bool) -> None:
     """Also when it comes again, as the states are being written."""
-    given = ("run", short(), *STEPS, "--out", tmp_path, "--output-every", 1e-3)
+    given = ("run", short, *STEPS, "--out", tmp_path, "--output-every", 1e-3)
     with _started(STOPPED, "SIGINT", *given, "--checkpoint", 1e-9) as process:
         assert process.stderr is not None
         (stopped,) = numbers(process.stderr.readline())  # it says when
         if impatient:
             process.send_signal(signal.SIGINT)
-        errors = _left(process)
+        errors = process.stderr.read()  # `communicate` loses what came with that line
+        process.wait()
     assert process.returncode == 130, errors
     assert len(errors.splitlines()) == 1
     sol = package.load(tmp_path / "short" / "solution.nc")
@@ -280,27 +260,7 @@ def test_ctrl_c_keeps_what_was_computed(short: Write, tmp_path: Path, impatient:
     assert sol.energy_error < 1e-6  # J, of some tenths
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "after", [0.05, *(pytest.param(t, marks=pytest.mark.nightly) for t in (1, 2))]
-)
-def test_ctrl_c_at_any_time_ends_in_one_line(tmp_path: Path, after: float) -> None:
-    """While commands are imported, while equations are derived."""
-    program = "import sys, rodgen.cli; print('up', flush=True); rodgen.cli.main()"
-    with _started(program, "derive", 40, "--out", tmp_path) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "up\n"
-        time.sleep(after)
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=600)
-    assert process.returncode == 130, errors
-    assert errors.count("\n") == 1
-    assert list(tmp_path.glob("*.py")) == []
-
-
-@pytest.mark.slow
-def test_ctrl_c_in_a_finalizer_is_not_lost() -> None:
-    program = """
+FINALIZED = """
 import signal, time, rodgen.cli, rodgen.cli.app
 class Interrupted:
     def __del__(self):
@@ -311,7 +271,20 @@ def command(**_):
 rodgen.cli.app.app = command
 rodgen.cli.main()
 """
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, timeout=300
-    )
-    assert (done.returncode, done.stderr.count("\n")) == (130, 1)
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_in_one_line_in_finalizers_and_imports(tmp_path: Path) -> None:
+    """It is lost by neither: what a finalizer raises is not, and commands are imported last."""
+    importing = "import sys, rodgen.cli; print('up', flush=True); rodgen.cli.main()"
+    for program in (FINALIZED, importing):
+        with _started(program, "derive", 40, "--out", tmp_path) as process:
+            if program == importing:
+                assert process.stdout is not None
+                assert process.stdout.readline() == "up\n"
+                time.sleep(0.05)
+                process.send_signal(signal.SIGINT)
+            _, errors = process.communicate()
+        assert process.returncode == 130, errors
+        assert errors.count("\n") == 1
+    assert list(tmp_path.glob("*.py")) == []

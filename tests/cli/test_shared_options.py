@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from rodgen.cli.app import OWN, app
 from rodgen.cli.shared import read_scene
 from rodgen.scene import Scene, SceneError
-from tests.cli.conftest import Run, Write
+from tests.cli.conftest import Run
 
 # Commands that draw pictures beside what they print.
 DRAWING = (
@@ -48,14 +48,12 @@ VALUES: list[tuple[str, dict[str, Any]]] = [
 ]
 
 
-def test_values_are_those_of_a_file(short: Write) -> None:
-    path = short()
+def test_values_are_those_of_a_file(short: Path) -> None:
     for text, changes in VALUES:
-        assert read_scene(path, [text]) == Scene.from_toml(path).replace(changes), text
+        assert read_scene(short, [text]) == Scene.from_toml(short).replace(changes), text
 
 
-def test_what_cannot_be_set_is_refused(short: Write) -> None:
-    path = short()
+def test_what_cannot_be_set_is_refused(short: Path) -> None:
     for text, field in (
         *(("rod.mass", "--set"), ("=3", "--set"), ("rod..mass=3", "--set")),
         *(("rod.mass=-1", "rod.mass"), ("rod.mass=1\nrod.length=1", "rod.mass")),
@@ -63,17 +61,16 @@ def test_what_cannot_be_set_is_refused(short: Write) -> None:
         *(("loads.graviti=", "loads.graviti"), ("rod.wheels=4", "rod.wheels")),
     ):
         with pytest.raises(SceneError) as refused:
-            read_scene(path, [text])
+            read_scene(short, [text])
         assert refused.value.field == field, text
 
 
-def test_quiet_commands_print_nothing(works: Run, short: Write, tmp_path: Path) -> None:
-    scene = short()
+def test_quiet_commands_print_nothing(works: Run, short: Path, tmp_path: Path) -> None:
     for command in ("show", "modes"):
         out = ("--out", tmp_path) if command == "modes" else ()
-        done = works(command, scene, "--quiet", *out)
+        done = works(command, short, "--quiet", *out)
         assert (done.stdout, done.stderr) == ("", "")
-        assert works(command, scene, *out).stdout
+        assert works(command, short, *out).stdout
     assert (tmp_path / "short" / "modes.png").is_file()
 
 

@@ -14,13 +14,7 @@ from rodgen import Scene
 SMOOTH: dict[str, Any] = {
     "name": "smooth",
     "parameters": {"A": 1.0},
-    "rod": {
-        "links": 3,
-        "length": 1.0,
-        "bending_stiffness": 1.0,
-        "mass": 2.0,
-        "boundary": "pinned",
-    },
+    "rod": {"links": 3, "length": 1.0, "bending_stiffness": 1.0, "mass": 2.0, "boundary": "pinned"},
     "loads": {
         "gravity": {"g": 9.81},
         "internal_damping": {"coefficient": 0.02},

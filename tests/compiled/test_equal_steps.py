@@ -43,23 +43,18 @@ def test_going_back_leads_to_the_start(bent: Scene, models: list[ModuleType]) ->
             assert least < np.abs(end[:half] - there.y[0, :half]).max() < most
 
 
-def _three(smooth: Scene, models: list[ModuleType], **integrate: Any) -> list[Solution]:
-    """A run of both targets, and an exact one."""
-    scene = smooth.replace({"integrate": {"method": "gauss", **integrate}})
-    exact: dict[str, Any] = {"method": "dop853", "rtol": 1e-13, "atol": 1e-14}
-    return [
-        *(rodgen.simulate(scene, model=model) for model in models),
-        rodgen.simulate(scene, model=models[0], **exact),
-    ]
-
-
 def test_both_targets_take_the_same_steps(smooth: Scene, models: list[ModuleType]) -> None:
     """Whatever steps derivatives are of, states inside a step are of its order."""
     off = []
     for h in (0.006, 0.003):
         times = ((np.arange(0.96 / h) + 0.2) * h).tolist()
-        found = _three(smooth, models, step=h, span=[0.0, 0.96], t_eval=times)
-        compiled, walked, exact = found
+        how: dict[str, Any] = {"span": [0.0, 0.96], "t_eval": times}
+        compiled, walked = (
+            rodgen.simulate(smooth, model=each, method="gauss", step=h, **how) for each in models
+        )
+        exact = rodgen.simulate(
+            smooth, model=models[0], method="dop853", rtol=1e-13, atol=1e-14, **how
+        )
         assert compiled.stats.steps == walked.stats.steps == round(0.96 / h)
         assert not compiled.stats.rejected
         assert compiled.stats.jacobian == walked.stats.jacobian < 20
@@ -94,23 +89,22 @@ def test_a_step_without_a_solution_ends_the_run(bent: Scene, models: list[Module
         assert caught.value.solution.t[-1] < 100.0
 
 
-def test_a_step_beside_a_tolerance_is_refused(bent: Scene) -> None:
+def test_a_step_beside_a_tolerance(bent: Scene) -> None:
+    """Both in a scene or both beside it are refused; a tolerance beside it takes the place of its
+    step. What auto finds has error control: the step is for methods that have to have one."""
     for name in ("rtol", "atol"):
         told = refused(bent.replace, {f"integrate.{name}": 1e-5})
         assert told[:2] == (f"integrate.{name}", 1e-5)
-    # Asked for beside the scene, a tolerance takes the place of its step.
-    assert bent.with_integrate(rtol=1e-5).integrate.step is None
-    assert not bent.with_integrate(rtol=1e-5).integrate.fixed
     told = refused(bent.with_integrate, rtol=1e-5, step=1e-3)
     assert told[:2] == ("integrate.rtol", 1e-5)
-
-
-def test_what_auto_finds_has_error_control(bent: Scene) -> None:
-    """A step that stands in the scene is for methods that have to have one."""
     assert bent.integrate.fixed
-    found = bent.with_integrate(method="auto").integrated_by("gauss")
-    assert (found.integrate.method, found.integrate.fixed) == ("gauss", False)
-    assert bent.integrated_by("gauss").integrate.fixed  # the scene asks for it
+    assert bent.integrated_by("gauss").integrate.fixed
+    assert bent.with_integrate(rtol=1e-5).integrate.step is None
+    for changed in (
+        bent.with_integrate(rtol=1e-5),
+        bent.with_integrate(method="auto").integrated_by("gauss"),
+    ):
+        assert (changed.integrate.method, changed.integrate.fixed) == ("gauss", False)
 
 
 def test_who_is_warned_that_energy_is_not_kept() -> None:

@@ -1,4 +1,4 @@
-"""C functions of a module for what calls them without Python: addresses, ctypes, SciPy, Numba."""
+"""C functions of a module for what calls them without Python: addresses, ctypes, SciPy."""
 
 from __future__ import annotations
 
@@ -69,22 +69,3 @@ def test_a_pointer_keeps_its_library(p: Any) -> None:
     out = np.empty(4)
     pointer(0.0, *_at(Y, p, out))
     assert np.array_equal(out, due)
-
-
-@pytest.mark.nightly  # Numba compiles
-def test_a_loop_compiled_by_numba_calls_it(rod: Any, p: Any) -> None:
-    numba = pytest.importorskip("numba", reason="Numba is not installed")
-    rhs = rod.rhs.compiled.pointer()
-
-    @numba.njit
-    def euler(y: Any, p: Any, h: float, steps: int) -> Any:
-        y, dy = y.copy(), np.empty_like(y)
-        for k in range(steps):
-            rhs(k * h, y.ctypes, p.ctypes, dy.ctypes)
-            y += h * dy
-        return y
-
-    due = Y.copy()
-    for k in range(10):
-        due = due + 0.01 * rod.rhs(k * 0.01, due, p)
-    assert np.allclose(euler(Y, p, 0.01, 10), due, rtol=1e-14, atol=0)  # products may be fused

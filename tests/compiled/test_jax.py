@@ -152,12 +152,8 @@ def test_what_jax_cannot_do_is_refused(model: Any) -> None:
     jax.config.update("jax_enable_x64", False)
     assert refused(f, 0.0, y, p).field
     jax.config.update("jax_enable_x64", True)
+    call = jax.ffi.ffi_call("rodgen_jax_rhs", jax.ShapeDtypeStruct(y.shape, np.float64))
     with pytest.raises(jax.errors.JaxRuntimeError):  # as a program from another process
-        jax.block_until_ready(_unknown(y, p))
+        jax.block_until_ready(call(jnp.float64(0.0), y, p, model=np.int64(7)))
     with pytest.raises(ValueError):  # noqa: PT011 (JAX says it)
         jax.jacfwd(jax.jacrev(f, 1), 1)(0.0, y, p)
-
-
-def _unknown(y: Any, p: Any) -> Any:
-    result = jax.ShapeDtypeStruct(y.shape, np.float64)
-    return jax.ffi.ffi_call("rodgen_jax_rhs", result)(jnp.float64(0.0), y, p, model=np.int64(7))

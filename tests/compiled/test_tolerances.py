@@ -48,19 +48,12 @@ def test_errors_follow_the_tolerance(model: ModuleType, exact: Solution, method:
     steps = np.array([sol.stats.steps for sol in sols], dtype=float)
     assert steps[-1] / steps[-4] < 1.05 * 10 ** (3 / ORDERS[method])
     assert sum(sol.stats.rejected or 0 for sol in sols) < 0.05 * steps.sum()
-
-
-@pytest.mark.parametrize("method", ORDERS)
-def test_samples_are_as_good_as_the_ends_of_steps(
-    model: ModuleType, exact: Solution, method: str
-) -> None:
-    """Works too: dense output is of the order of the steps."""
-    sol = _run(model, method, 1e-9)
+    # Works and rates at samples inside of steps too: dense output is of the order of the steps.
+    sol = sols[6]
     assert sol.stats.steps > 2 * len(sol.t)
     largest = np.abs(sol.y - exact.y).max(axis=0)
     # Twice what the last sample, an end of a step, is off by, or what rates swing by meanwhile.
-    scale = np.abs(exact.y).max(axis=0)
-    assert (largest < 1e-9 * scale + 5e-10).all()
+    assert (largest < 1e-9 * np.abs(exact.y).max(axis=0) + 5e-10).all()
     for term, work in sol.work.items():
         assert np.abs(work - exact.work[term]).max() < 1e-9 * max(1.0, np.abs(work).max())
 

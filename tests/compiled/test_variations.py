@@ -60,8 +60,8 @@ def test_tangents_are_derivatives_of_the_steps(scene: Scene, method: str) -> Non
 
 
 def test_motion_is_that_of_a_run(scene: Scene) -> None:
-    """The tangents have no part in the error control: as many steps, and the same state but for
-    the rounding of another order of sums."""
+    """The tangents have no part in the error control: as many steps, of which one ends where the
+    load jumps, and the same state but for the rounding of another order of sums."""
     on = _with(scene)
     on.on(SPAN)
     sol = rodgen.simulate(scene, target="c", method="dop853")
@@ -95,14 +95,6 @@ def test_steps_of_scipy_agree(scene: Scene) -> None:
     np.testing.assert_allclose(there.y, here.y, atol=1e-9)
     size = np.abs(here.tangents).max()
     np.testing.assert_allclose(there.tangents, here.tangents, atol=1e-6 * size)
-
-
-def test_steps_meet_break_points(scene: Scene) -> None:
-    """One ends where the load jumps."""
-    on, met = _with(scene), []
-    while not on.on(SPAN, most=1):
-        met.append(on.t)
-    assert JUMP in met
 
 
 def test_what_cannot_go_on_says_when(scene: Scene) -> None:

@@ -36,6 +36,12 @@ OTHERS = (
     Structure(12, "cantilever", "uniform", ALONG, uneven=("stiffness", "mass")),
     Structure(3, "cantilever", "lumped", ENDS, LAWS, states=STATES),
 )
+# Masses in time, and a body, with which the first coupling is made in the loop that eliminates it.
+MASSES = (
+    ("", -1, "mass_per_length_1*(mass_per_length_2 + s)*(1 + mass_per_length_3*t)"),
+    ("e", 1, "body_e_mass_1 + t*body_e_mass_2"),
+)
+EMPTYING = Structure(3, "free", "uniform", ALL, (), ("bodies",), masses=MASSES)
 
 
 def test_every_choice_is_among_the_structures() -> None:
@@ -66,7 +72,7 @@ def test_module_equals_fifty_digit_arithmetic(built: Built, structure: Structure
 @_each(
     (SMALL[2], OTHERS[0]),
     (SMALL[0], SMALL[3], LONG[1], LONG[3], TIMED, PLACED, OTHERS[2]),
-    (SMALL[1], *SMALL[4:], LONG[0], LONG[2], OTHERS[1], *OTHERS[3:]),
+    (SMALL[1], *SMALL[4:], LONG[0], LONG[2], OTHERS[1], *OTHERS[3:], EMPTYING),
 )
 def test_targets_agree(built: Built, structure: Structure, request: pytest.FixtureRequest) -> None:
     """Rates, Jacobians and tangents; NumPy's are held against 50 digits. All else is one text."""
@@ -112,7 +118,7 @@ def test_directions_and_states_that_have_no_tangents(built: Built, point: type) 
 @pytest.mark.usefixtures("flags_of_users")
 @_each(
     (SMALL[6], LONG[1]),
-    (SMALL[0], TIMED, OTHERS[1]),
+    (SMALL[0], TIMED, OTHERS[1], EMPTYING),
     (SMALL[2], PLACED, OTHERS[0], *OTHERS[2:]),
 )
 def test_batch_is_row_by_row(built: Built, structure: Structure) -> None:
@@ -208,18 +214,10 @@ def call(lanes: Lanes, name: str, t: Array, y: Array, p: Array, rows: int) -> Ar
     return out.T
 
 
-FEEDBACK = OTHERS[-1]
-MASSES = (
-    ("", -1, "mass_per_length_1*(mass_per_length_2 + s)*(1 + mass_per_length_3*t)"),
-    ("e", 1, "body_e_mass_1 + t*body_e_mass_2"),
-)
-EMPTYING = Structure(3, "free", "uniform", ALL, (), ("bodies",), masses=MASSES)
-
-
 # Held links, laws of the motion, masses in time; a link without springs inside, loads in time.
 @_each(
     (SMALL[6],),
-    (EMPTYING, FEEDBACK, SMALL[1], TIMED),
+    (EMPTYING, OTHERS[-1], SMALL[1], TIMED),
     (*SMALL[2:6], PLACED, *LONG[:2]),
 )
 def test_each_rod_is_what_it_is_by_itself(built: Built, structure: Structure) -> None:
@@ -249,19 +247,6 @@ def test_each_rod_is_what_it_is_by_itself(built: Built, structure: Structure) ->
         np.testing.assert_allclose(seen[rod], expected, rtol=1e-12, atol=1e-12)
         unseen = known.keys() - {*lanes.observed}
         assert all(known[name] == 0.0 for name in unseen)
-
-
-@pytest.mark.slow
-def test_batch_of_rods_with_bodies(built: Built) -> None:
-    """Whose first coupling is made in the loop that eliminates it: the call before it must not
-    matter."""
-    model, rng = built(EMPTYING, "c"), np.random.default_rng(6)
-    y = rng.normal(size=(2, LANES, len(model.STATE)))
-    p = rng.uniform(0.5, 1.5, size=(2, LANES, len(model.PARAMETERS)))
-    for states, values in zip(y, p, strict=True):
-        single = np.array([model.rhs(0.3, *rod) for rod in zip(states, values, strict=True)])
-        many = model.rhs_batch(0.3, states, values)
-        np.testing.assert_allclose(many, single, rtol=0, atol=1e-12 * np.abs(single).max())
 
 
 def test_nobody_has_it_who_does_not_ask() -> None:

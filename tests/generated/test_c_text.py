@@ -60,11 +60,6 @@ def _compiles(compiler: str, *arguments: str, cwd: Path) -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def _code(files: dict[str, str]) -> str:
-    """The C text of a module."""
-    return next(text for name, text in files.items() if name.endswith(".c"))
-
-
 @pytest.mark.nightly
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_every_dialect_takes_it_without_a_warning(
@@ -120,7 +115,9 @@ def test_text_grows_only_by_digits(written: Written) -> None:
     assert len(large.encode()) < 250_000
     structure = Structure(50, terms=("follower",))
     for asked, most in ((("rhs",), 500), (None, 1100)):
-        assert len(_code(written(structure, "c", "chain", asked)).splitlines()) <= most
+        files = written(structure, "c", "chain", asked).items()
+        (code,) = (text for name, text in files if name.endswith(".c"))
+        assert len(code.splitlines()) <= most
 
 
 def test_fast_math_is_refused(whole: Whole, tmp_path: Path) -> None:

@@ -150,7 +150,6 @@ def test_module_of_loads_at_points_equals_fifty_digit_arithmetic(
 
 def test_loads_at_points_have_the_jacobian_of_the_closed_form(built: Built, point: type) -> None:
     at = point(built(PLACED))
-    assert _exact(at.module)
     at.assert_jacobian(at.module.jac)
 
 

@@ -8,17 +8,12 @@ import ctypes
 import shutil
 import subprocess
 from collections.abc import Callable
-from itertools import product
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 import pytest
 
-from rodgen.derive.implicit_form import ImplicitForm
-from rodgen.emit import module_files
-from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.scene.structure import Structure
 from tests.palette import ALONG, PLACED, SMALL, short
 
@@ -47,8 +42,6 @@ BORDERED = [
     Structure(2, "pinned", "uniform", ("tip_load",), (("tip_force_y", "omega(1) * y(1)"),)),
     Structure(2, "clamped", "uniform", (), (), states=(("alone", "phi(1) - alone"),)),
 ]
-# Every load with every boundary and inertia.
-APART = [("follower", "internal_damping"), ("gravity", "tip_load"), ("external_damping",)]
 # Of the size of the rates, so that neither sigma nor J alone decides.
 REAL, PAIR = 7.5, 3.0 + 20.0j
 
@@ -64,26 +57,6 @@ def _compiled(files: dict[str, str], folder: Path) -> tuple[ctypes.CDLL, str]:
     return ctypes.CDLL(str(folder / "solve.so")), stem
 
 
-def _holds(at: Any, files: dict[str, str], folder: Path) -> None:
-    """Both solves at a state, to the digits that elimination without exchanges leaves."""
-    J, size = at.exact_jacobian(), len(at.y)
-    right = np.random.default_rng(2).standard_normal(3 * size)
-    expected = (
-        np.linalg.solve(REAL * np.eye(size) - J, right[:size]),
-        np.linalg.solve(PAIR * np.eye(size) - J, right[size:].view(complex)),
-    )
-    library, stem = _compiled(files, folder)
-    memory = np.zeros(getattr(library, f"{stem}_newton_work")() // 8)
-    arrays = (at.y, at.p, np.array([PAIR]), right[:size], right[size:], memory)
-    y, p, pair, numbers, pairs, newton = (x.ctypes.data_as(ctypes.c_void_p) for x in arrays)
-    getattr(library, f"{stem}_linearise")(ctypes.c_double(at.t), y, p, newton)
-    getattr(library, f"{stem}_factor")(ctypes.c_double(REAL), pair, newton)
-    getattr(library, f"{stem}_solve_real")(numbers, newton)
-    getattr(library, f"{stem}_solve_complex")(pairs, newton)
-    for got, exact in zip((right[:size], right[size:].view(complex)), expected, strict=True):
-        np.testing.assert_allclose(got, exact, rtol=0, atol=1e-11 * np.abs(exact).max())
-
-
 @pytest.mark.parametrize(
     "structure",
     [
@@ -96,31 +69,21 @@ def _holds(at: Any, files: dict[str, str], folder: Path) -> None:
 def test_solve_is_that_of_the_exact_jacobian(
     built: Built, written: Written, point: type, structure: Structure, tmp_path: Path
 ) -> None:
-    _holds(point(built(structure)), written(structure, "c", "chain", ("newton",)), tmp_path)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize(("boundary", "inertia", "terms"), [*product(BOUNDARIES, INERTIAS, APART)])
-def test_solve_with_every_load_for_itself(
-    built: Built,
-    written: Written,
-    point: type,
-    boundary: str,
-    inertia: str,
-    terms: tuple[str, ...],
-    tmp_path: Path,
-) -> None:
-    structure = Structure(3, boundary, inertia, terms)
-    _holds(point(built(structure)), written(structure, "c", "chain", ("newton",)), tmp_path)
-
-
-def test_a_wrong_sign_in_the_base_is_seen(
-    built: Built, point: type, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    """Joint 0 of a free rod with what link 0 does to it turned round: no result shows it."""
-    structure = Structure(2, "free", "lumped", ())
-    right = ImplicitForm.base
-    monkeypatch.setattr(ImplicitForm, "base", lambda self, links: -right(self, links))
-    files = module_files(structure, "c", parts=("newton",))
-    with pytest.raises(AssertionError):
-        _holds(point(built(structure)), files, tmp_path)
+    """At a state, to the digits that elimination without exchanges leaves."""
+    at, files = point(built(structure)), written(structure, "c", "chain", ("newton",))
+    J, size = at.exact_jacobian(), len(at.y)
+    right = np.random.default_rng(2).standard_normal(3 * size)
+    expected = (
+        np.linalg.solve(REAL * np.eye(size) - J, right[:size]),
+        np.linalg.solve(PAIR * np.eye(size) - J, right[size:].view(complex)),
+    )
+    library, stem = _compiled(files, tmp_path)
+    memory = np.zeros(getattr(library, f"{stem}_newton_work")() // 8)
+    arrays = (at.y, at.p, np.array([PAIR]), right[:size], right[size:], memory)
+    y, p, pair, numbers, pairs, newton = (x.ctypes.data_as(ctypes.c_void_p) for x in arrays)
+    getattr(library, f"{stem}_linearise")(ctypes.c_double(at.t), y, p, newton)
+    getattr(library, f"{stem}_factor")(ctypes.c_double(REAL), pair, newton)
+    getattr(library, f"{stem}_solve_real")(numbers, newton)
+    getattr(library, f"{stem}_solve_complex")(pairs, newton)
+    for got, exact in zip((right[:size], right[size:].view(complex)), expected, strict=True):
+        np.testing.assert_allclose(got, exact, rtol=0, atol=1e-11 * np.abs(exact).max())

@@ -9,7 +9,6 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import rodgen
 from rodgen.emit.targets import FORMS
@@ -52,18 +51,6 @@ def test_states_lie_along_the_last_axis_otherwise(rod: ModuleType) -> None:
     for shape in ((5, 4), (STATES, 2, 2), (2, STATES, 1), ()):
         with pytest.raises(ValueError, match=r"^y\b"):
             rod.rhs(0.0, np.zeros(shape), p)
-
-
-@pytest.mark.parametrize("method", ["Radau", "BDF"])
-def test_scipy_takes_it_as_vectorized(rod: ModuleType, method: str) -> None:
-    """Its Jacobians by differences evaluate many columns at once, and come out the same."""
-    p, y0 = rod.parameters(**VALUES), np.full(STATES, 0.1)
-    runs = [
-        solve_ivp(rod.rhs, (0.0, 0.2), y0, method, args=(p,), vectorized=vectorized)
-        for vectorized in (True, False)
-    ]
-    assert all(run.success for run in runs)
-    np.testing.assert_allclose(runs[0].y, runs[1].y, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("target", ["numpy", "c"])

@@ -25,6 +25,7 @@ from rodgen.live.run.aside import Aside
 from rodgen.live.run.live_run import LiveRun
 from rodgen.loading import build_fastest
 from rodgen.scene import Scene, Structure
+from tests.live.runs import prepared
 from tests.live.view import PATIENT, View
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ ROD: dict[str, Any] = {
     "initial": {"phi": "0.2*cos(pi*s)"},
     "integrate": {"span": [0.0, 5.0], "output_every": 0.01, "method": "dop853"},
 }
+SCENE = Scene.from_dict(ROD)
 
 
 def varied(**rod: Any) -> dict[str, Any]:
@@ -74,16 +76,10 @@ def runs(process: int) -> bool:
         return False
 
 
-def finished(work: Coroutine[Any, Any, Any], loop: Any = None) -> Any:
-    """What comes of it, in a thread of its own: a browser may have the loop of this one. loop:
-    makes the one that is used, by default asyncio's."""
-
-    def run() -> Any:
-        with asyncio.Runner(loop_factory=loop) as runner:
-            return runner.run(work)
-
+def finished(work: Coroutine[Any, Any, Any]) -> Any:
+    """What comes of it, in a thread of its own: a browser may have the loop of this one."""
     with ThreadPoolExecutor(1) as thread:
-        return thread.submit(run).result()
+        return thread.submit(asyncio.run, work).result()
 
 
 class Clock:
@@ -109,9 +105,16 @@ def _nobody_aside(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def run() -> Iterator[LiveRun]:
     """A run of the rod, paused at its start."""
-    made = LiveRun(Scene.from_dict(ROD))
+    made = LiveRun(SCENE)
     yield made
     made.close()
+
+
+@pytest.fixture
+def bar(make_scene: Callable[..., Scene]) -> Any:
+    """One link of 2 m that turns about a pin: y = [phi, omega]. Its quantities, and what makes
+    chunks of it."""
+    return prepared(make_scene(1, "pinned"))
 
 
 # Servers ---------------------------------------------------------------------------------------
@@ -131,23 +134,11 @@ class Server:
         assert (self.process.returncode, "Traceback" in out + err) == (0, False), out + err
 
 
-# rodgen that gives a page that has gone up after so many seconds.
-HASTY = """
-from rodgen.cli.app import app
-from rodgen.live.page import server
-server.RECONNECT = {}
-app()
-"""
-
-
-def start(*arguments: object, reconnect: float | None = None) -> Server:
-    """`rodgen view` with these arguments on a port that was free, once it has told its address;
-    reconnect: seconds after which it gives a page that has gone up, where that is waited for."""
-    rodgen = [sys.executable, "-m", "rodgen"]
-    if reconnect is not None:
-        rodgen = [sys.executable, "-c", HASTY.format(reconnect)]
+def start(*arguments: object) -> Server:
+    """`rodgen view` with these arguments on a port that was free, once it has told its address."""
+    options = ("--port", "0", "--no-open", "--paused")
     process = subprocess.Popen(
-        [*rodgen, "view", *map(str, arguments), "--port", "0", "--no-open", "--paused"],
+        [sys.executable, "-m", "rodgen", "view", *map(str, arguments), *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -164,7 +155,7 @@ def start(*arguments: object, reconnect: float | None = None) -> Server:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The rod, two of another mass that have one name, and a scene that is none."""
     path = tmp_path_factory.mktemp("scenes")
-    (path / "dart.toml").write_text(Scene.from_dict(ROD).to_toml())
+    (path / "dart.toml").write_text(SCENE.to_toml())
     for name, mass in (("one", 2.0), ("two", 4.0)):
         scene = Scene.from_dict({**varied(mass=mass), "name": "rod"})
         (path / f"{name}.toml").write_text(scene.to_toml())
@@ -181,8 +172,7 @@ def make(structure: Structure) -> None:
 @pytest.fixture(scope="session")
 def server(folder: Path) -> Iterator[Server]:
     """The rod, for all tests of a worker; each has a run of its own."""
-    scene = Scene.from_dict(ROD)
-    for structure in (scene.structure, with_place(scene).structure):
+    for structure in (SCENE.structure, with_place(SCENE).structure):
         make(structure)
     served = start(folder / "dart.toml")
     yield served
@@ -194,8 +184,8 @@ def serve() -> Iterator[Callable[..., Server]]:
     """Starts servers with arguments of one's own."""
     made: list[Server] = []
 
-    def make(*arguments: object, reconnect: float | None = None) -> Server:
-        made.append(start(*arguments, reconnect=reconnect))
+    def make(*arguments: object) -> Server:
+        made.append(start(*arguments))
         return made[-1]
 
     yield make

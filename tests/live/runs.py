@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import json
 import struct
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+import rodgen
+from rodgen.integrate.stepper import Array
+from rodgen.live.catalogue import Catalogue
 from rodgen.live.run.live_run import LiveRun
+from rodgen.live.samples import Chunk
+from rodgen.scene import Scene
 from tests.live.view import until
 
 
@@ -26,9 +32,27 @@ def decoded(message: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     return header, arrays
 
 
+def does(run: LiveRun, *works: Callable[[], Any]) -> Any:
+    """Each in the run's own thread, in turn; what comes of the last."""
+    return [run.do(work).result() for work in works][-1]
+
+
 def to(run: LiveRun, t: float) -> None:
     """Samples up to a time, without a clock."""
     run.do(lambda: run._took(run.live.advance(t, 60.0))).result()
+
+
+def prepared(scene: Scene) -> tuple[Catalogue, Callable[..., Chunk]]:
+    """The quantities of a scene, and chunks of times (K,) and states (K, states)."""
+    model = rodgen.build(scene)
+    catalogue = Catalogue(scene, model)
+    p = model.parameters(**scene.parameters)
+
+    def chunk(t: Array, y: Array, **other: Any) -> Chunk:
+        works = catalogue.works
+        return Chunk(t, y, np.zeros((len(t), len(works))), works, p, **other)
+
+    return catalogue, chunk
 
 
 class Page:

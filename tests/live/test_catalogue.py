@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import rodgen
 from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.stepper import Array
 from rodgen.live.catalogue import KINDS, Catalogue
@@ -17,6 +16,7 @@ from rodgen.model.quantities import watched
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import TERMS, THESIS_TERMS
 from rodgen.scene import Scene, SceneError
+from tests.live.runs import prepared
 from tests.palette import ENDS
 
 Make = Callable[..., Scene]
@@ -36,12 +36,8 @@ def held(make_scene: Make, boundary: str, **integrate: Any) -> Scene:
 
 def at_rest(scene: Scene, y: Array, t: Array | None = None) -> tuple[Catalogue, Chunk]:
     """States (K, states) that nobody has integrated."""
-    model = rodgen.build(scene)
-    catalogue = Catalogue(scene, model)
-    works = catalogue.works
-    t = np.arange(float(len(y))) if t is None else t
-    p = model.parameters(**scene.parameters)
-    return catalogue, Chunk(t, y, np.zeros((len(y), len(works))), works, p)
+    catalogue, chunk = prepared(scene)
+    return catalogue, chunk(np.arange(float(len(y))) if t is None else t, y)
 
 
 def some_states(scene: Scene, count: int = 3) -> Array:
@@ -64,24 +60,6 @@ def test_states_that_are_added_and_loads_that_follow_are_shown(make_scene: Make)
     assert catalogue.kinds["state"] == ["gimbal"]
 
 
-def test_momenta_are_those_of_the_centre_and_of_a_rigid_turn(make_scene: Make) -> None:
-    """Mass times the velocity of the centre; moment of inertia times the rate of all links, however
-    the rod moves on, and however bent it is."""
-    scene = held(make_scene, "free")
-    y = some_states(scene)
-    turning = y.copy()
-    turning[:, 9:] = 0.7
-    for states in (y, turning):
-        catalogue, chunk = at_rest(scene, states)
-        names = ("momentum_x", "momentum_y", "angular_momentum", "inertia_x", "inertia_y")
-        speeds = ("centre_of_gravity_vx", "centre_of_gravity_vy")
-        px, py, spin, ix, iy, vx, vy = catalogue.columns((*names, *speeds), chunk).T
-        # The velocity is a difference of 1e-5 rad.
-        assert px == pytest.approx(scene.mass * vx, rel=1e-8, abs=1e-8)
-        assert py == pytest.approx(scene.mass * vy, rel=1e-8, abs=1e-8)
-    assert spin == pytest.approx(0.7 * (ix + iy), rel=1e-12)
-
-
 def test_supports_are_offered_where_they_are(make_scene: Make) -> None:
     """Each by itself, with its unit, and none for links without one or with one that does nothing:
     of what lies between two of them there is nothing to draw."""
@@ -102,7 +80,7 @@ def test_supports_are_offered_where_they_are(make_scene: Make) -> None:
 @pytest.mark.parametrize("boundary", BOUNDARIES)
 def test_quantities_that_depend_on_how_a_rod_is_held(make_scene: Make, boundary: str) -> None:
     """All that events can watch, and so what moves; curvature, which times the stiffness is the
-    bending moment; velocities, which are those of rigid links."""
+    bending moment; places of joints."""
     scene = held(make_scene, boundary)
     n, y = scene.rod.links, some_states(scene)
     l = scene.rod.length / n
@@ -122,7 +100,7 @@ def test_quantities_that_depend_on_how_a_rod_is_held(make_scene: Make, boundary:
         for kind in ("curvature", "bending_moment")
     )
     assert scene.rod.bending_stiffness * bent == pytest.approx(moments, rel=1e-12)
-    phi, omega = (catalogue.columns(kinds[kind], chunk) for kind in ("phi", "omega"))
+    phi = catalogue.columns(kinds["phi"], chunk)
     start = y[:, :2] if boundary == "free" else np.zeros((3, 2))
     along = l * np.stack((np.cos(phi), np.sin(phi)), axis=-1)
     places = start[:, None] + np.concatenate((np.zeros((3, 1, 2)), along.cumsum(axis=1)), axis=1)
@@ -130,19 +108,6 @@ def test_quantities_that_depend_on_how_a_rod_is_held(make_scene: Make, boundary:
         found = catalogue.columns([*kinds[f"joint_{name}"], f"tip_{name}"], chunk)
         expected = np.concatenate((places[..., axis], places[:, -1:, axis]), axis=1)
         np.testing.assert_allclose(found, expected, atol=1e-14)  # of some metres
-    start = y[:, n + 2 : n + 4] if boundary == "free" else np.zeros((3, 2))
-    turning = l * omega[..., None] * np.stack((-np.sin(phi), np.cos(phi)), axis=-1)
-    joints = start[:, None] + np.concatenate((np.zeros((3, 1, 2)), turning.cumsum(axis=1)), axis=1)
-    centre = (joints[:, :-1] + joints[:, 1:]).mean(axis=1) / 2
-    for kind, expected in (("tip_velocity", joints[:, -1]), ("centre_velocity", centre)):
-        # A difference over 1e-5 rad misses 1e-10/6 of what the links turn with; some m/s here.
-        np.testing.assert_allclose(catalogue.columns(kinds[kind], chunk), expected, atol=1e-8)
-    if boundary == "free":  # a million kilometres away, too
-        far = y.copy()
-        far[:, 0] += 1e12
-        _, chunk = at_rest(scene, far)
-        found = catalogue.columns(kinds["tip_velocity"], chunk)
-        np.testing.assert_allclose(found, joints[:, -1], atol=1e-8)
 
 
 def test_loads_powers_and_balance_are_those_of_the_chunk(make_scene: Make) -> None:

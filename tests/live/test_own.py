@@ -13,24 +13,19 @@ from rodgen.live.run.plot_spec import PlotSpec, transfer
 from rodgen.live.samples import Chunk
 from rodgen.loading import build_fastest
 from rodgen.scene import Scene, SceneError
-from tests.live.conftest import ROD, SHORT
+from tests.live.conftest import SCENE, SHORT
+from tests.live.runs import prepared
+
+
+@pytest.fixture
+def catalogue() -> Catalogue:
+    return prepared(SCENE)[0]
 
 
 @pytest.fixture(scope="module")
-def run() -> rodgen.Solution:
-    return rodgen.simulate(Scene.from_dict(ROD), span=[0.0, 0.5])
-
-
-@pytest.fixture
-def catalogue(run: rodgen.Solution) -> Catalogue:
-    return Catalogue(run.scene, run.model)
-
-
-@pytest.fixture
-def chunk(run: rodgen.Solution) -> Chunk:
-    works = tuple(run.work)
-    work = np.stack([run.work[term] for term in works], axis=-1)
-    return Chunk(run.t, run.y, work, works, run.model.parameters(**run.scene.parameters))
+def chunk() -> Chunk:
+    run = rodgen.simulate(SCENE, span=[0.0, 0.5])
+    return prepared(SCENE)[1](run.t, run.y)
 
 
 def values(catalogue: Catalogue, chunk: Chunk, *names: str) -> list[np.ndarray]:

@@ -15,11 +15,10 @@ from rodgen.analyse.modes_about import modes_about
 from rodgen.live.run.link import Link
 from rodgen.live.run.live_run import LiveRun
 from rodgen.scene import Scene, Structure
-from tests.live.conftest import ROD, make
+from tests.live.conftest import SCENE, make
 from tests.live.view import DIGITS, View, expect, until
 
 pytestmark = pytest.mark.slow  # in a browser
-SCENE = Scene.from_dict(ROD)
 TIMES = 1e-9  # s: between times that are the same but for rounding
 
 
@@ -55,10 +54,10 @@ def test_sliders_and_fields_change_numbers_in_the_simulation(view: View) -> None
     since = view.run().live("live.t")
     slider = view.page.get_by_role("slider", name="gravity g")
     slider.focus()
-    for _ in range(5):
-        view.page.keyboard.press("ArrowRight")
     step = 6 * 9.81 / 1000
-    view.shows("gravity", 9.81 + 5 * step, near=step / 9.81)
+    for k in range(1, 6):
+        view.page.keyboard.press("ArrowRight")
+        view.shows("gravity", 9.81 + k * step, near=step / 2 / 9.81)  # it began between two stops
     g = view.live("number(live.texts.gravity)")
     expect(slider).to_have_attribute("aria-valuetext", re.compile(rf"^{g:.4g}"))
     assert float(view.field("gravity g").input_value()) == pytest.approx(g, rel=DIGITS)
@@ -118,13 +117,15 @@ def test_changes_are_undone_and_redone(view: View) -> None:
 
 
 def test_plots_have_the_numbers_of_their_quantities(view: View) -> None:
-    """In their files, which end where a plot was paused; over time, and one over another."""
+    """In their files, which end where a plot was paused; over time, and one over another. A
+    spectrum has rows, too."""
     over_time = view.add_plot("over time", quantities="omega")
     phase = view.add_plot("phase plot", quantity="omega", over="phi")
     t = view.pause_after(0.3).live("live.t")
     view.sees("given.every(id => live.plots[id].rows > 30)", [over_time, phase])
     view.page.get_by_role("button", name="Pause").nth(2).click()  # of the third plot
     view.pause_after(0.3)
+    view.sees("live.plots[given].rows > 0", view.add_plot("spectrum", quantity="omega"))
     (_, third), (_, fourth) = view.csv(2), view.csv(3)
     sol = rodgen.simulate(SCENE, span=[0.0, fourth[-1, 0] + 1.0], rtol=1e-10)
     tail = {"omega_4": sol.omega[:, -1], "φ₄": sol.phi[:, -1]}
@@ -244,6 +245,7 @@ def test_scene_and_run_are_taken_away(view: View, tmp_path: Path) -> None:
     t = view.pause_after(0.2).tab("Save").live("live.t")
     scene = Scene.from_toml(view.download(view.button("Scene as TOML")))
     assert scene == SCENE.replace({"rod.mass": 25.0})
+    assert view.download(view.button("Animation as GIF")).read_bytes().startswith(b"GIF8")
     run = view.download(view.button("Run as NetCDF")).rename(tmp_path / "run.nc")
     kept = rodgen.load(run)
     assert t - 0.011 < kept.t[-1] <= t  # samples are 0.01 s apart

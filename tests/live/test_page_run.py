@@ -17,10 +17,9 @@ from rodgen.live.run.live_run import LiveRun
 from rodgen.live.run.scenes import edit
 from rodgen.loading import build
 from rodgen.scene import Scene, SceneError
-from tests.live.conftest import ROD, finished
-from tests.live.runs import to
+from tests.live.conftest import SCENE, finished
+from tests.live.runs import does, to
 
-SCENE = Scene.from_dict(ROD)
 MASS, GRAVITY, LINKS = ("rod", "mass"), ("loads", "gravity", "g"), ("rod", "links")
 
 
@@ -95,21 +94,16 @@ def test_changes_while_a_module_is_made_are_kept(page: PageRun, making: Making) 
     assert page.scene.structure.terms == (*SCENE.structure.terms, "tip_load")
 
 
-def test_refusals_come_to_who_asked(page: PageRun) -> None:
-    """And are nothing to undo."""
-    with pytest.raises(SceneError, match=r"rod\.mass"):
-        finished(page.change([(MASS, -1.0)], "mass = -1"))
-    assert page.scene == SCENE
-    assert page.run.undo.next(forth=False) is None
-
-
 def test_changes_are_undone_and_redone(page: PageRun) -> None:
-    """Those of one value that follow each other, as a slider makes them, are one."""
+    """Those of one value that follow each other, as a slider makes them, are one. A refusal comes
+    to who asked, and is nothing to undo."""
 
     async def changes() -> None:
         for mass in (4.0, 5.0, 6.0):
             await page.change([(MASS, mass)], f"rod.mass = {mass}")
         await page.change([(GRAVITY, 1.5)], "loads.gravity.g = 1.5")
+        with pytest.raises(SceneError, match=r"rod\.mass"):
+            await page.change([(MASS, -1.0)], "mass = -1")
 
     finished(changes())
     seen = [values(page)]
@@ -159,21 +153,5 @@ def test_kick_and_pull_are_undone(page: PageRun) -> None:
     assert run.undo.next(forth=True) is not None  # the change of gravity, but no kick
     finished(page.undo())
     assert page.scene.rod.mass == 3.0
-    run.do(lambda: run.kick(2, 0.5, (3.0, 1.0))).result()
-    run.do(run.restart).result()
+    does(run, lambda: run.kick(2, 0.5, (3.0, 1.0)), run.restart)
     assert run.undo.next(forth=False) is None  # of another run
-
-
-def test_scene_and_structure_are_undone(page: PageRun, making: Making) -> None:
-    """The scene of another file, and what differs from a file, come back, too. Nothing is made
-    where the structure is the same."""
-    other = edit(SCENE, [(MASS, 7.0)])
-    finished(page.take(other))
-    assert (page.run.undo.file, page.run.taken, making.made) == (other, 2, [])
-    finished(page.change([(LINKS, 3)], ""))
-    finished(page.undo())
-    assert (page.scene, page.run.undo.file) == (other, other)
-    finished(page.undo())
-    assert (page.scene, page.run.undo.file) == (SCENE, SCENE)
-    finished(page.undo(forth=True))
-    assert (page.scene.rod.mass, making.made) == (7.0, [3, 5])

@@ -9,38 +9,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-import rodgen
 from rodgen.integrate.stepper import Array
 from rodgen.live.catalogue import Catalogue
-from rodgen.live.run import plot as plots
 from rodgen.live.run.curves import MOST_ROWS
 from rodgen.live.run.plot import Plot, PlotSpec
 from rodgen.live.samples import Chunk
 from rodgen.model.terms import THESIS_TERMS
 from rodgen.scene import Scene, SceneError
+from tests.live.runs import prepared
 
 Make = Callable[..., Scene]
 GOOD = {"id": "p1", "kind": "time", "y": ["phi_0"]}
 RISES = {"kind": "poincare", "x": "tip_x", "y": "phi_0", "when": "tip_y"}
-
-
-def prepared(scene: Scene) -> tuple[Catalogue, Callable[..., Chunk]]:
-    """The quantities of a scene, and chunks of times (K,) and states (K, states)."""
-    model = rodgen.build(scene)
-    catalogue = Catalogue(scene, model)
-    p = model.parameters(**scene.parameters)
-
-    def chunk(t: Array, y: Array, **other: Any) -> Chunk:
-        works = catalogue.works
-        return Chunk(t, y, np.zeros((len(t), len(works))), works, other.pop("p", p), **other)
-
-    return catalogue, chunk
-
-
-@pytest.fixture
-def bar(make_scene: Make) -> tuple[Catalogue, Callable[..., Chunk]]:
-    """One link of 2 m that turns about a pin: y = [phi, omega]."""
-    return prepared(make_scene(1, "pinned"))
 
 
 def turning(chunk: Callable[..., Chunk], t: Array, rate: float) -> Chunk:
@@ -102,15 +82,8 @@ def test_a_kind_of_plot_takes_what_it_can_show(bar: Any) -> None:
 def test_of_too_many_series_every_kth_is_shown(
     make_scene: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And the title says which, as words are in English."""
-    monkeypatch.setattr(plots, "MOST_SERIES", 1)
+    monkeypatch.setattr("rodgen.live.run.plot.MOST_SERIES", 20)
     catalogue, chunk = prepared(make_scene(21, "pinned"))
-    for count, ending in ((1, ""), (2, "2nd"), (3, "3rd"), (4, "4th"), (11, "11th"), (21, "21st")):
-        names = [f"omega_{i}" for i in range(count)]
-        made = plot(catalogue, kind="time", y=names, title="all").to_json()
-        assert made["title"].removeprefix("all").split()[-1:] == ending.split()
-        assert [one["name"] for one in made["series"]] == ["omega_0"]
-    monkeypatch.setattr(plots, "MOST_SERIES", 20)
     made = plot(catalogue, kind="time", y=["omega"])
     assert made.names == tuple(f"omega_{i}" for i in range(0, 21, 2))
     row = made.feed(chunk(np.zeros(1), np.arange(42.0)[None]))
@@ -121,7 +94,6 @@ def test_of_too_many_series_every_kth_is_shown(
 def test_the_page_is_told_what_to_draw(bar: Any) -> None:
     catalogue, _ = bar
     made = plot(catalogue, kind="phase", x="phi_0", y=["omega_0"]).to_json()
-    json.dumps(made)
     axis = {"log": False, "least": pytest.approx(1e-12, rel=0.5)}  # atol, of about one
     assert made["x"] == {**axis, "label": "φ₀", "unit": "rad", "period": 0.0, "turn": 2 * np.pi}
     assert made["y"] == {**axis, "label": "ω₀", "unit": "rad/s"}
@@ -197,22 +169,6 @@ def test_a_backlog_keeps_the_window_and_the_extremes(bar: Any) -> None:
 
 
 # Sections --------------------------------------------------------------------------------------
-
-
-def test_a_section_of_a_circle_is_exact_to_the_fourth_order(bar: Any) -> None:
-    """The tip rises through y = 1 m on a circle of 2 m: at x = sqrt(3), phi = pi/6 + 2 pi k."""
-    catalogue, chunk = bar
-    errors = []
-    for h in (0.1, 0.05, 0.025):
-        made = plot(catalogue, **RISES, value=1.0)
-        points = fed(made, cut(turning(chunk, np.arange(0.0, 20.0, h), 1.0), 3, 4, 5, 50, 90))
-        turns = np.arange(len(points))
-        assert len(points) == 4  # pi/6 + 6 pi is 19.4
-        errors.append(np.abs(points[:, 1] - np.sqrt(3)).max())
-        np.testing.assert_allclose(points[:, 2], np.pi / 6 + 2 * np.pi * turns, atol=h**4)
-    # Order 4, but for where in its interval each crossing happens to lie.
-    assert 8 < errors[0] / errors[1] < 32
-    assert 8 < errors[1] / errors[2] < 32
 
 
 def test_sections_of_samples_where_the_answer_is_known(bar: Any) -> None:
@@ -313,14 +269,13 @@ def test_energies_that_a_scene_lacks_are_no_lines_at_zero(make_scene: Make) -> N
     """A chain without stiffness and weight has neither springs nor gravity, until it gets some."""
     scene = make_scene(5, terms=THESIS_TERMS)
     catalogue, _ = prepared(scene)
-
-    def shown(**values: float) -> tuple[bool, list[str]]:
-        p = catalogue.model.parameters(**{**scene.parameters, **values})
-        other = catalogue.settle(0.0, p)
-        return other, [one.split("_")[0] for one in catalogue.expand("energy")]
-
     every = ["kinetic", "spring", "gravity", "total"]
-    assert shown() == (False, every)
-    assert shown(bending_stiffness=0.0) == (True, ["kinetic", "gravity", "total"])
-    assert shown(bending_stiffness=0.0, gravity=0.0) == (True, ["kinetic", "total"])
-    assert shown() == (True, every)
+    for values, differ, energies in (
+        ({}, False, every),
+        ({"bending_stiffness": 0.0}, True, ["kinetic", "gravity", "total"]),
+        ({"bending_stiffness": 0.0, "gravity": 0.0}, True, ["kinetic", "total"]),
+        ({}, True, every),
+    ):
+        p = catalogue.model.parameters(**{**scene.parameters, **values})
+        assert catalogue.settle(0.0, p) == differ
+        assert [name.split("_")[0] for name in catalogue.expand("energy")] == energies

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import json
-import os
 import queue
 import signal
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
@@ -24,13 +23,11 @@ from rodgen.live.run.aside import Answer, Aside, Errand
 from rodgen.live.run.aside_process import WORKS, Works
 from rodgen.live.run.critical import COMPUTING, Critical
 from rodgen.live.run.live_run import LiveRun
-from rodgen.live.run.sweep import COUNT, sweep
-from rodgen.loading.ahead import dump, parse
+from rodgen.live.run.sweep import sweep
 from rodgen.scene import Scene, SceneError, Structure
-from tests.live.conftest import ROD, SCENES, finished, runs, varied
+from tests.live.conftest import ROD, SCENE, SCENES, finished, runs, varied
 from tests.live.view import PATIENT
 
-SCENE = Scene.from_dict(ROD)
 FREE = Scene.from_dict({**ROD, "loads": {}})
 
 
@@ -128,39 +125,14 @@ def test_force_of_a_scene_that_changes_is_asked_for_once(
     assert (one.value, done) == (40.0, [40.0])
 
 
-def swept(scene: str, path: Sequence[str], low: float, high: float, t: float) -> dict[str, Any]:
-    """All parts of a sweep of a scene of the package, put together."""
-    found: dict[str, Any] = {"rows": []}
-    for part in sweep(Scene.from_toml(SCENES / f"{scene}.toml"), path, low, high, t=t):
-        found["rows"] += part.pop("rows", [])
-        found |= part
-    return found
-
-
-@pytest.mark.nightly
-def test_sweep_of_an_amplitude_finds_the_critical_force() -> None:
-    """That of the missile under its full thrust, by the iteration of `rodgen.critical_force`; half
-    the last interval is 600/40/6^4/2 N, and four digits are given. Its flight, which the branch
-    follows over the number in the expression, begins to flutter there too."""
-    found = swept("missile", ["loads", "follower", "force", "0"], 100.0, 700.0, t=1.0)
-    values = [value for value, *_ in found["rows"]]
-    assert values == pytest.approx([100 + 15 * at for at in range(COUNT)])
-    critical = rodgen.critical_force(Scene.from_toml(SCENES / "missile.toml"), t=1.0).force
-    assert found["critical"] == pytest.approx(critical, abs=0.06)
-    for value, growth, _, stable in found["rows"]:
-        assert stable == (growth < 0) == (value < found["critical"])
-    ((value, kind),) = found["special"]
-    assert (value, kind) == (pytest.approx(found["critical"], abs=0.06), "hopf")
-
-
 @pytest.mark.slow
 def test_sweep_of_a_dead_load_has_its_equilibria() -> None:
     """After the span: the column buckles, and the branch of its straight equilibria, whose states
     lead on from there, has a point where another leaves it."""
-    branch = (found := swept("euler_column", ["loads", "tip", "y"], -30.0, -1.0, t=1e3))["branch"]
     scene = Scene.from_toml(SCENES / "euler_column.toml")
-    assert len(branch["state"][0]) == len(scene.initial_state())
-    assert {*branch["away"]} == {0.0}  # straight, but for rounding
+    *_, found = sweep(scene, ["loads", "tip", "y"], -30.0, -1.0, t=1e3)
+    assert len(found["branch"]["state"][0]) == len(scene.initial_state())
+    assert {*found["branch"]["away"]} == {0.0}  # straight, but for rounding
     assert "branch" in [kind for _, kind in found["special"]]
 
 
@@ -188,21 +160,6 @@ def quiet(_: str) -> None:
     """Of no use is what is being done."""
 
 
-@pytest.fixture
-def compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with a file for each compiler that was started, by the id of its process."""
-    if os.name != "posix":
-        pytest.skip("the compiler here is a shell script")
-    script = tmp_path / "cc"
-    started = tmp_path / "started"
-    started.mkdir()
-    script.write_text(f"#!/bin/sh\ntouch {started}/$$\nexec sleep 600\n")
-    script.chmod(0o755)
-    monkeypatch.setenv("CC", str(script))
-    monkeypatch.setenv("RODGEN_CACHE", str(tmp_path / "cache"))
-    return started
-
-
 async def come(true: Callable[[], bool]) -> None:
     async with asyncio.timeout(PATIENT):
         while not true():
@@ -211,11 +168,20 @@ async def come(true: Callable[[], bool]) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are seen in /proc")
-def test_cancelled_making_ends_its_compiler(compiler: Path) -> None:
-    """And none is begun while the server ends."""
+def test_cancelled_making_ends_its_compiler(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And none is begun while the server ends. A compiler that is started leaves a file, which has
+    the id of its process for a name."""
+    script, folder = tmp_path / "cc", tmp_path / "started"
+    folder.mkdir()
+    script.write_text(f"#!/bin/sh\ntouch {folder}/$$\nexec sleep 600\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", str(script))
+    monkeypatch.setenv("RODGEN_CACHE", str(tmp_path / "cache"))
 
     def started() -> set[int]:
-        return {int(file.name) for file in compiler.iterdir()}
+        return {int(file.name) for file in folder.iterdir()}
 
     async def cancelled() -> None:
         stages: list[str] = []
@@ -235,13 +201,6 @@ def test_cancelled_making_ends_its_compiler(compiler: Path) -> None:
     with pytest.raises(SceneError, match="module"):
         finished(modules.make(Structure(2, terms=()), quiet))
     assert started() == before
-
-
-def test_structure_comes_to_the_process_as_it_is() -> None:
-    for path in SCENES.glob("*.toml"):
-        one = Scene.from_toml(path).structure
-        other = parse(dump(one))
-        assert (other, hash(other)) == (one, hash(one)), path
 
 
 def test_two_at_a_time_and_none_of_too_many_links(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -269,18 +228,3 @@ def test_two_at_a_time_and_none_of_too_many_links(monkeypatch: pytest.MonkeyPatc
     finished(three())
     with pytest.raises(SceneError, match="2000"):
         finished(Modules().make(Structure(2001), quiet))
-
-
-@pytest.mark.slow
-def test_no_hook_of_a_fork_runs_in_the_process(tmp_path: Path) -> None:
-    """Threads of the server are gone there, and Python's own hooks fail at times. With the loop
-    that the server has."""
-    uvloop = pytest.importorskip("uvloop", reason="the extra view is not installed")
-    seen = tmp_path / "seen"
-    listening = [True]  # a hook stays for good
-    os.register_at_fork(after_in_child=lambda: listening and seen.touch())
-    try:
-        finished(Modules().make(Scene.from_dict(ROD).structure, quiet), uvloop.new_event_loop)
-    finally:
-        listening.clear()
-    assert not seen.exists()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from types import ModuleType
@@ -16,11 +15,11 @@ from rodgen.integrate.pull import Pull, pulled, with_place
 from rodgen.live.page.pulls import usual
 from rodgen.live.run.link import follow, link_to
 from rodgen.live.run.live_run import LiveRun
-from rodgen.live.run.message import pull_array
 from rodgen.loading import build
 from rodgen.loading.module import asked
 from rodgen.scene import Scene, SceneError
-from tests.live.conftest import ROD, SCENES, varied
+from tests.live.conftest import ROD, varied
+from tests.live.runs import does
 from tests.live.view import until
 
 STIFFNESS, DAMPING = 60.0, 1.5
@@ -34,12 +33,6 @@ def scene(**integrate: Any) -> Scene:
 def module(scene: Scene) -> ModuleType:
     """In NumPy: nothing is compiled."""
     return build(scene.structure, "numpy")
-
-
-def point(model: ModuleType, sample: Any, p: Any) -> Any:
-    """The point that is pulled."""
-    start, end = model.joints(sample.y[-1], p)[PULL.link : PULL.link + 2]
-    return start + PULL.share * (end - start)
 
 
 @pytest.mark.parametrize(
@@ -62,7 +55,8 @@ def test_work_of_the_hand_is_what_the_energy_lacks(settings: Any, error: float) 
     places = [(1.3 + 0.1 * k, 0.4 + 0.05 * k) for k in range(5)]
     by_hand, ends = 0.0, [None, *places, None]
     for before_it, to in zip(ends, [*ends[1:], None], strict=True):
-        at = point(live.model, live.here(), live.p)
+        first, last = live.model.joints(live.here().y[-1], live.p)[PULL.link : PULL.link + 2]
+        at = first + PULL.share * (last - first)  # the point that is pulled
         stored = [
             STIFFNESS * np.sum((at - end) ** 2) / 2 if end else 0.0 for end in (before_it, to)
         ]
@@ -88,11 +82,6 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Any:
     made = LiveRun(scene(output_every=0.05))
     yield made
     made.close()
-
-
-def does(run: LiveRun, *works: Callable[[], Any]) -> Any:
-    """Each in the run's own thread, in turn; what comes of the last."""
-    return [run.do(work).result() for work in works][-1]
 
 
 def pulls(run: LiveRun) -> None:
@@ -128,29 +117,8 @@ def test_pull_is_on_the_record_and_in_a_link_to_it(run: LiveRun) -> None:
     assert (run.live.pulling, run.marks.every) == (None, ())
 
 
-def test_force_is_that_of_the_spring() -> None:
-    """By differences of the module's energy, and by Hooke's law."""
-    model, live = module(with_place(scene())), Live(scene(), module(scene()), 0.01)
-    live.allow_pulls(model)
-    origin = (0.5, -0.25)
-
-    def array() -> Any:
-        sample = live.here()
-        chunk = type("Chunk", (), {"t": sample.t, "y": sample.y, "p": live.p})
-        return pull_array(model, live.placed, chunk, origin)[1]
-
-    assert len(array()) == 0
-    live.pull(PULL)
-    force = STIFFNESS * (np.array(PULL.to) - point(model, live.here(), live.p))
-    wanted = [3, 0.25, *np.subtract(PULL.to, origin), *force]
-    np.testing.assert_allclose(array(), wanted, rtol=1e-6)  # of single precision
-
-
-def test_first_spring_suits_every_rod() -> None:
-    """Also one along which the stiffness differs: as for an even one, of its mean."""
-    for path in SCENES.glob("*.toml"):
-        stiffness, damping = usual(Scene.from_toml(path))
-        assert stiffness > 0 <= damping
+def test_first_spring_suits_a_rod_along_which_the_stiffness_differs() -> None:
+    """As for an even one, of its mean."""
     one, several = (
         usual(Scene.from_dict(varied(boundary="clamped", bending_stiffness=k)))
         for k in (500.0, [800.0, 400.0, 500.0, 500.0, 600.0, 200.0])

@@ -13,23 +13,15 @@ from rodgen.live.run.live_run import PAUSED, RUNNING, STOPPED, LiveRun
 from rodgen.live.run.page_state import AHEAD
 from rodgen.live.run.scenes import edit
 from rodgen.live.run.worker import Pace
-from rodgen.scene import Scene, SceneError
-from tests.live.conftest import ROD
-from tests.live.runs import Page, gets, to
+from rodgen.scene import SceneError
+from tests.live.conftest import SCENE
+from tests.live.runs import Page, does, gets, to
 from tests.live.view import until
-
-SCENE = Scene.from_dict(ROD)
 
 
 def past(run: LiveRun, t: float) -> None:
     """Wait until the run has come so far [s]."""
     until(lambda: float(run.shown.t[-1]), lambda now: now > t, "time does not pass")
-
-
-def does(run: LiveRun, *works: Callable[[], object]) -> None:
-    """Each in the run's own thread, in turn."""
-    for work in works:
-        run.do(work).result()
 
 
 def test_run_goes_round_until_somebody_changes_it(run: LiveRun) -> None:

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import tracemalloc
-from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
-import rodgen
 from rodgen.integrate.live import Samples
 from rodgen.integrate.stepper import Array
 from rodgen.live import samples
-from rodgen.live.catalogue import Catalogue
 from rodgen.live.run.curves import ROWS, Window, spectrum
 from rodgen.live.run.plot import Plot, PlotSpec
-from rodgen.live.samples import MOST, Chunk, Store
-from rodgen.scene import Scene
+from rodgen.live.samples import MOST, Store
 
 FEW = 500  # samples that are kept at most, in place of MOST
 
@@ -134,15 +131,6 @@ def test_a_sine_is_a_peak_of_its_amplitude() -> None:
     assert spectrum(t, 1e3 - 7 * t)[:, 1].max() < 1e-10  # rounding of a thousand
 
 
-def test_two_tones_keep_their_sizes() -> None:
-    t = np.arange(4000) * 0.005
-    rows = spectrum(t, tone(t, 2.0, 1.0) + tone(t, 9.0, 0.01, np.pi / 2))
-    small = rows[(rows[:, 0] > 8) & (rows[:, 0] < 10)]
-    assert peak(rows) == pytest.approx((2.0, 1.0), rel=1e-4)  # on a line
-    # Hann's window falls as the third power: 140 bins away, 1/140^3 of the other.
-    assert peak(small) == pytest.approx((9.0, 0.01), rel=1e-3)
-
-
 def test_a_change_of_sampling_is_evened_out() -> None:
     """Cubics through samples 0.01 s apart miss a tone of 3 Hz by 3/128 (2 pi f h)^4 = 3e-5. A
     single step, by hand, changes neither the scale nor the peak."""
@@ -180,27 +168,21 @@ def test_a_window_holds_its_seconds() -> None:
     assert window.t.tolist() == [0.5]
 
 
-def test_a_plot_of_a_spectrum_is_made_at_most_four_times_a_second(
-    make_scene: Callable[..., Scene],
-) -> None:
-    scene = make_scene(1, "pinned")
-    model = rodgen.build(scene)
-    catalogue, now = Catalogue(scene, model), [100.0]
+def test_a_plot_of_a_spectrum_is_made_at_most_four_times_a_second(bar: Any, clock: Any) -> None:
+    catalogue, chunk = bar
     choice = {"id": "s", "kind": "spectrum", "y": "phi_0", "window": 2}
-    plot = Plot(PlotSpec.from_dict(choice, catalogue), catalogue, clock=lambda: now[0])
+    plot = Plot(PlotSpec.from_dict(choice, catalogue), catalogue, clock=clock)
     t = np.arange(800) * 0.01
     # 8 rad at 4 Hz for four seconds, then 3 rad at 10 Hz, in the end alone in the window.
     phi = np.where(t < 4, tone(t, 4.0, 8.0), tone(t, 10.0, 3.0))
-    p = model.parameters(**scene.parameters)
-    drawn = []
+    whole, drawn = chunk(t, np.stack((phi, np.zeros(800)), axis=1)), []
     for first in range(0, 800, 2):  # 0.02 s each
-        y = np.stack((phi[first : first + 2], np.zeros(2)), axis=1)
-        chunk = Chunk(t[first : first + 2], y, np.zeros((2, 0)), (), p)
-        assert plot.feed(chunk) is None
-        rows = plot.present(chunk)
+        part = whole.some(slice(first, first + 2))
+        assert plot.feed(part) is None
+        rows = plot.present(part)
         if rows is not None:
-            drawn.append((now[0], peak(rows)))
-        now[0] += 0.02
+            drawn.append((clock.now, peak(rows)))
+        clock.now += 0.02
     times = np.array([at for at, _ in drawn])
     assert 24 < len(times) <= 32  # of 8 s
     assert np.diff(times).min() >= 0.25 - 1e-9
@@ -209,16 +191,11 @@ def test_a_plot_of_a_spectrum_is_made_at_most_four_times_a_second(
     assert drawn[-1][1] == pytest.approx((10.0, 3.0), rel=0.01)
 
 
-def test_the_axis_of_a_bar_that_turns_has_no_jumps_in_its_spectrum(
-    make_scene: Callable[..., Scene],
-) -> None:
+def test_the_axis_of_a_bar_that_turns_has_no_jumps_in_its_spectrum(bar: Any) -> None:
     """Its angle grows evenly, but for a tone of 0.1 rad; jumps of pi would be peaks of 1 rad."""
-    scene = make_scene(1, "pinned")
-    model = rodgen.build(scene)
-    catalogue = Catalogue(scene, model)
+    catalogue, chunk = bar
     choice = {"id": "s", "kind": "spectrum", "y": "principal_angle"}
     plot = Plot(PlotSpec.from_dict(choice, catalogue), catalogue)
     t = np.arange(1000) * 0.01
     y = np.stack((3 * t + tone(t, 5.0, 0.1), np.zeros(1000)), axis=1)
-    chunk = Chunk(t, y, np.zeros((1000, 0)), (), model.parameters(**scene.parameters))
-    assert peak(plot.backlog([chunk])) == pytest.approx((5.0, 0.1), rel=1e-4)  # on a line
+    assert peak(plot.backlog([chunk(t, y)])) == pytest.approx((5.0, 0.1), rel=1e-4)  # on a line

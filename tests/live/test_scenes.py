@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import rodgen
+from rodgen.live.page.pulls import usual
 from rodgen.live.page.sketch import HIGH, WIDE, joints_at_start, sketch
 from rodgen.live.run.link import Link, State, follow, link_to
 from rodgen.live.run.live_run import LiveRun
@@ -28,11 +29,12 @@ from rodgen.live.run.scenes import (
     scale_of,
     starts_of,
 )
+from rodgen.loading.ahead import dump, parse
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
-from tests.live.conftest import ROD, SCENES
-from tests.live.runs import to
+from tests.live.conftest import ROD, SCENE, SCENES, varied
+from tests.live.runs import does, to
 from tests.palette import ENDS
 
 FILES = sorted(SCENES.glob("*.toml"))
@@ -57,26 +59,18 @@ def test_folder_gives_its_own_scenes_alone(tmp_path: Path) -> None:
 
 def test_every_number_of_a_scene_has_a_field() -> None:
     """Of its tables of what is modelled; but for counts, names, and what is chosen in the panel of
-    the structure, where the initial state is too."""
+    the structure, where the initial state is too. Of one with what scenes of the package lack, and
+    of that which has most of all else."""
     table = {
-        **ROD,
-        "bodies": [
-            {"name": "tank", "at": 0.5, "mass": "2 - 0.1*t", "offset": [0.1, 0.2]},
-            {"name": "tip", "at": 1.0, "mass": 1.0, "inertia": 0.1},
-        ],
-        "supports": [{"at": 0.5, "to": [1.0, 0.0], "rotation": 3.0, "damping": [0.0, 2.0]}],
+        **varied(bending_stiffness=[5.0, 6.0, 5.0, 6.0, 5.0, 6.0]),
+        "loads": {
+            "follower": [{"force": 2.0}, {"force": "3*t", "at": 0.4}],
+            "distributed_follower": {"force_per_length": [1.0, 2.0, 3.0, 4.0, 5.0]},
+        },
         "foundation": {"stiffness": "3 + s"},
-        "states": {"valve": {"rate": "-valve", "initial": 2.0}},
-        "parameters": {"gain": 3.0},
+        "supports": [{"at": 0.5, "to": [1.0, 0.0], "rotation": 3.0, "damping": [0.0, 2.0]}],
     }
-    table["loads"] = {
-        **ROD["loads"],
-        "follower": [{"force": 2.0}, {"force": "gain*t", "at": 0.4}],
-        "distributed_follower": {"force_per_length": [1.0, 2.0, 3.0, 4.0, 5.0]},
-        "drag": {"normal": 1.0, "wind": ["t", 0.0]},
-    }
-    table["rod"] = {**ROD["rod"], "bending_stiffness": [5.0, 6.0, 5.0, 6.0, 5.0, 6.0]}
-    scene = Scene.from_dict(table)
+    rocket = Scene.from_toml(SCENES / "sounding_rocket.toml")
 
     def leaves(table: object, *path: str) -> Iterator[str]:
         if isinstance(table, dict | list):
@@ -86,13 +80,13 @@ def test_every_number_of_a_scene_has_a_field() -> None:
         else:
             yield ".".join(path)
 
-    modelled = scene.model_dump(
-        exclude_none=True, exclude={"name": True, "initial": True, "integrate": True}
-    )
-    fields = {field.key for field in fields_of(scene)}
-    starts = {".".join(place) for place in starts_of(scene)}
-    chosen = {"rod.links", "rod.boundary", "rod.inertia", "bodies.0.name", "bodies.1.name"}
-    assert set(leaves(modelled)) - fields - starts == chosen
+    for scene in (Scene.from_dict(table), rocket):
+        modelled = scene.model_dump(exclude_none=True, exclude={"name", "initial", "integrate"})
+        fields = {field.key for field in fields_of(scene)}
+        starts = {".".join(place) for place in starts_of(scene)}
+        names = {f"bodies.{k}.name" for k in range(len(scene.bodies))}
+        chosen = {"rod.links", "rod.boundary", "rod.inertia", *names}
+        assert set(leaves(modelled)) - fields - starts == chosen
 
 
 def test_form_that_cannot_be_is_refused() -> None:
@@ -158,7 +152,6 @@ def test_terms_that_anchor_a_rod_and_states_can_be_chosen() -> None:
     assert (other.structure, other.initial_state()[-1]) == (scene.structure, 0.05)
 
 
-SCENE = Scene.from_dict(ROD)
 ONE = {"t": "0", "y": "[]", "work": "[]", "given": "0", "start": "0"}  # a state, as it is written
 
 
@@ -175,12 +168,10 @@ def test_link_brings_back_plots_view_time_and_state(run: LiveRun, other: LiveRun
     run.do(lambda: run.add_plot({"kind": "time", "y": ["phi_4"], "window": 3.0})).result()
     to(run, 0.3)
     heavier = edit(SCENE, [(("rod", "mass"), 4.0)])
-    run.do(lambda: run.change(heavier, "rod.mass = 4")).result()
-    run.do(lambda: run.look_at(0.2)).result()
+    does(run, lambda: run.change(heavier, "rod.mass = 4"), lambda: run.look_at(0.2))
     link = Link.unpack(run.do(lambda: link_to(run, "axes")).result().pack())
     assert (link.scene, link.view) == (heavier, "axes")
-    other.do(lambda: other.take(link.scene)).result()
-    other.do(lambda: follow(other, link)).result()
+    does(other, lambda: other.take(link.scene), lambda: follow(other, link))
     assert other.undo.file == SCENE
     assert other.store.span == (0.2, 0.2)
     assert other.shown.y == pytest.approx(run.seen.y, abs=0.0)
@@ -264,6 +255,9 @@ def test_scenes_of_the_package_can_be_edited_packed_and_drawn(path: Path) -> Non
             moving = form.links - (boundary == "cantilever") + 2 * (boundary == "free")
             assert other.initial_state().size == 2 * moving + len(scene.states)
     assert from_toml_text(scene.to_toml().encode()) == scene
+    assert hash(parse(dump(scene.structure))) == hash(scene.structure)
+    stiffness, damping = usual(scene)  # of the spring of a pull
+    assert stiffness > 0 <= damping
     text = Link(scene).pack()
     assert (text.isascii(), text.replace("-", "").replace("_", "").isalnum()) == (True, True)
     assert Link.unpack(text) == Link(scene)

@@ -12,10 +12,8 @@ import pytest
 from rodgen.live.page.runs import Sessions
 from rodgen.live.run.live_run import LiveRun
 from rodgen.live.run.worker import Pace
-from rodgen.scene import Scene, SceneError
-from tests.live.conftest import ROD
-
-SCENE = Scene.from_dict(ROD)
+from rodgen.scene import SceneError
+from tests.live.conftest import SCENE
 
 
 @pytest.fixture

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.integrate.live import FOR_LOOKING
 from rodgen.integrate.stepper import Array, Counts
 from rodgen.live.samples import Chunk
 from rodgen.live.texts import WIDTH, Present, digits, fixed, groups, texts, whole
@@ -169,10 +168,6 @@ def test_how_the_run_goes(make_scene: Make) -> None:
     wanted |= {"rejected": "89", "rhs": "12"}
     assert {key: found[key] for key in wanted} == wanted
     assert (found["method"].split()[0], float(found["rtol"])) == ("radau", 1e-10)
-    rough = scene.integrate.model_copy(update=FOR_LOOKING[-1])
-    found = shown(scene, settings=rough)
-    assert found["method"].split()[0] == FOR_LOOKING[-1]["method"]
-    assert (float(found["rtol"]), float(found["atol"])) == (1e-3, 1e-6)
     found = shown(make_scene(5, terms=THESIS_TERMS, method="rk4", step=0.001))
     assert (found["method"], float(found["step"])) == ("rk4", 0.001)
     assert "rtol" not in found
@@ -190,6 +185,7 @@ def test_numbers_have_five_digits_and_do_not_jitter() -> None:
         (0.00012345678, "0.00012346"),
         (float("nan"), "nan"),
         (float("-inf"), "-inf"),
+        (-1e300, "-1.0000e+300"),
     ):
         assert digits(value).strip() == text
         assert len(digits(value)) == WIDTH
@@ -200,4 +196,3 @@ def test_numbers_have_five_digits_and_do_not_jitter() -> None:
         assert float(digits(value)) == pytest.approx(value, rel=5.01e-5)
     assert fixed(-0.0001, 2).strip() == "0.00"
     assert len(whole(10**8)) == WIDTH
-    assert len({len(digits(v)) for v in (1e-300, -1e300)}) == 1

@@ -13,8 +13,8 @@ from rodgen.live.run.live_run import LiveRun
 from rodgen.live.run.marks import MOST, Mark, Marks
 from rodgen.live.run.scenes import edit
 from rodgen.scene import Scene
-from tests.live.conftest import ROD, SHORT
-from tests.live.runs import Page, gets, to
+from tests.live.conftest import SCENE, SHORT
+from tests.live.runs import Page, does, gets, to
 from tests.live.view import until
 
 
@@ -114,10 +114,6 @@ def test_other_answers_are_none(run: LiveRun) -> None:
     assert [text for text in NONE if take_up(run, text)] == []
 
 
-SCENE = Scene.from_dict(ROD)
-LESS = {"kind": "difference", "y": ["phi_4"]}
-
-
 @pytest.fixture
 def kept() -> Iterator[LiveRun]:
     """One that is kept, with samples at 0, 0.01, ..., 0.3 s."""
@@ -208,29 +204,20 @@ def test_another_rod_is_compared_where_both_have_a_quantity(kept: LiveRun) -> No
 
 
 def test_branch_begins_in_the_state_that_was_looked_at(kept: LiveRun) -> None:
-    """With another mass: the difference begins at zero, and the energies still balance."""
-    name = plotted(kept, **LESS)
-    kept.do(lambda: kept.look_at(0.2)).result()
-    kept.do(kept.branch).result()
+    """With another mass: the difference begins at zero and is that of two runs, by the values of
+    both at the same samples; and the energies still balance."""
+    name = plotted(kept, kind="difference", y=["phi_4"])
+    first = does(kept, kept.solution)
+    does(kept, lambda: kept.look_at(0.2), kept.branch)
     assert kept.store.span == (0.2, 0.2)
     heavier(kept)
     to(kept, 0.3)
+    second = does(kept, kept.solution)
     difference = gets(kept).table(name, 2)[:, 1]
     assert difference[0] == pytest.approx(0.0, abs=1e-12)
     assert np.abs(difference[-1]) > 1e-4
+    tails = (first.values("phi")[20:30, -1], second.values("phi")[:, -1])  # from 0.2 s on
+    assert difference == pytest.approx(tails[1] - tails[0], abs=1e-12)
     balance = kept.catalogue.columns(["energy_balance"], kept.shown)[0, 0]
     assert balance == pytest.approx(0.0, abs=1e-6)  # rtol 1e-8 of some 30 J
     assert kept.marks.every[0].t == 0.2
-
-
-def test_difference_is_that_of_two_runs_of_their_own(kept: LiveRun) -> None:
-    """The second route: the catalogue's values of both runs, at the same samples."""
-    name = plotted(kept, **LESS)
-    first = kept.do(kept.solution).result()
-    kept.do(kept.restart).result()
-    heavier(kept)
-    to(kept, 0.3)
-    second = kept.do(kept.solution).result()
-    difference = gets(kept).table(name, 2)[:, 1]
-    tails = [solution.values("phi")[:, -1] for solution in (first, second)]
-    assert difference[1:] == pytest.approx((tails[1] - tails[0])[1:], abs=1e-12)

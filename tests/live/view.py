@@ -155,13 +155,10 @@ class View:
         expect(opened).to_be_visible()
         return opened
 
-    def close(self, dialog: Locator, button: str) -> None:
-        """Close a dialog by one of its buttons."""
-        dialog.get_by_role("button", name=button, exact=True).click()
-        expect(dialog).to_have_count(0)
-
-    def plot_dialog(self, kind: str, **chosen: str) -> Locator:
-        """The dialog for a kind of plot, with quantities chosen by their names."""
+    def add_plot(self, kind: str, **chosen: str) -> str:
+        """Add a plot of quantities that are chosen by their names, once it is there; returns its
+        id."""
+        before = self.live("Object.keys(live.plots)")
         dialog, options = self.dialog("Add plot"), self.page.get_by_role("option")
         dialog.get_by_role("combobox", name="kind of plot").click()
         options.filter(has_text=kind).first.click()
@@ -173,12 +170,8 @@ class View:
             if label == "quantities":
                 self.page.keyboard.press("Escape")
             expect(options).to_have_count(0)
-        return dialog
-
-    def add_plot(self, kind: str, **chosen: str) -> str:
-        """Add a plot, once it is there; returns its id."""
-        before = self.live("Object.keys(live.plots)")
-        self.close(self.plot_dialog(kind, **chosen), "Add")
+        dialog.get_by_role("button", name="Add", exact=True).click()
+        expect(dialog).to_have_count(0)
         new = "Object.keys(live.plots).find(id => !given.includes(id) && live.plots[id].draws)"
         return str(self.sees(new, before))
 

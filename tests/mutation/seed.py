@@ -19,7 +19,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import suppress
 from pathlib import Path
@@ -27,7 +26,7 @@ from typing import Any
 
 from rodgen.loading.cache import PACKAGES as GENERATOR
 from tests.mutation.faults import FAULTS, Fault
-from tests.mutation.finder import NOTE
+from tests.mutation.finder import NOTE, ONLY
 
 ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "build" / "faults.jsonl"
@@ -86,23 +85,23 @@ class Runs:
         self._going = set[subprocess.Popen[bytes]]()
 
     def tested(self, tests: list[str], env: dict[str, str], *options: str) -> tuple[int, Row]:
-        """The status of pytest, which ends with the first test that fails, and what its plugin has
-        written down. A process that dies, or does not end, has failed."""
+        """The status of pytest, and what its plugin has written down. A process that dies, or does
+        not end, has failed."""
         command = [sys.executable, "-m", "pytest", "-q", "-p", "tests.mutation.finder"]
-        command += ["-x", "-p", "no:cacheprovider", "-p", "no:xdist", "-m", "not nightly", *options]
+        command += ["-p", "no:cacheprovider", "-p", "no:xdist", "-m", "not nightly", *options]
         with tempfile.TemporaryDirectory(prefix="rodgen-note-") as folder:
             note = Path(folder) / "note.json"
             run = self._begun([*command, *tests], {**os.environ, **env, NOTE: str(note)})
             try:
                 status = run.wait(self._limit)
             except subprocess.TimeoutExpired:
-                return FAILED, {"by": f"no end within {self._limit:g} s"}
+                return FAILED, {"failed": [f"no end within {self._limit:g} s"]}
             finally:
                 self._end(run)
             if self._over:
                 raise KeyboardInterrupt
             if status < 0:
-                return FAILED, {"by": f"the tests died of signal {-status}"}
+                return FAILED, {"failed": [f"the tests died of signal {-status}"]}
             return status, json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
 
     def _begun(self, command: list[str], env: dict[str, str]) -> subprocess.Popen[bytes]:
@@ -144,11 +143,12 @@ def sow(number: int, layout: Path, runs: Runs, first: str = "") -> Row:
     tests = [str(ROOT / "tests" / test) for test in fault.tests.split()]
     start, status, note = time.perf_counter(), 0, Row()
     if first:
-        status, note = runs.tested([first], env)
+        status, note = runs.tested([first], env, "-x")
     if status not in (FAILED, STOPPED):
-        status, note = runs.tested(tests, env)
+        status, note = runs.tested(tests, env, "-x")
     row |= {"outcome": FOUND if status in (FAILED, STOPPED) else MISSED}
-    row |= note or {"by": f"pytest ended with status {status}"}
+    row["by"] = (note.get("failed") or [f"pytest ended with status {status}"])[0]
+    row["processor"] = note.get("processor", 0.0)
     if row["by"].endswith(".py") and runs.tested(tests, {}, "--collect-only")[0]:
         row["outcome"] = BROKEN  # a file that cannot be imported without the fault as well
     return row | {"seconds": round(time.perf_counter() - start, 1)}
@@ -184,13 +184,16 @@ def shown(row: Row) -> str:
     return f"{row['number']:3} {row['outcome']}{time_ if 'seconds' in row else ''}{where}"
 
 
-def broken(rows: list[Row], runs: Runs) -> Iterator[Row]:
+def broken(rows: list[Row], runs: Runs) -> list[Row]:
     """Of faults that were found: those whose tests fail without them as well."""
     found = [row for row in rows if row["outcome"] == FOUND and "::" in row["by"]]
-    tests = sorted({row["by"] for row in found})
-    while tests and (failing := runs.tested(tests, {})[1].get("by", "")):
-        yield from (row | {"outcome": BROKEN} for row in found if row["by"] == failing)
-        tests = [test for test in tests if test != failing]
+    files = sorted({row["by"].partition("::")[0] for row in found})
+    files = [file for file in files if (ROOT / file).exists()]  # not moved meanwhile
+    if not files:
+        return []
+    _, note = runs.tested(files, {ONLY: "\n".join(row["by"] for row in found)})
+    failed = note.get("failed", [])
+    return [row | {"outcome": BROKEN} for row in found if row["by"] in failed]
 
 
 def span(word: str) -> range:
@@ -227,7 +230,7 @@ def main() -> None:
         for one in as_completed(going):
             rows.append(one.result())
             print(shown(rows[-1]), flush=True)
-        failing = list(broken(rows, runs))
+        failing = broken(rows, runs)
     except KeyboardInterrupt:
         print(f"interrupted after {len(rows)} of {len(numbers)}: the same command goes on")
         sys.exit(130)

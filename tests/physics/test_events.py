@@ -114,9 +114,10 @@ class _Curve:
 
 
 RISING, FALLING = {"direction": "rising"}, {"direction": "falling"}
+CLOSE = np.polynomial.Polynomial.fromroots([0.51, 0.61]).coef.tolist()
 THREE = np.polynomial.Polynomial.fromroots([0.2, 0.55, 0.8]).coef.tolist()
 # Curve, events, times, and the crossings: with rates and without, as (step, event), and where.
-CROSSINGS: dict[str, tuple[list[float], list[dict[str, str]], list[float], Any, Any, Any]] = {
+CROSSINGS: dict[str, tuple[list[float], list[dict[str, Any]], list[float], Any, Any, Any]] = {
     "twice in a step": (
         [0.21, -1.0, 1.0],  # (x - 0.3)(x - 0.7), positive at both ends
         [{}, RISING, FALLING],
@@ -150,6 +151,11 @@ CROSSINGS: dict[str, tuple[list[float], list[dict[str, str]], list[float], Any, 
     "at the end of a block": ([-1.0, 1.0], [{}], [0, 0.5, 1], [(1, 0)], [(1, 0)], [1.0]),
     "at the start of a block": ([-1.0, 1.0], [{}], [1, 1.5, 2], [], [], []),
     "a row given twice": ([-1.0, 1.0], [{}], [0, 1, 1, 2], [(0, 0)], [(0, 0)], [1.0]),
+    # Pairs closer than the eighths of a step are not seen, as it is documented.
+    "between two eighths": (CLOSE, [{}], [0, 1], [], [], []),
+    "at other steps": (CLOSE, [{}], [0, 0.56, 1], [(0, 0), (1, 0)], [(0, 0), (1, 0)], [0.51, 0.61]),
+    # A constant 0.1, which has no exact binary fraction, stays on 0.1 inside the steps too.
+    "rest on the value": ([0.1], [{"value": 0.1}], [k / 7 for k in range(50)], [], [], []),
     "another row given twice": ([-1.0, 1.0], [{}], [0, 0.5, 0.5, 2], [(2, 0)], [(2, 0)], [1.0]),
 }
 
@@ -162,20 +168,6 @@ def test_crossings_of_polynomials(make_scene: Make, case: str) -> None:
     assert curve.seen(times, rates=False) == by_ends
     # Rounding, but where a root is double: its square is rounded.
     np.testing.assert_allclose(curve.located(times), where, atol=1e-12)
-
-
-def test_pairs_closer_than_the_points_between_are_not_seen(make_scene: Make) -> None:
-    """As it is documented: 0.51 and 0.61 lie between four and five eighths of the step."""
-    coefficients = np.polynomial.Polynomial.fromroots([0.51, 0.61]).coef.tolist()
-    curve = _Curve(make_scene, coefficients, {"value": 0.0})
-    assert curve.seen([0, 1]) == []
-    np.testing.assert_allclose(curve.located([0, 0.56, 1]), [0.51, 0.61], atol=1e-14)
-
-
-def test_rest_on_the_value_is_no_crossing(make_scene: Make) -> None:
-    """A constant 0.1, which has no exact binary fraction, stays on 0.1 inside the steps too."""
-    curve = _Curve(make_scene, [0.1], {"value": 0.1})
-    assert curve.seen(np.linspace(0, 7, 50)) == []
 
 
 def test_not_a_number_is_no_crossing(make_scene: Make) -> None:

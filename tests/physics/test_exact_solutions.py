@@ -1,7 +1,8 @@
-"""Runs against motions and rests that need no rodgen: rigid body, pendulum, thesis."""
+"""Runs against motions and rests that need no rodgen: rigid body, pendulum, thesis, test set."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from scipy.special import ellipk
 
 import rodgen
 from rodgen.scene import Scene
+from tests.physics.sets import sets
 
 Make = Callable[..., Scene]
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -47,3 +49,30 @@ def test_one_pinned_link_is_a_pendulum(make_scene: Make, inertia: str, factor: f
     hanging = np.array([-np.pi / 2, 0.0])
     J = sol.model.jac(0.0, hanging, sol.model.parameters(**scene.parameters))
     np.testing.assert_allclose(J, [[0.0, 1.0], [-(omega**2), 0.0]], atol=1e-14)
+
+
+# The problem Beam of the Test Set for IVP Solvers (Bari), revision 1.2 of 2006, n = 40, computed
+# there with RADAU at rtol = atol = 1.1e-18. Off by 2.3e-10 at the smallest tolerance here; by
+# 2.2e-10 with atol 1e-16, in four times as many steps.
+PUBLISHED = json.loads((Path(__file__).parent / "ivp_beam_t5.json").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize(
+    ("method", "target", "rtol", "limit"),
+    sets(
+        [("radau", "numpy", 1e-5, 1e-3)],
+        slow=[("dop853", "c", 1e-13, 1e-9)],
+        nightly=[("dop853", "numpy", 1e-7, 1e-6)],
+    ),
+)
+def test_elastic_beam_of_the_ivp_test_set(
+    method: str, target: str, rtol: float, limit: float
+) -> None:
+    """theta_i is phi_{i-1}: angles, then rates, as in the state. Rates are the worse half: the
+    fastest modes, near 6400 rad/s, multiply errors of angles."""
+    settings = {"method": method, "rtol": rtol, "atol": rtol / 10, "output_every": 5.0}
+    scene, exact = Scene.from_toml(SCENES / "ivp_beam.toml"), np.array(PUBLISHED["y"])
+    sol = rodgen.simulate(scene, target=target, **settings)
+    assert sol.t[-1] == 5.0
+    np.testing.assert_allclose(sol.y[-1], exact, rtol=0, atol=limit)
+    np.testing.assert_allclose(sol.y[-1, :40], exact[:40], rtol=0, atol=limit / 100)

@@ -43,18 +43,6 @@ def test_explicit_method_beyond_its_stability_limit_is_stopped(make_scene: Make)
     assert len(sol.t) == len(sol.y) == len(sol.work["follower"])
 
 
-@pytest.mark.nightly
-def test_steps_that_go_nowhere_are_stopped(
-    make_scene: Make, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """LSODA creeps up to a pole with steps of 1e-18 s and would do so for ever."""
-    monkeypatch.setattr("rodgen.integrate.stretches.STRIDE", 1000)
-    scene = _with_force(make_scene(3, "free", ("follower",)), "1/(t - 0.5)**2", method="lsoda")
-    with pytest.raises(RunError) as caught:
-        rodgen.simulate(scene)
-    assert 0.4 < caught.value.solution.t[-1] <= 0.5
-
-
 POLES = {
     "1/t": 0.0,
     "1/sin(t)": 0.0,
@@ -112,20 +100,6 @@ def test_zero_that_divides_nothing_in_the_end_stops_no_run(make_scene: Make) -> 
     assert abs(sol.energy_balance).max() < 1e-6
 
 
-def test_interrupt_keeps_what_was_computed(make_scene: Make) -> None:
-    def press_ctrl_c(t: float) -> None:
-        raise KeyboardInterrupt
-
-    scene = make_scene(3, "free", ("follower",), span=[0.0, 500.0])
-    with pytest.raises(Interrupted) as caught:
-        rodgen.simulate(scene, progress=press_ctrl_c)
-    sol = caught.value.solution
-    assert sol.status == "interrupted"
-    assert 0 < sol.t[-1] < 500.0
-    assert np.isfinite(sol.y).all()
-    assert np.abs(sol.energy_balance).max() < 1e-6
-
-
 @pytest.mark.parametrize("where", sets(["rhs"], slow=["interpolant", "power"]))
 def test_interrupt_at_any_place_leaves_whole_samples(
     make_scene: Make, where: str, monkeypatch: pytest.MonkeyPatch
@@ -153,6 +127,7 @@ def test_interrupt_at_any_place_leaves_whole_samples(
     with pytest.raises(Interrupted) as caught:
         rodgen.simulate(scene, model=model)
     sol = caught.value.solution
+    assert sol.status == "interrupted"
     count = len(sol.t)
     assert 1 < count < len(whole.t)
     np.testing.assert_array_equal(sol.y, whole.y[:count])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -9,28 +11,10 @@ import rodgen
 from rodgen import Scene
 from tests.physics.sets import sets
 
-SPAN = 2.0
 NOW = 1.7e9  # s since 1970: doubles are 2.4e-7 s apart
-
-
-def swing(start: float, method: str) -> Scene:
-    step = {"step": 1e-3} if method == "rk4" else {}
-    rod = {"links": 3, "length": 5.0, "bending_stiffness": 100.0, "mass": 20.0}
-    return Scene.from_dict(
-        {
-            "name": "swing",
-            "rod": {**rod, "boundary": "clamped"},
-            "loads": {"gravity": {}},
-            "initial": {"phi": "0.3*s", "omega": "2*s"},
-            "integrate": {"span": [start, start + SPAN], "method": method, "rtol": 1e-8, **step},
-        }
-    )
-
-
-METHODS = ("gauss", "radau", "rk4")
 NIGHTLY = [
     *((method, "numpy", NOW) for method in ("gauss", "radau", "bdf", "rk45", "cvode")),
-    *((method, "c", start) for method in ("dop853", *METHODS) for start in (NOW, -NOW, 1e11)),
+    *((method, "c", at) for method in ("gauss", "radau", "rk4") for at in (NOW, -NOW, 1e11)),
 ]
 
 
@@ -43,12 +27,18 @@ NIGHTLY = [
         nightly=NIGHTLY,
     ),
 )
-def test_motion_is_that_of_a_run_from_zero(method: str, target: str, start: float) -> None:
+def test_motion_is_that_of_a_run_from_zero(
+    make_scene: Callable[..., Scene], method: str, target: str, start: float
+) -> None:
     """At samples inside steps too, each of the time that it is given for."""
     if method == "cvode":
         pytest.importorskip("sksundae", reason="rodgen[cvode] is not installed")
-    near = rodgen.simulate(swing(0.0, method), target=target, output_every=0.125)
-    far = rodgen.simulate(swing(start, method), target=target, output_every=0.125)
+    rod = {"length": 5.0, "bending_stiffness": 100.0, "mass": 20.0}
+    initial, step = {"phi": "0.3*s", "omega": "2*s"}, {"step": 1e-3} if method == "rk4" else {}
+    how = {"output_every": 0.125, "method": method, "rtol": 1e-8, "atol": 1e-10, **step}
+    scene = make_scene(3, "clamped", ("gravity",), rod, initial, **how)
+    spans = (0.0, 2.0), (start, start + 2.0)
+    near, far = (rodgen.simulate(scene, target=target, span=span) for span in spans)
     np.testing.assert_array_equal(far.t - start, near.t)
     # Fixed steps are those of rounded times, each to half of what is between two doubles, and
     # their errors move with them: by the share of a step, at rates of a few rad/s.

@@ -1,5 +1,5 @@
-"""Forces in the joints: weights that hang below, balances of moments and of momentum, and the
-equations that they solve."""
+"""Forces and curvature in the joints: weights that hang below, the symmetry of an arch, balances of
+moments and of momentum, and the equations that they solve."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.joint_forces import forces_per_mass
 from rodgen.model.quantities import QUANTITIES
 from rodgen.model.rod import BOUNDARIES, INERTIAS
-from rodgen.model.terms import THESIS_TERMS
 from tests.palette import ALONG, ENDS
 from tests.physics.sets import sets
 
@@ -50,22 +49,25 @@ def test_a_chain_that_hangs_carries_what_is_below(make_scene: Make, inertia: str
     np.testing.assert_allclose(piece.values("reaction"), [0.0, weight], atol=1e-12 * weight)
 
 
-@pytest.mark.slow
-def test_shear_is_the_slope_of_the_moment_at_rest(make_scene: Make) -> None:
-    """Links in equilibrium: l Q = M before less M behind, where no load acts between; and the
-    reaction carries all that pushes the rod."""
-    still = {"phi": 0.0, "omega": 0.0}
-    scene = make_scene(LINKS, "clamped", ("tip_load",), None, still)
-    scene = scene.replace({"loads.tip.x": -3.0, "loads.tip.y": 5.0})
-    rest = rodgen.static_equilibrium(scene)
-    piece = piece_of(scene, np.concatenate((rest.phi, np.zeros(LINKS))))
-    M, phi = piece.values("bending_moments"), piece.values("phi")
-    x, y = np.moveaxis(piece.values("joint_forces"), -1, 0)
-    across = y * np.cos(phi) - x * np.sin(phi)  # of the link behind the joint
-    l = scene.rod.length / LINKS
-    np.testing.assert_allclose(l * across, M[:-1] - M[1:], atol=1e-9)
-    np.testing.assert_allclose(np.stack((x, y), -1), np.tile([-3.0, 5.0], (LINKS, 1)), atol=1e-9)
-    np.testing.assert_allclose(piece.values("reaction"), [3.0, -5.0], atol=1e-9)
+@pytest.mark.parametrize("inertia", ["uniform", "lumped"])
+def test_no_shear_in_the_middle_of_an_arch_that_folds(make_scene: Make, inertia: str) -> None:
+    """Half the arch pushes the other, of which it is the mirror image, along the line that both
+    lie even to, whatever the angles of their links."""
+    start = {"phi": [0.7, -0.7], "omega": [2.0, -2.0]}
+    piece = piece_of(make_scene(2, "free", (), {"inertia": inertia}, start))
+    (axial,), (shear,) = piece.values("axial_force"), piece.values("shear_force")
+    assert abs(axial) > 1.0
+    assert shear == pytest.approx(0.0, abs=1e-12 * abs(axial))
+
+
+def test_a_circle_has_one_curvature_from_the_root_on(make_scene: Make) -> None:
+    """Links that are chords of a circle turn by the angle of one from each to the next, and by half
+    of it from the tangent in the clamp to the first."""
+    length, curvature, clamp = 2.0, -0.8, 0.3
+    turns = clamp + curvature * length / LINKS * (np.arange(LINKS) + 0.5)
+    rod = {"clamp_angle": clamp, "length": length}
+    piece = piece_of(make_scene(LINKS, "clamped", (), rod, {"phi": turns.tolist(), "omega": 0.0}))
+    np.testing.assert_allclose(piece.values("curvature"), curvature, rtol=1e-12)
 
 
 @RODS
@@ -237,26 +239,20 @@ def test_points_and_forces_that_are_none_are_refused(make_scene: Make) -> None:
             piece.model.generalised_force(piece.y, piece.p, link, share, force)
 
 
-def test_of_a_run_by_both_targets(make_scene: Make) -> None:
-    """In a run's own terms, by either target."""
-    scene = make_scene(5, terms=THESIS_TERMS, span=[0.0, 0.2])
-    runs = [rodgen.simulate(scene, target=target) for target in ("numpy", "c")]
-    for name in ("axial_force", "shear_force"):
-        one, other = (run.values(name) for run in runs)
-        assert len(one) == len(runs[0].t)
-        np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-6)
-
-
 @pytest.mark.parametrize(
-    ("boundary", "inertia", "terms"),
-    sets([("cantilever", "lumped", ENDS)], nightly=[("cantilever", "uniform", ALONG)]),
+    ("inertia", "terms", "target"),
+    sets(
+        [("lumped", ENDS, "numpy")],
+        slow=[("lumped", ALONG, "c")],
+        nightly=[("uniform", ALONG, "numpy")],
+    ),
 )
 def test_quantities_of_a_sample_are_those_of_its_state_at_its_time(
-    make_scene: Make, boundary: str, inertia: str, terms: tuple[str, ...]
+    make_scene: Make, inertia: str, terms: tuple[str, ...], target: str
 ) -> None:
     """Whatever samples are beside it, and however many axes they have: loads change in time."""
-    scene = make_scene(LINKS, boundary, terms, {"inertia": inertia})
-    sol = rodgen.simulate(scene, target="numpy", rtol=1e-4, span=[0.0, 1.0], output_every=0.2)
+    scene = make_scene(LINKS, "cantilever", terms, {"inertia": inertia})
+    sol = rodgen.simulate(scene, target=target, rtol=1e-4, span=[0.0, 1.0], output_every=0.2)
     p = sol.model.parameters(**scene.parameters)
     folded = Piece(sol.model, p, sol.y.reshape(2, 3, -1), sol.t.reshape(2, 3), timed=scene.timed)
     single = [

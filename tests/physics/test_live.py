@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,7 +18,6 @@ from tests.palette import cases
 from tests.physics.live_runs import PULSE, bar, gone_on, live_of, other
 from tests.physics.sets import sets
 
-Make = Callable[..., Scene]
 PYTHON = ("lsoda", "radau", "dop853", "gauss", "cvode", "rk4")
 COMPILED = ("dop853", "gauss", "radau", "rk4", "euler", "semi_implicit_euler", "thesis_runge_kutta")
 BORDERS = (6.7, 7.28, 7.3, 8.0)  # ends of a second span, with a pulse at 7.3 s
@@ -65,22 +63,7 @@ def test_steps_are_those_of_a_run_with_an_end(method: str, target: str) -> None:
 
 
 @pytest.mark.compiler
-@pytest.mark.parametrize(("method", "near"), sets([("rk4", 1e-12)], slow=[("dop853", 1e-6)]))
-def test_second_span_goes_on_from_the_first(method: str, near: float) -> None:
-    """As a run of that span from the state at the end of the first. Equal steps give equal bits but
-    for the rounding of turned angles; others (dop853 keeps its step) differ by the tolerance."""
-    scene = Scene.from_dict(MISSILE).with_integrate(method=method, rtol=1e-9)
-    live = live_of(scene)
-    end = gone_on(live, 1.0).y[-1]
-    sol = rodgen.simulate(scene, model=live.model, y0=end, span=(1.0, 2.0))
-    np.testing.assert_allclose(gone_on(live, 2.0).y, sol.y[1:], rtol=near, atol=near)
-
-
-@pytest.mark.compiler
-@pytest.mark.parametrize(
-    ("method", "target"),
-    sets(OFTEN[:1], slow=OFTEN[1:], nightly=WAYS),
-)
+@pytest.mark.parametrize(("method", "target"), sets(OFTEN[:1], slow=OFTEN[1:], nightly=WAYS))
 def test_one_step_is_one(method: str, target: str) -> None:
     """Across breaks and ends of spans, after others, with one sample at its end each time."""
     scene = Scene.from_dict(MISSILE).with_integrate(span=[0.0, 0.31], step=0.01)

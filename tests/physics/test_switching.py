@@ -1,4 +1,5 @@
-"""Runs whose loads and rates switch by the motion: steps end there, on either side."""
+"""Runs whose loads and rates switch by the motion, corners of the law of springs, and fronts that
+move along the rod: steps end there, on either side."""
 
 from __future__ import annotations
 
@@ -9,11 +10,14 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.integrate.endings import RunError
+from rodgen.integrate.events import Switching
 from rodgen.integrate.files import checkpoint
 from rodgen.integrate.files.saver import Saver
 from rodgen.scene import Scene
+from rodgen.scene import course as course_of
 from tests.palette import cases
+from tests.physics.live_runs import bar, other
+from tests.physics.sets import sets
 
 # A rod that turns evenly, phi = t, and integrals of what has corners and jumps, known exactly.
 STATES: dict[str, Any] = {
@@ -28,8 +32,8 @@ ENDS = [2.0, 0.5, 1.25, 0.3 + 1.5 * (1.7**2 - 0.3**2) - 0.3, 0.835, 0.2 + 3.15 +
 ROD = {"links": 2, "length": 2.0, "mass": 3.0, "bending_stiffness": 30.0}
 
 
-def _scene(states: dict[str, Any] = STATES, **integrate: Any) -> Scene:
-    table = {"name": "switching", "rod": ROD, "states": states, "initial": {"omega": 1.0}}
+def _scene(**integrate: Any) -> Scene:
+    table = {"name": "switching", "rod": ROD, "states": STATES, "initial": {"omega": 1.0}}
     return Scene.from_dict(table | {"integrate": {"span": [0.0, 2.0], "rtol": 1e-4} | integrate})
 
 
@@ -48,7 +52,7 @@ def test_a_load_that_switches_keeps_the_balance() -> None:
     """A thrust that is turned off when the rod has come to an angle: corners cost no energy."""
     table = {
         "name": "relay",
-        "rod": ROD | {"links": 2},
+        "rod": ROD,
         "loads": {"follower": {"force": "30 if phi(0) < 0.8 else 0", "angle": -0.1}},
         "initial": {"omega": 1.0},
         "integrate": {"span": [0.0, 2.0], "rtol": 1e-10, "atol": 1e-12, "method": "dop853"},
@@ -58,17 +62,6 @@ def test_a_load_that_switches_keeps_the_balance() -> None:
     assert off.any()
     assert not off.all()
     assert sol.energy_error < 1e-8  # of some 30 J, and quadrature of the power
-
-
-@pytest.mark.nightly
-def test_what_chatters_is_not_cut_for_ever() -> None:
-    # Its steps are long where the error that they make is tolerated.
-    relay = {"a": {"rate": "-1 if a > 0.5 else 1"}}
-    try:
-        sol = rodgen.simulate(_scene(relay, method="dop853", max_steps=20_000), target="numpy")
-    except RunError as stopped:  # an honest end, too
-        sol = stopped.solution
-    assert np.abs(sol.y[sol.t > 0.6, -1] - 0.5).max(initial=0.0) < 1e-2
 
 
 @pytest.mark.slow
@@ -103,3 +96,96 @@ def test_a_run_that_is_put_down_anywhere_goes_on_to_the_same_bits(tmp_path: Path
         assert checkpoint.beside(out).exists()
         assert (rodgen.resume(out).y == whole.y).all()
     assert len(taken) > 3
+
+
+# Corners and fronts -----------------------------------------------------------------------------
+
+
+@pytest.mark.compiler
+@pytest.mark.parametrize(
+    ("method", "target"),
+    sets([("dop853", "numpy")], slow=[("gauss", "c")], nightly=[("radau", "numpy")]),
+)
+def test_a_link_against_a_stop(method: str, target: str) -> None:
+    """A link that swings through rest at 1 rad/s, against a spring that is six times as stiff
+    beyond 0.1 rad: half a period of the soft spring, and what it takes up to the stop, into it, and
+    back."""
+    event = {"quantity": "phi_0", "value": 0.0, "direction": "rising", "name": "back"}
+    given = {"span": [0.0, 25.0], "rtol": 1e-6, "atol": 1e-8, "output_every": 5.0}
+    scene = bar("clamped", initial={"omega": 1.0}, events=[event], integrate=given)
+    stop = {"bending_stiffness": 8.0, "spring": "k*d + 5*k*max(d - 0.1, 0)"}
+    sol = rodgen.simulate(other(scene, rod=stop), method=method, target=target)
+    # A root spring of 2 EI/L against the moment of inertia M L^2/3.
+    soft = np.sqrt((2 * 8.0 / 2.0) / (3.0 * 2.0**2 / 3))
+    stiff, centre = np.sqrt(6.0) * soft, 0.5 / 6.0  # 6 d - 0.5 is the moment over k beyond
+    up_to = np.arcsin(0.1 * soft) / soft
+    speed = np.sqrt(1.0 - (0.1 * soft) ** 2)
+    into = np.arctan2(speed / stiff, 0.1 - centre) / stiff
+    periods = (np.pi / soft + 2 * (up_to + into)) * np.arange(1, len(sol.events) + 1)
+    assert len(periods) > 4
+    # What the tolerance leaves of 25 s of even swinging.
+    np.testing.assert_allclose([event.t for event in sol.events], periods, atol=2e-5)
+
+
+FRONT = {"name": "front", "rod": {"links": 4, "length": 2.0, "mass": 3.0, "bending_stiffness": 9.0}}
+
+
+def _burning(**tables: Any) -> Scene:
+    loads = {"distributed_follower": {"force_per_length": "40 if s < t/2 else 10"}}
+    settings = {"span": [0.0, 1.5], "rtol": 1e-4, "output_every": 0.5}
+    return Scene.from_dict(FRONT | {"loads": loads, "integrate": settings} | tables)
+
+
+def test_steps_end_where_a_front_passes_a_point_of_a_link() -> None:
+    """Between them the force is constant, and the impulse exact whatever the tolerance."""
+    scene = _burning()
+    places, weights = np.polynomial.legendre.leggauss(5)
+    s = ((np.arange(4)[:, None] + (places + 1) / 2) / 4).ravel()
+    np.testing.assert_allclose(scene.breaks(), 2 * s[s < 0.75], rtol=1e-15)
+    sol = rodgen.simulate(scene, target="numpy", method="dop853")
+    share = np.tile(weights / 2, 4) * 2.0 / 4
+    pushed = share @ (10.0 * 1.5 + 30.0 * np.maximum(1.5 - 2 * s, 0.0))
+    half = sol.y.shape[1] // 2
+    assert sol.y[-1, half] == pytest.approx(-pushed / 3.0, rel=1e-12)
+
+
+def test_a_front_in_the_mass_is_met() -> None:
+    rod = FRONT["rod"] | {"mass_per_length": "3 if s > t else 1"}
+    rod.pop("mass")
+    scene = Scene.from_dict(FRONT | {"rod": rod, "integrate": {"span": [0.0, 0.5]}})
+    assert len(scene.breaks()) == 10
+
+
+def test_too_many_fronts_are_warned_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(course_of, "MOST_FRONTS", 3)
+    with pytest.warns(rodgen.StepWarning, match="force_per_length"):
+        rodgen.simulate(_burning(), target="numpy")
+
+
+def test_cuts_that_bring_nothing_pause_for_ever_longer() -> None:
+    """Late in a stretch too, where what has been gone says nothing of how it goes on."""
+
+    class Chattering:
+        def crossings(self, t: np.ndarray, *_: Any) -> list[Any]:
+            return [(0, 0, (float(t[0]), float(t[1])))]
+
+        def switching(self, number: int) -> bool:
+            return number == 0
+
+    watch: Any = Chattering()
+    switching, t, cuts, calm = Switching(10.0, 0.0, since=5.0), 5.0, 0, []
+    while t < 10.0:
+        step = np.array([t, t + 1e-3])
+        if switching.seen(watch, step, step, None):
+            assert cuts < 20_000
+            switching.head_for({0: 1.0})
+            switching.arrive(t + 1e-9)
+            cuts, t = cuts + 1, t + 1e-9
+        else:
+            calm.append(t)
+            t += 1e-3
+    # Thousand cuts each, and pauses of 10 ms, 20 ms and so on: nine fill five seconds.
+    assert 8000 <= cuts <= 10_000
+    pauses = np.split(calm, np.flatnonzero(np.diff(calm) > 1.0000005e-3) + 1)
+    lengths = [round(1e3 * len(one) * 1e-3) for one in pauses]
+    assert lengths[:4] == pytest.approx([10, 20, 40, 80], abs=1)

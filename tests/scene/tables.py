@@ -13,6 +13,7 @@ from rodgen.scene import Scene, SceneError
 from rodgen.scene.errors import Missing
 
 ROD = {"links": 5, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0}
+TOML = 'name = "a"\n[rod]\n' + "".join(f"{key} = {value}\n" for key, value in ROD.items())
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
@@ -24,6 +25,16 @@ def table_of(**tables: Any) -> dict[str, Any]:
 def scene_of(**tables: Any) -> Scene:
     """The scene of such tables."""
     return Scene.from_dict(table_of(**tables))
+
+
+def put(table: dict[str, Any], field: str, value: Any) -> None:
+    """A value at a field such as loads.tip.x; None takes it away."""
+    *path, key = field.split(".")
+    for name in path:
+        table = table.setdefault(name, {})
+    table[key] = value
+    if value is None:
+        del table[key]
 
 
 class Refusal(NamedTuple):

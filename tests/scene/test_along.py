@@ -35,12 +35,6 @@ def test_an_even_law_gives_the_springs_of_an_even_rod(form: Any) -> None:
         assert "bending_stiffness" not in scene.parameters
 
 
-def test_text_without_s_is_a_number() -> None:
-    scene = _scene(bending_stiffness="50*2")
-    assert scene.structure == _scene().structure
-    assert scene.parameters == _scene().parameters
-
-
 def test_a_spring_bends_as_much_as_its_cell() -> None:
     """1/EI = 1 + 9 s^2, whose integral is s + 3 s^3: a polynomial, which Gauss has exactly."""
     scene = _scene(boundary="clamped", bending_stiffness="1/(1 + 9*s**2)")

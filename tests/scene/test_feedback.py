@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from rodgen.scene import Scene
 from rodgen.scene.errors import Missing
 from rodgen.scene.overrides import with_parameters, with_state
-from tests.scene.tables import refused
+from tests.scene.tables import put, refused
 
 GIMBAL = {"rate": "(-2*phi(0.3) - 0.5*omega(0.3) - gimbal)/lag", "initial": 0.25}
 TABLE: dict[str, Any] = {
@@ -87,18 +88,15 @@ def test_names_of_other_things_are_no_names_of_states() -> None:
 
 
 def test_what_cannot_follow_the_motion_is_refused() -> None:
-    for table, key, law in (
-        ("loads", "gravity.g", "9.81*phi(0)"),
-        ("initial", "phi", "phi(0.3)"),
-        ("initial", "phi", "gimbal"),
+    for field, law in (
+        ("loads.gravity.g", "9.81*phi(0)"),
+        ("initial.phi", "phi(0.3)"),
+        ("initial.phi", "gimbal"),
+        ("rod.bending_stiffness", "3*(1 + phi(0.5))"),
+        ("rod.mass_per_length", "3*(1 + phi(0.5))"),
     ):
-        outer, _, inner = key.partition(".")
-        tables = {table: {outer: {inner: law} if inner else law}}
-        told = refused(_with, **({"loads": {}, "states": {}} | tables))
-        assert told[:2] == (f"{table}.{key}", law)
-    law = "3*(1 + phi(0.5))"
-    rod = TABLE["rod"] | {"bending_stiffness": law}
-    assert refused(_with, rod=rod)[:2] == ("rod.bending_stiffness", law)
-    rod = {key: value for key, value in TABLE["rod"].items() if key != "mass"}
-    told = refused(_with, rod=rod | {"mass_per_length": law})
-    assert told[:2] == ("rod.mass_per_length", law)
+        table = deepcopy(TABLE)
+        put(table, field, law)
+        if field == "rod.mass_per_length":
+            put(table, "rod.mass", None)
+        assert refused(Scene.from_dict, table)[:2] == (field, law)

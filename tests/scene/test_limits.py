@@ -13,8 +13,8 @@ import numpy as np
 from rodgen.scene import Scene
 from rodgen.scene.plain import DEEPEST, LARGEST, LONGEST, MOST_KEYS
 from tests.scene.tables import ROD, Refusal, refused, scene_of
+from tests.scene.tables import TOML as HEAD
 
-HEAD = 'name = "a"\n[rod]\n' + "".join(f"{key} = {value}\n" for key, value in ROD.items())
 PHI = "[initial]\nphi = ["
 MANY = 2 * MOST_KEYS
 LONG = 30.0  # seconds: a hundred times what it takes; read twice, it would be hours

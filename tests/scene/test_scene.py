@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Callable
 from itertools import product
 from typing import Any
 
@@ -17,7 +18,7 @@ from rodgen.model.terms import PARAMETERS, PLACES, TERMS
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.errors import Missing
 from rodgen.scene.structure import MOST_LINKS
-from tests.scene.tables import ROD, refused, scene_of, table_of
+from tests.scene.tables import ROD, put, refused, scene_of, table_of
 
 FINS = "loads.external_damping.fin_factor"
 DRAG: dict[str, Any] = {"loads.external_damping.coefficient": 1.0}
@@ -73,13 +74,7 @@ def test_bad_input_names_field_and_value() -> None:
     for changes, *other in REFUSED:
         table = table_of()
         for field, value in changes.items():
-            *path, key = field.split(".")
-            inner = table
-            for name in path:
-                inner = inner.setdefault(name, {})
-            inner[key] = value
-            if value is None:
-                del inner[key]
+            put(table, field, value)
         told = refused(Scene.from_dict, table)
         assert told[:2] == (tuple(other) or (field, value))
 
@@ -100,22 +95,19 @@ def test_what_is_meant_is_told() -> None:
 
 
 def test_initial_state_is_in_the_order_of_the_contract() -> None:
-    initial = {"position": [1.0, 2.0], "velocity": [3.0, 4.0], "phi": "s", "omega": [5, 6, 7, 8, 9]}
-    state = Scene.from_dict(table_of(initial=initial)).initial_state()
+    """A rod is straight along its clamp unless told otherwise."""
+    full = {"position": [1.0, 2.0], "velocity": [3.0, 4.0], "phi": "s", "omega": [5, 6, 7, 8, 9]}
     middles = [0.1, 0.3, 0.5, 0.7, 0.9]
-    np.testing.assert_allclose(state, [1, 2, *middles, 3, 4, 5, 6, 7, 8, 9], atol=1e-15)
-    held = table_of(rod={"boundary": "cantilever"}, initial={"phi": "s", "omega": 2})
-    np.testing.assert_allclose(
-        Scene.from_dict(held).initial_state(), [*middles[1:], 2, 2, 2, 2], atol=1e-15
-    )
-
-
-def test_rod_is_straight_along_its_clamp_unless_told_otherwise() -> None:
-    held = table_of(rod={"boundary": "cantilever", "clamp_angle": 0.7})
-    np.testing.assert_array_equal(Scene.from_dict(held).initial_state(), [0.7] * 4 + [0.0] * 4)
-    held = table_of(rod={"boundary": "clamped", "clamp_angle": 0.7})
-    np.testing.assert_array_equal(Scene.from_dict(held).initial_state(), [0.7] * 5 + [0.0] * 5)
-    np.testing.assert_array_equal(Scene.from_dict(table_of()).initial_state(), np.zeros(14))
+    held, clamped = {"boundary": "cantilever"}, {"boundary": "clamped", "clamp_angle": 0.7}
+    for rod, initial, due in (
+        ({}, full, [1, 2, *middles, 3, 4, 5, 6, 7, 8, 9]),
+        ({}, {}, [0.0] * 14),
+        (held, {"phi": "s", "omega": 2}, [*middles[1:], 2, 2, 2, 2]),
+        (held | {"clamp_angle": 0.7}, {}, [0.7] * 4 + [0.0] * 4),
+        (clamped, {}, [0.7] * 5 + [0.0] * 5),
+    ):
+        state = scene_of(rod=rod, initial=initial).initial_state()
+        np.testing.assert_allclose(state, due, atol=1e-15)
 
 
 def test_samples_start_and_end_with_the_span() -> None:
@@ -133,20 +125,12 @@ numbers = st.floats(1e-6, 1e6)
 forces = st.floats(-1e6, 1e6) | st.sampled_from(["7*2", "sin(t)", "t if t < 1 else 2"])
 
 
-def test_a_scene_and_a_module_allow_the_same_values() -> None:
+def test_a_scene_and_a_module_allow_the_same_values(make_scene: Callable[..., Scene]) -> None:
     """A scene refuses what `parameters` of a module refuses, and takes the rest."""
-    loads = {
-        term.table: {
-            one.key: [0.0, 0.0] if one.part is not None else one.beginning
-            for one in term.parameters
-            if one.each != JOINTS
-        }
-        for term in TERMS.values()
-        if term.loads
-    }
+    loads = tuple(name for name, term in TERMS.items() if term.loads)
+    given = make_scene(5, "clamped", loads).to_dict()
     for (name, (table, *keys)), value in product(PLACES.items(), (-1.0, 0.0, 1e-9, 1.0)):
-        parameter = PARAMETERS[name]
-        scene = table_of(rod={"boundary": "clamped"}, loads=copy.deepcopy(loads))
+        parameter, scene = PARAMETERS[name], copy.deepcopy(given)
         inner = scene[table] if table == "rod" else scene[table][keys[0]]
         if parameter.part is None:
             inner[parameter.key] = [value] * 6 if parameter.each == JOINTS else value
@@ -197,33 +181,18 @@ junk = st.recursive(
     max_leaves=6,
 )
 JUNK_IN = [
-    ("name",),
-    ("rod",),
-    *(("rod", key) for key in (*ROD, "boundary", "clamp_angle")),
-    ("loads",),
-    ("loads", "follower"),
-    ("loads", "external_damping"),
-    ("loads", "tip"),
-    ("loads", "tip", "x"),
-    ("initial",),
-    ("initial", "phi"),
-    ("initial", "position"),
-    ("integrate",),
-    ("integrate", "span"),
-    ("integrate", "method"),
+    *("name", *(f"rod.{key}" for key in (*ROD, "boundary", "clamp_angle"))),
+    *("rod", "loads", "loads.follower", "loads.external_damping", "loads.tip", "loads.tip.x"),
+    *("initial", "initial.phi", "initial.position"),
+    *("integrate", "integrate.span", "integrate.method"),
 ]
 
 
 @settings(max_examples=60)
-@given(place=st.sampled_from(JUNK_IN), value=junk)
-def test_junk_anywhere_is_accepted_or_refused_in_one_line(
-    place: tuple[str, ...], value: object
-) -> None:
+@given(field=st.sampled_from(JUNK_IN), value=junk)
+def test_junk_anywhere_is_accepted_or_refused_in_one_line(field: str, value: object) -> None:
     table: dict[str, Any] = table_of()
-    inner = table
-    for key in place[:-1]:
-        inner = inner.setdefault(key, {})
-    inner[place[-1]] = value
+    put(table, field, value)
     try:
         Scene.from_dict(table)
     except SceneError:

@@ -8,17 +8,16 @@ import pytest
 
 from rodgen.scene import Scene
 from rodgen.scene.overrides import with_parameters
-from tests.scene.tables import refused
-
-ROD = {"links": 3, "length": 1.0, "bending_stiffness": 2.0, "mass": 1.0, "boundary": "clamped"}
+from tests.scene.tables import refused, scene_of
 
 
-def _scene(spring: Any, rod: dict[str, Any] | None = None, **tables: Any) -> Scene:
-    return Scene.from_dict({"name": "law", "rod": ROD | {"spring": spring} | (rod or {}), **tables})
+def _scene(*spring: Any, stiffness: float = 2.0, **tables: Any) -> Scene:
+    rod = {"links": 3, "bending_stiffness": stiffness, "boundary": "clamped"}
+    return scene_of(rod=rod | dict(zip(("spring",), spring, strict=False)), **tables)
 
 
 def test_hookes_law_is_that_of_a_rod_that_names_none() -> None:
-    plain = Scene.from_dict({"name": "law", "rod": ROD})
+    plain = _scene()
     for text in ("k*d", " d * k"):
         assert _scene(text).structure == plain.structure
         assert _scene(text).parameters == plain.parameters
@@ -57,7 +56,7 @@ def test_what_is_no_law_is_refused() -> None:
     law = "k*d**c"
     assert refused(_scene, law, parameters={"c": 3})[:2] == ("rod.spring", law)
     law = "k*(d + d**3)"
-    assert refused(_scene, law, {"bending_stiffness": 0.0})[:2] == ("rod.spring", law)
+    assert refused(_scene, law, stiffness=0.0)[:2] == ("rod.spring", law)
     for name, value in (("c", -1), ("spring_1", 1)):
         told = refused(_scene, "k*d - c" if name == "c" else "k*d", parameters={name: value})
         assert told.field == f"parameters.{name}"

@@ -23,12 +23,7 @@ class Killed(BaseException):
     """In place of a signal."""
 
 
-SLOW = pytest.mark.slow
-
-
-@pytest.mark.parametrize(
-    "share", [pytest.param(0.0, marks=SLOW), 0.3, pytest.param(0.99, marks=SLOW)]
-)
+@pytest.mark.parametrize("share", [0.3, pytest.param(0.99, marks=pytest.mark.slow)])
 def test_cut_off_in_every_write(
     samples: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, share: float
 ) -> None:

@@ -18,9 +18,7 @@ from rodgen.integrate.files import netcdf, stream
 from rodgen.integrate.files.checksums import Run
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Stats
-from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.model.terms import TERMS, THESIS_TERMS
-from tests.palette import cases
 from tests.scene.tables import refused
 
 Make = Callable[..., Any]
@@ -33,8 +31,21 @@ FOLLOWING = {
 }
 
 
-def _readers_agree(given: Any, path: Path) -> None:
+@pytest.mark.parametrize(
+    ("boundary", "inertia", "terms"),
+    [
+        ("free", "uniform", THESIS_TERMS),
+        pytest.param("cantilever", "lumped", TERMS, marks=pytest.mark.slow),
+        pytest.param("clamped", "uniform", THESIS_TERMS, marks=pytest.mark.slow),
+        pytest.param("pinned", "lumped", THESIS_TERMS, marks=pytest.mark.slow),
+    ],
+)
+def test_other_readers_see_the_same(
+    samples: Make, tmp_path: Path, boundary: str, inertia: str, terms: Any
+) -> None:
     """SciPy's reader and xarray's, against quantities of a Solution and labels of its Dataset."""
+    given = samples(20, boundary=boundary, rod={"inertia": inertia}, terms=terms)
+    path = tmp_path / "run.nc"
     with given.create(path) as file:
         given.append(file, 0, 20)
         file.finish("finished", "", STATS)
@@ -60,29 +71,10 @@ def _readers_agree(given: Any, path: Path) -> None:
     assert [entry.name for entry in path.parent.iterdir()] == ["run.nc"]
 
 
-def test_other_readers_see_the_same(samples: Make, tmp_path: Path) -> None:
-    _readers_agree(samples(20), tmp_path / "run.nc")
-
-
-@pytest.mark.slow
-@cases("boundary, inertia", BOUNDARIES, INERTIAS)
-def test_other_readers_see_the_same_of_every_rod(
-    samples: Make, tmp_path: Path, boundary: str, inertia: str
-) -> None:
-    rod = {"boundary": boundary, "rod": {"inertia": inertia}}
-    _readers_agree(
-        samples(20, terms=TERMS if boundary == "cantilever" else THESIS_TERMS, **rod),
-        tmp_path / "run.nc",
-    )
-
-
-@pytest.mark.parametrize(
-    "target", ["numpy", pytest.param("c", marks=[pytest.mark.compiler, pytest.mark.slow])]
-)
 def test_growing_in_blocks_is_growing_at_once(
-    samples: Make, tmp_path: Path, target: str, monkeypatch: pytest.MonkeyPatch
+    samples: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    given = samples(400, target)
+    given = samples(400)
     at_once, in_blocks = tmp_path / "at_once.nc", tmp_path / "in_blocks.nc"
     monkeypatch.setattr(stream, "BLOCK", 10**9)
     with given.create(at_once) as file:

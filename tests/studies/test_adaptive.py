@@ -14,7 +14,7 @@ from rodgen.studies import adaptive
 from rodgen.studies.block import evaluate
 from rodgen.studies.points import points
 from rodgen.studies.specification import Study
-from tests.studies.scenes import BECK, scene
+from tests.studies.conftest import BECK, scene
 
 FORCE, TIME = "loads.follower.force", "loads.material_damping.time"
 Array = np.ndarray
@@ -47,6 +47,12 @@ def refined(
         values = of(np.array(now))
 
 
+def given(**whole: Array) -> Callable[[Array], dict[str, Array]]:
+    """The values of the points that are asked for, of all that there are."""
+    usual = {"stable": np.ones(10_000, dtype=int), "status": np.full(40_000, "finished")}
+    return lambda flat: {name: of.flat[flat] for name, of in (usual | whole).items()}
+
+
 SHAPES: dict[str, Callable[[Array, Array], Array]] = {
     "a line": lambda x, y: y > 0.3 + 0.4 * x,
     "a disc": lambda x, y: (x - 0.5) ** 2 + (y - 0.4) ** 2 < 0.09,
@@ -62,11 +68,7 @@ def test_the_whole_border_is_found(size: tuple[int, int]) -> None:
     x, y = np.meshgrid(*(np.linspace(0, 1, count) for count in size), indexing="ij")
     for name, shape in SHAPES.items():
         whole = shape(x, y).astype(int)
-
-        def of(flat: Array, whole: Array = whole) -> dict[str, Array]:
-            return {"stable": whole.flat[flat], "status": np.full(len(flat), "finished")}
-
-        known, asked = refined(study, of)
+        known, asked = refined(study, given(stable=whole))
         for axis in (0, 1):
             classes, there = np.moveaxis(whole, axis, 0), np.moveaxis(known, axis, 0)
             border = classes[1:] != classes[:-1]
@@ -78,32 +80,17 @@ def test_the_whole_border_is_found(size: tuple[int, int]) -> None:
 
 def test_a_wider_border_takes_fewer_points_and_a_failed_point_is_a_class() -> None:
     study = stability(100, 100)
-    x, _ = np.meshgrid(np.arange(100), np.arange(100), indexing="ij")
-
-    def of(flat: Array) -> dict[str, Array]:
-        status = np.where(x.flat[flat] > 40, "failed", "finished")
-        return {"stable": np.ones(len(flat), dtype=int), "status": status}
-
-    fine, _ = refined(study, of)
-    coarse, _ = refined(study, of, 0.05)
+    status = np.repeat(np.where(np.arange(100) > 40, "failed", "finished"), 100)
+    fine, _ = refined(study, given(status=status))
+    coarse, _ = refined(study, given(status=status), 0.05)
     assert fine[40:42].all(axis=0).any()
     assert coarse.sum() < fine.sum()
 
 
 def test_real_numbers_have_a_level() -> None:
-    study = stability(60, 60)
     values = np.linspace(-1.0, 3.0, 3600)
-
-    def of(flat: Array) -> dict[str, Array]:
-        status = np.full(len(flat), "finished")
-        return {
-            "stable": np.ones(len(flat), dtype=int),
-            "largest_growth": values[flat],
-            "status": status,
-        }
-
     for by, level in (("largest_growth", 1.0), ("largest_growth > 0", 0.0)):
-        known, _ = refined(study, of, None, by)
+        known, _ = refined(stability(60, 60), given(largest_growth=values), None, by)
         row = int(np.searchsorted(values, level)) // 60
         assert known[row - 1 : row + 1].any(axis=0).all()
 

@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rodgen import SceneError
 from rodgen.studies import runs
 from rodgen.studies.block_arrays import Made
 from rodgen.studies.keep import kept, variables
 from rodgen.studies.points import points
 from rodgen.studies.specification import Study
 from tests.cli.conftest import numbers
-from tests.studies.scenes import PENDULUM, scene
+from tests.studies.conftest import PENDULUM, scene
 from tests.studies.test_block import computed, same
 
 pytestmark = pytest.mark.compiler
@@ -95,33 +94,32 @@ def test_crossings_are_those_of_runs_one_by_one(
         np.testing.assert_allclose(found["last(tip_x)"][stopped], -0.9, atol=1e-12)
 
 
-def test_neighbours_and_order_do_not_matter() -> None:
+def test_neighbours_and_order_do_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor how many runs are there at a time."""
     table = study([*KEEP, *STOPPED], *EVENTS, STOP)
     every = computed(table)
     order = np.random.default_rng(1).permutation(table.count).tolist()
     same(every, computed(table, order), order)
     same(every, computed(table, [7]), [7])
-
-
-def test_many_crossings_are_kept_of_few_runs_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    table = study(KEEP, *EVENTS)
-    every = computed(table)
     monkeypatch.setattr(runs, "MOST_CROSSED", 20_000)
     same(every, computed(table))
 
 
+def test_a_section_between_two_times_is_a_part_of_the_whole() -> None:
+    """By both ways, side by side in C and run by run."""
+    where = "where='omega_0', either=0"
+    whole, part = f"section(t, {where})", f"section(t, {where}, from=1, to=2)"
+    table = study([whole, part], rtol=1e-9)
+    for found in (computed(table), one_by_one(table)):
+        inside = (found[whole] >= 1) & (found[whole] <= 2)
+        assert 0 < inside.sum() < np.isfinite(found[whole]).sum()
+        for every, these, some in zip(found[whole], inside, found[part], strict=True):
+            np.testing.assert_array_equal(some[np.isfinite(some)], every[these])
+
+
 def test_a_run_that_fails_has_no_crossings() -> None:
-    table = study(KEEP, *EVENTS, max_steps=20)
-    found = computed(table)
+    found = computed(study(KEEP, *EVENTS, max_steps=20))
     assert (found["status"] == "failed").all()
     assert (found["count(up)"] == -1).all()
     assert np.isnan(found[KEEP[4]]).all()
     assert all(20 in numbers(text) for text in found["message"])  # steps
-
-
-def test_a_section_of_what_is_summed_up_over_a_run_is_refused() -> None:
-    """At a crossing there are the states alone."""
-    for number in ("total_work", "work_tip_load", "energy_balance"):
-        with pytest.raises(SceneError) as refused:
-            study([f"section({number}, where='phi_0', rising=0)"])
-        assert refused.value.field == "compute.keep[0]"

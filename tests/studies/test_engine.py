@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -15,7 +17,7 @@ from rodgen.studies.engine import run
 from rodgen.studies.here import Here
 from rodgen.studies.specification import Study
 from rodgen.studies.store import read
-from tests.studies.scenes import PENDULUM, scene
+from tests.studies.conftest import PENDULUM, scene
 
 SHORT = scene(PENDULUM, integrate={"span": [0.0, 0.1]})
 pytestmark = pytest.mark.skipif(not here.FORKS, reason="nothing is forked here")
@@ -64,3 +66,29 @@ def test_how_long_a_point_takes_does_not_depend_on_who_shares_the_processor(
         clock = lambda done=done, beside=beside: 0.01 * sum(done) * beside  # noqa: E731
         monkeypatch.setattr(task, "perf_counter", clock)
         assert task.timed(many) == pytest.approx(taken)
+
+
+PROGRAM = """
+import os, sys, threading, time
+import rodgen
+threading.Thread(target=lambda: sys.stdin.buffer.read(1), daemon=True).start()
+time.sleep(0.2)  # it waits by then
+scene = rodgen.Scene.example("ziegler")
+vary = {"loads.follower.force": [1.0, 2.0]}
+data = rodgen.study(scene, vary=vary, what="modes", workers=1)
+print(data.sizes["loads.follower.force"], flush=True)
+os._exit(0)  # the thread would hold up the end
+"""
+
+
+@pytest.mark.slow
+def test_a_thread_that_reads_standard_input_is_not_waited_for() -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", PROGRAM], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            assert process.stdout is not None
+            process.wait(timeout=600)
+            assert process.stdout.read().strip() == "2"
+        finally:
+            process.kill()

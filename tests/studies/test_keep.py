@@ -7,7 +7,7 @@ import pytest
 from rodgen import SceneError
 from rodgen.studies.keep import variables
 from rodgen.studies.specification import Study
-from tests.studies.scenes import BECK, PENDULUM, scene
+from tests.studies.conftest import BECK, PENDULUM, scene
 
 pytestmark = pytest.mark.compiler
 VARY = {"loads.gravity.g": [9.0, 10.0]}
@@ -40,14 +40,8 @@ def test_variables_of_a_run() -> None:
     }
 
 
-def test_sections_of_other_lengths_have_dimensions_of_their_own() -> None:
-    other = "section(phi_0, where='omega_0', falling=0, most=9)"
-    study = Study.of(scene(PENDULUM), VARY, keep=[SECTION, other])
-    dims = {one.name: one.dims for one in variables(study)}
-    assert (dims[SECTION], dims[other]) == (("crossing",), ("crossing_2",))
-
-
 WHERE = "section(tip_y, where='tip_x'"
+SUMS = ("total_work", "work_tip_load", "energy_balance")
 NOT_KEPT: list[tuple[list[str], str]] = [
     ([], "compute.keep"),
     (["max(tip_x)", "max(tip_x)"], "compute.keep"),
@@ -59,16 +53,11 @@ NOT_KEPT: list[tuple[list[str], str]] = [
             *("section(tip_y, where='tip_z', rising=0)", f"{WHERE})"),
             *(f"{WHERE}, rising=0, falling=0)", f"{WHERE}, rising=zero)"),
             *(f"{WHERE}, rising=0, most=2.5)", f"{WHERE}, rising=0, from=2, to=1)"),
+            # At a crossing there are the states alone, and no sums over a run.
+            *(f"section({sum}, where='phi_0', rising=0)" for sum in SUMS),
         )
     ),
 ]
-
-
-def test_what_cannot_be_kept_of_a_run() -> None:
-    for keep, field in NOT_KEPT:
-        with pytest.raises(SceneError) as refused:
-            Study.of(scene(PENDULUM), VARY, keep=keep)
-        assert refused.value.field == field, keep
 
 
 def test_variables_of_analyses() -> None:
@@ -84,17 +73,20 @@ def test_variables_of_analyses() -> None:
     assert [one.dims for one in variables(asked)[:2]] == [("mode",), ("mode_2",)]
 
 
-def test_what_cannot_be_kept_of_an_analysis() -> None:
-    vary = {"loads.material_damping.time": [1e-4, 1e-2]}
-    for what, keep, options, field in (
-        ("critical", ["max(phi_0)"], {}, "compute.keep[0]"),
-        ("critical", ["force(2)"], {}, "compute.keep[0]"),
-        ("modes", ["frequency(0)"], {}, "compute.keep[0]"),
-        ("static", ["tip_z"], {}, "compute.keep[0]"),
-        ("critical", [], {"force": 3}, "compute.options.force"),
-        ("modes", [], {"count": 3}, "compute.options.count"),
-        ("run", ["last(tip_x)"], {"t": 3}, "compute.options"),
-    ):
+NOT_KEPT_OF_ANALYSES: list[tuple[str, list[str], dict[str, int], str]] = [
+    ("critical", ["max(phi_0)"], {}, "compute.keep[0]"),
+    ("critical", ["force(2)"], {}, "compute.keep[0]"),
+    ("modes", ["frequency(0)"], {}, "compute.keep[0]"),
+    ("static", ["tip_z"], {}, "compute.keep[0]"),
+    ("critical", [], {"force": 3}, "compute.options.force"),
+    ("modes", [], {"count": 3}, "compute.options.count"),
+    ("run", ["last(tip_x)"], {"t": 3}, "compute.options"),
+]
+
+
+def test_what_cannot_be_kept() -> None:
+    of_runs = [("run", keep, {}, field) for keep, field in NOT_KEPT]
+    for what, keep, options, field in (*of_runs, *NOT_KEPT_OF_ANALYSES):
         with pytest.raises(SceneError) as refused:
-            Study.of(scene(BECK), vary, what=what, keep=keep, options=options)
+            Study.of(scene(PENDULUM), VARY, what=what, keep=keep, options=options)
         assert refused.value.field == field, (what, keep, options)

@@ -17,71 +17,51 @@ import rodgen
 from rodgen import Study
 from rodgen.studies.engine import run
 from rodgen.studies.store import read
-from tests.studies.conftest import assert_same
-from tests.studies.scenes import PENDULUM, study_file
+from tests.studies.conftest import PENDULUM, assert_same, study_file
 from tests.studies.test_workers import in_blocks, study_of
 
 pytestmark = [pytest.mark.compiler, pytest.mark.nightly]
 CLIENT = """
-import os, signal, sys, time
+import sys
 from pathlib import Path
-import numpy as np
-from rodgen import Study
 from rodgen.studies.engine import run
-from tests.studies.scenes import PENDULUM, study_file
-from tests.studies.test_workers import SHORT, POINTS
-
-path, pause, last = Path(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3])
-def slow(solution):
-    if solution.scene.numbers["A"] == last:
-        os.kill(os.getppid(), signal.SIGKILL)  # of the client, whose process computes
-    time.sleep(pause)
-    return float(solution.scene.numbers["A"])
-# As another function it would be that of another study.
-import rodgen.studies.specification as specification
-specification._named = lambda kept: str(kept) if isinstance(kept, str) else "slow"
-study = Study.of(SHORT, {"parameters.A": np.arange(float(POINTS))}, keep=["max(phi_2)", slow])
-run(study, path, workers=1, resume=True)
+from tests.studies.test_kills import slow, study_of
+run(study_of(slow), Path(sys.argv[1]), workers=1, resume=True)
 """
 
 
-def client(path: Path, pause: float, last: float = -1.0) -> subprocess.Popen[bytes]:
-    arguments = map(str, (path, pause, last))
-    return subprocess.Popen([sys.executable, "-c", CLIENT, *arguments], cwd=Path.cwd())
+def slow(solution: Any) -> float:
+    """The number of a point, after a pause; the last ends the client, whose process computes."""
+    a = float(solution.scene.numbers["A"])
+    if a == float(os.environ.get("LAST", "nan")):
+        os.kill(os.getppid(), signal.SIGKILL)
+    time.sleep(float(os.environ.get("PAUSE", "0")))
+    return a
 
 
-@pytest.fixture
-def slow(monkeypatch: pytest.MonkeyPatch) -> Study:
-    """The study of these clients."""
-
-    def slow(solution: Any) -> float:
-        return float(solution.scene.numbers["A"])
-
-    from rodgen.studies import specification
-
-    monkeypatch.setattr(
-        specification, "_named", lambda kept: str(kept) if isinstance(kept, str) else "slow"
-    )
-    return study_of(slow)
+def client(path: Path, **told: str) -> subprocess.Popen[bytes]:
+    return subprocess.Popen([sys.executable, "-c", CLIENT, path], env={**os.environ, **told})
 
 
-def test_a_client_that_is_killed_is_followed_by_another(tmp_path: Path, slow: Study) -> None:
-    path = in_blocks(tmp_path / "a.zarr", slow, 2)
-    assert client(path, 0.0, last=13.0).wait(timeout=600) == -signal.SIGKILL
+def test_a_client_that_is_killed_is_followed_by_another(tmp_path: Path) -> None:
+    study = study_of(slow)
+    path = in_blocks(tmp_path / "a.zarr", study, 2)
+    assert client(path, LAST="13").wait(timeout=600) == -signal.SIGKILL
     before = read(path)
     there = before.status.values == "finished"
     assert there.sum() == 12  # six blocks of two
-    run(slow, path, workers=1, resume=True)
+    run(study, path, workers=1, resume=True)
     after = read(path)
-    assert_same(after, rodgen.study(slow, workers=1))
+    assert_same(after, rodgen.study(study, workers=1))
     np.testing.assert_array_equal(after.seconds.values[there], before.seconds.values[there])
 
 
-def test_two_clients_do_not_harm_each_other(tmp_path: Path, slow: Study) -> None:
-    path = in_blocks(tmp_path / "a.zarr", slow, 1)
-    both = [client(path, 0.05), client(path, 0.05)]
+def test_two_clients_do_not_harm_each_other(tmp_path: Path) -> None:
+    study = study_of(slow)
+    path = in_blocks(tmp_path / "a.zarr", study, 1)
+    both = [client(path, PAUSE="0.05") for _ in range(2)]
     assert [one.wait(timeout=600) for one in both] == [0, 0]
-    assert_same(read(path), rodgen.study(slow, workers=1))
+    assert_same(read(path), rodgen.study(study, workers=1))
 
 
 @pytest.fixture

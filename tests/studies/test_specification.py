@@ -8,12 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+import tomli_w
 
 import rodgen
 from rodgen import SceneError, Study
+from rodgen.studies.block import evaluate
 from rodgen.studies.points import points
 from tests.cli.conftest import names
-from tests.studies.scenes import BECK, PENDULUM, scene
+from tests.studies.conftest import BECK, PENDULUM, scene
 
 FILE = """
 name = "forces"
@@ -25,24 +27,11 @@ scene = "beck.toml"
 what = "modes"
 keep = ["frequency"]
 """
-SCENE = """
-name = "beck"
-[rod]
-links = 3
-length = 5.0
-bending_stiffness = 100.0
-mass = 20.0
-boundary = "clamped"
-[loads.follower]
-force = 20.0
-[loads.material_damping]
-time = 1e-3
-"""
 
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
-    (tmp_path / "beck.toml").write_text(SCENE)
+    (tmp_path / "beck.toml").write_text(tomli_w.dumps(BECK))
     (tmp_path / "study.toml").write_text(FILE)
     return tmp_path / "study.toml"
 
@@ -53,29 +42,17 @@ def of(vary: Any, table: dict[str, Any] = BECK, **given: Any) -> Study:
 
 def test_a_file_and_python_give_the_same_study(file: Path) -> None:
     vary = {
-        "loads.follower.force": np.linspace(5, 60, 4),
+        "loads.follower.force": {"from": 5, "to": 60, "count": 4},
         "loads.material_damping.time": {"from": 1e-4, "to": 1e-1, "count": 4, "scale": "log"},
     }
     study = Study.from_toml(file)
-    made = Study.of(
-        rodgen.Scene.from_toml(file.with_name("beck.toml")),
-        {**vary, "loads.follower.force": {"from": 5, "to": 60, "count": 4}},
-        what="modes",
-        keep=["frequency"],
-    )
-    assert study == made
+    own = rodgen.Scene.from_toml(file.with_name("beck.toml"))
+    assert study == Study.of(own, vary, what="modes", keep=["frequency"])
     assert study.shape == (4, 4)
     listed = [point["loads.follower.force"] for point in points(study, range(0, 16, 4))]
-    np.testing.assert_array_equal(listed, vary["loads.follower.force"])
+    np.testing.assert_array_equal(listed, np.linspace(5, 60, 4))
     times = [point["loads.material_damping.time"] for point in points(study, range(4))]
     np.testing.assert_allclose(times, [1e-4, 1e-3, 1e-2, 1e-1], rtol=1e-15)
-
-
-def test_the_scene_may_stand_in_the_file(file: Path) -> None:
-    table = SCENE.replace("[", "[scene.").replace('name = "beck"', '[scene]\nname = "beck"')
-    inside = FILE.replace('scene = "beck.toml"', "") + table
-    file.with_name("inside.toml").write_text(inside)
-    assert Study.from_toml(file.with_name("inside.toml")) == Study.from_toml(file)
 
 
 VARIED: list[tuple[str, Any, Callable[[rodgen.Scene], Any]]] = [
@@ -105,41 +82,26 @@ def test_any_number_of_a_scene_can_be_varied() -> None:
         assert of_scene(study.scene_at(points(study, [0])[0])) == value, key
 
 
-def test_another_number_of_links_converts_damping() -> None:
-    base = {**BECK, "loads": {**BECK["loads"], "internal_damping": {"coefficient": 0.1}}}
-    study = of({"rod.links": [8, 16]}, base)
-    coefficients = [
-        study.scene_at(point).loads.internal_damping.coefficient for point in points(study, [0, 1])
-    ]
-    np.testing.assert_allclose(coefficients, [0.1, 0.4], rtol=1e-14)
-
-
 LINE = {"from": 1, "to": 2, "count": 2}
-MASS = "vary.rod.mass"
-# By field: what is given of the axes of a study.
+# By field: what is given of the axes of a study; of the mass alone; and beside a varied mass.
 NOT_VARIED: dict[str, list[Any]] = {
     "vary": [
         *({}, {"loads.gravity.g": [1.0]}, {"rod": [1.0]}, {"integrate.span": [1.0]}),
         *({"name": ["a"]}, {"bodies.0.mass": [1.0]}, {"__class__": [1.0]}),
     ],
     "vary.loads.follower.forse": [{"loads.follower.forse": [1.0]}],
-    "vary.rod.links": [
-        *({"rod.links": [2.5]}, {"rod.links": {"from": 2, "to": 5, "count": 3}}),
-    ],
+    "vary.rod.links": [{"rod.links": [2.5]}, {"rod.links": {"from": 2, "to": 5, "count": 3}}],
     "vary.integrate.method": [{"integrate.method": ["none"]}],
-    MASS: [{"rod.mass": one} for one in (1.0, ["heavy"], [-1.0, -2.0])],
-    f"{MASS}.values": [{"rod.mass": one} for one in ([], [1.0, "a"], [1.0, 1.0])],
-    f"{MASS}.values[0]": [{"rod.mass": one} for one in ([True], [float("nan")])],
-    f"{MASS}.count": [
-        *({"rod.mass": {"from": 1, "to": 2}}, {"rod.mass": {"values": [1.0], "count": 2}}),
-    ],
-    f"{MASS}.from": [
-        *({"rod.mass": {"to": 2, "count": 2}}, {"rod.mass": {**LINE, "from": "1"}}),
-        {"rod.mass": {**LINE, "from": 0, "scale": "log"}},
-    ],
-    f"{MASS}.to": [{"rod.mass": {**LINE, "to": 1}}],
-    f"{MASS}.step": [{"rod.mass": {**LINE, "step": 2}}],
-    f"{MASS}.scale": [{"rod.mass": {**LINE, "scale": "square"}}],
+}
+NO_MASSES: dict[str, list[Any]] = {
+    "": [1.0, ["heavy"], [-1.0, -2.0]],
+    ".values": [[], [1.0, "a"], [1.0, 1.0]],
+    ".values[0]": [[True], [float("nan")]],
+    ".count": [{"from": 1, "to": 2}, {"values": [1.0], "count": 2}],
+    ".from": [{"to": 2, "count": 2}, {**LINE, "from": "1"}, {**LINE, "from": 0, "scale": "log"}],
+    ".to": [{**LINE, "to": 1}],
+    ".step": [{**LINE, "step": 2}],
+    ".scale": [{**LINE, "scale": "square"}],
 }
 NOT_COMPUTED: dict[str, list[dict[str, Any]]] = {
     "compute.what": [{"what": "walk"}],
@@ -153,26 +115,22 @@ NOT_COMPUTED: dict[str, list[dict[str, Any]]] = {
 
 
 def test_what_cannot_be_varied_or_computed_is_refused() -> None:
-    for field, several in NOT_VARIED.items():
-        for vary in several:
-            _refused(field, vary)
+    refusals: list[tuple[str, Any, dict[str, Any]]] = [
+        *((field, vary, {}) for field, each in NOT_VARIED.items() for vary in each),
+        *(
+            (f"vary.rod.mass{field}", {"rod.mass": mass}, {})
+            for field, each in NO_MASSES.items()
+            for mass in each
+        ),
+    ]
     for field, each in NOT_COMPUTED.items():
         for given in each:
-            without = {"from": 1, "to": 2}
-            _refused(field, {"rod.mass": without if "sample" in given else LINE}, **given)
-
-
-def _refused(field: str, vary: Any, **given: Any) -> None:
-    with pytest.raises(SceneError) as refused:
-        of(vary, **given)
-    assert refused.value.field == field, (vary, given)
-
-
-def test_a_point_that_is_refused_leaves_the_study() -> None:
-    study = of({"rod.mass": [-1.0, 20.0]})
-    with pytest.raises(SceneError, match=r"rod\.mass"):
-        study.scene_at(points(study, [0])[0])
-    assert study.scene_at(points(study, [1])[0]).rod.mass == 20.0
+            line = {"from": 1, "to": 2} if "sample" in given else LINE
+            refusals.append((field, {"rod.mass": line}, given))
+    for field, vary, given in refusals:
+        with pytest.raises(SceneError) as refused:
+            of(vary, **given)
+        assert refused.value.field == field, (vary, given)
 
 
 def test_files_that_are_none_are_refused(file: Path, rodgen: Any, tmp_path: Path) -> None:
@@ -212,3 +170,29 @@ def test_digests_tell_functions_apart() -> None:
 
     assert study(one) == study(one)
     assert study(one) != study(other)
+
+
+# Studies beside the scenes ------------------------------------------------------------------------
+
+FOLDER = Path(__file__).parents[2] / "scenes" / "studies"
+QUICK = "flutter_map", "mesh"  # for which nothing is compiled
+
+
+@pytest.mark.compiler
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(path.stem, marks=() if path.stem in QUICK else pytest.mark.nightly)
+        for path in sorted(FOLDER.glob("*.toml"))
+    ],
+)
+def test_points_of_a_study(name: str) -> None:
+    study = Study.from_toml(FOLDER / f"{name}.toml")
+    assert study.name == name
+    some = [0, study.count // 2, study.count - 1]
+    found = evaluate(study, points(study, some), some).arrays
+    assert found["status"].tolist() == ["finished"] * 3
+    for kept in study.keep:
+        assert isinstance(kept, str)
+        values = found[kept]
+        assert values.dtype.kind != "f" or np.isfinite(values).all()

@@ -49,20 +49,17 @@ def dataset(names: tuple[str, ...], **more: Any) -> xarray.Dataset:
     return xarray.Dataset(data, coords, attrs={"name": "study"}).assign(more)
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize(
-    ("count", "expected"),
-    [
-        (1, {"last_tip_x", "stable", "kind", "frequency_2", "section_tip_y_where_tip_x_rising_0"}),
-        (2, {"last_tip_x", "stable", "kind", "section_tip_y_where_tip_x_rising_0"}),
-        (3, {"last_tip_x", "stable", "kind"}),
-        (4, {"scatter"}),
-    ],
-)
-def test_pictures_of_a_grid(tmp_path: Path, count: int, expected: set[str]) -> None:
-    made = study_pictures.draw(dataset(tuple(AXES)[:count]), tmp_path)
-    assert {path.stem for path in made} == expected
-    assert all(path.read_bytes().startswith(b"\x89PNG") for path in made)
+@pytest.mark.slow
+def test_pictures_of_a_grid(tmp_path: Path) -> None:
+    """Of one axis to four; text is as stores have it, of any length."""
+    of_three = {"last_tip_x", "stable", "kind"}
+    of_two = of_three | {"section_tip_y_where_tip_x_rising_0"}
+    for count, expected in enumerate((of_two | {"frequency_2"}, of_two, of_three, {"scatter"}), 1):
+        data = dataset(tuple(AXES)[:count])
+        text = {one: data[one].astype(np.dtypes.StringDType()) for one in ("status", "kind")}
+        made = study_pictures.draw(data.assign(text), tmp_path)
+        assert {path.stem for path in made} == expected
+        assert all(path.read_bytes().startswith(b"\x89PNG") for path in made)
 
 
 def test_of_too_many_points_some_are_shown(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -77,16 +74,6 @@ def test_of_too_many_points_some_are_shown(monkeypatch: pytest.MonkeyPatch) -> N
     expected = whole["last(tip_x)"].values[::4]
     np.testing.assert_array_equal(shown.dataset["last(tip_x)"], expected)
     np.testing.assert_array_equal(shown.dataset[names[0]], AXES[names[0]][::4])
-
-
-@pytest.mark.nightly
-def test_text_may_be_as_stores_have_it(tmp_path: Path) -> None:
-    """Large ones are read as they are asked for, with text of any length."""
-    names = tuple(AXES)[:2]
-    text = {one: dataset(names)[one].astype(np.dtypes.StringDType()) for one in ("status", "kind")}
-    plain = [path.read_bytes() for path in study_pictures.draw(dataset(names), tmp_path)]
-    made = study_pictures.draw(dataset(names).assign(text), tmp_path)
-    assert [path.read_bytes() for path in made] == plain
 
 
 def test_a_sample_is_a_scatter_matrix(tmp_path: Path) -> None:

@@ -17,8 +17,7 @@ from rodgen import SceneError, Study, StudyError
 from rodgen.studies.engine import run
 from rodgen.studies.here import FORKS
 from rodgen.studies.store import Store, read
-from tests.studies.conftest import assert_same
-from tests.studies.scenes import PENDULUM, scene
+from tests.studies.conftest import PENDULUM, assert_same, scene
 
 pytestmark = pytest.mark.compiler
 SHORT = scene(PENDULUM, integrate={"span": [0.0, 0.1]})
@@ -47,28 +46,11 @@ def fatal(*at: float) -> Callable[[Any], float]:
     return poisonous
 
 
-NIGHTLY = [pytest.param(size, marks=pytest.mark.nightly) for size in (1, 24)]
-
-
-@pytest.mark.parametrize("size", [pytest.param(5, marks=pytest.mark.slow), *NIGHTLY])
-def test_workers_and_blocks_leave_the_bits_alone(size: int, tmp_path: Path, scheduler: Any) -> None:
-    path = in_blocks(tmp_path / "a.zarr", study_of(), size)
+@pytest.mark.slow
+def test_workers_and_blocks_leave_the_bits_alone(tmp_path: Path, scheduler: Any) -> None:
+    path = in_blocks(tmp_path / "a.zarr", study_of(), 5)
     run(study_of(), path, scheduler=scheduler.scheduler_address, resume=True)
     assert_same(read(path), rodgen.study(study_of(), workers=1))
-
-
-@pytest.mark.nightly
-def test_there_are_blocks_for_all_workers_of_a_scheduler(
-    tmp_path: Path, scheduler: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """However many processors the machine of the client has."""
-    from rodgen.studies import cluster
-
-    monkeypatch.setattr(cluster.Cluster, "count", property(lambda self: 3 * self._threads))
-    path = tmp_path / "a.zarr"
-    run(study_of(), path, scheduler=scheduler.scheduler_address)
-    assert Store.of(path, study_of()).layout.count == POINTS  # four for each of six workers
-    assert (read(path).status == "finished").all()
 
 
 @pytest.mark.nightly
@@ -88,36 +70,6 @@ def test_a_worker_that_is_killed_is_replaced(tmp_path: Path, scheduler: Any) -> 
     path = in_blocks(tmp_path / "a.zarr", study, 2)
     run(study, path, scheduler=scheduler.scheduler_address, resume=True)
     assert len(list(flags.glob("*.0"))) == 3  # killed they were
-    assert_same(read(path), rodgen.study(study, workers=1))
-
-
-class Dying:
-    """A client whose connection is closed when it is first asked for one thing or another."""
-
-    def __init__(self, client: Any, *once: str) -> None:
-        self.client, self.once = client, [*once]
-
-    def __getattr__(self, name: str) -> Any:
-        from distributed.comm import CommClosedError
-
-        if name in self.once:
-            self.once.remove(name)
-            raise CommClosedError("in <TCP (closed)>: Stream is closed")
-        return getattr(self.client, name)
-
-
-@pytest.mark.nightly
-def test_a_worker_may_die_while_it_is_told_of_the_study(tmp_path: Path, scheduler: Any) -> None:
-    """Then Dask reports a connection that was closed, be it at the start or at the end."""
-    from rodgen.studies.cluster import Cluster
-
-    path, study = in_blocks(tmp_path / "a.zarr", study_of(), 12), study_of()
-    with Cluster(2, scheduler.scheduler_address) as workers:
-        workers.client = dying = Dying(
-            workers.client, "register_plugin", "unregister_worker_plugin"
-        )
-        list(workers.compute(Store.of(path, study), iter(range(2)), {}))
-        assert dying.once == []
     assert_same(read(path), rodgen.study(study, workers=1))
 
 

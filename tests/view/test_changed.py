@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,8 +16,8 @@ from rodgen.scene import Scene
 from rodgen.show.animation.film import animate, film
 from rodgen.show.animation.motion import motion
 from rodgen.show.animation.times import Settings, plan
+from tests.view.test_animation import SMALL
 
-SMALL: dict[str, Any] = {"width": 640, "height": 480, "fps": 10, "speed": 1}
 SAMPLES, CHANGE = 1001, 400
 
 

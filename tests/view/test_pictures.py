@@ -1,6 +1,9 @@
-"""Pictures of a run: what their curves are, and what they say beside them."""
+"""Pictures and the summary of a run: what their curves are, and what they say."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,25 +15,20 @@ from rodgen.scene import Scene
 from rodgen.show.phase_picture import phase_plot
 from rodgen.show.pictures import energies, trajectories
 from rodgen.show.shape_picture import shapes
+from rodgen.show.summary import summary
 from rodgen.show.time_pictures import across, acting, moments, tail
+from tests.cli.conftest import numbers
 from tests.live.conftest import ROD
 
 
-def run(
-    force: float | str = 0.0,
-    g: float = 0.0,
-    events: object = (),
-    initial: object = ROD["initial"],
-    **integrate: object,
-) -> Solution:
-    table = {
-        **ROD,
-        "initial": initial,
-        "loads": {**ROD["loads"], "follower": {"force": force}, "gravity": {"g": g}},
-        "integrate": {**ROD["integrate"], **integrate},
-        "events": list(events),  # type: ignore[call-overload]
-    }
-    return rodgen.simulate(Scene.from_dict(table))
+def run(force: float | str = 0.0, g: float = 0.0, **more: Any) -> Solution:
+    """A rod under these loads; more: other tables, and keys of [integrate]."""
+    tables = {name: more.pop(name) for name in ("events", "initial") if name in more}
+    loads = {**ROD["loads"], "follower": {"force": force}, "gravity": {"g": g}}
+    integrate = {**ROD["integrate"], **more}
+    return rodgen.simulate(
+        Scene.from_dict({**ROD, **tables, "loads": loads, "integrate": integrate})
+    )
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +65,7 @@ def test_moments_are_those_of_the_joints(swinging: Solution) -> None:
 
 def test_pictures_say_when_a_force_acts_and_what_happened() -> None:
     apex = {"name": "apex", "quantity": "tip_y", "value": -0.05}
-    solution = run("3 if t < 0.25 else 0", 9.81, [apex], span=[0.0, 0.5])
+    solution = run("3 if t < 0.25 else 0", 9.81, events=[apex], span=[0.0, 0.5])
     ((term, start, end),) = acting(solution)
     assert term is TERMS["follower"]
     assert (start, end) == pytest.approx((0.0, 0.25), abs=0.01)  # between samples
@@ -81,17 +79,12 @@ def test_pictures_say_when_a_force_acts_and_what_happened() -> None:
 def test_energies_are_those_that_there_are_and_that_in_gravity_begins_at_zero() -> None:
     """A rod that falls from 4 km: what it loses in height is what it gains in speed."""
     falling = run(g=9.81, span=[0.0, 0.5], initial={"phi": 0.0, "position": [0.0, 4000.0]})
-    lines = {line.get_label(): line.get_ydata() for line in energies(falling).axes[0].lines}
-    assert len(lines) == 3
-    kinetic, gravity = (
-        next(drawn for label, drawn in lines.items() if label.startswith(name))
-        for name in ("kinetic", "gravity")
-    )
-    (total,) = (drawn for label, drawn in lines.items() if label.startswith("total"))
+    drawn = [(line.get_label(), line.get_ydata()) for line in energies(falling).axes[0].lines]
+    assert len(drawn) == 3
     fallen = 3.0 * 9.81 * 9.81 * falling.t**2 / 2  # J
-    assert gravity == pytest.approx(-fallen, rel=1e-6)
-    assert kinetic == pytest.approx(fallen, rel=1e-6)
-    assert total == pytest.approx(0 * fallen, abs=1e-6)
+    for name, due in (("gravity", -fallen), ("kinetic", fallen), ("total", 0 * fallen)):
+        (line,) = (line for label, line in drawn if label.startswith(name))
+        assert line == pytest.approx(due, rel=1e-6, abs=1e-6)
 
 
 @pytest.mark.parametrize(("every", "style"), [(0.02, "-"), (0.9, "None")])
@@ -118,3 +111,50 @@ def test_a_rod_that_flew_far_is_drawn_in_its_size() -> None:
     fallen = np.ptp(solution.joints[..., 1])
     axes = shapes(solution).axes[0]
     assert np.ptp(axes.get_ylim()) < 25 < fallen / 10  # of 2 m, 12 of them beside one another
+
+
+# The summary -------------------------------------------------------------------------------------
+
+
+def told(solution: rodgen.Solution) -> tuple[list[float], list[float]]:
+    """Numbers of the sentence on energy, and of that on its balance with work: the error [J], and
+    its share of the largest energy or exchange."""
+    lines = [line for line in summary(solution).splitlines() if line.startswith("Energy")]
+    energy, balance = map(numbers, lines)
+    return energy, balance
+
+
+@pytest.mark.parametrize(
+    ("terms", "omega", "energy"),
+    [((), 3.0, 18.0), ((), 0.0, 0.0), (("gravity",), 0.0, 0.0)],
+    ids=["spins", "rests", "falls"],
+)
+def test_energy_that_stays(
+    make_scene: Callable[..., Scene], terms: tuple[str, ...], omega: float, energy: float
+) -> None:
+    """Of a free rod of 2 m and 3 kg; at 3 rad/s it has 1/2 m (l omega/2)^2 + m l^2 omega^2/24. At
+    rest there is nothing of which an error could be a share."""
+    scene = make_scene(3, terms=terms, initial={"phi": 0.0, "omega": omega})
+    (stays, within), (error, *share) = told(rodgen.simulate(scene, target="numpy"))
+    assert stays == energy
+    assert within <= 1e-8
+    assert error <= 1e-8
+    assert len(share) == bool(terms or omega)
+    assert all(one < 1e-9 for one in share)
+    if omega:  # of the energy that there is, as none is exchanged; of two digits
+        assert share[0] * energy == pytest.approx(error, rel=0.06)
+
+
+def test_energy_that_went_elsewhere_shows_it(make_scene: Callable[..., Scene]) -> None:
+    """Kinetic energy grows with the square of the rate; what is less than rounding stayed, and
+    what overflows did not."""
+    scene = make_scene(3, initial={"phi": 0.0, "omega": 3.0})
+    resting = rodgen.simulate(scene, target="numpy").taken(np.array([0, 0]))
+    for change, said in ((1.0, 36), (1e-6, 18.000018), (1e-8, 18.0000002), (1e-12, 1.8e-11)):
+        solution = resting.taken(np.array([0, 1]))
+        solution.y[1, 5:] *= np.sqrt(1 + change)
+        assert told(solution)[0] == [18, said]
+    solution = resting.taken(np.array([0, 1]))
+    solution.y[1, 5] = 1e200  # vx0
+    with np.errstate(all="ignore"):
+        assert "18 J to inf J" in summary(solution)

@@ -1,25 +1,29 @@
-"""What results and scenes show of themselves: a line, a picture, a picture with a table, a film."""
+"""What results and scenes show of themselves: a line, a picture, a table, a film."""
 
 from __future__ import annotations
 
 import base64
 import re
 from collections.abc import Callable, Iterator
+from functools import cache
+from html import escape
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import xarray
 from matplotlib import pyplot
 from matplotlib.axes import Axes
 from PIL import Image
 
 import rodgen
+from rodgen.analyse.curves.files import read, save
 from rodgen.scene import SceneError
 from rodgen.show.animation import files
 from rodgen.show.appearance import LOOKS
-from rodgen.shown import Shown, Told
+from rodgen.shown import Shown, Told, show_in_notebook
 from tests.view.results import MAKERS, SCENE, made
 
 # A number that the table of each has to have.
@@ -118,8 +122,11 @@ def test_what_cannot_be_drawn_is_still_told() -> None:
 
 
 def test_a_table_of_pandas_has_a_row_a_sample() -> None:
-    """Against xarray, where every number has the same name with its coordinates."""
-    frame, data = made("Solution").to_pandas(), made("Solution").to_xarray()
+    """Against xarray, where every number has the same name with its coordinates; an added state is
+    one of them."""
+    scene = SCENE.replace({"states.lag": {"rate": "phi(1) - lag"}})
+    run = rodgen.simulate(scene, span=(0.0, 0.1), target="numpy")
+    frame, data = run.to_pandas(), run.to_xarray()
     assert frame.index.name == "t"
     assert np.array_equal(frame.index, data["time"])
     assert frame.shape[0] == data.sizes["time"]
@@ -135,13 +142,8 @@ def test_a_table_of_pandas_has_a_row_a_sample() -> None:
     for name, values in pairs.items():
         assert np.array_equal(frame[name], values), name
         assert frame.attrs["units"][name].replace("^", "") == values.attrs["units"]
+    assert np.array_equal(frame["lag"], run.y[:, -1])
     assert set(frame.attrs["units"]) == {"t", *frame.columns}
-
-
-def test_added_states_have_columns() -> None:
-    scene = SCENE.replace({"states.lag": {"rate": "phi(1) - lag"}})
-    run = rodgen.simulate(scene, span=(0.0, 0.1), target="numpy")
-    assert np.array_equal(run.to_pandas()["lag"], run.y[:, -1])
 
 
 @pytest.mark.parametrize("ending", [".gif", pytest.param(".mp4", marks=pytest.mark.slow)])
@@ -167,3 +169,72 @@ def test_a_film_for_a_notebook(
     with pytest.raises(SceneError, match=re.escape(ending)):
         video.save(tmp_path / "film.avi")
     assert [one.name for one in tmp_path.iterdir()] == [path.name]
+
+
+# Datasets of branches and studies ----------------------------------------------------------------
+
+PRESSED = SCENE.replace({"name": "pressed", "loads": {"tip": {"y": -1.0, "x": 0.01}}})
+
+
+@cache
+def branch() -> xarray.Dataset:
+    return rodgen.continue_equilibria(PRESSED, "loads.tip.y", (-1.0, -3.0))
+
+
+def mode() -> xarray.Dataset:
+    return rodgen.continue_mode(PRESSED.replace({"loads.tip": None}), 1, 1e-3, step=0.5)
+
+
+def study() -> xarray.Dataset:
+    pytest.importorskip("zarr", reason="the extra study is not installed")
+    vary = {"loads.tip.y": [-1.0, -1.5, -2.0]}
+    return rodgen.study(PRESSED, vary, what="modes", keep=["frequency"], workers=1)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [branch, *(pytest.param(one, marks=pytest.mark.slow) for one in (mode, study))],
+    ids=lambda one: one.__name__,
+)
+def test_datasets_draw_themselves(make: Callable[[], Any]) -> None:
+    data = make()
+    axes = data.rodgen.plot()
+    assert isinstance(axes, Axes)
+    assert axes.figure is pyplot.gcf()
+    drawn = [line for line in axes.get_lines() if len(np.atleast_1d(line.get_xdata())) > 1]
+    assert drawn
+    with pytest.raises(SceneError, match=r"^picture = 'none'"):
+        data.rodgen.plot("none")
+    with pytest.raises(SceneError):
+        xarray.Dataset().rodgen.plot()
+    line, html = repr(data.rodgen), data.rodgen._repr_html_()
+    assert re.fullmatch(rf"<.*pressed.*\b{len(data[next(iter(data.dims))])} .*>", line)
+    assert f'<img alt="{escape(line)}"' in html
+    assert "<td>" in html
+
+
+@pytest.mark.nightly  # IPython comes with what builds the site
+def test_notebooks_show_datasets_with_picture_and_table() -> None:
+    shells = pytest.importorskip("IPython.core.interactiveshell", reason="IPython is not installed")
+    data, shell = branch(), shells.InteractiveShell.instance()
+    try:
+        show_in_notebook(xarray.Dataset)
+        whole, part, other = (
+            shell.display_formatter.format(one)[0]["text/html"]
+            for one in (data, data[["value"]], xarray.Dataset())
+        )
+    finally:
+        shells.InteractiveShell.clear_instance()
+    assert "<img" in whole
+    assert str(data.sizes["point"]) in re.findall(r"\d+", whole.rpartition("<img")[2])
+    for html in (part, other):
+        assert "<img" not in html
+        assert "xarray.Dataset" in html
+
+
+def test_a_branch_in_a_file_is_drawn_as_it_was(tmp_path: Path) -> None:
+    data = branch()
+    save(data, tmp_path / "branch.nc")
+    again = read(tmp_path / "branch.nc", "file", "a branch", data.attrs["format"])
+    lines = [one.rodgen.plot().get_lines()[0].get_xydata() for one in (data, again)]
+    assert np.array_equal(*lines)

@@ -1,7 +1,9 @@
-"""Plots in the page: the dialog that adds them, one cursor and zoom for all, axes and numbers."""
+"""Pages that are loaded again or cut off, and what all plots of a page have in common."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -9,38 +11,42 @@ import pytest
 from tests.live.view import View, expect
 
 pytestmark = pytest.mark.nightly  # in a browser
-KINDS = {
-    "over time": {"quantities": "kinetic_energy"},
-    "one over another": {"quantity": "omega", "over": "phi"},
-    "Poincaré": {"quantity": "omega", "over": "phi", "points_where": "t"},
-    "all of a kind": {},
-    "spectrum": {"quantity": "tip_x"},
-}
 
 
-def test_every_kind_of_plot_gets_rows_and_says_what_it_lacks(view: View) -> None:
-    view.run()
-    for kind, chosen in KINDS.items():
-        dialog = view.plot_dialog(kind, **chosen)
-        if not chosen:
-            dialog.get_by_role("button", name="Add").click()
-            wrong = dialog.get_by_role("combobox", name="kind of quantity")
-            expect(wrong).to_have_attribute("aria-invalid", "true")
-            wrong.fill("bending")
-            view.page.get_by_role("option").filter(has_text="bending").first.click()
-        if kind == "Poincaré":
-            every = dialog.get_by_role("textbox", name="and again")
-            for text in ("-1", "0.1"):
-                every.fill(text)
-                dialog.get_by_role("button", name="Add").click()
-                if text == "-1":
-                    expect(every).to_have_attribute("aria-invalid", "true")
-        else:
-            dialog.get_by_role("button", name="Add").click()
-        expect(dialog).to_have_count(0)
-        view.sees("Object.values(live.plots)[2]?.rows > 0")
-        view.button("Remove").last.click()
-        view.sees("Object.values(live.plots).length === 2")
+def test_two_pages_have_their_own_runs_and_reload_keeps_them(
+    server: Any, another: Callable[..., View]
+) -> None:
+    """With the panel and the time as they were; what differs from the file is in a link to it."""
+    view, other = (another(apart=True).open(server.address) for _ in range(2))
+    view.fill("mass M", "4")
+    view.shows("mass", 4.0).pause_after(0.2).line().press("PageDown")
+    t = view.sees("live.past")
+    view.tab("Save").button("Link to what").click()
+    expect(view.field("link")).to_have_value(re.compile("scene="))
+    view.page.reload()
+    view.ready().shows("mass", 4.0)
+    assert view.live("live.t") == t
+    expect(view.page.get_by_role("tab", name="Save", selected=True)).to_be_visible()
+    assert other.live("[live.t, number(live.texts.mass)]") == [0.0, 3.0]
+
+
+def test_page_that_was_cut_off_shows_what_is(server: Any, blank: View) -> None:
+    """Its run has gone on meanwhile, and its buttons do what they say."""
+    ends: list[Any] = []
+
+    def passes(socket: Any) -> None:
+        ends.extend((socket, socket.connect_to_server()))
+
+    blank.page.route_web_socket("**", passes)
+    blank.open(server.address).run()
+    t = blank.live("live.t")
+    for end in ends.copy():
+        end.close()
+    blank.sees("!live.connected")
+    blank.sees("live.connected && live.t > given", t)
+    blank.pause()
+    blank.fill("mass M", "4")
+    blank.shows("mass", 4.0)
 
 
 def test_cursor_zoom_and_reset_are_of_all_plots(view: View) -> None:

@@ -1,4 +1,5 @@
-"""A thrust all along the rod: Newton's law for the whole, and work that is energy."""
+"""Loads all along the rod, a thrust, and drag against a medium with a wind: Newton's law for the
+whole, terminal speed, and work that is energy."""
 
 from __future__ import annotations
 
@@ -15,10 +16,13 @@ from rodgen.scene.structure import Structure
 from tests.physics.sets import sets
 
 
-def _rod(force: Any, **tables: Any) -> Scene:
+def _rod(loads: dict[str, Any], **tables: Any) -> Scene:
     rod = {"links": 5, "length": 2.0, "mass": 3.0, "bending_stiffness": 20.0}
-    loads = {"distributed_follower": {"force_per_length": force}}
     return Scene.from_dict({"name": "rod", "rod": rod, "loads": loads} | tables)
+
+
+def _pushed(force: Any, **tables: Any) -> Scene:
+    return _rod({"distributed_follower": {"force_per_length": force}}, **tables)
 
 
 @pytest.mark.parametrize(
@@ -27,7 +31,7 @@ def _rod(force: Any, **tables: Any) -> Scene:
     [(7.0, 14.0), ("a*s**9", 5.0), ([1.0, 2.0, 3.0, 4.0, 5.0], 6.0)],
 )
 def test_a_straight_free_rod_is_pushed_along_itself(force: Any, total: float) -> None:
-    scene = _rod(force, parameters={"a": 25.0}, initial={"phi": 0.3})
+    scene = _pushed(force, parameters={"a": 25.0}, initial={"phi": 0.3})
     model, y = build(scene), scene.initial_state()
     p = model.parameters(**scene.parameters)
     rates = model.rhs(0.0, y, p)[len(y) // 2 :]
@@ -41,7 +45,7 @@ def test_a_straight_free_rod_is_pushed_along_itself(force: Any, total: float) ->
 def test_what_is_no_force_along_the_rod_is_refused() -> None:
     for force in ("1/max(0, s - 0.5)", "phi(0.5)", "x", [1.0, 2.0], float("nan"), None):
         with pytest.raises(SceneError) as refused:
-            _rod(force).parameters  # noqa: B018
+            _pushed(force).parameters  # noqa: B018
         assert refused.value.field == "loads.distributed_follower.force_per_length"
 
 
@@ -50,9 +54,9 @@ BURN = "a*s**2*min(t/0.2, 1)"
 
 def test_it_may_change_with_time_and_place() -> None:
     """A straight free rod: M v = -the integral of a/3 L min(t/0.2, 1), a parabola and a line."""
-    scene = _rod(BURN, parameters={"a": 9.0}, integrate={"span": [0, 0.5], "rtol": 1e-10})
+    scene = _pushed(BURN, parameters={"a": 9.0}, integrate={"span": [0, 0.5], "rtol": 1e-10})
     assert scene.breaks() == [pytest.approx(0.2, rel=1e-15)]
-    assert scene.structure.hash == _rod(BURN, parameters={"a": 8.0}).structure.hash
+    assert scene.structure.hash == _pushed(BURN, parameters={"a": 8.0}).structure.hash
     sol = simulate(scene)
     t = sol.t
     impulse = 6.0 * np.where(t < 0.2, t**2 / 0.4, t - 0.1)
@@ -83,3 +87,42 @@ def test_lanes_take_numbers_of_their_own() -> None:
     np.testing.assert_allclose(other.rhs_batch(0.4, Y, P), single, rtol=1e-11, atol=1e-11)
     J = one.jac(0.4, Y[0], P[5])
     np.testing.assert_allclose(other.jac(0.4, Y[0], P[5]), J, rtol=0, atol=1e-11 * np.abs(J).max())
+
+
+# Drag ------------------------------------------------------------------------------------------
+
+M, L, G, NORMAL = 3.0, 2.0, 9.81, 0.4
+TERMINAL = np.sqrt(M * G / (NORMAL * L))
+
+
+def test_a_level_rod_falls_to_its_terminal_speed() -> None:
+    """M dv/dt = -M g + c_n L (v - w)^2 across it, M dv/dt = c_t L (v - w)^2 along it, v < w; the
+    drag of a link lies as its weight does, so that nothing bends it."""
+    c_t, wind = 0.1, (3.0, -2.0)
+    drag = {"normal": NORMAL, "tangential": c_t, "wind": list(wind)}
+    scene = _rod(
+        {"drag": drag, "gravity": {"g": G}},
+        initial={"velocity": [0.0, wind[1]]},
+        integrate={"span": [0.0, 3.0], "rtol": 1e-11, "atol": 1e-13},
+    )
+    sol = simulate(scene)
+    across = wind[1] - TERMINAL * np.tanh(G * sol.t / TERMINAL)
+    along = wind[0] - 1 / (1 / wind[0] + c_t * L / M * sol.t)
+    v = sol.y[:, sol.y.shape[1] // 2 :][:, :2]
+    np.testing.assert_allclose(v, np.stack((along, across), -1), rtol=0, atol=1e-9)
+    assert np.abs(sol.phi).max() < 1e-9
+    assert abs(v[-1, 1] - wind[1] + TERMINAL) < 0.01 * TERMINAL
+    assert sol.energy_error < 1e-8
+
+
+def test_what_is_no_drag_is_refused() -> None:
+    for drag, field in (
+        ({"normal": -1.0}, "normal"),
+        ({"wind": [1.0]}, "wind"),
+        ({"wind": [1.0, "x*t"]}, "wind.1"),
+        ({"wind": [1.0, float("nan")]}, "wind.1"),
+        ({"wind": 3.0}, "wind"),
+    ):
+        with pytest.raises(SceneError) as refused:
+            _rod({"drag": drag})
+        assert refused.value.field == f"loads.drag.{field}"
