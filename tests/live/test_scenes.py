@@ -255,7 +255,7 @@ def test_scenes_of_the_package_can_be_edited_packed_and_drawn(path: Path) -> Non
             moving = form.links - (boundary == "cantilever") + 2 * (boundary == "free")
             assert other.initial_state().size == 2 * moving + len(scene.states)
     assert from_toml_text(scene.to_toml().encode()) == scene
-    assert hash(parse(dump(scene.structure))) == hash(scene.structure)
+    assert {parse(dump(scene.structure))} == {scene.structure}  # in another process, too
     stiffness, damping = usual(scene)  # of the spring of a pull
     assert stiffness > 0 <= damping
     text = Link(scene).pack()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -139,11 +138,13 @@ def test_what_is_no_store_is_refused(tmp_path: Path) -> None:
     xr.Dataset({"x": ("x", [1.0])}).to_zarr(tmp_path / "c.zarr", zarr_format=3, consolidated=False)
     for name in ("a", "b", "c", "missing"):
         path = tmp_path / f"{name}.zarr"
-        with pytest.raises(SceneError, match=re.escape(path.name)):
+        with pytest.raises(SceneError) as refused:
             read(path)
+        assert str(refused.value.value) == str(path)
         if path.exists():
-            with pytest.raises(SceneError, match=re.escape(path.name)):
+            with pytest.raises(SceneError) as refused:
                 run(grid(), path, workers=1, resume=True)
+            assert str(refused.value.value) == str(path)
     with pytest.raises(SceneError, match=r"^out = "):
         run(grid(), tmp_path / "b.zarr" / "inside.zarr", workers=1)
 
