@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import sympy
@@ -39,17 +40,17 @@ MODULES = {
 }
 
 
-def texts() -> dict[Path, str]:
-    """What every file is to hold."""
-    made = {NATIVE / name: text for name, text in headers().items()} | pages()
+def texts() -> Iterator[tuple[Path, str]]:
+    """Yield files and what each is to hold; headers first, of which modules hold a hash."""
+    yield from ((NATIVE / name, text) for name, text in headers().items())
+    yield from pages().items()
     locked = (ROOT / "requirements.lock").read_text(encoding="utf-8").splitlines()
     if f"sympy=={sympy.__version__}" not in locked:
         print(f"without modules: SymPy {sympy.__version__} is not that of requirements.lock")
-        return made
+        return
     for structure, target, form in MODULES.values():
         files = module_files(structure, target, form)
-        made |= {GENERATED / name: text for name, text in files.items()}
-    return made
+        yield from ((GENERATED / name, text) for name, text in files.items())
 
 
 def main(*arguments: str) -> None:
@@ -58,7 +59,7 @@ def main(*arguments: str) -> None:
     parser.add_argument("--check", action="store_true", help="write nothing, name what differs")
     given = parser.parse_args(arguments)
     differing = []
-    for path, text in texts().items():
+    for path, text in texts():
         wanted = text.encode()
         if path.is_file() and path.read_bytes() == wanted:
             continue

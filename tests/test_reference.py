@@ -17,7 +17,7 @@ def test_check_names_what_differs_and_writes_nothing(
 ) -> None:
     """Line ends count; a file that is not there differs."""
     wanted = {tmp_path / name: f"text of {name}\n" for name in ("same", "other", "ends", "none")}
-    monkeypatch.setattr(reference, "texts", lambda: wanted)
+    monkeypatch.setattr(reference, "texts", lambda: wanted.items())
     (tmp_path / "same").write_text(wanted[tmp_path / "same"])
     (tmp_path / "other").write_text("another text\n")
     (tmp_path / "ends").write_bytes(b"text of ends\r\n")
