@@ -3,7 +3,6 @@ differences of the hand-assembled closed form in 50-digit arithmetic."""
 
 from __future__ import annotations
 
-import re
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,6 +10,9 @@ import mpmath as mp
 import numpy as np
 
 import rodgen
+from rodgen.analyse.cycles.branches import hopf_of
+from rodgen.analyse.cycles.family import Variation
+from rodgen.analyse.cycles.search import Search, find_cycle
 from rodgen.check.by_hand import ByHand
 from rodgen.scene import Scene
 
@@ -20,30 +22,29 @@ ONES = {"length": 1.0, "bending_stiffness": 1.0, "mass": 1.0}
 THRUST: dict[str, Any] = {"follower": {"force": 50.0}}
 FORCE, AXIAL = "loads.follower.force", "loads.tip.x"
 # Ziegler's double pendulum with damping, beyond its flutter.
-ZIEGLER: dict[str, Any] = {
-    "name": "ziegler",
-    "rod": ONES | {"links": 3, "boundary": "cantilever", "inertia": "lumped"},
-    "loads": {"follower": {"force": 16.0}, "internal_damping": {"coefficient": 0.3}},
-    "initial": {"phi": [0.2, 0.1]},
-    "integrate": {"span": [0.0, 12.0], "rtol": 1e-8, "atol": 1e-10},
-}
+ZIEGLER = Scene.from_dict(
+    {
+        "name": "ziegler",
+        "rod": ONES | {"links": 3, "boundary": "cantilever", "inertia": "lumped"},
+        "loads": {"follower": {"force": 16.0}, "internal_damping": {"coefficient": 0.3}},
+        "initial": {"phi": [0.2, 0.1]},
+        "integrate": {"span": [0.0, 12.0], "rtol": 1e-8, "atol": 1e-10},
+    }
+)
 # Loads of no size change nothing: with them it is a structure that other tests compile as well.
-NOTHING = {
-    "gravity": {"g": 0.0},
-    "external_damping": {"coefficient": 0.0},
-    "tip": {"x": 0.0, "y": 0.0},
-}
-COLUMN: dict[str, Any] = {
-    "name": "column",
-    "rod": ONES | {"links": 3, "boundary": "clamped"},
-    "loads": NOTHING | {"follower": {"force": 20.0}, "internal_damping": {"coefficient": 0.3}},
-    "initial": {"phi": "0.2*s"},
-    "integrate": {"span": [0.0, 20.0]},
-}
+NOTHING = {"gravity": {"g": 0.0}, "external_damping": {"coefficient": 0.0}}
+NOTHING |= {"tip": {"x": 0.0, "y": 0.0}}
+COLUMN = Scene.from_dict(
+    {
+        "name": "column",
+        "rod": ONES | {"links": 3, "boundary": "clamped"},
+        "loads": NOTHING | {"follower": {"force": 20.0}, "internal_damping": {"coefficient": 0.3}},
+        "initial": {"phi": "0.2*s"},
+        "integrate": {"span": [0.0, 20.0]},
+    }
+)
 DIGITS = 50
 NUDGE = 2.0**-60  # central differences: errors of 1e-36 and of 1e-32
-
-
 TABLES = {"initial", "integrate", "parameters", "states", "supports", "foundation", "bodies"}
 
 
@@ -89,6 +90,14 @@ def exact_rates(scene: Scene) -> list[Any]:
         return [s for s in mp.eig(J, left=False, right=False) if abs(s) > 1e-12]
 
 
-def numbers(text: object) -> list[float]:
-    """The numbers that stand in a text."""
-    return [float(found) for found in re.findall(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?", str(text))]
+def beside_hopf(scene: Scene, ends: tuple[float, float]) -> tuple[Any, list[float]]:
+    """The Hopf point of a thrust between these; and of two cycles beside it, one of half the
+    amplitude of the other, how far their periods are from those of the normal form."""
+    hopf, flow = hopf_of(Variation(Search.of(scene), scene, FORCE, ends))
+    errors = []
+    for amplitude in (0.06, 0.03):
+        x, value, period = hopf.beside(amplitude)
+        y0 = flow(value).quotient.lifted(x)
+        found = find_cycle(scene.replace({FORCE: value}), y0=y0, period=period)
+        errors.append(abs(found.period - period))
+    return hopf, errors

@@ -15,6 +15,7 @@ from rodgen.analyse.curves.continuation import Steps
 from rodgen.analyse.errors import AnalysisError
 from rodgen.scene.keys import with_value
 from tests.analyse.rods import FORCE, ONES, eigenvalues, rod
+from tests.sets import sets
 
 INTERNAL = "loads.internal_damping.coefficient"
 MATERIAL, EXTERNAL = "loads.material_damping.time", "loads.external_damping.coefficient"
@@ -31,9 +32,8 @@ def test_ziegler_paradox_in_closed_form() -> None:
     force, damping = found["a"].values, found["b"].values
     assert damping[0] == 0.0
     assert force[0] == pytest.approx(9 * 41 / 28, rel=1e-12)
-    np.testing.assert_allclose(
-        force, 9 * (41 / 28 + (damping / 0.18) ** 2 * 0.0648 / 2), rtol=1e-10
-    )
+    due = 9 * (41 / 28 + (damping / 0.18) ** 2 * 0.0648 / 2)
+    np.testing.assert_allclose(force, due, rtol=1e-10)
     at = int(np.argmin(np.abs(damping - 0.18)))
     assert (damping[at], force[at]) == pytest.approx((0.18, 13.4701714286), rel=1e-11)
     assert found.attrs["complete"]
@@ -49,19 +49,15 @@ def test_ziegler_paradox_in_closed_form() -> None:
 
 @pytest.mark.parametrize(
     ("n", "boundary", "loads", "key", "ends"),
-    [
-        (5, "clamped", {"material_damping": {"time": 0.01}}, MATERIAL, (0.001, 0.1)),
-        pytest.param(
-            *(4, "free", {"material_damping": {"time": 0.003}}, MATERIAL, (0.001, 0.01)),
-            marks=pytest.mark.slow,
-        ),
-        pytest.param(*(5, "clamped", {}, "rod.length", (0.8, 1.3)), marks=pytest.mark.nightly),
-        pytest.param(
-            *(3, "clamped", {"gravity": {"g": 1.0}}, "loads.gravity.g", (0.0, 2.0)),
-            marks=pytest.mark.slow,
-        ),
-    ],
-    ids=["material", "free", "length", "bent"],
+    sets(
+        [(5, "clamped", {"material_damping": {"time": 0.01}}, MATERIAL, (0.001, 0.1))],
+        slow=[
+            (4, "free", {"material_damping": {"time": 0.003}}, MATERIAL, (0.001, 0.01)),
+            (3, "clamped", {"gravity": {"g": 1.0}}, "loads.gravity.g", (0.0, 2.0)),
+        ],
+        nightly=[(5, "clamped", {}, "rod.length", (0.8, 1.3))],
+    ),
+    ids=["material", "free", "bent", "length"],
 )
 def test_every_point_is_a_critical_force(
     n: int, boundary: str, loads: dict[str, Any], key: str, ends: tuple[float, float]
@@ -126,7 +122,7 @@ class Pair:
 
 def test_the_outline_turns_where_another_motion_begins() -> None:
     plain = Scale(1.0, curved=False)
-    boundary = Boundary(Pair(), (plain, plain), 1.0, True)  # type: ignore[arg-type]  # a stand-in
+    boundary = Boundary(Pair(), (plain, plain), 1.0, True)
     outline = Outline([(-2.0, 2.0), (-2.0, 2.0)], Steps.of(0.1, 1000, 4), lambda point: None)
     found = outline.around(boundary, 1.0, 1.0, 0.0)
     a, b, frequency, _ = np.array([point.u for point in found.points]).T
@@ -141,10 +137,7 @@ def test_the_outline_turns_where_another_motion_begins() -> None:
     assert found.complete
 
 
-@pytest.mark.parametrize(
-    ("tau", "corner"),
-    [(0.0, None), pytest.param(0.02, (5 / 6, 2 / 3), marks=pytest.mark.slow)],
-)
+@pytest.mark.parametrize(("tau", "corner"), sets([(0.0, None)], slow=[(0.02, (5 / 6, 2 / 3))]))
 def test_flutter_goes_on_as_divergence(tau: float, corner: Any) -> None:
     """Ziegler's pendulum under a follower force p and a dead one f (both times l/k): it diverges at
     p = 3 - f - 1/f; there flutter begins with frequency zero, without damping where the trace of
@@ -191,9 +184,8 @@ def test_a_cusp_is_named() -> None:
     changes: the boundary comes to a point, where both numbers stand still along it."""
     support = [{"at": 0.5, "stiffness": [0.0, 10.0]}]
     scene = rod(4, "clamped", {"follower": {"force": 1.0}}, supports=support, **ONES)
-    found = stability_boundary(
-        scene, (FORCE, "supports.0.stiffness.1"), ranges=((0.0, 400.0), (0.0, 1500.0))
-    )
+    keys, ends = (FORCE, "supports.0.stiffness.1"), ((0.0, 400.0), (0.0, 1500.0))
+    found = stability_boundary(scene, keys, ranges=ends)
     assert "cusp" in found["special_kind"].values
     at = int(found["special_after"][list(found["special_kind"].values).index("cusp")])
     a, b = found["a"].values, found["b"].values

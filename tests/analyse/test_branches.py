@@ -18,6 +18,7 @@ from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.references import elastica
 from rodgen.scene import SceneError
 from tests.analyse.rods import AXIAL, FORCE, LENGTH, ONES, STIFFNESS, rod
+from tests.sets import sets
 
 UNIT = STIFFNESS / LENGTH**2
 DEAD = {"tip": {"x": 0.0, "y": 0.0}}
@@ -33,9 +34,7 @@ def buckling(n: int, mode: int) -> float:
 
 
 # Beyond 90 unknowns matrices are sparse.
-@pytest.mark.parametrize(
-    ("n", "within"), [(5, 1e-12), pytest.param(100, 1e-9, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("n", "within"), sets([(5, 1e-12)], slow=[(100, 1e-9)]))
 def test_branch_points_are_the_discrete_buckling_loads(n: int, within: float) -> None:
     found = continue_equilibria(rod(n, "clamped", DEAD), AXIAL, (0.0, -70 * UNIT), step=0.1)
     loads = [-buckling(n, mode) for mode in (1, 2, 3)]
@@ -67,19 +66,15 @@ def test_the_bent_branch_is_the_elastica() -> None:
 
 @pytest.mark.parametrize(
     ("boundary", "n", "damping"),
-    [
-        ("clamped", 5, {}),
-        ("clamped", 5, {"material_damping": {"time": 0.01}}),
-        *(
-            pytest.param(boundary, n, damping, marks=pytest.mark.slow)
-            for boundary, n, damping in (
-                *(("clamped", 5, {name: {"coefficient": 0.3}}) for name in DAMPINGS),
-                # Beyond 12 links the lowest modes are looked at, all of them in a few points.
-                ("clamped", 30, {}),
-                ("free", 5, {name: {"coefficient": 0.3} for name in DAMPINGS}),  # it flies
-            )
-        ),
-    ],
+    sets(
+        [("clamped", 5, {}), ("clamped", 5, {"material_damping": {"time": 0.01}})],
+        slow=[
+            *(("clamped", 5, {name: {"coefficient": 0.3}}) for name in DAMPINGS),
+            # Beyond 12 links the lowest modes are looked at, all of them in a few points.
+            ("clamped", 30, {}),
+            ("free", 5, {name: {"coefficient": 0.3} for name in DAMPINGS}),  # it flies
+        ],
+    ),
 )
 def test_hopf_points_are_critical_loads(boundary: str, n: int, damping: dict[str, Any]) -> None:
     scene = rod(n, boundary, PUSHED | damping)

@@ -13,7 +13,7 @@ from rodgen.analyse.curves.continuation import continued, started
 from rodgen.analyse.curves.curve import BRANCH, FOLD, Curve, Point, Problem
 from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.stepper import Array
-from tests.analyse.rods import numbers
+from tests.told import numbers
 
 Equations = Callable[[Array], tuple[list[float], list[list[float]]]]
 

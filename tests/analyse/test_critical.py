@@ -17,15 +17,13 @@ from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.references.columns import Onset, beck, hauger, leipholz, thrust
 from rodgen.scene import Scene
 from tests.analyse.rods import ONES, SIZES, THRUST, exact_rates, rod
+from tests.sets import sets
 
 
 @pytest.mark.parametrize(
     ("links", "boundary", "tail", "kind"),
-    [
-        # Its turning, damped from outside, begins to grow before it buckles.
-        pytest.param(3, "pinned", 3.0, "divergence", marks=pytest.mark.slow),
-        pytest.param(4, "free", 1.0, "flutter", marks=pytest.mark.nightly),
-    ],
+    # A pinned rod's turning, damped from outside, begins to grow before it buckles.
+    sets([], slow=[(3, "pinned", 3.0, "divergence")], nightly=[(4, "free", 1.0, "flutter")]),
 )
 def test_onset_with_drag_to_nine_digits(links: int, boundary: str, tail: float, kind: str) -> None:
     fins = [1.0] * links + [tail]
@@ -63,9 +61,7 @@ def test_damping_that_vanishes() -> None:
     assert weak[0] < bare * (1 - 1e-4)
 
 
-@pytest.mark.parametrize(
-    ("name", "exact"), [("clamped", beck), pytest.param("free", thrust, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("name", "exact"), sets([("clamped", beck)], slow=[("free", thrust)]))
 def test_extrapolated_it_is_that_of_the_continuum(name: str, exact: Callable[[], Onset]) -> None:
     n = [5, 10, 20, 40]
     found = [critical_force(rod(k, name, THRUST)) for k in n]
@@ -193,9 +189,8 @@ def test_the_factor_of_a_tapered_rod_names_its_stiffness() -> None:
     cells = [(j - 0.5, j + 0.5) for j in (1, 2)]
     springs = [3 / np.log((2 - a / 3) / (2 - b / 3)) for a, b in cells]  # times the length
     assert found.stiffness == pytest.approx(np.mean(springs) / 3, rel=1e-9)
-    assert found.factor == pytest.approx(
-        found.force * found.scene.rod.length**2 / found.stiffness, rel=1e-12
-    )
+    unit = found.stiffness / found.scene.rod.length**2
+    assert found.factor == pytest.approx(found.force / unit, rel=1e-12)
 
 
 @pytest.mark.slow
@@ -224,4 +219,4 @@ def test_what_is_not_found_is_said() -> None:
             rod(3, "clamped", THRUST), method="semi_implicit_euler", step=0.01, **how
         )
     with pytest.raises(TypeError, match="'out'"):
-        simulated_critical_force(rod(3, "clamped", THRUST), out="run.nc", **how)  # type: ignore[call-arg]
+        simulated_critical_force(rod(3, "clamped", THRUST), out="run.nc", **how)

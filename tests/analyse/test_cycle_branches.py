@@ -20,24 +20,17 @@ from rodgen.analyse.cycles.nonlinear_modes import continue_mode, nonlinear_mode
 from rodgen.analyse.cycles.search import Search, find_cycle
 from rodgen.analyse.errors import AnalysisError
 from rodgen.scene import Scene, SceneError
-from tests.analyse.rods import COLUMN, FORCE, NOTHING, ONES, ZIEGLER, rod
+from tests.analyse.rods import COLUMN, FORCE, NOTHING, ONES, ZIEGLER, beside_hopf, rod
 
 
 @pytest.fixture(scope="module")
-def column() -> Scene:
-    return Scene.from_dict(COLUMN)
-
-
-@pytest.fixture(scope="module")
-def branch(column: Scene) -> Any:
-    return continue_cycles(column, FORCE, (8.0, 22.0))
+def branch() -> Any:
+    return continue_cycles(COLUMN, FORCE, (8.0, 22.0))
 
 
 def test_flutter_of_zieglers_pendulum_is_a_hopf_point() -> None:
     """At the thrust of Herrmann and Jong (1965) for this damping, 9 (41/28 + 0.18/2)."""
-    scene = Scene.from_dict(ZIEGLER)
-    variation = Variation(Search.of(scene, "numpy"), scene, FORCE, (12.0, 17.0))
-    hopf, _ = hopf_of(variation)
+    hopf, _ = hopf_of(Variation(Search.of(ZIEGLER, "numpy"), ZIEGLER, FORCE, (12.0, 17.0)))
     assert hopf.value == pytest.approx(9 * (41 / 28 + 0.18 / 2), rel=1e-11)
     assert hopf.supercritical
 
@@ -56,9 +49,9 @@ def test_slow_flutter_of_a_strongly_damped_rod_is_a_hopf_point() -> None:
 
 
 @pytest.mark.slow
-def test_cycles_begin_where_flutter_does(column: Scene, branch: Any) -> None:
-    without = COLUMN | {"loads": {k: v for k, v in COLUMN["loads"].items() if k not in NOTHING}}
-    critical = rodgen.critical_force(Scene.from_dict(without))
+def test_cycles_begin_where_flutter_does(branch: Any) -> None:
+    without = COLUMN.replace({f"loads.{name}": None for name in NOTHING})
+    critical = rodgen.critical_force(without)
     assert branch["special_kind"].values[0] == "hopf"
     assert float(branch["special_value"][0]) == pytest.approx(critical.force, rel=1e-9)
     assert float(branch["special_frequency"][0]) == pytest.approx(critical.frequency, rel=1e-9)
@@ -70,28 +63,19 @@ def test_cycles_begin_where_flutter_does(column: Scene, branch: Any) -> None:
 
 
 @pytest.mark.slow
-def test_the_normal_form_has_the_cycles_beside_it(column: Scene) -> None:
+def test_the_normal_form_has_the_cycles_beside_it() -> None:
     """Value and period of small cycles differ from those of the normal form by the fourth power of
     the amplitude."""
-    search = Search.of(column)
-    hopf, flow = hopf_of(Variation(search, column, FORCE, (8.0, 22.0)))
-    errors = []
-    for amplitude in (0.06, 0.03):
-        x, value, period = hopf.beside(amplitude)
-        there = column.model_dump(exclude_none=True)
-        there["loads"]["follower"]["force"] = value
-        scene = Scene.from_dict(there)
-        found = find_cycle(scene, y0=flow(value).quotient.lifted(x), period=period)
-        errors.append(abs(found.period - period))
+    hopf, errors = beside_hopf(COLUMN, (8.0, 22.0))
     assert errors[0] / errors[1] == pytest.approx(16, rel=0.25)
     assert errors[1] < 1e-5 * 2 * np.pi / hopf.frequency
 
 
-def test_a_branch_has_the_cycle_of_a_run(branch: Any, column: Scene, tmp_path: Any) -> None:
-    alone = find_cycle(column)
-    at = branch_data.nearest(branch, column)
+def test_a_branch_has_the_cycle_of_a_run(branch: Any, tmp_path: Any) -> None:
+    alone = find_cycle(COLUMN)
+    at = branch_data.nearest(branch, COLUMN)
     _, known = branch_data.on_branch(branch, at)
-    found = find_cycle(column, y0=known.y0, period=known.period)
+    found = find_cycle(COLUMN, y0=known.y0, period=known.period)
     assert found.period == pytest.approx(alone.period, rel=1e-9)
     # What thrust brings in, damping takes out, in every cycle of the branch.
     work = branch["work"].values
@@ -100,7 +84,7 @@ def test_a_branch_has_the_cycle_of_a_run(branch: Any, column: Scene, tmp_path: A
     again = branch_data.read(tmp_path / "cycles.nc")
     np.testing.assert_array_equal(again["y0"].values, branch["y0"].values)
     # From there both ways: the same curve.
-    both = continue_cycles(column, FORCE, (19.0, 20.5), start=alone)
+    both = continue_cycles(COLUMN, FORCE, (19.0, 20.5), start=alone)
     values = both["value"].values
     periods = np.interp(20.0, values, both["period"].values)
     assert periods == pytest.approx(alone.period, rel=1e-4)  # of a line between points
@@ -108,12 +92,9 @@ def test_a_branch_has_the_cycle_of_a_run(branch: Any, column: Scene, tmp_path: A
 
 
 @pytest.mark.slow
-def test_a_scene_at_a_point_of_a_branch_starts_on_its_cycle(column: Scene) -> None:
+def test_a_scene_at_a_point_of_a_branch_starts_on_its_cycle() -> None:
     """Where the load grows at the start of the span, it starts when that has ended."""
-    table = column.model_dump(exclude_none=True)
-    table["loads"]["follower"]["force"] = "P0*min(t/0.5, 1)"
-    table["parameters"] = {"P0": 20.0}
-    grows = Scene.from_dict(table)
+    grows = COLUMN.replace({FORCE: "P0*min(t/0.5, 1)", "parameters": {"P0": 20.0}})
     found = continue_cycles(grows, "parameters.P0", (19.0, 20.5), start="run", step=1.0)
     for at in (0, found.sizes["point"] - 1):
         scene = branch_data.scene_at(found, at)
@@ -125,14 +106,13 @@ def test_a_scene_at_a_point_of_a_branch_starts_on_its_cycle(column: Scene) -> No
         branch_data.scene_at(found, found.sizes["point"])
 
 
-def test_what_no_branch_begins_with(column: Scene) -> None:
+def test_what_no_branch_begins_with() -> None:
     """No flutter in the range; a pair that does not cross, as nothing damps it; what is not smooth
     at rest."""
-    bare = Scene.from_dict(ZIEGLER | {"loads": {"follower": {"force": 16.0}}})
-    loads = COLUMN["loads"] | {"external_damping": {"coefficient": 0.5}}
-    braked = Scene.from_dict(COLUMN | {"loads": loads})
+    bare = ZIEGLER.replace({"loads.internal_damping": None})
+    braked = COLUMN.replace({"loads.external_damping.coefficient": 0.5})
     for scene, ends, target in (
-        (column, (1.0, 5.0), None),
+        (COLUMN, (1.0, 5.0), None),
         (bare, (15.0, 25.0), "numpy"),
         (braked, (5.0, 25.0), None),
     ):

@@ -66,7 +66,7 @@ def test_a_run_settles_on_the_doubled_cycle(doubled: Any) -> None:
 @pytest.mark.slow
 def test_cycles_begin_in_a_hopf_point_of_a_branch_of_equilibria() -> None:
     """That which the search along the equilibrium finds."""
-    scene, ends = Scene.from_dict(COLUMN), (8.0, 22.0)
+    scene, ends = COLUMN, (8.0, 22.0)
     branch = continue_equilibria(scene, FORCE, ends)
     number = branch["special_kind"].values.tolist().index("hopf") + 1
     found = continue_cycles(scene, FORCE, ends, start=branch, at=number, most=3)

@@ -20,23 +20,20 @@ NEAR, ABOUT = [0.397, 1.249, 1.647, 1.617, 4.071, 4.251], 0.915
 
 
 @pytest.fixture(scope="module")
-def column() -> Scene:
-    return Scene.from_dict(COLUMN)
+def cycle() -> Cycle:
+    return find_cycle(COLUMN, y0=NEAR, period=ABOUT)
 
 
-@pytest.fixture(scope="module")
-def cycle(column: Scene) -> Cycle:
-    return find_cycle(column, y0=NEAR, period=ABOUT)
-
-
-def test_by_runs_of_scipy(cycle: Cycle, column: Scene) -> None:
+def test_by_runs_of_scipy(cycle: Cycle) -> None:
     """A run of the period comes back, and the multipliers are those of differences of such runs."""
-    model = rodgen.build(column, "c")
-    p = model.parameters(**column.parameters)
+    model = rodgen.build(COLUMN, "c")
+    p = model.parameters(**COLUMN.parameters)
 
     def after(y: Any) -> Any:
-        rates = lambda t, y: model.rhs(t, y, p)  # noqa: E731
-        return solve_ivp(rates, (0, cycle.period), y, "DOP853", rtol=1e-11, atol=1e-12).y[:, -1]
+        found = solve_ivp(
+            model.rhs, (0, cycle.period), y, "DOP853", args=(p,), rtol=1e-11, atol=1e-12
+        )
+        return found.y[:, -1]
 
     np.testing.assert_allclose(after(cycle.y0), cycle.y0, atol=1e-8)
     columns = [after(cycle.y0 + d) - after(cycle.y0 - d) for d in 1e-5 * np.eye(6)]
@@ -52,22 +49,17 @@ def test_by_runs_of_scipy(cycle: Cycle, column: Scene) -> None:
     [
         ({}, "collocation"),
         ({"by": "shooting"}, "shooting"),
-        ({"segments": 1}, "shooting"),
-        ({"segments": 3}, "shooting"),
-        ({"segments": 20}, "shooting"),
+        *(({"segments": count}, "shooting") for count in (1, 3, 20)),
         # Newton's method on a few directions, Picard's iteration on the rest.
-        ({"multipliers": 2}, "picard"),
-        ({"multipliers": 4}, "picard"),
+        *(({"multipliers": count}, "picard") for count in (2, 4)),
     ],
     ids=str,
 )
-def test_every_way_finds_the_cycle_of_a_run(
-    column: Scene, cycle: Cycle, how: dict[str, Any], by: str
-) -> None:
+def test_every_way_finds_the_cycle_of_a_run(cycle: Cycle, how: dict[str, Any], by: str) -> None:
     """Discretisations with nothing in common but the rates: to the tolerance of either."""
     assert cycle.error < 1e-9
     near = {} if by == "collocation" else {"y0": NEAR, "period": ABOUT}
-    found = find_cycle(column, **near, **how)
+    found = find_cycle(COLUMN, **near, **how)
     assert found.by == by
     assert found.period == pytest.approx(cycle.period, rel=1e-9)
     count = how.get("multipliers", len(cycle.multipliers))
@@ -78,9 +70,9 @@ def test_every_way_finds_the_cycle_of_a_run(
     assert sum(found.work.values()) == pytest.approx(0, abs=1e-9 * found.work["follower"])
 
 
-def test_tangents_of_an_implicit_stepper(column: Scene, cycle: Cycle) -> None:
+def test_tangents_of_an_implicit_stepper(cycle: Cycle) -> None:
     """By radau as by dop853, over an eighth of the period."""
-    flow = Search.of(column).flow(0.0, cycle.y0)
+    flow = Search.of(COLUMN).flow(0.0, cycle.y0)
     x = cycle.y0[flow.quotient.kept]
     by = [
         replace(flow, method=method).with_tangents(0.0, x, cycle.period / 8)
@@ -94,9 +86,8 @@ def test_tangents_of_an_implicit_stepper(column: Scene, cycle: Cycle) -> None:
 def test_stiff_cycles_by_radau() -> None:
     """Of steps that are longer than the fastest motion lasts: it decays by exp(-60000) in a
     period."""
-    table = Scene.example("beck_after_flutter").model_dump(exclude_none=True)
-    table["rod"]["links"], table["loads"]["material_damping"]["time"] = 20, 0.01
-    scene = Scene.from_dict(table)
+    finer = {"rod.links": 20, "loads.material_damping.time": 0.01}
+    scene = Scene.example("beck_after_flutter").replace(finer)
     leading = find_cycle(scene, multipliers=3)
     flow = Search.of(scene).flow(0.0, leading.y0)
     x = leading.y0[flow.quotient.kept]
@@ -104,18 +95,16 @@ def test_stiff_cycles_by_radau() -> None:
     whole = find_cycle(scene, y0=leading.y0, period=leading.period)
     assert whole.by == "collocation"
     assert whole.period == pytest.approx(leading.period, rel=1e-9)
-    np.testing.assert_allclose(
-        np.abs(whole.multipliers[:3]), np.abs(leading.multipliers), atol=1e-8
-    )
+    sizes = np.abs(whole.multipliers)
+    np.testing.assert_allclose(sizes[:3], np.abs(leading.multipliers), atol=1e-8)
     # Nothing of the fastest motions is left after a period, whatever the steps.
-    assert np.abs(whole.multipliers[8:]).max() < 1e-12
+    assert sizes[8:].max() < 1e-12
 
 
 def test_a_kink_takes_more_intervals_and_what_is_left_is_told() -> None:
     """The order of collocation is lost; the mesh gathers at the kinks. Multipliers by shooting are
     right to some 1e-6 there."""
-    loads = COLUMN["loads"] | {"external_damping": {"coefficient": 0.1}}
-    scene = Scene.from_dict(COLUMN | {"loads": loads})
+    scene = COLUMN.replace({"loads.external_damping.coefficient": 0.1})
     found = find_cycle(scene, y0=NEAR, period=ABOUT)
     assert 1e-10 < found.error < 1e-6
     assert found.trivial_error < 10 * found.error

@@ -13,7 +13,7 @@ from rodgen.analyse.chaos.exponents import standard_errors, trends
 from rodgen.analyse.chaos.zero_one import zero_one_test
 from rodgen.analyse.curves.curve import Problem
 from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene
+from tests.analyse.rods import ONES, rod
 
 
 def test_a_series_and_what_is_added_to_it_are_as_chaotic() -> None:
@@ -46,20 +46,8 @@ def test_trends_are_what_half_the_time_would_have_changed() -> None:
 
 def test_the_start_of_a_section_is_left_out_from_the_start_of_its_run_on() -> None:
     """Of a pendulum that swings from three seconds on: crossings from five on."""
-    table = {
-        "name": "pendulum",
-        "rod": {
-            "links": 1,
-            "length": 1.0,
-            "mass": 1.0,
-            "bending_stiffness": 0.0,
-            "boundary": "pinned",
-        },
-        "loads": {"gravity": {}},
-        "initial": {"phi": -1.5},
-        "integrate": {"span": [3.0, 8.0]},
-    }
-    scene = Scene.from_dict(table)
+    keys = ONES | {"bending_stiffness": 0.0, "initial": {"phi": -1.5}}
+    scene = rod(1, "pinned", {"gravity": {}}, integrate={"span": [3.0, 8.0]}, **keys)
     every, late = (
         rodgen.poincare_section(scene, "phi_0", either=-np.pi / 2, transient=left)["t"].values
         for left in (0.0, 2.0)

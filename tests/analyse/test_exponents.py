@@ -21,17 +21,16 @@ from rodgen.integrate.variations import Variations
 from rodgen.scene import Scene
 from tests.analyse.rods import eigenvalues, rod
 
-G = 9.81
-PHI = (1.5, 0.5)
+DAMPING = "loads.internal_damping.coefficient"
 
 
 @pytest.fixture(scope="module")
 def pendulum() -> Scene:
     """A double pendulum of two uniform rods, each of 1 m and 1 kg, let go from angles that make it
     tumble."""
-    keys = {"length": 2.0, "bending_stiffness": 0.0, "mass": 2.0, "initial": {"phi": list(PHI)}}
+    keys = {"length": 2.0, "bending_stiffness": 0.0, "mass": 2.0, "initial": {"phi": [1.5, 0.5]}}
     keys |= {"integrate": {"span": [0.0, 10.0], "rtol": 1e-12, "atol": 1e-13}}
-    return rod(2, "pinned", {"gravity": {"g": G}}, **keys)
+    return rod(2, "pinned", {"gravity": {"g": 9.81}}, **keys)
 
 
 @pytest.mark.compiler
@@ -55,10 +54,7 @@ def test_exponents_without_damping(pendulum: Scene) -> None:
 @pytest.mark.slow
 @pytest.mark.compiler
 def test_small_swings_are_regular(pendulum: Scene) -> None:
-    scene = Scene.from_dict(
-        pendulum.model_dump(exclude_none=True) | {"initial": {"phi": [-1.4, -1.5]}}
-    )
-    found = lyapunov_exponents(scene, span=200.0)
+    found = lyapunov_exponents(pendulum.replace({"initial.phi": [-1.4, -1.5]}), span=200.0)
     assert (np.abs(found.exponents) < 2 * found.errors).all()
     assert found.chaotic is False
     assert found.zero_one < 0.1
@@ -107,9 +103,7 @@ def test_exponents_at_rest_are_those_of_the_matrix(
 ) -> None:
     """A rod that is straight and still stays so: growth rates of its linear motion, of which two
     are zero, as it may turn freely."""
-    loads = {"internal_damping": {"coefficient": coefficient}}
-    table = damped.model_dump(exclude_none=True) | {"initial": {"phi": start}, "loads": loads}
-    still = Scene.from_dict(table)
+    still = damped.replace({"initial": {"phi": start}, DAMPING: coefficient})
     found = lyapunov_exponents(still, span=span)
     off = np.abs(found.exponents - np.sort(eigenvalues(still).real)[::-1])
     assert (off < 2 * found.errors).all()
@@ -150,19 +144,16 @@ def test_motion_that_cannot_go_on(pendulum: Scene, monkeypatch: pytest.MonkeyPat
 
 @pytest.mark.compiler
 def test_scene_that_is_too_stiff_is_refused_at_once(damped: Scene) -> None:
-    table = damped.model_dump(exclude_none=True)
-    stiff = Scene.from_dict(table | {"loads": {"internal_damping": {"coefficient": 1e9}}})
     with pytest.raises(AnalysisError, match=r"integrate\.max_steps"):
-        lyapunov_exponents(stiff, count=1)
+        lyapunov_exponents(damped.replace({DAMPING: 1e9}), count=1)
 
 
 @pytest.mark.slow
 @pytest.mark.compiler
 def test_command(pendulum: Scene, rodgen: Callable[..., Any], tmp_path: Path) -> None:
     file = tmp_path / "pendulum.toml"
-    table = pendulum.model_dump(exclude_none=True)
-    table["integrate"] |= {"method": "bdf", "rtol": 1e-8, "atol": 1e-10}
-    file.write_text(Scene.from_dict(table).to_toml(), encoding="utf-8")
+    slower = pendulum.with_integrate(method="bdf", rtol=1e-8, atol=1e-10)
+    file.write_text(slower.to_toml(), encoding="utf-8")
     done = rodgen("exponents", file, "--count", 2, "--span", 20, "--json", cwd=tmp_path)
     assert done.returncode == 0
     told = json.loads(done.stdout)

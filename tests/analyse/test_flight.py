@@ -17,19 +17,16 @@ from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
-from tests.analyse.rods import numbers, rod
+from tests.analyse.rods import rod
+from tests.told import numbers
 
 SPEED = 1.0  # m/s
 # Of second order are c_ext s times NUDGE times SPEED or over it; roundings are 1e-16 over it.
 NUDGE = 1e-7
 FINS = {"nose": 1.0, "body": 1.0, "tail": 20.0}
 DRAG: dict[str, Any] = {"external_damping": {"coefficient": 0.5, "fin_factor": FINS}}
-PUSHED: dict[str, Any] = {
-    "follower": {"force": 50.0},
-    "internal_damping": {"coefficient": 0.2},
-    **DRAG,
-}
-BARE = {name: load for name, load in PUSHED.items() if name not in DRAG}
+BARE: dict[str, Any] = {"follower": {"force": 50.0}, "internal_damping": {"coefficient": 0.2}}
+PUSHED = BARE | DRAG
 
 
 def of_speed(found: Modes | Critical) -> list[str]:

@@ -31,9 +31,8 @@ def _edge(low: float, high: float, q: float) -> float:
     stable = floquet(_pendulum(low, 2 * q)).stable
     for _ in range(24):
         middle = (low + high) / 2
-        low, high = (
-            (middle, high) if floquet(_pendulum(middle, 2 * q)).stable == stable else (low, middle)
-        )
+        alike = floquet(_pendulum(middle, 2 * q)).stable == stable
+        low, high = (middle, high) if alike else (low, middle)
     return low
 
 

@@ -13,7 +13,8 @@ import rodgen
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.fourier import WINDOWS, peaks_of, spectrum
 from rodgen.scene import Scene
-from tests.analyse.rods import jacobian, numbers, rod
+from tests.analyse.rods import jacobian, rod
+from tests.told import numbers
 
 SMALL = "1e-4*cos(pi*s) + 1e-4*s**3"  # rad: symmetric and antisymmetric, products of 1e-8
 

@@ -13,6 +13,7 @@ import rodgen
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.scene import Scene
 from tests.analyse.rods import are_among, eigenvalues, rod
+from tests.sets import sets
 
 ROD = {"length": 2.0, "mass": 4.0, "bending_stiffness": 20.0}
 WEIGHT = 4.0 * 9.81
@@ -42,13 +43,7 @@ def test_the_place_alone_may_be_fed_back() -> None:
     np.testing.assert_allclose(found.tip, [1.0, -2.0 - WEIGHT / 10.0], rtol=1e-9)
 
 
-@pytest.mark.parametrize(
-    "boundary",
-    [
-        pytest.param("clamped", marks=pytest.mark.slow),
-        pytest.param("free", marks=pytest.mark.nightly),
-    ],
-)
+@pytest.mark.parametrize("boundary", sets([], slow=["clamped"], nightly=["free"]))
 def test_a_damped_run_comes_to_rest_there(boundary: str) -> None:
     springs = {"stiffness": [30.0, 80.0], "damping": [8.0, 20.0]}
     scene = _held(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,39 +12,28 @@ import pytest
 
 import rodgen
 from rodgen.analyse.curves import files
-from rodgen.scene import Scene
 from tests.analyse.rods import AXIAL, COLUMN, FORCE, ONES, rod
 from tests.analyse.test_boundary import INTERNAL
+from tests.sets import sets
 
 Follow = Callable[..., Any]
 
 
 def _equilibria(across: float = 0.3) -> tuple[Follow, str, str]:
     scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": across}})
-
-    def follow(**given: Any) -> Any:
-        return rodgen.continue_equilibria(scene, AXIAL, (0.0, -20.0), step=0.1, **given)
-
+    follow = partial(rodgen.continue_equilibria, scene, AXIAL, (0.0, -20.0), step=0.1)
     return follow, "value", "phi"
 
 
 def _boundary() -> tuple[Follow, str, str]:
     loads = {"follower": {"force": 2.0}, "internal_damping": {"coefficient": 0.18}}
     scene = rod(3, "cantilever", loads, inertia="lumped", **ONES)
-
-    def follow(**given: Any) -> Any:
-        ends = ((0.0, 60.0), (0.0, 3.0))
-        return rodgen.stability_boundary(scene, (FORCE, INTERNAL), ranges=ends, **given)
-
-    return follow, "b", "a"
+    ends = ((0.0, 60.0), (0.0, 3.0))
+    return partial(rodgen.stability_boundary, scene, (FORCE, INTERNAL), ranges=ends), "b", "a"
 
 
 def _cycles() -> tuple[Follow, str, str]:
-    scene = Scene.from_dict(COLUMN)
-
-    def follow(**given: Any) -> Any:
-        return rodgen.continue_cycles(scene, FORCE, (18.0, 21.0), **{"start": "run"} | given)
-
+    follow = partial(rodgen.continue_cycles, COLUMN, FORCE, (18.0, 21.0), start="run")
     return follow, "value", "period"
 
 
@@ -62,9 +52,7 @@ def _stopped(follow: Follow, after: int, **given: Any) -> Any:
     return caught.value.found
 
 
-@pytest.mark.parametrize(
-    "kind", [_equilibria, _boundary, pytest.param(_cycles, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("kind", sets([_equilibria, _boundary], slow=[_cycles]))
 def test_what_was_found_is_kept_and_gone_on_with(kind: Any, tmp_path: Path) -> None:
     follow, along, with_it = kind()
     whole = follow()

@@ -20,6 +20,7 @@ from rodgen.scene import Scene, SceneError
 from tests.analyse.rods import SIZES, THRUST, eigenvalues, exact_rates, rod
 from tests.live.conftest import ROD
 from tests.palette import cases
+from tests.sets import sets
 
 FINS = [1.0, 1.0, 2.0, 4.0]
 LOADS: dict[str, dict[str, Any]] = {
@@ -58,10 +59,7 @@ def test_overdamped_motions_take_no_places() -> None:
         np.testing.assert_allclose(found, expected[:5], rtol=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("boundary", "count"),
-    [("free", 3), pytest.param("clamped", 4, marks=pytest.mark.slow)],
-)
+@pytest.mark.parametrize(("boundary", "count"), sets([("free", 3)], slow=[("clamped", 4)]))
 def test_sparse_and_dense_agree(boundary: str, count: int) -> None:
     scene = rod(30, boundary, {"follower": {"force": 10.0}})
     few, all_of = natural_modes(scene, count), natural_modes(scene, 30)

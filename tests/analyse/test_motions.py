@@ -10,7 +10,6 @@ from scipy.optimize import root
 
 import rodgen
 from rodgen.analyse.branches import branch_data
-from rodgen.analyse.branches.branch_data import scene_at
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.curves import files
 from rodgen.analyse.errors import AnalysisError
@@ -29,9 +28,8 @@ def _scene(n: int, boundary: str, loads: dict[str, Any], **tables: Any) -> Scene
 def _keeps_its_shape(found: Any, at: int, span: float) -> None:
     """A run from the state of a point: no angle changes against the others, and all turn with the
     rate of the branch. 1e-8 is what the run's own errors leave, times how unstable it is."""
-    scene = scene_at(found, at)
-    model = rodgen.build(scene, "numpy")
-    run = rodgen.simulate(scene, model=model, span=[0.0, span], rtol=1e-11, atol=1e-12)
+    scene = branch_data.scene_at(found, at)
+    run = rodgen.simulate(scene, target="numpy", span=[0.0, span], rtol=1e-11, atol=1e-12)
     base = 2 * scene.hold.translates
     phi = run.y[:, base : base + scene.rod.links]
     turned = phi[0] + np.multiply.outer(run.t, np.full(scene.rod.links, found["turning"][at]))
@@ -81,10 +79,11 @@ def test_a_rod_that_is_pushed_straight_on_buckles() -> None:
     for at in (1, bent.sizes["point"] // 4, -1):
         a, b = bent["phi"].values[at]
         F = -float(bent["value"][at])
-        balance = lambda z, F=F: [  # noqa: E731
-            F * l / 4 * np.sin(z[0]) - k * (z[0] - z[1]),
-            3 * F * l / 4 * np.sin(z[1]) - k * (z[1] - z[0]),
-        ]
+
+        def balance(z: Any, F: float = F) -> list[Any]:
+            spring = k * (z[0] - z[1])
+            return [F * l / 4 * np.sin(z[0]) - spring, 3 * F * l / 4 * np.sin(z[1]) + spring]
+
         exact = root(balance, [a + 1e-3, b - 1e-3], tol=1e-13)
         np.testing.assert_allclose([a, b], exact.x, atol=1e-9)
     _keeps_its_shape(bent, bent.sizes["point"] // 4, 0.2)
@@ -105,7 +104,7 @@ def test_a_dragged_rod_keeps_its_bend(tmp_path: Any) -> None:
     assert bend[-1] > 0.3
     for at in (0, -1):
         _keeps_its_shape(found, at, 0.5)
-        J = jacobian(scene_at(found, at))
+        J = jacobian(branch_data.scene_at(found, at))
         s = np.linalg.eigvals(np.delete(np.delete(J, [0, 1], 0), [0, 1], 1))
         assert int((s.real > 1e-9 * np.abs(s).max()).sum()) == found["unstable"].values[at]
     files.save(found, tmp_path / "branch.nc")
@@ -118,11 +117,8 @@ def test_a_dragged_rod_keeps_its_bend(tmp_path: Any) -> None:
 @pytest.mark.slow
 def test_a_rod_under_thrust_at_an_angle_goes_round() -> None:
     """What nothing but a run leads to: speed, rate of turning and bend are all unknown."""
-    loads = {
-        "follower": {"force": 2.0, "angle": 0.2},
-        "drag": DRAG | {"tangential": 0.1},
-        "internal_damping": {"coefficient": 0.1},
-    }
+    loads = {"follower": {"force": 2.0, "angle": 0.2}, "drag": DRAG | {"tangential": 0.1}}
+    loads |= {"internal_damping": {"coefficient": 0.1}}
     start = {"velocity": [-2.0, 0.0]}
     scene = _scene(3, "free", loads, initial=start, integrate={"span": [0.0, 40.0]})
     found = continue_equilibria(scene, FORCE, (2.0, 10.0), motion="run", step=0.2)

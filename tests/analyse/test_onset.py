@@ -24,7 +24,8 @@ from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.onset import digits
-from tests.analyse.rods import ONES, numbers, rod
+from tests.analyse.rods import ONES, rod
+from tests.told import numbers
 
 Rows = list[list[Any]]
 HIGHEST = 1000  # EI/L^2, to which a search goes
@@ -187,11 +188,8 @@ def _judge(seed: int, n: int, boundary: str, inertia: str, share: float = 0.25) 
 
 
 SOME = [
-    (2, "clamped", "lumped"),
-    (2, "free", "lumped"),
-    (3, "clamped", "uniform"),
-    (4, "cantilever", "uniform"),
-    (4, "free", "uniform"),
+    *((2, boundary, "lumped") for boundary in ("clamped", "free")),
+    *((3, "clamped", "uniform"), (4, "cantilever", "uniform"), (4, "free", "uniform")),
 ]
 # Every number of links with every boundary once, the inertias in turn, and no rigid rod.
 ALL = [
@@ -220,14 +218,8 @@ def test_random_rods(kind: tuple[int, str, str], seeds: range) -> None:
 def test_exact_forces() -> None:
     """8 EI/L^2 of two lumped links that are clamped, where the matrix is singular to the last bit;
     32 of two that are free, a force of the grid, and 54 of three: determinants by hand."""
-    clamped, two, three = (
-        rod(n, name, THRUST, inertia=inertia, **ONES)
-        for n, name, inertia in (
-            (2, "clamped", "lumped"),
-            (2, "free", "uniform"),
-            (3, "free", "uniform"),
-        )
-    )
+    clamped = rod(2, "clamped", THRUST, inertia="lumped", **ONES)
+    two, three = (rod(n, "free", THRUST, inertia="uniform", **ONES) for n in (2, 3))
     assert critical_force(clamped).force == pytest.approx(8.0, rel=1e-14)
     assert critical_force(two, lowest=31.0, highest=33.0).force == pytest.approx(32.0, rel=1e-14)
     for scene, force in ((two, 32.0), (three, 54.0)):

@@ -33,15 +33,17 @@ from rodgen.analyse.references.continuum import (
 )
 from rodgen.analyse.references.elastica import axial_force, own_weight, tip_force
 from rodgen.analyse.statics import static_equilibrium
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from tests.analyse.rods import AXIAL, COLUMN, FORCE, THRUST, ZIEGLER, rod
+from tests.sets import sets
+from tests.told import refused
 
 nan, inf = np.nan, np.inf
 EXTERNAL = "loads.external_damping.coefficient"
 INTERNAL, STIFFNESS = "loads.internal_damping.coefficient", "rod.bending_stiffness"
 CLAMPED, FREE = rod(3, "clamped", THRUST), rod(4, "free", THRUST)
 BENT = rod(5, "clamped", {"tip": {"x": 0.0, "y": 0.0}})
-CYCLING, ROUND = Scene.from_dict(COLUMN), Scene.from_dict(ZIEGLER)
+CYCLING, ROUND = COLUMN, ZIEGLER
 BURNING = rod(5, "clamped", {"follower": {"force": "300 - t"}}, integrate={"span": [0, 8]})
 FALLING = rod(4, "free", {"gravity": {}, "drag": {"normal": 0.8, "tangential": 0.05}})
 DAMPED = THRUST | {"external_damping": {"coefficient": 0.5}}
@@ -98,9 +100,7 @@ def test_values_of_an_option_that_are_refused(
     more |= {"target": "numpy"} if function is find_cycle else {}
     for name, values in options.items():
         for value in values:
-            with pytest.raises(SceneError) as error:
-                function(*about, **more, **{name: value})
-            assert error.value.field == name, value
+            assert refused(function, *about, **more, **{name: value}).field == name, value
 
 
 # The field by which something else is refused.
@@ -174,9 +174,7 @@ OTHERS: list[tuple[str, Callable[[], object]]] = [
 
 def test_what_else_is_refused() -> None:
     for number, (field, call) in enumerate(OTHERS):
-        with pytest.raises(SceneError) as error:
-            call()
-        assert error.value.field == field, number
+        assert refused(call).field == field, number
 
 
 def steered(boundary: str, angle: str, links: int = 4, rate: str | None = None) -> Scene:
@@ -212,9 +210,7 @@ MORE: list[Callable[[], object]] = [
 ]
 
 
-@pytest.mark.parametrize(
-    "calls", [NOTHING, pytest.param(MORE, marks=pytest.mark.slow)], ids=["few", "more"]
-)
+@pytest.mark.parametrize("calls", sets([NOTHING], slow=[MORE]), ids=["few", "more"])
 def test_what_has_no_answer(calls: list[Callable[[], object]]) -> None:
     for call in calls:
         with pytest.raises(AnalysisError):

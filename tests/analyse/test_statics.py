@@ -16,6 +16,7 @@ from rodgen.analyse.references import elastica
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.scene import Scene
 from tests.analyse.rods import LENGTH, MASS, ONES, STIFFNESS, rod
+from tests.sets import sets
 
 
 def _residual_moments(
@@ -98,9 +99,7 @@ def _euler(n: int) -> float:
     return float(4 * STIFFNESS * (n / LENGTH) ** 2 * np.sin(np.pi / (4 * n)) ** 2)
 
 
-@pytest.mark.parametrize(
-    ("n", "beyond"), [(5, 1e-6), (5, 1e-2), pytest.param(100, 1e-6, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("n", "beyond"), sets([(5, 1e-6), (5, 1e-2)], slow=[(100, 1e-6)]))
 def test_a_column_just_beyond_eulers_load(n: int, beyond: float) -> None:
     """It bends by the root of what its load has too much; the straight state is not stable."""
     load = _euler(n) * (1 + beyond)
@@ -136,10 +135,7 @@ def test_the_size_of_an_imperfection_leaves_no_trace() -> None:
 
 
 def test_what_does_not_buckle_is_the_same_with_an_imperfection() -> None:
-    for boundary, loads in (
-        ("clamped", {"tip": {"x": 50.0}}),
-        ("pinned", {"gravity": {}}),
-    ):
+    for boundary, loads in (("clamped", {"tip": {"x": 50.0}}), ("pinned", {"gravity": {}})):
         scene = rod(5, boundary, loads)
         plain, bent = static_equilibrium(scene), static_equilibrium(scene, imperfection=0.1)
         np.testing.assert_allclose(bent.phi, plain.phi, atol=1e-12)
@@ -176,9 +172,7 @@ def column(load: float, across: float = 0.0, links: int = 5) -> Scene:
     return rod(links, "clamped", {"tip": {"x": -load, "y": across}}, **ONES)
 
 
-@pytest.mark.parametrize(
-    ("links", "load", "pairs"), [(2, 5.0, 1), pytest.param(5, 30.0, 2, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("links", "load", "pairs"), sets([(2, 5.0, 1)], slow=[(5, 30.0, 2)]))
 def test_a_column_has_a_pair_for_each_buckling_load(links: int, load: float, pairs: int) -> None:
     """Those passed are about pi^2/4 and 9 pi^2/4: the straight column and pairs of bent ones."""
     found = static_equilibria(column(load, links=links))

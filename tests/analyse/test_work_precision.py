@@ -22,7 +22,7 @@ from rodgen.analyse.precision.contestant import Contestant, Deadline, Finish, Li
 from rodgen.analyse.precision.job import Job, Measures
 from rodgen.analyse.precision.rows import cheapest, front
 from rodgen.scene import Scene
-from tests.analyse.rods import numbers
+from tests.told import numbers
 
 PENDULUM: dict[str, Any] = {
     "name": "pendulum",
@@ -89,11 +89,11 @@ def test_set_of_a_pendulum() -> None:
     assert {"reference", "rk4", "dop853", "SciPy radau"} <= set(told)
     best = found.cheapest(1e-6, method="dop853")
     assert best is not None
-    run = rodgen.simulate(scene, target="c", rtol=best["setting"], atol=0.01 * best["setting"])  # type: ignore[operator]
+    run = rodgen.simulate(scene, target="c", rtol=best["setting"], atol=0.01 * best["setting"])
     own = abs(run.y[-1, 0] - swung(run.t[-1:])[0])
     # Up to the reference's own error.
-    assert best["error_phi"] == pytest.approx(own, abs=2 * found.trusted["error_phi"])  # type: ignore[operator]
-    assert found.trusted["error_phi"] < 1e-9  # type: ignore[operator]
+    assert best["error_phi"] == pytest.approx(own, abs=2 * found.trusted["error_phi"])
+    assert found.trusted["error_phi"] < 1e-9
     points = found.front()
     assert points
     assert points[0] in found.rows
@@ -277,10 +277,8 @@ def test_a_rod_that_does_not_turn_is_held_by_its_tail() -> None:
     turned = exact.copy()
     turned[:, 2:4] += 0.1 * t[:, None]
     assert Measures(job, turned).main == "error_phi"
-    fast, close = (
-        row("a", 0.1, seconds, 0.0, error_tail=error)
-        for seconds, error in ((1.0, 1e-2), (2.0, 1e-5))
-    )
+    fast = row("a", 0.1, 1.0, 0.0, error_tail=1e-2)
+    close = row("a", 0.1, 2.0, 0.0, error_tail=1e-5)
     scene = Scene.from_dict(table)
     trusted = dict.fromkeys(found, 0.0)
     made = sets.WorkPrecision(scene, [fast, close], {}, trusted, {}, measures.main)

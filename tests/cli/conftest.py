@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import subprocess
+import sys
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -56,9 +57,12 @@ def names(line: str, field: str) -> bool:
     return bool(re.search(rf"(^|[ '(]){re.escape(field)}($|[ '.)])", what, re.IGNORECASE))
 
 
-def numbers(text: str) -> list[float]:
-    """The numbers that a text has, in their order."""
-    return [float(n) for n in re.findall(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?", text)]
+def python(program: str, *arguments: object, cwd: Path | None = None) -> Done:
+    """Run a program in a process of its own."""
+    command = [sys.executable, "-c", program, *map(str, arguments)]
+    return subprocess.run(
+        command, cwd=cwd, capture_output=True, text=True, timeout=600, check=False
+    )
 
 
 @pytest.fixture

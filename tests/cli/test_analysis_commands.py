@@ -14,7 +14,8 @@ from rodgen.analyse import growth
 from rodgen.analyse.critical import family_of
 from rodgen.analyse.errors import AnalysisError
 from rodgen.show.analysis_pictures import stability_curves
-from tests.cli.conftest import LENGTH, Run, Write, numbers, one_object
+from tests.cli.conftest import LENGTH, Run, Write, one_object
+from tests.told import numbers
 
 PUSHED = "[loads.follower]\nforce = 10.0"
 DRAG = """[loads.external_damping]

@@ -10,7 +10,8 @@ from PIL import Image
 
 import rodgen as package
 from rodgen.scene import Scene
-from tests.cli.conftest import Run, numbers
+from tests.cli.conftest import Run
+from tests.told import numbers
 
 SIZE = ("--width", 480, "--height", 320)
 

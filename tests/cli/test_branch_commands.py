@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +14,8 @@ from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.curves import files
 from rodgen.integrate import simulate
 from rodgen.scene import Scene
-from tests.cli.conftest import Run, Write, numbers, one_object
+from tests.cli.conftest import Run, Write, one_object, python
+from tests.told import numbers
 
 BOTH = ("--vary", "loads.follower.force,loads.internal_damping.coefficient", "--a", "0:60")
 FLUTTER = ("boundary", *BOTH)
@@ -115,8 +114,7 @@ def test_ctrl_c_writes_what_was_found(
 ) -> None:
     """And no picture; --resume goes on with it."""
     first, *rest = map(str, command)
-    program = [sys.executable, "-c", PROGRAM.format(name=name), first, str(scene), *rest]
-    done = subprocess.run(program, capture_output=True, text=True)
+    done = python(PROGRAM.format(name=name), first, scene, *rest)
     assert done.returncode == 130, done.stderr
     written = Path(f"results/rod/{file}.nc")
     assert done.stderr.count("\n") == 1
@@ -163,10 +161,7 @@ def test_a_cycle_as_json_and_as_a_table(works: Run, flutter: Path, tmp_path: Pat
     assert len(mu) == len(found["y0"])
     shown = numbers(works("cycle", flutter, "--out", tmp_path).stdout)
     assert min(abs(n / found["period"] - 1) for n in shown) < 1e-5  # of its digits
-    assert {path.name for path in (tmp_path / "rod").iterdir()} == {
-        "cycle.png",
-        "multipliers.png",
-    }
+    assert {path.name for path in (tmp_path / "rod").iterdir()} == {"cycle.png", "multipliers.png"}
 
 
 @pytest.mark.slow

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -13,13 +11,8 @@ import pytest
 import rodgen as package
 from rodgen.emit.targets import PARTS
 from rodgen.scene import Scene
-from tests.cli.conftest import ROOT, Run, numbers
-
-
-def python(program: str, *arguments: object, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", program, *map(str, arguments)]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
-
+from tests.cli.conftest import ROOT, Run, python
+from tests.told import numbers
 
 # `python -m rodgen`, where SymPy cannot be imported.
 WITHOUT_SYMPY = """

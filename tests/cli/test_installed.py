@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 from collections.abc import Callable
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -14,7 +12,7 @@ from typer.testing import CliRunner
 
 from rodgen.cli import app as module
 from rodgen.cli.errors import BAD_INPUT
-from tests.cli.conftest import ROOT
+from tests.cli.conftest import ROOT, python
 
 Commands = Callable[..., tuple[int, str, str]]
 
@@ -79,8 +77,7 @@ EXTRAS = "nicegui,uvicorn,fastapi,starlette,imageio_ffmpeg,cffi,sksundae"
     [("view SCENE --no-open --port 0", ".[view]"), ("run SCENE --target c", "cffi")],
 )
 def test_what_to_install_is_said(short: Path, work: Path, command: str, extra: str) -> None:
-    words = [sys.executable, "-c", BLOCKED, EXTRAS, *command.replace("SCENE", str(short)).split()]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=600, check=False)
+    done = python(BLOCKED, EXTRAS, *command.replace("SCENE", str(short)).split())
     assert done.returncode == 2
     assert done.stderr.startswith("rodgen: ")
     assert re.search(rf'pip install "?{re.escape(extra)}', done.stderr)

@@ -68,10 +68,7 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
         "SCENE": (f"DAMPED --from {ROOT}/README.md",),
         "--at": ("DAMPED --at 3",),
     },
-    "new": {
-        "name": ("../other",),
-        "example": ("more --from rocket", "more --from forgetting"),
-    },
+    "new": {"name": ("../other",), "example": ("more --from rocket", "more --from forgetting")},
     "modes": {
         "scene": ("", "missing.toml"),
         "count = 0": ("FREE --count 0",),

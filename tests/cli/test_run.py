@@ -17,7 +17,8 @@ import numpy as np
 import pytest
 
 import rodgen as package
-from tests.cli.conftest import Run, numbers
+from tests.cli.conftest import Run
+from tests.told import numbers
 
 PYTHON_ONLY = {"rod_free_n4_follower_gravity.py"}
 C_ONLY = {f"rod_free_n4_follower_gravity_c.{ending}" for ending in ("py", "c", "h")}

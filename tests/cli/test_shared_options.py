@@ -6,13 +6,13 @@ import re
 from pathlib import Path
 from typing import Any
 
-import pytest
 from typer.testing import CliRunner
 
 from rodgen.cli.app import OWN, app
 from rodgen.cli.shared import read_scene
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from tests.cli.conftest import Run
+from tests.told import refused
 
 # Commands that draw pictures beside what they print.
 DRAWING = (
@@ -60,9 +60,7 @@ def test_what_cannot_be_set_is_refused(short: Path) -> None:
         *((f"rod.mass={'[' * 5000}", "rod.mass"), ("rod.mass=1979-05-27", "rod.mass")),
         *(("loads.graviti=", "loads.graviti"), ("rod.wheels=4", "rod.wheels")),
     ):
-        with pytest.raises(SceneError) as refused:
-            read_scene(short, [text])
-        assert refused.value.field == field, text
+        assert refused(read_scene, short, [text]).field == field, text
 
 
 def test_quiet_commands_print_nothing(works: Run, short: Path, tmp_path: Path) -> None:

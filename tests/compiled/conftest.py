@@ -44,11 +44,8 @@ MISSILE: dict[str, Any] = {
 
 
 # Of SMOOTH, what takes or gives energy.
-WITHOUT_LOADS = {
-    "parameters.A": 0.0,
-    "loads.gravity.g": 0.0,
-    "loads.internal_damping.coefficient": 0.0,
-}
+WITHOUT_LOADS = {"parameters.A": 0.0, "loads.gravity.g": 0.0}
+WITHOUT_LOADS |= {"loads.internal_damping.coefficient": 0.0}
 # Of MISSILE, all but gravity.
 NO_LOADS = {
     **{f"loads.{kind}_damping.coefficient": 0.0 for kind in ("internal", "external")},

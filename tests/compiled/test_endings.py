@@ -16,7 +16,7 @@ import rodgen
 from rodgen import RunError, Scene
 from rodgen.integrate import Interrupted
 from tests.compiled.conftest import NO_LOADS
-from tests.scene.tables import NUMBER, refused
+from tests.told import numbers, refused
 
 ADAPTIVE = ("dop853", "radau", "gauss")
 
@@ -44,7 +44,7 @@ def test_load_that_stops_being_a_number(missile: Scene) -> None:
         sol = _fails(scene, method=method)
         assert 0.4 <= sol.t[-1] <= 0.4321
         # When the run stopped, and when the load does: both to the digits that are printed.
-        stopped, *when = (float(number) for number in NUMBER.findall(sol.message))
+        stopped, *when = numbers(sol.message)
         assert stopped == pytest.approx(0.4321, rel=1e-3)
         assert pytest.approx(0.4321, rel=1e-5) in when
 
@@ -54,7 +54,7 @@ def test_load_that_overflows_the_state(missile: Scene) -> None:
     for method in ADAPTIVE:
         # Steps follow the rotation, which the force doubles every 0.3 ms: a matter of the budget.
         sol = _fails(scene, method=method, max_steps=20_000)
-        stopped, *_ = (float(number) for number in NUMBER.findall(sol.message))
+        stopped, *_ = numbers(sol.message)
         assert sol.t[-1] <= stopped < 0.355  # where doubles end, exp(710)
 
 
@@ -153,14 +153,9 @@ def test_event_that_stops_a_run(missile: Scene) -> None:
 def test_events_are_found_to_rounding(missile: Scene, built: ModuleType) -> None:
     """The centre of gravity of a falling rod: t = sqrt(2 h / g), whatever the steps."""
     heights = np.arange(1, 15)
-    falling = missile.replace(
-        {
-            **NO_LOADS,
-            "initial": {},
-            "integrate.span": [0.0, 2.0],
-            "events": [{"quantity": "centre_of_gravity_y", "value": -float(h)} for h in heights],
-        }
-    )
+    events = [{"quantity": "centre_of_gravity_y", "value": -float(h)} for h in heights]
+    given = {"initial": {}, "integrate.span": [0.0, 2.0], "events": events}
+    falling = missile.replace({**NO_LOADS, **given})
     exact = np.sqrt(2 * heights / 9.81)
     for method, step in (("dop853", None), ("radau", None), ("gauss", None), ("rk4", 0.01)):
         sol = rodgen.simulate(falling, model=built, method=method, step=step)

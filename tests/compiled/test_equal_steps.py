@@ -13,7 +13,7 @@ from rodgen import Scene
 from rodgen.integrate import Solution
 from rodgen.integrate.diagnosis import drift_warning
 from tests.compiled.conftest import SMOOTH, WITHOUT_LOADS
-from tests.scene.tables import refused
+from tests.told import refused
 
 EQUAL = {"method": "gauss", "span": [0.0, 1.0], "step": 4e-3, "output_every": 0.1}
 BENT = {"initial": {"phi": "0.8*s"}, "integrate": EQUAL}

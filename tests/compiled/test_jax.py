@@ -12,7 +12,7 @@ from mpmath import mpf
 import rodgen
 from rodgen.check.by_hand import ByHand
 from rodgen.scene import Scene
-from tests.scene.tables import refused
+from tests.told import refused
 
 jax = pytest.importorskip("jax", reason="the extra jax is not installed")
 import jax.numpy as jnp  # noqa: E402  where JAX is installed
@@ -155,5 +155,5 @@ def test_what_jax_cannot_do_is_refused(model: Any) -> None:
     call = jax.ffi.ffi_call("rodgen_jax_rhs", jax.ShapeDtypeStruct(y.shape, np.float64))
     with pytest.raises(jax.errors.JaxRuntimeError):  # as a program from another process
         jax.block_until_ready(call(jnp.float64(0.0), y, p, model=np.int64(7)))
-    with pytest.raises(ValueError):  # noqa: PT011 (JAX says it)
+    with pytest.raises(ValueError):  # noqa: PT011  in JAX's own words
         jax.jacfwd(jax.jacrev(f, 1), 1)(0.0, y, p)

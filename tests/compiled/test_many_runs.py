@@ -17,7 +17,7 @@ from rodgen.native import many
 from rodgen.native.many import LANES
 from rodgen.native.run import METHODS
 from tests.compiled.conftest import SMOOTH
-from tests.scene.tables import refused
+from tests.told import refused
 
 pytestmark = pytest.mark.compiler
 Array = np.ndarray
@@ -253,7 +253,7 @@ def test_bad_input_is_refused(model: ModuleType, smooth: Scene) -> None:
     p[1, 3] = np.nan
     assert refused(rodgen.simulate_many, model, **fine).field == "p[1, 3]"
     with pytest.raises(TypeError, match=r"^model"):
-        rodgen.simulate_many(smooth, [], [])  # type: ignore[arg-type]
+        rodgen.simulate_many(smooth, [], [])
 
 
 # The loops ---------------------------------------------------------------------------------------

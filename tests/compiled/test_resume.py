@@ -13,7 +13,7 @@ import pytest
 import rodgen
 from rodgen import Scene
 from rodgen.integrate.files.saver import Saver
-from tests.scene.tables import refused
+from tests.told import refused
 
 EVENT = {"quantity": "tip_x", "value": 2.0, "direction": "rising"}
 

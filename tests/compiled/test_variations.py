@@ -24,10 +24,7 @@ def scene(missile: Scene) -> Scene:
 
 
 def _with(
-    scene: Scene,
-    y: np.ndarray | None = None,
-    tangents: np.ndarray | None = None,
-    **steps: object,
+    scene: Scene, y: np.ndarray | None = None, tangents: np.ndarray | None = None, **steps: object
 ) -> Variations:
     """In C, from the scene's state in all directions if not told otherwise."""
     model = rodgen.build(scene, "c", parts=PARTS)  # which is kept

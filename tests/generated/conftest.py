@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import subprocess
 from collections.abc import Callable, Iterable
 from functools import cache
 from itertools import product
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -17,15 +19,19 @@ from rodgen.loading import build, companions, sources
 from rodgen.scene.structure import Structure
 from tests.palette import covering, short
 
+Built = Callable[..., ModuleType]
+Written = Callable[..., dict[str, str]]
+Whole = Callable[[Structure], dict[str, str]]
+
 
 @pytest.fixture(scope="session")
-def written() -> Callable[..., dict[str, str]]:
+def written() -> Written:
     """Texts of a structure in a target and form, by file name."""
     return cache(sources)
 
 
 @pytest.fixture(scope="session")
-def whole() -> Callable[[Structure], dict[str, str]]:
+def whole() -> Whole:
     """Texts of a C module in all parts that are C, and of the step loops beside it."""
 
     @cache
@@ -37,9 +43,24 @@ def whole() -> Callable[[Structure], dict[str, str]]:
 
 
 @pytest.fixture(scope="session")
-def built() -> Callable[..., ModuleType]:
+def built() -> Built:
     """The module of a structure in a target and form; its parts are made as they are asked for."""
     return build
+
+
+def write(files: dict[str, str], folder: Path) -> str:
+    """The stem of the files, written into a folder."""
+    for name, text in files.items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    return Path(next(iter(files))).stem
+
+
+def ran(*command: str | Path, **options: Any) -> subprocess.CompletedProcess[str]:
+    """Run a command to its end."""
+    return subprocess.run(
+        command, capture_output=True, text=True, timeout=600, check=False, **options
+    )
 
 
 def rarely(
@@ -51,9 +72,7 @@ def rarely(
     values, pairs = (covering(rows, strength) for strength in (1, 2))
     params = [
         pytest.param(
-            *row,
-            marks=() if row in values else pytest.mark.nightly,
-            id="-".join(map(short, row)),
+            *row, marks=() if row in values else pytest.mark.nightly, id="-".join(map(short, row))
         )
         for row in rows
         if row in values | pairs

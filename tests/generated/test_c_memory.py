@@ -13,9 +13,9 @@ import pytest
 
 from rodgen.model.methods import COMPILED
 from rodgen.scene.structure import Structure
+from tests.generated.conftest import Built, Whole
 
 pytestmark = pytest.mark.compiler
-Built = Callable[..., ModuleType]
 Array = np.ndarray
 VALUES = {"mass": 3.0, "length": 2.0, "bending_stiffness": 30.0, "follower_force": 20.0}
 DAMPING = {"internal_damping": 0.1, "external_damping": 0.5}
@@ -231,9 +231,7 @@ def test_run_that_was_not_begun_is_refused(rod: ModuleType, y: Array, p: Array) 
         rod.Run("rk5", 0.0, y, p)
 
 
-def test_methods_and_endings_are_those_of_the_header(
-    rod: ModuleType, whole: Callable[[Structure], dict[str, str]]
-) -> None:
+def test_methods_and_endings_are_those_of_the_header(rod: ModuleType, whole: Whole) -> None:
     header = whole(Structure(5))["rod_free_n5_c.h"]
     names = {
         **{f"P_{rod.PARAMETERS[at].upper()}": at for at in range(9)},

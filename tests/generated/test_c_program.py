@@ -5,18 +5,16 @@ from __future__ import annotations
 
 import os
 import shutil
-import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from rodgen.model.methods import COMPILED
 from rodgen.scene.structure import Structure
+from tests.generated.conftest import Whole, ran, write
 from tests.palette import LONG, SMALL, short
 
-Whole = Callable[[Structure], dict[str, str]]
 COMPILER = next(filter(None, map(shutil.which, ("gcc", "clang", "cc"))), "")
 pytestmark = pytest.mark.compiler
 WATCH = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer")
@@ -149,26 +147,21 @@ int main(void)
 
 def _made(files: dict[str, str], folder: Path, *flags: str) -> Path:
     """The program over the module of a structure; skips where it cannot be linked."""
-    for name, text in files.items():
-        (folder / name).parent.mkdir(exist_ok=True)
-        (folder / name).write_text(text, encoding="utf-8")
-    stem = Path(next(iter(files))).stem
+    stem = write(files, folder)
     (folder / "main.c").write_text(PROGRAM.replace("@@", stem.upper()).replace("@", stem))
     (folder / "empty.c").write_text("int main(void) { return 0; }\n")
     command = [COMPILER, "-std=c99", "-g", "-O0", *flags]
-    empty = subprocess.run([*command, "empty.c", "-o", "empty"], cwd=folder, check=False)
-    if empty.returncode:
+    if ran(*command, "empty.c", "-o", "empty", cwd=folder).returncode:
         pytest.skip(f"{COMPILER} does not link {' '.join(flags)}")
     sources = ["main.c", *(name for name in files if name.endswith(".c")), "-lm", "-o", "main"]
-    done = subprocess.run([*command, *sources], cwd=folder, check=False)
-    assert done.returncode == 0
+    done = ran(*command, *sources, cwd=folder)
+    assert done.returncode == 0, done.stderr
     return folder / "main"
 
 
 def _run(*command: str | Path) -> None:
     """All numbers are finite where they are to be, and nobody who watches says anything."""
-    env = {**os.environ, **SILENT}
-    done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
+    done = ran(*command, env={**os.environ, **SILENT})
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
@@ -197,12 +190,8 @@ def test_valgrind_is_silent(whole: Whole, tmp_path: Path) -> None:
 @pytest.mark.nightly
 def test_module_in_python_is_silent_under_sanitizers(tmp_path: Path) -> None:
     """The tests of arrays and runs, with libraries that watch."""
-    shared = [
-        subprocess.run(
-            [COMPILER, f"-print-file-name={name}"], capture_output=True, text=True, check=False
-        ).stdout.strip()
-        for name in ("libasan.so", "libubsan.so")
-    ]
+    asked = (f"-print-file-name={name}" for name in ("libasan.so", "libubsan.so"))
+    shared = [ran(COMPILER, one).stdout.strip() for one in asked]
     if not all(Path(path).is_absolute() and Path(path).is_file() for path in shared):
         pytest.skip(f"{COMPILER} has no shared sanitizers")
     env = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST")}
@@ -215,14 +204,7 @@ def test_module_in_python_is_silent_under_sanitizers(tmp_path: Path) -> None:
     tests = ROOT / "tests" / "generated" / "test_c_memory.py"
     what = "out_that or after_a_call or too_small or runs_that or goes_into"
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tests)]
-    done = subprocess.run(
-        [*command, "-k", what, "--basetemp", str(tmp_path / "watched")],
-        cwd=ROOT,
-        env=env,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = ran(*command, "-k", what, "--basetemp", tmp_path / "watched", cwd=ROOT, env=env)
     assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
     assert "Sanitizer" not in done.stdout + done.stderr
     assert "runtime error" not in done.stdout + done.stderr

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import ctypes
 import re
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 from types import ModuleType
@@ -20,10 +19,11 @@ from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.model.terms import TERMS
 from rodgen.native.many import LANES, Lanes
 from rodgen.scene.structure import Structure
+from tests.generated.conftest import Built
 from tests.palette import ALL, ALONG, ENDS, LAWS, LONG, PALETTE, PLACED, SMALL, STATES, TIMED, short
+from tests.sets import sets
 
 pytestmark = pytest.mark.compiler
-Built = Callable[..., ModuleType]
 Array = np.ndarray
 # Rods that differ along their length or follow their motion, most of them long enough for joint
 # forces that are cut into segments.
@@ -51,14 +51,9 @@ def test_every_choice_is_among_the_structures() -> None:
     assert {s.inertia for s in LONG} == set(INERTIAS)
 
 
-def _each(
-    unmarked: tuple[Structure, ...],
-    slow: tuple[Structure, ...],
-    nightly: tuple[Structure, ...] = (),
-) -> pytest.MarkDecorator:
-    rest = [pytest.param(each, marks=pytest.mark.slow) for each in slow]
-    rest += [pytest.param(each, marks=pytest.mark.nightly) for each in nightly]
-    return pytest.mark.parametrize("structure", [*unmarked, *rest], ids=short)
+def _each(*of: tuple[Structure, ...]) -> pytest.MarkDecorator:
+    """Structures of `make test`, of `make check`, and of the night."""
+    return pytest.mark.parametrize("structure", sets(*of), ids=short)
 
 
 @_each((SMALL[6],), (), (*SMALL[:6], SMALL[7], *LONG, *OTHERS))
@@ -215,11 +210,7 @@ def call(lanes: Lanes, name: str, t: Array, y: Array, p: Array, rows: int) -> Ar
 
 
 # Held links, laws of the motion, masses in time; a link without springs inside, loads in time.
-@_each(
-    (SMALL[6],),
-    (EMPTYING, OTHERS[-1], SMALL[1], TIMED),
-    (*SMALL[2:6], PLACED, *LONG[:2]),
-)
+@_each((SMALL[6],), (EMPTYING, OTHERS[-1], SMALL[1], TIMED), (*SMALL[2:6], PLACED, *LONG[:2]))
 def test_each_rod_is_what_it_is_by_itself(built: Built, structure: Structure) -> None:
     model = built(structure, "c")
     lanes, rng = model.LANES, np.random.default_rng(5)

@@ -7,9 +7,7 @@ import importlib
 import os
 import re
 import shutil
-import subprocess
 import sys
-from collections.abc import Callable
 from ctypes.util import find_library
 from pathlib import Path
 
@@ -18,20 +16,16 @@ import pytest
 from rodgen.model.terms import TERMS
 from rodgen.native.run import FILES
 from rodgen.scene.structure import Structure
+from tests.generated.conftest import Whole, Written, ran, write
 from tests.palette import SMALL, TEXTS, short
+from tests.sets import sets
 
-Written = Callable[..., dict[str, str]]
-Whole = Callable[[Structure], dict[str, str]]
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler on PATH")
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
 LOOPS = [f"rodgen_native/{name}" for name in FILES if name.endswith(".c")]
 DIALECTS = ("", "-std=c99", "-std=gnu99", "-std=c11", "-std=gnu17", "-D_GNU_SOURCE")
-EACH = pytest.mark.parametrize(
-    "structure",
-    [pytest.param(each, marks=[pytest.mark.slow] * (each != SMALL[3])) for each in TEXTS],
-    ids=short,
-)
+EACH = pytest.mark.parametrize("structure", sets([SMALL[3]], slow=TEXTS), ids=short)
 TWO = [
     Structure(2, "pinned", terms=("follower",), expressions=(("follower_force", text),))
     for text in ("2*t", "3*t")
@@ -43,20 +37,8 @@ ELSEWHERE = {
 }
 
 
-def _write(files: dict[str, str], folder: Path) -> str:
-    """The stem of the files, written into a folder."""
-    for name, text in files.items():
-        (folder / name).parent.mkdir(exist_ok=True)
-        (folder / name).write_text(text, encoding="utf-8")
-    return Path(next(iter(files))).stem
-
-
-def _run(*command: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
-
-
 def _compiles(compiler: str, *arguments: str, cwd: Path) -> None:
-    done = _run(compiler, *WARNINGS, *arguments, cwd=cwd)
+    done = ran(compiler, *WARNINGS, *arguments, cwd=cwd)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -65,7 +47,7 @@ def _compiles(compiler: str, *arguments: str, cwd: Path) -> None:
 def test_every_dialect_takes_it_without_a_warning(
     whole: Whole, tmp_path: Path, compiler: str
 ) -> None:
-    files = [f"{_write(whole(each), tmp_path)}.c" for each in TEXTS]
+    files = [f"{write(whole(each), tmp_path)}.c" for each in TEXTS]
     more = ("-Wvla", "-Wstrict-prototypes", "-Wmissing-prototypes", "-fsyntax-only")
     for dialect in DIALECTS:
         _compiles(compiler, *more, *([dialect] if dialect else []), *files, *LOOPS, cwd=tmp_path)
@@ -121,9 +103,9 @@ def test_text_grows_only_by_digits(written: Written) -> None:
 
 
 def test_fast_math_is_refused(whole: Whole, tmp_path: Path) -> None:
-    stem = _write(whole(SMALL[3]), tmp_path)
+    stem = write(whole(SMALL[3]), tmp_path)
     for flag in ("-ffast-math", "-ffinite-math-only", "-Ofast"):
-        done = _run(COMPILERS[0], flag, "-fsyntax-only", f"{stem}.c", cwd=tmp_path)
+        done = ran(COMPILERS[0], flag, "-fsyntax-only", f"{stem}.c", cwd=tmp_path)
         assert done.returncode != 0
         assert "-ffast-math" in done.stderr
 
@@ -131,16 +113,16 @@ def test_fast_math_is_refused(whole: Whole, tmp_path: Path) -> None:
 @pytest.mark.skipif(not all(map(shutil.which, ("g++", "nm"))), reason="no g++ or nm on PATH")
 def test_header_is_one_of_c_plus_plus_too(whole: Whole, tmp_path: Path) -> None:
     """Of which a program with the step loops is made; and all its symbols begin with the stem."""
-    stem = _write(whole(SMALL[3]), tmp_path)
+    stem = write(whole(SMALL[3]), tmp_path)
     sources = [f"{stem}.c", *LOOPS]
     program = f'#include "{stem}.h"\n#include "{stem}.h"\n'
     program += f"int main() {{ return (int)({stem}_work() == 0) + {stem.upper()}_EULER; }}\n"
     (tmp_path / "main.cpp").write_text(program)
-    assert _run(COMPILERS[0], "-c", *sources, cwd=tmp_path).returncode == 0
+    assert ran(COMPILERS[0], "-c", *sources, cwd=tmp_path).returncode == 0
     objects = [Path(name).with_suffix(".o").name for name in sources]
     _compiles("g++", "main.cpp", *objects, "-lm", "-o", "main", cwd=tmp_path)
-    assert _run("./main", cwd=tmp_path).returncode == 0
-    listed = _run("nm", "--defined-only", "--extern-only", f"{stem}.o", cwd=tmp_path).stdout
+    assert ran("./main", cwd=tmp_path).returncode == 0
+    listed = ran("nm", "--defined-only", "--extern-only", f"{stem}.o", cwd=tmp_path).stdout
     symbols = [line.split()[-1] for line in listed.splitlines()]
     assert f"{stem}_linearise" in symbols
     assert [symbol for symbol in symbols if not symbol.startswith(f"{stem}_")] == []
@@ -168,15 +150,15 @@ int main(void)
 def test_two_that_differ_in_an_expression_link_and_import_together(
     written: Written, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stems = [_write(written(each, "c", "chain", ("rhs",)), tmp_path) for each in TWO]
+    stems = [write(written(each, "c", "chain", ("rhs",)), tmp_path) for each in TWO]
     program = PAIR.replace("@0", stems[0]).replace("@1", stems[1])
     (tmp_path / "main.c").write_text(program)
     sources = ["main.c", *(f"{stem}.c" for stem in stems)]
     _compiles(COMPILERS[0], *sources, "-lm", "-o", "main", cwd=tmp_path)
-    printed = [float(line) for line in _run("./main", cwd=tmp_path).stdout.split()]
+    printed = [float(line) for line in ran("./main", cwd=tmp_path).stdout.split()]
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
-    modules = [importlib.import_module(_write(written(each), tmp_path)) for each in TWO]
+    modules = [importlib.import_module(write(written(each), tmp_path)) for each in TWO]
     p = modules[0].parameters(mass=3.0, length=2.0, bending_stiffness=30.0, follower_angle=0.1)
     rates = [module.rhs(0.5, [0.1, 0.4, 0.2, -0.3], p)[3] for module in modules]
     # Rounding of some ten operations.
@@ -186,11 +168,8 @@ def test_two_that_differ_in_an_expression_link_and_import_together(
 
 @pytest.mark.slow
 def test_compiler_that_fails_is_one_error(written: Written, tmp_path: Path) -> None:
-    stem = _write(written(SMALL[0], "c"), tmp_path)
+    stem = write(written(SMALL[0], "c"), tmp_path)
     env = {**os.environ, "CC": "false", "PYTHONDONTWRITEBYTECODE": "1"}
-    command = [sys.executable, "-c", f"import {stem}"]
-    done = subprocess.run(
-        command, cwd=tmp_path, env=env, capture_output=True, text=True, check=False
-    )
+    done = ran(sys.executable, "-c", f"import {stem}", cwd=tmp_path, env=env)
     assert done.returncode == 1
     assert "BuildError" in done.stderr

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import shutil
-import subprocess
 import sys
 from collections.abc import Callable
 from decimal import Decimal
@@ -20,9 +19,9 @@ from rodgen.loading import load_module
 from rodgen.loading.build import companions
 from rodgen.loading.cache import write_whole
 from rodgen.scene.structure import Structure
+from tests.generated.conftest import Built, ran
 from tests.reference import GENERATED, MODULES
 
-Built = Callable[..., ModuleType]
 Made = tuple[ModuleType, np.ndarray]
 VALUES = {"mass": 3.0, "length": 2.0, "bending_stiffness": 30.0}
 LOADS = {"follower_force": 20.0, "internal_damping": 0.1, "external_damping": 0.5}
@@ -66,9 +65,7 @@ def kept(request: pytest.FixtureRequest) -> ModuleType:
 
 
 @pytest.fixture(
-    scope="module",
-    params=[("numpy", "chain"), ("numpy", "dense"), ("c", "chain")],
-    ids="-".join,
+    scope="module", params=[("numpy", "chain"), ("numpy", "dense"), ("c", "chain")], ids="-".join
 )
 def made(built: Built, request: pytest.FixtureRequest) -> Made:
     """A module of a target and form, and its parameters."""
@@ -85,9 +82,7 @@ def test_modules_run_without_rodgen_and_sympy(tmp_path: Path) -> None:
             write_whole(tmp_path / name, text)
     given = {stem: _values(module) for stem, module in modules.items()}
     program = ALONE.format(folder=str(tmp_path), given=given)
-    done = subprocess.run(
-        [sys.executable, "-B", "-c", program], capture_output=True, text=True, check=False
-    )
+    done = ran(sys.executable, "-B", "-c", program)
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == "[]"
 

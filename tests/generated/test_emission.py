@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -17,11 +16,10 @@ from rodgen.loading import load_text
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.model.terms import TERMS
 from rodgen.scene.structure import Structure
+from tests.generated.conftest import Built, Written
 from tests.palette import ALONG, ENDS, can_move, cases
 from tests.reference import GENERATED
 
-Built = Callable[..., ModuleType]
-Written = Callable[..., dict[str, str]]
 EPSILON = np.finfo(float).eps
 PARTS = ("rhs", "jac", "mass", "power", "quantities")
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
@@ -10,10 +9,8 @@ import numpy as np
 
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.scene.structure import Structure
-from tests.generated.conftest import rarely
+from tests.generated.conftest import Built, rarely
 from tests.palette import ALONG, ENDS
-
-Built = Callable[..., ModuleType]
 
 
 def _band(blocks: Any, width: int) -> Any:

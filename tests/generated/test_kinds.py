@@ -17,7 +17,7 @@ from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression
 from rodgen.scene.structure import Structure
-from tests.generated.conftest import rarely
+from tests.generated.conftest import Built, rarely
 from tests.palette import (
     ALL,
     ALONG,
@@ -32,7 +32,6 @@ from tests.palette import (
     cases,
 )
 
-Built = Callable[..., ModuleType]
 TARGETS = pytest.mark.parametrize(
     "target", [("numpy", "chain"), ("numpy", "dense"), ("c", "chain")], ids="-".join
 )

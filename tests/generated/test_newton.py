@@ -7,19 +7,17 @@ from __future__ import annotations
 import ctypes
 import shutil
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
 
 from rodgen.scene.structure import Structure
+from tests.generated.conftest import Built, Written, write
 from tests.palette import ALONG, PLACED, SMALL, short
+from tests.sets import sets
 
 pytestmark = pytest.mark.compiler
-Built = Callable[..., ModuleType]
-Written = Callable[..., dict[str, str]]
 
 # Every boundary, inertia and load, with and without drag; written for other tests as well.
 HELD = [Structure(3, terms=ALONG), PLACED, SMALL[1], SMALL[2]]
@@ -48,9 +46,7 @@ REAL, PAIR = 7.5, 3.0 + 20.0j
 
 def _compiled(files: dict[str, str], folder: Path) -> tuple[ctypes.CDLL, str]:
     """The library of a module and its stem, not optimised: a compilation of half a second."""
-    for name, text in files.items():
-        (folder / name).write_text(text)
-    (stem,) = (Path(name).stem for name in files if name.endswith(".c"))
+    stem = write(files, folder)
     compiler = next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))))
     options = ["-std=c99", "-O0", "-shared", "-fPIC", "-w", "-o", "solve.so", f"{stem}.c", "-lm"]
     subprocess.run([compiler, *options], cwd=folder, check=True)
@@ -59,11 +55,7 @@ def _compiled(files: dict[str, str], folder: Path) -> tuple[ctypes.CDLL, str]:
 
 @pytest.mark.parametrize(
     "structure",
-    [
-        *(SMALL[3], SMALL[4], BORDERED[1]),
-        *(pytest.param(each, marks=pytest.mark.slow) for each in (*HELD[:3], *BORDERED[:1])),
-        *(pytest.param(each, marks=pytest.mark.nightly) for each in (*HELD[3:], *BORDERED[2:])),
-    ],
+    sets([SMALL[3], SMALL[4], BORDERED[1]], [*HELD[:3], BORDERED[0]], [*HELD[3:], *BORDERED[2:]]),
     ids=short,
 )
 def test_solve_is_that_of_the_exact_jacobian(

@@ -4,17 +4,14 @@ Their text is compared by `make reference CHECK=1`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from types import ModuleType
-
 import numpy as np
 import pytest
 
 from rodgen.check.module import check_module
 from rodgen.loading import load_module
+from tests.generated.conftest import Built
 from tests.reference import GENERATED, MODULES, ROOT
 
-Built = Callable[..., ModuleType]
 OF_STATES = ("energy", "mass_matrix", "joints", "bending_moments")
 OF_TIME = ("rhs", "jac")
 

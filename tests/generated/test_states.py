@@ -4,7 +4,6 @@ after many turns."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from types import ModuleType
 
 import numpy as np
@@ -14,9 +13,9 @@ import rodgen
 from rodgen.emit.targets import FORMS
 from rodgen.model.parameter import JOINTS, LINKS
 from rodgen.scene.structure import Structure
+from tests.generated.conftest import Built
 from tests.palette import SMALL, short
 
-Built = Callable[..., ModuleType]
 STRUCTURE = Structure(3, "clamped", terms=("follower", "gravity"))
 VALUES = {"mass": 3.0, "length": 2.0, "bending_stiffness": 30.0, "follower_force": 5.0}
 STATES = 6

@@ -111,6 +111,14 @@ def run() -> Iterator[LiveRun]:
 
 
 @pytest.fixture
+def other() -> Iterator[LiveRun]:
+    """Another run of it."""
+    made = LiveRun(SCENE)
+    yield made
+    made.close()
+
+
+@pytest.fixture
 def bar(make_scene: Callable[..., Scene]) -> Any:
     """One link of 2 m that turns about a pin: y = [phi, omega]. Its quantities, and what makes
     chunks of it."""

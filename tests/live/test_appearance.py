@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from importlib.resources import files
 from io import BytesIO
 from itertools import combinations
@@ -54,9 +54,7 @@ def test_nothing_keeps_anybody_from_the_page(view: View) -> None:
 
 
 @pytest.mark.nightly
-def test_page_shows_a_rod(
-    serve: Callable[..., Any], blank: View, pytestconfig: pytest.Config
-) -> None:
+def test_page_shows_a_rod(serve: Any, blank: View, pytestconfig: pytest.Config) -> None:
     """All of it, within its picture. --update keeps one of the page."""
     make(Scene.from_toml(SCENES / "missile.toml").structure)
     blank.open(serve(SCENES / "missile.toml").address).pause_after(3.0)
@@ -149,8 +147,7 @@ def subset(font: bytes, names: list[str]) -> bytes:
         for first, found in lookup.SubTable[0].ligatures.items()
         for ligature in found
     }
-    options = subset.Options(layout_features=["*"], layout_closure=False)
-    subsetter = subset.Subsetter(options)
+    subsetter = subset.Subsetter(subset.Options(layout_features=["*"], layout_closure=False))
     subsetter.populate(
         glyphs=[icons[name] for name in names],
         unicodes=[ord(letter) for letter in {*"".join(names)}],

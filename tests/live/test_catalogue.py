@@ -41,8 +41,7 @@ def at_rest(scene: Scene, y: Array, t: Array | None = None) -> tuple[Catalogue, 
 
 
 def some_states(scene: Scene, count: int = 3) -> Array:
-    size = len(scene.initial_state())
-    return np.random.default_rng(7).normal(size=(count, size))
+    return np.random.default_rng(7).normal(size=(count, len(scene.initial_state())))
 
 
 @pytest.mark.slow

@@ -105,8 +105,7 @@ def test_plot_of_an_expression_goes_over_to_another_rod(catalogue: Catalogue) ->
     scene = Scene.from_dict(SHORT)
     after = Catalogue(scene, build_fastest(scene))
     choice = {"id": "p1", "kind": "time", "y": ["phi_4 - phi_0", "phi_1 - phi_0", "phi_0"]}
-    spec = PlotSpec.from_dict(choice, catalogue)
-    moved = transfer(spec, "p2", catalogue, after)
+    moved = transfer(PlotSpec.from_dict(choice, catalogue), "p2", catalogue, after)
     assert moved is not None
     assert moved.y == ("phi_1 - phi_0", "phi_0")
 
@@ -120,7 +119,6 @@ def test_numbers_and_stretches() -> None:
     for text, numbers in TAKEN.items():
         assert which(text, TWENTY, several=True) == numbers
     assert which("4", TWENTY, several=False) == [4]
-    refused = [(text, True) for text in REFUSED] + [("all", False), ("1, 2", False)]
-    for text, several in refused:
+    for text, several in [(text, True) for text in REFUSED] + [("all", False), ("1, 2", False)]:
         with pytest.raises(SceneError, match="0 to 19"):
             which(text, TWENTY, several=several)

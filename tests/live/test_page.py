@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -85,8 +84,7 @@ def test_structure_is_edited_and_undone(view: View) -> None:
     view.fill("number of links", "2")
     view.select("inertia of a link", "lumped")
     for term in SCENE.structure.terms:
-        name = term.replace("_", " ")
-        view.page.get_by_role("checkbox", name=name, exact=True).click()
+        view.page.get_by_role("checkbox", name=term.replace("_", " "), exact=True).click()
     view.button("Apply").click()
     view.sees("live.joints.length === 6 && live.t === 0")
     view.pause_after(0.1)
@@ -156,7 +154,7 @@ def test_time_line_looks_back_and_the_rod_goes_on_from_there(view: View) -> None
     view.shows("kinetic_energy", at(t).energy.kinetic[-1])
 
 
-def test_rod_is_pulled_by_the_pointer_and_kicked_by_the_keyboard(view: View) -> None:
+def test_rod_is_pulled_by_the_pointer_and_kicked_by_the_keyboard(view: View, run: LiveRun) -> None:
     """By a spring, whose energy F^2/2k is the work of the hand that tightens it, until it lets go;
     and by a dialog, each field of which has the focus in its turn, as a run without a page is."""
     view.page.get_by_role("switch", name="pull").click()
@@ -179,10 +177,7 @@ def test_rod_is_pulled_by_the_pointer_and_kicked_by_the_keyboard(view: View) -> 
     view.shows("work_pull", np.dot(force, force) / (2 * stiffness), near=1e-3)
     view.page.mouse.up()
     view.sees("live.pull.length === 0")
-    alone = LiveRun(SCENE)
-    alone.do(lambda: alone.kick(3, 0.25, (4.0, 2.0))).result()
-    energy = alone.catalogue.columns(["kinetic_energy"], alone.shown)[0, 0]
-    alone.close()
+    run.do(lambda: run.kick(3, 0.25, (4.0, 2.0))).result()
     view.button("Kick").focus()
     view.page.keyboard.press("Enter")
     dialog = view.page.get_by_role("dialog")
@@ -195,7 +190,7 @@ def test_rod_is_pulled_by_the_pointer_and_kicked_by_the_keyboard(view: View) -> 
     view.refuses("link")
     view.fill("link", "3")
     expect(dialog).to_have_count(0)
-    view.shows("kinetic_energy", energy)
+    view.shows("kinetic_energy", run.catalogue.columns(["kinetic_energy"], run.shown)[0, 0])
 
 
 def test_sweep_finds_the_critical_force(view: View) -> None:
@@ -246,8 +241,7 @@ def test_scene_and_run_are_taken_away(view: View, tmp_path: Path) -> None:
     scene = Scene.from_toml(view.download(view.button("Scene as TOML")))
     assert scene == SCENE.replace({"rod.mass": 25.0})
     assert view.download(view.button("Animation as GIF")).read_bytes().startswith(b"GIF8")
-    run = view.download(view.button("Run as NetCDF")).rename(tmp_path / "run.nc")
-    kept = rodgen.load(run)
+    kept = rodgen.load(view.download(view.button("Run as NetCDF")).rename(tmp_path / "run.nc"))
     assert t - 0.011 < kept.t[-1] <= t  # samples are 0.01 s apart
     assert (kept.scene.rod.mass, kept.changes is None) == (25.0, False)
     view.button("Link").click()
@@ -259,13 +253,10 @@ def test_scene_and_run_are_taken_away(view: View, tmp_path: Path) -> None:
     expect(view.field("link")).to_be_hidden()
 
 
-def test_page_tells_that_its_server_has_ended(
-    serve: Callable[..., Any], blank: View, folder: Path
-) -> None:
+def test_page_tells_that_its_server_has_ended(serve: Any, blank: View, folder: Path) -> None:
     """Which it does at once, and well, while the rod moves."""
     served = serve(folder / "dart.toml")
     blank.open(served.address).run()
     served.end()
     blank.sees("!live.connected")
-    lost = blank.page.get_by_role("alert").filter(has_text=re.compile(r"\S"))
-    expect(lost.first).to_be_visible()
+    expect(blank.page.get_by_role("alert").filter(has_text=re.compile(r"\S")).first).to_be_visible()

@@ -119,7 +119,7 @@ def test_changes_are_undone_and_redone(page: PageRun) -> None:
     assert values(page) == (7.0, 9.81)
 
 
-def test_kick_and_pull_are_undone(page: PageRun) -> None:
+def test_kick_and_pull_are_undone(page: PageRun, other: LiveRun) -> None:
     """The run goes back to the sample before, and on as one that nobody has touched; changes of
     before and after are undone as ever."""
     run = page.run
@@ -143,13 +143,11 @@ def test_kick_and_pull_are_undone(page: PageRun) -> None:
     np.testing.assert_array_equal(run.shown.y, before.y)
     assert run.live.given == pytest.approx(before.given, abs=1e-12)
     to(run, 0.4)
-    alone = LiveRun(SCENE)
-    to(alone, 0.1)
-    alone.do(lambda: alone.change(edit(SCENE, [(MASS, 4.0)]))).result()
-    to(alone, 0.4)
+    to(other, 0.1)
+    does(other, lambda: other.change(edit(SCENE, [(MASS, 4.0)])))
+    to(other, 0.4)
     # Its method began anew at 0.2 s, at rtol 1e-8.
-    np.testing.assert_allclose(run.shown.y, alone.shown.y, rtol=1e-6, atol=1e-6)
-    alone.close()
+    np.testing.assert_allclose(run.shown.y, other.shown.y, rtol=1e-6, atol=1e-6)
     assert run.undo.next(forth=True) is not None  # the change of gravity, but no kick
     finished(page.undo())
     assert page.scene.rod.mass == 3.0

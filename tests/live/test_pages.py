@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -13,9 +12,7 @@ from tests.live.view import View, expect
 pytestmark = pytest.mark.nightly  # in a browser
 
 
-def test_two_pages_have_their_own_runs_and_reload_keeps_them(
-    server: Any, another: Callable[..., View]
-) -> None:
+def test_two_pages_have_their_own_runs_and_reload_keeps_them(server: Any, another: Any) -> None:
     """With the panel and the time as they were; what differs from the file is in a link to it."""
     view, other = (another(apart=True).open(server.address) for _ in range(2))
     view.fill("mass M", "4")
@@ -65,9 +62,8 @@ def test_cursor_zoom_and_reset_are_of_all_plots(view: View) -> None:
     view.page.mouse.down()
     view.page.mouse.move(*point(0.75), steps=4)
     view.page.mouse.up()
-    size = "live.plots.{}.x[1] - live.plots.{}.x[0]"
     # A quarter of the picture, which is a little wider than its axis.
-    view.sees(f"{size.format('p1', 'p1')} < given / 2", wide[1] - wide[0])
+    view.sees("live.plots.p1.x[1] - live.plots.p1.x[0] < given / 2", wide[1] - wide[0])
     view.sees("live.plots.p2.x.every((end, k) => end === live.plots.p1.x[k])")
     view.page.get_by_role("button", name="Reset zoom").first.click()
     view.sees("live.plots.p1.x.every((end, k) => end === given[k])", wide)

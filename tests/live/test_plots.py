@@ -15,8 +15,9 @@ from rodgen.live.run.curves import MOST_ROWS
 from rodgen.live.run.plot import Plot, PlotSpec
 from rodgen.live.samples import Chunk
 from rodgen.model.terms import THESIS_TERMS
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from tests.live.runs import prepared
+from tests.told import refused
 
 Make = Callable[..., Scene]
 GOOD = {"id": "p1", "kind": "time", "y": ["phi_0"]}
@@ -70,13 +71,10 @@ UNFIT = (
 def test_a_kind_of_plot_takes_what_it_can_show(bar: Any) -> None:
     for field, values in SENSELESS.items():
         for value in values:
-            with pytest.raises(SceneError) as refused:
-                PlotSpec.from_dict({**GOOD, field: value}, bar[0])
-            assert field in f"{refused.value.field} {refused.value.value}"
+            told = refused(PlotSpec.from_dict, {**GOOD, field: value}, bar[0])
+            assert field in f"{told.field} {told.value}"
     for choice, field in UNFIT:
-        with pytest.raises(SceneError) as refused:
-            PlotSpec.from_dict({"id": "p", **choice}, bar[0])
-        assert refused.value.field == field
+        assert refused(PlotSpec.from_dict, {"id": "p", **choice}, bar[0]).field == field
 
 
 def test_of_too_many_series_every_kth_is_shown(
@@ -196,8 +194,7 @@ def test_sections_of_samples_where_the_answer_is_known(bar: Any) -> None:
 def test_chunks_of_any_length_give_the_same_section(bar: Any) -> None:
     """Of uneven samples, and to a plot that is added later."""
     catalogue, chunk = bar
-    times = np.cumsum(np.random.default_rng(3).uniform(0.02, 0.06, 800))
-    whole = turning(chunk, times, 1.3)
+    whole = turning(chunk, np.cumsum(np.random.default_rng(3).uniform(0.02, 0.06, 800)), 1.3)
     at_once = fed(plot(catalogue, **RISES), cut(whole))
     one_by_one = fed(plot(catalogue, **RISES), cut(whole, *range(1, 800)))
     first, second = cut(whole, 257)
@@ -214,8 +211,7 @@ def test_a_value_on_a_sample_is_reached_once(bar: Any, direction: str) -> None:
     """Samples lie on every value but for rounding, on either side: none is lost or counts twice,
     of an angle that rises as of one that falls."""
     catalogue, chunk = bar
-    t = np.arange(1000) * 0.01
-    whole = turning(chunk, t, -1.0 if direction == "falling" else 1.0)
+    whole = turning(chunk, np.arange(1000) * 0.01, -1.0 if direction == "falling" else 1.0)
     for every in (0.01, 0.02, 0.07):
         choice = {"x": "t", "y": "phi_0", "when": "phi_0", "every": every, "direction": direction}
         points = fed(plot(catalogue, kind="poincare", **choice), cut(whole, 3, 500, 501))
@@ -234,8 +230,7 @@ def test_a_kick_is_not_smoothed_over(bar: Any) -> None:
     after = chunk(t[6:], back, given=4.0)
     choice = {"x": "t", "y": "phi_0", "when": "phi_0", "direction": "either"}
     for value, expected in ((0.47, [0.47, 0.53]), (0.23, [0.23, 0.55 + 0.32 / 3])):
-        made = plot(catalogue, kind="poincare", value=value, **choice)
-        points = fed(made, iter((before, after)))
+        points = fed(plot(catalogue, kind="poincare", value=value, **choice), iter((before, after)))
         np.testing.assert_allclose(points[:, 0], expected, atol=1e-14)
 
 

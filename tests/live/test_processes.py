@@ -31,13 +31,11 @@ from tests.live.view import PATIENT
 FREE = Scene.from_dict({**ROD, "loads": {}})
 
 
-def test_answers_refusals_and_defects_are_told_and_nothing_of_what_is_dropped() -> None:
+def test_answers_refusals_and_defects_are_told_and_nothing_of_what_is_dropped(run: LiveRun) -> None:
     """In the process itself: requests are answered a part at a time, by turns."""
     told: list[tuple[int, dict[str, Any]]] = []
     works = Works(lambda number, **answer: told.append((number, answer)))
-    run = LiveRun(SCENE)
     state = {"t": 0.0, "y": run.shown.y[-1].tolist(), "p": run.shown.p.tolist()}
-    run.close()
     for number, what, scene, more in (
         (1, "modes", SCENE, state),
         (2, "critical", FREE, {}),

@@ -36,8 +36,7 @@ def test_messages_are_the_samples_of_the_run(solution: Solution) -> None:
     made = replay(solution, [TAIL, MOMENTS])
     assert made.times == pytest.approx(solution.t)
     _, standing = decoded(made.first)
-    rows = standing["plot!p0"].reshape(-1, 2)
-    assert rows[:, 1] == pytest.approx(solution.values("phi")[:, -1])
+    assert standing["plot!p0"].reshape(-1, 2)[:, 1] == pytest.approx(solution.values("phi")[:, -1])
     at_first = standing["plot!p1"].reshape(-1, 2)[:, 1]
     assert at_first == pytest.approx(solution.values("bending_moments")[0][-len(at_first) :])
     header, arrays = decoded(made.frames[37])
@@ -55,8 +54,7 @@ def test_long_runs_are_shown_by_some_of_their_samples(
     monkeypatch.setattr("rodgen.live.replay.MOST", most := 50)
     count = 2 * most
     y = np.resize(solution.y, (count, solution.y.shape[1]))
-    long = replace(solution, t=np.linspace(0.0, 1.0, count), y=y, work={})
-    made = replay(long, [TAIL])
+    made = replay(replace(solution, t=np.linspace(0.0, 1.0, count), y=y, work={}), [TAIL])
     assert len(made.times) == most
     assert (made.times[0], made.times[-1]) == (0.0, 1.0)
     assert np.ptp(np.diff(made.times)) <= 1.01 / (count - 1)  # evenly, but for one sample
@@ -75,8 +73,7 @@ def test_changes_and_kicks_of_a_live_run_are_in_its_solution(run: LiveRun) -> No
     sol = run.do(run.solution).result()
     assert sol.energy_error < 1e-6  # rtol 1e-8 of some 100 J
     weight = np.where(sol.t <= 0.2, 3.0 * 9.81, 4.0 * 1.0)
-    height = sol.centre_of_gravity[:, 1]
-    np.testing.assert_allclose(sol.energy.gravity, weight * height, atol=1e-9)
+    np.testing.assert_allclose(sol.energy.gravity, weight * sol.centre_of_gravity[:, 1], atol=1e-9)
     given = np.split(sol.changes.given, [21, 31])  # after the samples at 0.2 and 0.3 s
     assert [np.ptp(part) for part in given] == [0.0, 0.0, 0.0]
     assert np.abs(np.diff([part[0] for part in given])).min() > 0.1  # J

@@ -28,8 +28,7 @@ def test_run_goes_round_until_somebody_changes_it(run: LiveRun) -> None:
     """It begins again where the span of its scene is over, goes on beyond that once kicked, and
     stands once it is paused."""
     assert run.status == PAUSED
-    short = edit(SCENE, [(("integrate", "span"), [0.0, 0.05])])
-    does(run, lambda: run.take(short), run.go_round)
+    does(run, lambda: run.take(edit(SCENE, [(("integrate", "span"), [0.0, 0.05])])), run.go_round)
     until(lambda: run.begun, lambda count: count > 3, "it does not begin again")
     assert run.status == RUNNING
     does(run, lambda: run.kick(0, 0.5, (0.1, 0.0)))
@@ -48,8 +47,7 @@ def test_blow_up_stops_and_a_change_mends(run: LiveRun) -> None:
     run.told = lambda: told.append(run.status)
     does(run, lambda: run.failed("a defect"))
     assert (run.status, run.lost, told) == (STOPPED, False, [STOPPED])
-    method = [(("integrate", "method"), "euler"), (("integrate", "step"), 0.2)]
-    wild = edit(SCENE, method)
+    wild = edit(SCENE, [(("integrate", "method"), "euler"), (("integrate", "step"), 0.2)])
     does(run, lambda: run.set_speed(np.inf), lambda: run.change(wild), run.go)
     until(lambda: run.status, STOPPED, "it goes on")
     assert (run.lost, told[-1]) == (True, STOPPED)
@@ -115,8 +113,7 @@ def test_tolerance_for_looking_is_taken_where_real_time_is_missed(run: LiveRun) 
     past(run, float(run.shown.t[-1]) + 0.1)
     assert not run.live.rough
     assert run.live.settings == SCENE.integrate
-    other = edit(SCENE, [(("integrate", "rtol"), 1e-7)])
-    does(run, lambda: run.change(other))
+    does(run, lambda: run.change(edit(SCENE, [(("integrate", "rtol"), 1e-7)])))
     until(lambda: run.live.rough, len(FOR_LOOKING), "it is not taken")
     does(run, run.pause, lambda: run.change(SCENE))
     assert run.live.settings == SCENE.integrate
@@ -139,8 +136,7 @@ def test_slow_page_gets_fewer_messages_and_all_rows(run: LiveRun) -> None:
         return float(page.table("p1", 2)[-1, 0])
 
     until(last, pytest.approx(0.4), "the last rows do not come")
-    every = np.arange(41) / 100
-    assert page.table("p1", 2)[:, 0] == pytest.approx(every)  # no sample is missing
+    assert page.table("p1", 2)[:, 0] == pytest.approx(np.arange(41) / 100)  # no sample is missing
     does(run, lambda: run.page.detach(page.take))
     seen = len(page.headers)
     to(run, 0.5)

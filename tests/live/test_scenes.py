@@ -36,6 +36,7 @@ from rodgen.scene import Scene, SceneError
 from tests.live.conftest import ROD, SCENE, SCENES, varied
 from tests.live.runs import does, to
 from tests.palette import ENDS
+from tests.told import refused
 
 FILES = sorted(SCENES.glob("*.toml"))
 MISSILE = SCENES / "missile.toml"
@@ -74,8 +75,7 @@ def test_every_number_of_a_scene_has_a_field() -> None:
 
     def leaves(table: object, *path: str) -> Iterator[str]:
         if isinstance(table, dict | list):
-            pairs = table.items() if isinstance(table, dict) else enumerate(table)
-            for key, inner in pairs:
+            for key, inner in table.items() if isinstance(table, dict) else enumerate(table):
                 yield from leaves(inner, *path, str(key))
         else:
             yield ".".join(path)
@@ -96,9 +96,7 @@ def test_form_that_cannot_be_is_refused() -> None:
         (Form(1, "cantilever", "uniform", ()), "rod.links"),
         (Form(3, "glued", "uniform", ()), "rod.boundary"),
     ):
-        with pytest.raises(SceneError) as refused:
-            reshape(scene, form, [])
-        assert refused.value.field == field
+        assert refused(reshape, scene, form, []).field == field
     with pytest.raises(SceneError, match=r"initial\.phi"):
         reshape(scene, form_of(scene), [(("initial", "phi"), "__import__('os')")])
 
@@ -107,9 +105,7 @@ def test_amplitude_of_a_load_has_the_slider_of_its_key() -> None:
     """Before the expression, whose other numbers follow; all else of the text stays as written, and
     what two sliders of one text change meanwhile is kept."""
     scene = Scene.from_toml(MISSILE)
-    fields = [
-        field for field in fields_of(scene) if field.path[:3] == ("loads", "follower", "force")
-    ]
+    fields = [one for one in fields_of(scene) if one.path[:3] == ("loads", "follower", "force")]
     assert [field.value for field in fields] == [300.0, None, 0.5, 1.0]
     assert fields[0].reach(scale_of(fields[0])) == (0.0, 900.0)
     other = edit(scene, (*fields[0].changes(320.0), *fields[2].changes(0.25)))
@@ -153,13 +149,6 @@ def test_terms_that_anchor_a_rod_and_states_can_be_chosen() -> None:
 
 
 ONE = {"t": "0", "y": "[]", "work": "[]", "given": "0", "start": "0"}  # a state, as it is written
-
-
-@pytest.fixture
-def other() -> Iterator[LiveRun]:
-    other = LiveRun(SCENE)
-    yield other
-    other.close()
 
 
 def test_link_brings_back_plots_view_time_and_state(run: LiveRun, other: LiveRun) -> None:
@@ -238,8 +227,7 @@ def test_scenes_of_the_package_can_be_edited_packed_and_drawn(path: Path) -> Non
         assert low <= field.value <= high
         if field.of.fixed:
             continue
-        most = field.of.most or float("inf")
-        other = edit(scene, field.changes(min(field.value + by, most)))
+        other = edit(scene, field.changes(min(field.value + by, field.of.most or float("inf"))))
         assert other.structure == scene.structure
         for name, value in other.parameters.items():
             if name in reached and value != reached[name]:

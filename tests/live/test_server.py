@@ -49,8 +49,7 @@ def ask(
     finished(Guard(app, token, port)(scope, receive, send))
     if kind == SOCKET:
         return (101 if sent[0]["type"] == "websocket.accept" else sent[0]["code"]), {}
-    found = {name.decode(): value.decode() for name, value in sent[0]["headers"]}
-    return sent[0]["status"], found
+    return sent[0]["status"], {name.decode(): value.decode() for name, value in sent[0]["headers"]}
 
 
 # A stranger's DNS may give this machine a name, and its page would be of our origin.
@@ -95,8 +94,7 @@ def test_pages_of_other_servers_may_link_and_no_more() -> None:
         for kind in ("iframe", "frame", "embed", "object", "image", "script", "empty"):
             theirs = {"sec-fetch-site": site, "sec-fetch-dest": kind}
             assert ask(query="scene=x", **theirs)[0] == 403
-            own = {**theirs, "sec-fetch-site": "same-origin"}
-            assert ask(query="scene=x", **own)[0] == 200
+            assert ask(query="scene=x", **theirs | {"sec-fetch-site": "same-origin"})[0] == 200
         link = {"sec-fetch-site": site, "sec-fetch-dest": "document"}
         assert ask(query="scene=x", **link)[0] == 200
     for token, query in ((None, ""), (TOKEN, f"token={TOKEN}")):

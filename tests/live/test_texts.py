@@ -30,8 +30,7 @@ def shown(scene: Scene, y: Array | None = None, t: float = 0.0, **present: Any) 
     work = np.arange(1.0, len(works) + 1)[None]
     chunk = Chunk(np.array([t]), y[None], work, works, p, given=present.pop("given", 0.0))
     cost = {"counts": Counts(), "seconds": 0.0, **present}
-    found = texts(scene, model, Present(chunk, **cost))
-    return {key: text.strip() for key, text in found.items()}
+    return {key: text.strip() for key, text in texts(scene, model, Present(chunk, **cost)).items()}
 
 
 def numbers(text: str) -> Any:
@@ -136,8 +135,7 @@ def test_loads_and_works_are_those_of_the_present(make_scene: Make) -> None:
     assert rows["internal_damping"].unit == "m²/s"
     works = [float(text) for key, text in found.items() if key.startswith("work_")]
     assert works[:4] == [1.0, 2.0, 3.0, 4.0]
-    total = float(found["total_energy"])
-    balance = total - sum(works) - float(found["given"])
+    balance = float(found["total_energy"]) - sum(works) - float(found["given"])
     # What is shown has five digits, of some tens of joules.
     assert float(found["energy_balance"]) == pytest.approx(balance, abs=5e-3)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -52,8 +51,7 @@ def test_rod_profile_and_values_are_those_of_the_sample(run: LiveRun) -> None:
     assert header["joints"].reshape(-1, 2) == pytest.approx(joints - joints[0], abs=1e-6)
     (plot,) = run.plots
     half = sample.y.shape[1] // 2
-    rates = page.rows[plot][-1].reshape(-1, 2)[:, 1]
-    assert rates == pytest.approx(sample.y[0, half + 2 :])
+    assert page.rows[plot][-1].reshape(-1, 2)[:, 1] == pytest.approx(sample.y[0, half + 2 :])
     assert float(header["texts"]["kinetic_energy"]) == pytest.approx(  # five digits are shown
         float(run.catalogue.columns(["kinetic_energy"], sample)[0, 0]), rel=1e-4
     )
@@ -115,13 +113,11 @@ def test_other_answers_are_none(run: LiveRun) -> None:
 
 
 @pytest.fixture
-def kept() -> Iterator[LiveRun]:
+def kept(other: LiveRun) -> LiveRun:
     """One that is kept, with samples at 0, 0.01, ..., 0.3 s."""
-    made = LiveRun(SCENE)
-    made.do(lambda: made.keep_runs(True)).result()
-    to(made, 0.3)
-    yield made
-    made.close()
+    does(other, lambda: other.keep_runs(True))
+    to(other, 0.3)
+    return other
 
 
 def plotted(kept: LiveRun, **choice: Any) -> str:
@@ -197,9 +193,8 @@ def test_another_rod_is_compared_where_both_have_a_quantity(kept: LiveRun) -> No
     curves = header[f"ghost:{shown['phi_0', 'phi_1', 'phi_2']}"].reshape(-1, 4)
     assert curves[:, -1] == pytest.approx(tail)
     kept.do(lambda: kept.take(SCENE)).result()
-    assert {("omega_3",), ("omega_4",), ("phi_0", "phi_3")} < {
-        plot.names for plot in kept.plots.values()
-    }
+    again = {plot.names for plot in kept.plots.values()}
+    assert {("omega_3",), ("omega_4",), ("phi_0", "phi_3")} < again
     assert kept.unplotted == ()
 
 

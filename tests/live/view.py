@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 PATIENT = 20.0  # seconds for anything that is waited for, on a busy machine too
 DIGITS = 5.1e-5  # of five digits half of the last, of a number that begins with 1
-# A number of the panel of values, from its text.
-NUMBER = """const number = text =>
+# What expressions know: the state of the page, and a number of the panel of values by its text.
+KNOWN = """const live = window.rodgenLive, number = text =>
     Number((text ?? "").replace(/[\\u2007\\u202f]/g, "").replace("\\u2212", "-") || NaN);"""
 
 
@@ -72,8 +72,7 @@ class View:
         hub.js), and what is `given`; returns its value."""
         from playwright.sync_api import TimeoutError as Late
 
-        state = f"{NUMBER} const live = window.rodgenLive;"
-        script = f"given => {{ {state} return live && ({condition}) }}"
+        script = f"given => {{ {KNOWN} return live && ({condition}) }}"
         try:
             found = self.page.wait_for_function(script, arg=given, polling=30)
         except Late:
@@ -83,16 +82,12 @@ class View:
 
     def live(self, expression: str) -> Any:
         """What an expression of `live` is now."""
-        return self.page.evaluate(
-            f"() => {{ {NUMBER} const live = window.rodgenLive; return {expression} }}"
-        )
+        return self.page.evaluate(f"() => {{ {KNOWN} return {expression} }}")
 
     def shows(self, key: str, value: float, near: float = DIGITS) -> View:
         """The number of that key in the panel of values is this one, but for a share of it."""
-        margin = max(near * abs(value), 1e-12)
-        self.sees(
-            f"Math.abs(number(live.texts.{key}) - given[0]) <= given[1]", [float(value), margin]
-        )
+        given = [float(value), max(near * abs(value), 1e-12)]
+        self.sees(f"Math.abs(number(live.texts.{key}) - given[0]) <= given[1]", given)
         return self
 
     def run(self) -> View:
@@ -164,8 +159,7 @@ class View:
         options.filter(has_text=kind).first.click()
         expect(options).to_have_count(0)
         for label, name in chosen.items():
-            field = dialog.get_by_role("combobox", name=label.replace("_", " "), exact=True)
-            field.fill(name)
+            dialog.get_by_role("combobox", name=label.replace("_", " "), exact=True).fill(name)
             options.filter(has_text=f"({name})").first.click()
             if label == "quantities":
                 self.page.keyboard.press("Escape")

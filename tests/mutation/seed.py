@@ -62,13 +62,12 @@ def place(fault: Fault, layout: Path) -> Path:
 
 
 def hash_of(fault: Fault, layout: Path) -> str:
-    """A hash of what the outcome of a fault follows from: itself, the sources, its tests and what
-    these import."""
+    """A hash of what the outcome of a fault follows from: itself, the sources, its tests and all
+    that tests may import."""
     digest = hashlib.sha256(repr(fault).encode())
     tests = [ROOT / "tests" / test for test in fault.tests.split()]
-    beside = [ROOT / "tests", *(test.parent for test in tests if test.is_file())]
-    helps = [file for folder in beside for file in folder.glob("*.py")]
-    tests += [ROOT / "conftest.py", *(one for one in helps if not one.name.startswith("test_"))]
+    every = (ROOT / "tests").rglob("*.py")
+    tests += [ROOT / "conftest.py", *(one for one in every if not one.name.startswith("test_"))]
     for folder in (layout / "rodgen", *tests):
         inside = folder.rglob("*") if folder.is_dir() else [folder]
         for file in sorted(path for path in inside if path.is_file()):
@@ -196,29 +195,19 @@ def broken(rows: list[Row], runs: Runs) -> list[Row]:
     return [row | {"outcome": BROKEN} for row in found if row["by"] in failed]
 
 
-def span(word: str) -> range:
-    """Numbers of faults, from 1, as 3 and 20-25 name them."""
-    low, _, high = word.partition("-")
-    numbers = range(int(low), int(high or low) + 1)
-    if not numbers or not 1 <= numbers[0] <= numbers[-1] <= len(FAULTS):
-        raise ValueError(word)
-    return numbers
-
-
 def main() -> None:
     """Sow, and say how many were found."""
     parser = argparse.ArgumentParser(prog="python -m tests.mutation.seed", description=__doc__)
     last = len(FAULTS)
-    which = f"faults such as 3 or 20-25, of 1 to {last}; all of them take 25 minutes on two cores"
-    parser.add_argument("faults", nargs="*", type=span, help=which)
-    parser.add_argument("--from", dest="low", type=int, default=1, help="the first of them")
-    parser.add_argument("--to", dest="high", type=int, default=last, help="the last of them")
+    parser.add_argument("--from", dest="low", type=int, default=1, help=f"the first of 1 to {last}")
+    parser.add_argument("--to", dest="high", type=int, default=last, help="the last")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="how many at a time")
     parser.add_argument("--limit", type=float, default=LIMIT, help=f"s for each, {LIMIT:g}")
     parser.add_argument("--again", action="store_true", help="also those whose outcome is known")
     given = parser.parse_args()
-    chosen = [number for span in given.faults for number in span] or range(1, last + 1)
-    numbers = [number for number in chosen if given.low <= number <= given.high]
+    if not 1 <= given.low <= given.high <= last:
+        parser.error(f"--from {given.low} --to {given.high}: not within 1 to {last}")
+    numbers = range(given.low, given.high + 1)
     KEPT.parent.mkdir(exist_ok=True)
     lines = KEPT.read_text(encoding="utf-8").splitlines() if KEPT.exists() else []
     known, rows, runs = [json.loads(line) for line in lines], list[Row](), Runs(given.limit)

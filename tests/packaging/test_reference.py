@@ -85,11 +85,8 @@ def test_lists_of_names_are_shown_as_lists() -> None:
 
 def _fields(kind: Any) -> dict[str, str]:
     """Fields of a dataclass, a named tuple or a scene, with their types as text."""
-    names = next(
-        getattr(kind, name)
-        for name in ("__dataclass_fields__", "model_fields", "_fields")
-        if hasattr(kind, name)
-    )
+    places = ("__dataclass_fields__", "model_fields", "_fields")
+    names = next(getattr(kind, place) for place in places if hasattr(kind, place))
     types = {name: of for one in kind.__mro__[::-1] for name, of in _types(one).items()}
     return {name: types[name] for name in names}
 
@@ -106,17 +103,15 @@ def _entries(name: str) -> tuple[set[str], set[str]]:
     assert found
     members = {*dir(kind)} - INHERITED - _fields(kind).keys()
     every = {one for one in members if not one.startswith("_")}
-    listed = {*(found[1] or "").replace(" ", "").split(",")} - {""}
-    with_it = every if found[1] == "" else listed
+    with_it = every if found[1] == "" else {*(found[1] or "").replace(" ", "").split(",")} - {""}
     parts = rf"^\.\. auto(?:method|property):: rodgen\.{name}\.(\w+)$"
     return with_it, {*re.findall(parts, TEXT, re.M)}
 
 
 def _untold(member: Any, name: str = "") -> Iterator[str]:
     """What a function, a method or a property says nothing of: itself, arguments, or units."""
-    function = next(
-        (getattr(member, of) for of in ("fget", "func", "__func__") if hasattr(member, of)), member
-    )
+    inside = [getattr(member, of) for of in ("fget", "func", "__func__") if hasattr(member, of)]
+    function = inside[0] if inside else member
     text, types = inspect.getdoc(function) or "", _types(function)
     meanings, parts = told(text), sections(text)
     if not text:

@@ -1,4 +1,4 @@
-"""A bar, scenes that differ in part, and runs without an end that are asked for frame by frame."""
+"""A bar, and runs without an end that are asked for frame by frame."""
 
 from __future__ import annotations
 
@@ -28,14 +28,6 @@ def gone_on(live: Live, to: float, frame: float = FRAME) -> Samples:
         at = min(at + frame, to)
         parts.append(live.advance(at, 60.0))
     return Samples(*(np.concatenate(part) for part in zip(*parts, strict=True)))
-
-
-def other(scene: Scene, **tables: dict[str, Any]) -> Scene:
-    """The scene with other values in its tables."""
-    table = scene.model_dump(exclude_none=True)
-    for name, values in tables.items():
-        table[name] = {**table[name], **values}
-    return Scene.from_dict(table)
 
 
 def bar(boundary: str = "free", **tables: Any) -> Scene:

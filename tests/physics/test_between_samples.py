@@ -13,7 +13,8 @@ from rodgen.integrate.dense_output import DenseOutput
 from rodgen.integrate.samples import Changes
 from rodgen.model.methods import ADAPTIVE, FIXED_STEP
 from rodgen.scene import Scene
-from tests.physics.sets import sets
+from tests.sets import sets
+from tests.told import refused
 
 TIMES = np.linspace(0.0, 1.0, 101)
 RTOL, ATOL = 1e-6, 1e-8
@@ -22,11 +23,8 @@ STEPS = {"rk4": 2e-3, "thesis_runge_kutta": 2e-3, "euler": 5e-4, "semi_implicit_
 TABLE = {
     "name": "between",
     "rod": {"links": 5, "length": 2.0, "bending_stiffness": 3.0, "mass": 3.0, "boundary": "pinned"},
-    "loads": {
-        "follower": {"force": "4 if t < 0.53 else 1"},
-        "gravity": {},
-        "tip": {"y": "sin(9*t)"},
-    },
+    "loads": {"follower": {"force": "4 if t < 0.53 else 1"}, "gravity": {}}
+    | {"tip": {"y": "sin(9*t)"}},
     "initial": {"phi": "0.4*cos(pi*s)"},
     "events": [{"quantity": "phi_4", "value": 0.0}],
     "integrate": {"span": [0.0, 1.0], "output_every": 0.25, "rtol": RTOL, "atol": ATOL},
@@ -101,9 +99,7 @@ def test_shapes_and_samples_are_those_of_scipy(sol: rodgen.Solution) -> None:
 
 def test_other_times_are_refused(sol: rodgen.Solution) -> None:
     for t in (-1e-9, 1.0 + 1e-9, np.nan, np.inf, "now", 1j, [[0.5]]):
-        with pytest.raises(rodgen.SceneError) as caught:
-            sol(t)
-        assert caught.value.field == "t"
+        assert refused(sol, t).field == "t"
 
 
 def test_a_run_ended_by_an_event_ends_there() -> None:
@@ -112,8 +108,7 @@ def test_a_run_ended_by_an_event_ends_there() -> None:
     (event,) = sol.events
     np.testing.assert_array_equal(sol(event.t), event.y)
     assert sol(event.t / 2)[4] > -0.5
-    with pytest.raises(rodgen.SceneError, match=r"^t = "):
-        sol(event.t + 1e-6)
+    assert refused(sol, event.t + 1e-6).field == "t"
 
 
 def test_a_run_that_failed_is_known_up_to_its_last_sample() -> None:
@@ -122,16 +117,14 @@ def test_a_run_that_failed_is_known_up_to_its_last_sample() -> None:
     sol = found.value.solution
     between = (sol.t[-1] + sol.t[-2]) / 2
     assert np.isfinite(sol(between)).all()
-    with pytest.raises(rodgen.SceneError, match=r"^t = "):
-        sol(1.0)
+    assert refused(sol, 1.0).field == "t"
 
 
 def test_a_changed_run_is_refused(sol: rodgen.Solution) -> None:
     p = np.tile(sol.model.parameters(**SCENE.parameters), (len(sol.t), 1))
     changed = sol.taken(slice(None))
     changed.changes = Changes(p, np.zeros(len(sol.t)))
-    with pytest.raises(rodgen.SceneError):
-        changed(0.405)
+    assert refused(changed, 0.405)
 
 
 def test_it_follows_from_a_file(sol: rodgen.Solution, tmp_path: Path) -> None:

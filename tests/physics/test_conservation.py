@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import product
 
 import numpy as np
@@ -10,11 +9,9 @@ import pytest
 
 import rodgen
 from rodgen.model.rod import BOUNDARIES, INERTIAS
-from rodgen.scene import Scene
 from tests.palette import ALONG, ENDS
-from tests.physics.sets import sets
+from tests.sets import Make, sets
 
-Make = Callable[..., Scene]
 EVERY = pytest.mark.parametrize("inertia", sets(["lumped"], slow=["uniform"]))
 # Loads that may give energy; drag by its wind.
 DRIVING = {"follower", "tip_load", "distributed_follower", "drag"}

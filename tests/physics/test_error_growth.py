@@ -12,7 +12,7 @@ import rodgen
 from rodgen.integrate.error_growth import error_growth
 from rodgen.integrate.samples import Changes
 from rodgen.scene import Scene, SceneError
-from tests.physics.sets import sets
+from tests.sets import sets
 
 G = 11.94  # m/s^2
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,9 +16,9 @@ from rodgen.loading import build
 from rodgen.model.quantities import watched
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import Scene
+from tests.sets import Make
 
 Array = NDArray[np.float64]
-Make = Callable[..., Scene]
 G = 9.81
 # What events can watch beside states and joints.
 SINGLE = [name for name, span in watched(BOUNDARIES["pinned"], 3) if len(span) == 1]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +11,7 @@ from scipy.special import ellipk
 
 import rodgen
 from rodgen.scene import Scene
-from tests.physics.sets import sets
-
-Make = Callable[..., Scene]
-SCENES = Path(__file__).parents[2] / "scenes"
+from tests.sets import Make, sets
 
 
 def test_one_free_link_is_a_rigid_body(make_scene: Make) -> None:
@@ -29,7 +25,7 @@ def test_one_free_link_is_a_rigid_body(make_scene: Make) -> None:
 @pytest.mark.slow
 def test_cantilever_settles_to_its_static_deflection() -> None:
     """Thesis 3.2 with the discrete rod solved exactly: 0.07359 m (the thesis has 0.0735)."""
-    scene = Scene.from_toml(SCENES / "cantilever_self_weight.toml")
+    scene = Scene.example("cantilever_self_weight")
     sol, rest = rodgen.simulate(scene), rodgen.static_equilibrium(scene)
     assert -rest.tip[1] == pytest.approx(0.07359, abs=5e-6)
     np.testing.assert_allclose(sol.phi[-1], rest.phi, atol=1e-6)
@@ -71,7 +67,7 @@ def test_elastic_beam_of_the_ivp_test_set(
     """theta_i is phi_{i-1}: angles, then rates, as in the state. Rates are the worse half: the
     fastest modes, near 6400 rad/s, multiply errors of angles."""
     settings = {"method": method, "rtol": rtol, "atol": rtol / 10, "output_every": 5.0}
-    scene, exact = Scene.from_toml(SCENES / "ivp_beam.toml"), np.array(PUBLISHED["y"])
+    scene, exact = Scene.example("ivp_beam"), np.array(PUBLISHED["y"])
     sol = rodgen.simulate(scene, target=target, **settings)
     assert sol.t[-1] == 5.0
     np.testing.assert_allclose(sol.y[-1], exact, rtol=0, atol=limit)

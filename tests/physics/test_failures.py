@@ -13,16 +13,11 @@ import rodgen
 from rodgen.integrate import Interrupted, RunError, StepWarning
 from rodgen.integrate.methods.libraries import ScipyStep
 from rodgen.scene import Scene
-from tests.physics.sets import sets
-
-Make = Callable[..., Scene]
+from tests.sets import Make, sets
 
 
 def _with_force(scene: Scene, force: str, **integrate: object) -> Scene:
-    table = scene.model_dump(exclude_none=True)
-    table["loads"]["follower"] = {"force": force}
-    table["integrate"] |= integrate
-    return Scene.from_dict(table)
+    return scene.replace({"loads.follower": {"force": force}}).with_integrate(**integrate)
 
 
 def _blames(error: RunError, load: str, at: float, within: float) -> None:
@@ -73,8 +68,7 @@ def test_division_by_zero_in_a_load_is_reported_with_its_time(
     make_scene: Make, method: str, force: str
 ) -> None:
     at = POLES[force]
-    scene = make_scene(3, "free", ("follower",))
-    scene = _with_force(scene, force, method=method, step=1e-3)
+    scene = _with_force(make_scene(3, "free", ("follower",)), force, method=method, step=1e-3)
     with pytest.raises(RunError) as caught:
         rodgen.simulate(scene)
     # Of what is no number from a time on, the time is that of a step.

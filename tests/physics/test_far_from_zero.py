@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
 import rodgen
-from rodgen import Scene
-from tests.physics.sets import sets
+from tests.sets import Make, sets
 
 NOW = 1.7e9  # s since 1970: doubles are 2.4e-7 s apart
 NIGHTLY = [
@@ -22,13 +19,11 @@ NIGHTLY = [
 @pytest.mark.parametrize(
     ("method", "target", "start"),
     sets(
-        [("dop853", "c", NOW)],
-        slow=[("gauss", "c", NOW), ("lsoda", "numpy", NOW)],
-        nightly=NIGHTLY,
+        [("dop853", "c", NOW)], slow=[("gauss", "c", NOW), ("lsoda", "numpy", NOW)], nightly=NIGHTLY
     ),
 )
 def test_motion_is_that_of_a_run_from_zero(
-    make_scene: Callable[..., Scene], method: str, target: str, start: float
+    make_scene: Make, method: str, target: str, start: float
 ) -> None:
     """At samples inside steps too, each of the time that it is given for."""
     if method == "cvode":

@@ -3,7 +3,6 @@ moments and of momentum, and the equations that they solve."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import product
 
 import numpy as np
@@ -16,9 +15,8 @@ from rodgen.integrate.joint_forces import forces_per_mass
 from rodgen.model.quantities import QUANTITIES
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from tests.palette import ALONG, ENDS
-from tests.physics.sets import sets
+from tests.sets import Make, sets
 
-Make = Callable[..., Scene]
 # Loads that change with time are among either half.
 RODS = pytest.mark.parametrize(
     ("boundary", "inertia", "terms"),

@@ -15,8 +15,8 @@ from rodgen.integrate.live import LiveError
 from rodgen.integrate.samples import Tape
 from rodgen.scene import Scene
 from tests.palette import cases
-from tests.physics.live_runs import PULSE, bar, gone_on, live_of, other
-from tests.physics.sets import sets
+from tests.physics.live_runs import PULSE, bar, gone_on, live_of
+from tests.sets import sets
 
 PYTHON = ("lsoda", "radau", "dop853", "gauss", "cvode", "rk4")
 COMPILED = ("dop853", "gauss", "radau", "rk4", "euler", "semi_implicit_euler", "thesis_runge_kutta")
@@ -186,14 +186,11 @@ def test_blow_up_is_told_and_can_be_mended(target: str, method: str) -> None:
     """With a step beyond the stability limit: in the words of `simulate`, with its samples; a
     smaller step goes on, here after a restart to a state that is no wreck."""
     scene = Scene.from_dict(MISSILE).with_integrate(method=method, step=0.05, span=[0.0, 60.0])
-    scene = other(scene, rod={"bending_stiffness": 1e5})
+    scene = scene.replace({"rod.bending_stiffness": 1e5})
     live = live_of(scene, target)
     with pytest.raises(LiveError) as caught:
         live.advance(60.0, 60.0)
-    with (
-        pytest.raises(rodgen.RunError) as expected,
-        pytest.warns(rodgen.StepWarning) as warned,
-    ):
+    with pytest.raises(rodgen.RunError) as expected, pytest.warns(rodgen.StepWarning) as warned:
         rodgen.simulate(scene, model=live.model)
     assert str(caught.value) == str(expected.value)
     assert caught.value.t == live.t
@@ -233,7 +230,7 @@ def test_steps_that_go_nowhere_are_stopped() -> None:
     """A link on a spring at 5e15 rad/s, whose stable steps of 1e-15 s would take a year."""
     given = {"span": [0.0, 4.0], "method": "dop853"}
     scene = bar("clamped", initial={"phi": 0.5}, integrate=given)
-    live = live_of(other(scene, rod={"bending_stiffness": 1e32}))
+    live = live_of(scene.replace({"rod.bending_stiffness": 1e32}))
     while live.counts.steps < 9000:
         live.advance(1.0, 1e-4)
     with pytest.raises(LiveError):

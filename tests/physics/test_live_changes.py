@@ -5,7 +5,6 @@ from __future__ import annotations
 import gc
 import math
 import tracemalloc
-from collections.abc import Callable
 from itertools import product
 from types import SimpleNamespace
 from typing import Any
@@ -17,10 +16,9 @@ from rodgen.integrate import live as live_module
 from rodgen.model.terms import THESIS_TERMS
 from rodgen.scene import Scene, SceneError
 from tests.palette import cases
-from tests.physics.live_runs import bar, live_of, other
-from tests.physics.sets import sets
+from tests.physics.live_runs import bar, live_of
+from tests.sets import Make, sets
 
-Make = Callable[..., Scene]
 # Methods of every kind, with what they need to be right to some 1e-9 on slow motions.
 METHODS = [
     ("dop853", "c", {"rtol": 1e-11}),
@@ -43,7 +41,7 @@ def oscillator(stiffness: float, **integrate: Any) -> Scene:
     """A link of 3 kg and 2 m on a spring of 2 EI/L: I phi'' = -2 EI/L phi, with I = M L^2/3."""
     given = {"span": [0.0, 4.0], "atol": 1e-13, **integrate}
     scene = bar("clamped", initial={"phi": 0.5}, integrate=given)
-    return other(scene, rod={"bending_stiffness": stiffness})
+    return scene.replace({"rod.bending_stiffness": stiffness})
 
 
 def swung(stiffness: float, t: Any, phi: float, omega: float) -> tuple[Any, Any]:
@@ -104,14 +102,12 @@ def test_balance_stays_small(make_scene: Make, how: int) -> None:
     scene = make_scene(5, terms=THESIS_TERMS, method=method, **settings)
     live = live_of(scene, target)
     changes: list[dict[str, Any]] = [
-        {"rod": {"bending_stiffness": 60.0}},
-        {"rod": {"mass": 2.0}},
-        {"rod": {"length": 2.5}},
-        {"loads": {"gravity": {"g": 3.0}}},
-        {"loads": {"follower": {"force": 25.0, "angle": -0.2}}},
-        {"loads": {"external_damping": {"coefficient": 1.0}}},
-        {"integrate": {"method": "dop853", "rtol": 1e-10}},
-        {"integrate": {"method": "rk4", "step": 2e-4}},
+        *({"rod.bending_stiffness": 60.0}, {"rod.mass": 2.0}, {"rod.length": 2.5}),
+        {"loads.gravity": {"g": 3.0}},
+        {"loads.follower": {"force": 25.0, "angle": -0.2}},
+        {"loads.external_damping": {"coefficient": 1.0}},
+        {"integrate.method": "dop853", "integrate.rtol": 1e-10},
+        {"integrate.method": "rk4", "integrate.step": 2e-4},
     ]
     to, jumps = 0.0, []
     for k, change in enumerate(changes):
@@ -121,7 +117,7 @@ def test_balance_stays_small(make_scene: Make, how: int) -> None:
         balance = energy - live.energy_start - samples.work.sum(axis=1) - live.given
         assert np.abs(balance).max() < 1e-5
         before = live.given
-        scene = other(scene, **change)
+        scene = scene.replace(change)
         live.change(scene)
         jumps.append(live.given - before)
         live.kick(k % 4, 0.5, (0.5, 1.0))
@@ -156,7 +152,7 @@ def test_what_is_refused_leaves_the_run_as_it_was(make_scene: Make) -> None:
         (1, 0.5, (1e300, 0.0), "kick.impulse"),
     ):
         with pytest.raises(SceneError, match=f"^{field} = "):
-            live.kick(link, share, impulse)  # type: ignore[arg-type]  # wrong types on purpose
+            live.kick(link, share, impulse)
     for terms, links in ((THESIS_TERMS[:3], 5), (THESIS_TERMS, 4)):
         for asked in (live.change, live.restart):
             with pytest.raises(SceneError, match=r"^scene = "):
@@ -164,7 +160,7 @@ def test_what_is_refused_leaves_the_run_as_it_was(make_scene: Make) -> None:
     for every in (0.0, -1.0, math.nan):
         with pytest.raises(SceneError, match=r"^every = "):
             live.sample_every(every)
-    live.change(other(scene, initial={"phi": 1.0}))  # of which a restart alone knows
+    live.change(scene.replace({"initial.phi": 1.0}))  # of which a restart alone knows
     for a, b in zip(live.advance(1.3, 60.0), twin.advance(1.3, 60.0), strict=True):
         np.testing.assert_array_equal(a, b)
     assert live.given == 0.0
@@ -199,21 +195,20 @@ def test_auto_is_asked_now_and_then(monkeypatch: pytest.MonkeyPatch, make_scene:
     choose = live_module.choose
     monkeypatch.setattr(live_module, "time", SimpleNamespace(perf_counter=lambda: clock[0]))
     monkeypatch.setattr(live_module, "choose", lambda *a: (asked.append(a), choose(*a))[1])
-    lumped = {"inertia": "lumped"}
-    terms = ("internal_damping",)
+    terms, lumped = ("internal_damping",), {"inertia": "lumped"}
     scene = make_scene(3, "pinned", terms, lumped, method="auto", span=[0.0, 100.0])
     live = live_of(scene)
     assert (live.settings.method, len(asked)) == ("dop853", 1)
-    stiff = {"rod": {"bending_stiffness": 1e7}, "loads": {"internal_damping": {"coefficient": 1e4}}}
+    stiff = {"rod.bending_stiffness": 1e7, "loads.internal_damping.coefficient": 1e4}
     for k in range(1, 20):
-        live.change(other(scene, rod={"bending_stiffness": 30.0 + k}))
+        live.change(scene.replace({"rod.bending_stiffness": 30.0 + k}))
         live.advance(live.t, 0.001)
-    live.change(other(scene, **stiff))
+    live.change(scene.replace(stiff))
     assert (live.settings.method, len(asked)) == ("dop853", 1)
     clock[0] += live_module.PAUSE
     live.advance(live.t, 0.001)
     assert (live.settings.method, live.choice.method, len(asked)) == ("radau", "radau", 2)
-    live.change(other(scene, **stiff, integrate={"method": "gauss"}))
+    live.change(scene.replace({**stiff, "integrate.method": "gauss"}))
     assert live.settings.method == "gauss"
 
 
@@ -226,7 +221,7 @@ def test_memory_stays_flat(make_scene: Make, method: str, target: str) -> None:
     more, nothing. (SciPy's LSODA is not asked: 1.17 keeps the work array of every one.)"""
     scene = make_scene(2, terms=("tip_load", "internal_damping"), method=method, span=[0.0, 0.05])
     scene = scene.with_integrate(rtol=1e-3, atol=1e-6)
-    scenes = [other(scene, rod={"mass": 3.0 + k / 10}) for k in range(3)]
+    scenes = [scene.replace({"rod.mass": 3.0 + k / 10}) for k in range(3)]
     live = live_of(scene, target, 1e-4)
 
     def some() -> int:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -18,12 +17,10 @@ from rodgen.integrate.stability import limit
 from rodgen.integrate.stepper import Array, Problem, StepError, Stepper
 from rodgen.model.method import Tableau
 from rodgen.model.methods import ADAPTIVE, EITHER, FIXED_STEP, METHODS
-from rodgen.scene import Scene
 from rodgen.scene.integration import Integrate
 from tests.palette import ENDS
-from tests.physics.sets import sets
+from tests.sets import Make, sets
 
-Make = Callable[..., Scene]
 END = 2.0
 # Steps for which errors are of the leading power and above rounding.
 COUNTS = {1: (100, 200, 400), 2: (50, 100, 200), 4: (20, 40, 80), 6: (4, 6, 8)}
@@ -154,9 +151,7 @@ def test_documentation_has_the_table_of_methods() -> None:
 def test_break_points_are_stepped_onto(make_scene: Make, how: dict[str, Any]) -> None:
     """A force that jumps in the middle of the span: two runs joined give the same."""
     scene = make_scene(3, "free", ("follower",))
-    table = scene.model_dump(exclude_none=True)
-    table["loads"]["follower"]["force"] = "40 if t < 0.437 else -20"
-    jumping = Scene.from_dict(table)
+    jumping = scene.replace({"loads.follower.force": "40 if t < 0.437 else -20"})
     assert jumping.breaks() == [pytest.approx(0.437, abs=1e-12)]
     whole, end = rodgen.simulate(jumping, **how), None
     for force, span in ((40.0, (0.0, 0.437)), (-20.0, (0.437, 1.0))):

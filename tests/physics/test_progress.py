@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr
 from pathlib import Path
 from types import ModuleType
@@ -16,9 +16,8 @@ import rodgen
 from rodgen import progress
 from rodgen.integrate import simulate as simulate_function
 from rodgen.progress import COMPILING, DERIVING, EMITTING, telling
-from rodgen.scene import Scene, Structure
-
-Make = Callable[..., Scene]
+from rodgen.scene import Structure
+from tests.sets import Make
 
 
 class _Terminal(io.StringIO):
@@ -94,9 +93,7 @@ def test_a_bar_tells_of_stages_and_of_time() -> None:
     assert "swing" in terminal.getvalue()
 
 
-def test_a_bar_in_a_notebook_is_one_output_that_goes_away(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_bar_in_a_notebook_is_one_output_that_goes_away(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[dict[str, str]] = []
 
     class Place:
@@ -111,7 +108,7 @@ def test_a_bar_in_a_notebook_is_one_output_that_goes_away(
         return Place()
 
     kernel = ModuleType("IPython.display")
-    kernel.display = display  # type: ignore[attr-defined]
+    kernel.display = display
     monkeypatch.setitem(sys.modules, "IPython.display", kernel)
     monkeypatch.setitem(sys.modules, "ipykernel", ModuleType("ipykernel"))
     monkeypatch.setattr(progress, "PATIENCE", 0.0)

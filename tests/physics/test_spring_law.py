@@ -17,7 +17,7 @@ from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.scene import Scene, SceneError
 from tests.agreement import assert_implicit_steps_are_explicit, differences
 from tests.palette import cases
-from tests.physics.sets import sets
+from tests.sets import sets
 
 CUBIC, CAPPED = "k*(d + 5*d**3)", "min(max(k*d, -4), 6)"
 # Rounding of some hundred operations.

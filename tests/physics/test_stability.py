@@ -18,11 +18,10 @@ from rodgen.integrate.stepper import Array, Rhs, StepError
 from rodgen.model.methods import TABLEAUX
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.model.terms import TERMS
-from rodgen.scene import Scene
 from tests.palette import cases
-from tests.physics.sets import numbers, sets
+from tests.sets import Make, sets
+from tests.told import numbers
 
-Make = Callable[..., Scene]
 # Loads that ask nothing of joints or links one by one, and damping.
 DAMPED = tuple(t for t in TERMS if TERMS[t].loads and t not in ("distributed_follower", "drag"))
 Advance = Callable[[Rhs, float, Array, Array, float], Array]

@@ -16,8 +16,8 @@ from rodgen.integrate.files.saver import Saver
 from rodgen.scene import Scene
 from rodgen.scene import course as course_of
 from tests.palette import cases
-from tests.physics.live_runs import bar, other
-from tests.physics.sets import sets
+from tests.physics.live_runs import bar
+from tests.sets import sets
 
 # A rod that turns evenly, phi = t, and integrals of what has corners and jumps, known exactly.
 STATES: dict[str, Any] = {
@@ -113,8 +113,8 @@ def test_a_link_against_a_stop(method: str, target: str) -> None:
     event = {"quantity": "phi_0", "value": 0.0, "direction": "rising", "name": "back"}
     given = {"span": [0.0, 25.0], "rtol": 1e-6, "atol": 1e-8, "output_every": 5.0}
     scene = bar("clamped", initial={"omega": 1.0}, events=[event], integrate=given)
-    stop = {"bending_stiffness": 8.0, "spring": "k*d + 5*k*max(d - 0.1, 0)"}
-    sol = rodgen.simulate(other(scene, rod=stop), method=method, target=target)
+    stop = {"rod.bending_stiffness": 8.0, "rod.spring": "k*d + 5*k*max(d - 0.1, 0)"}
+    sol = rodgen.simulate(scene.replace(stop), method=method, target=target)
     # A root spring of 2 EI/L against the moment of inertia M L^2/3.
     soft = np.sqrt((2 * 8.0 / 2.0) / (3.0 * 2.0**2 / 3))
     stiff, centre = np.sqrt(6.0) * soft, 0.5 / 6.0  # 6 d - 0.5 is the moment over k beyond

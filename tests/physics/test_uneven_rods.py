@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,15 +11,10 @@ import rodgen
 from rodgen.loading import build
 from rodgen.scene import Scene
 from tests.agreement import assert_implicit_steps_are_explicit
-from tests.physics.sets import sets
+from tests.sets import sets
 
-SCENES = Path(__file__).parents[2] / "scenes"
-TAPERED: dict[str, Any] = {
-    "links": 4,
-    "length": 2.0,
-    "bending_stiffness": "40*(1 - 0.6*s)",
-    "mass_per_length": "3*(1 - 0.7*s)",
-}
+TAPERED: dict[str, Any] = {"links": 4, "length": 2.0}
+TAPERED |= {"bending_stiffness": "40*(1 - 0.6*s)", "mass_per_length": "3*(1 - 0.7*s)"}
 BODIES: list[dict[str, Any]] = [
     {"name": "payload", "at": 0.0, "mass": 2.0, "inertia": 0.1, "offset": [0.05, -0.1]},
     {"name": "engine", "at": 0.7, "mass": 4.0, "offset": [0.0, 0.2]},
@@ -40,13 +34,8 @@ def _state(scene: Scene) -> np.ndarray:
 def test_a_free_rod_keeps_its_energy_and_its_centre_falls() -> None:
     """Whatever the rod does; and its momenta are those of the mass matrix."""
     start = {"phi": "0.4*sin(5*s)", "omega": "2*s"}
-    scene = _scene(
-        TAPERED,
-        bodies=BODIES,
-        loads={"gravity": {"g": 2.0}},
-        initial=start,
-        integrate={"span": [0.0, 1.0]},
-    )
+    tables = {"loads": {"gravity": {"g": 2.0}}, "integrate": {"span": [0.0, 1.0]}}
+    scene = _scene(TAPERED, bodies=BODIES, initial=start, **tables)
     sol = rodgen.simulate(scene, target="numpy", method="dop853", rtol=1e-11, atol=1e-12)
     model = build(scene, "numpy")
     p = model.parameters(**scene.parameters)
@@ -67,11 +56,9 @@ def test_a_body_like_part_of_the_rod_changes_nothing() -> None:
     rod = {"links": 1, "length": 2.0, "mass": 1e-9, "bending_stiffness": 1.0}
     parts = _scene(rod, bodies=[half, light], loads=PUSHED)
     y = _state(whole)
-    rates = [
-        build(s, "numpy").rhs(0.0, y, build(s, "numpy").parameters(**s.parameters))
-        for s in (whole, parts)
-    ]
-    np.testing.assert_allclose(rates[0], rates[1], rtol=1e-8)
+    one, two = (build(s, "numpy") for s in (whole, parts))
+    due = one.rhs(0.0, y, one.parameters(**whole.parameters))
+    np.testing.assert_allclose(two.rhs(0.0, y, two.parameters(**parts.parameters)), due, rtol=1e-8)
 
 
 def test_bodies_are_drawn_where_their_mass_is() -> None:
@@ -108,7 +95,7 @@ def test_a_huge_body_at_the_nose_pins_it(inertia: str) -> None:
 def test_pflueger_column() -> None:
     """A column under a follower force with a mass at its tip as large as its own: flutter at
     16.21212894249526 EI/L^2."""
-    scene = Scene.from_toml(SCENES / "pflueger.toml")
+    scene = Scene.example("pflueger")
     forces = {
         links: rodgen.critical_force(scene.with_links(links)).force for links in (5, 10, 20, 40)
     }
@@ -121,15 +108,14 @@ def test_pflueger_column() -> None:
 def test_ziegler_pendulum(bodies: bool) -> None:
     """Masses 2m and m on massless links of length l, springs k: flutter at P l/k = 7/2 - sqrt 2
     (H. Ziegler, Ing.-Arch. 20 (1952) 49-56), be the masses those of the links or bodies too."""
-    scene = Scene.from_toml(SCENES / "ziegler.toml")
+    scene = Scene.example("ziegler")
     if bodies:
-        table = scene.model_dump(exclude_none=True)
-        table["rod"]["mass"] = 3.0  # of which 1 kg and 0.5 kg stand in the joints
-        table["bodies"] = [
+        elbow, end = (
             {"name": "elbow", "at": 2 / 3, "mass": 1.0},
             {"name": "end", "at": 1.0, "mass": 0.5},
-        ]
-        scene = Scene.from_dict(table)
+        )
+        # Of the 3 kg of the links 1 kg and 0.5 kg stand in the joints.
+        scene = scene.replace({"rod.mass": 3.0, "bodies": [elbow, end]})
     found = rodgen.critical_force(scene)
     assert found.kind == "flutter"
     assert found.force == pytest.approx(3.5 - np.sqrt(2), rel=1e-9)
@@ -170,12 +156,7 @@ def test_critical_forces_of_a_tapered_damped_rod_are_of_second_order(boundary: s
 def test_implicit_steps_are_explicit_ones() -> None:
     """The Newton matrix of a rod with bodies, in C, against a method that has none."""
     drag = {"external_damping": {"coefficient": 0.3}, "material_damping": {"time": 0.01}}
-    scene = _scene(
-        TAPERED,
-        bodies=BODIES,
-        loads=PUSHED | drag,
-        initial={"phi": "0.2*s"},
-        integrate={"span": [0.0, 0.5]},
-    )
+    tables = {"initial": {"phi": "0.2*s"}, "integrate": {"span": [0.0, 0.5]}}
+    scene = _scene(TAPERED, bodies=BODIES, loads=PUSHED | drag, **tables)
     # Tolerances over the steps of half a second.
     assert_implicit_steps_are_explicit(scene, 1e-7, target="c")

@@ -11,7 +11,8 @@ from rodgen import Scene
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene.errors import Missing
 from rodgen.scene.overrides import with_parameters
-from tests.scene.tables import refused, table_of
+from tests.scene.tables import table_of
+from tests.told import refused
 
 ROD: dict[str, Any] = {"links": 5, "length": 2.0, "mass": 3.0, "bending_stiffness": 100.0}
 PAYLOAD: dict[str, Any] = {"name": "payload", "at": 0.0, "mass": 2.0}
@@ -44,8 +45,7 @@ def test_a_spring_bends_as_much_as_its_cell() -> None:
 
 
 def test_values_stand_for_their_joints() -> None:
-    values = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0]
-    scene = _scene(boundary="clamped", bending_stiffness=values)
+    scene = _scene(boundary="clamped", bending_stiffness=[3.0, 1.0, 4.0, 1.0, 5.0, 9.0])
     wanted = [6.0 / 0.4, 1.0 / 0.4, 4.0 / 0.4, 1.0 / 0.4, 5.0 / 0.4]
     np.testing.assert_allclose(scene.parameters["joint_stiffness"], wanted, rtol=4e-16)
 
@@ -59,8 +59,8 @@ def test_another_number_of_links_keeps_the_expression() -> None:
 
 def test_numbers_by_name_are_those_of_the_scene() -> None:
     """Another value is another scene of the same module."""
-    rod = {key: value for key, value in ROD.items() if key != "mass"}
-    rod |= {"bending_stiffness": "EI0*(1 - s/2)", "mass_per_length": "mu + s"}
+    laws = {"bending_stiffness": "EI0*(1 - s/2)", "mass_per_length": "mu + s"}
+    rod = {key: value for key, value in ROD.items() if key != "mass"} | laws
     tables = {"name": "along", "rod": rod, "parameters": {"EI0": 100.0, "mu": 1.0}}
     scene = Scene.from_dict(tables)
     assert scene.mass == pytest.approx(2.0 * 1.5)
@@ -69,8 +69,7 @@ def test_numbers_by_name_are_those_of_the_scene() -> None:
     twice = np.array(other.parameters["joint_stiffness"]) / scene.parameters["joint_stiffness"]
     np.testing.assert_allclose(twice, 2.0, rtol=1e-14)
     assert other.mass == pytest.approx(2.0 * 2.5)
-    told = refused(with_parameters, scene, {"mu": -0.5})
-    assert told[:2] == ("rod.mass_per_length", "mu + s")
+    assert refused(with_parameters, scene, {"mu": -0.5})[:2] == ("rod.mass_per_length", "mu + s")
 
 
 def test_a_stiffness_that_no_rod_has_is_refused() -> None:
@@ -105,8 +104,7 @@ def test_links_weigh_what_lies_on_them() -> None:
 
 
 def test_a_body_moves_the_centre_of_its_link() -> None:
-    body = PAYLOAD | {"at": 0.3, "mass": 0.6, "inertia": 0.012, "offset": [0.1, 0.2]}
-    scene = _scene(body)
+    scene = _scene(PAYLOAD | {"at": 0.3, "mass": 0.6, "inertia": 0.012, "offset": [0.1, 0.2]})
     p = {name: values[1] for name, values in scene.parameters.items() if name.startswith("link")}
     # Link 1 of 0.4 m and 0.6 kg; the body's place on it is 0.5, and 0.1/0.4 and 0.2/0.4 from there.
     assert p["link_mass"] == pytest.approx(1.2)
@@ -151,8 +149,7 @@ def test_a_mass_that_no_rod_has_is_refused() -> None:
     assert refused(_scene, mass_per_length=1.0)[:2] == ("rod.mass", 3.0)
     assert refused(_scene, mass=None)[:2] == ("rod.mass", Missing)
     for law in ("1 - 2*s", [1.0] * 6, 0.0):
-        told = refused(_scene, mass=None, mass_per_length=law)
-        assert told[:2] == ("rod.mass_per_length", law)
+        assert refused(_scene, mass=None, mass_per_length=law)[:2] == ("rod.mass_per_length", law)
 
 
 def test_a_pole_inside_the_rod_is_refused_with_its_place() -> None:

@@ -13,7 +13,8 @@ import pytest
 from rodgen.scene import Scene
 from rodgen.scene.contents import contents, in_words
 from rodgen.scene.overrides import with_parameters
-from tests.scene.tables import put, refused, scene_of, table_of
+from tests.scene.tables import put, scene_of, table_of
+from tests.told import refused
 
 
 def test_text_without_t_and_s_is_a_number() -> None:
@@ -62,8 +63,7 @@ def test_what_a_scene_holds_names_every_load_body_support_and_state() -> None:
         *(("gravity",), ("body engine",), ("state lag",)),
     ):
         assert all(word in present[piece] for word in said)
-    words = [*followers, "gravity", "foundation", "2 supports", "state lag"]
-    assert in_words(scene) == words
+    assert in_words(scene) == [*followers, "gravity", "foundation", "2 supports", "state lag"]
 
 
 def test_break_points_of_all_forces_are_those_of_the_scene() -> None:

@@ -9,7 +9,8 @@ from rodgen.loading import build
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.errors import Missing
-from tests.scene.tables import refused, scene_of
+from tests.scene.tables import scene_of
+from tests.told import refused
 
 DERIVED = (
     *("tip_x", "tip_y", "centre_of_gravity_x", "centre_of_gravity_y"),

@@ -10,7 +10,8 @@ import numpy as np
 from rodgen.scene import Scene
 from rodgen.scene.errors import Missing
 from rodgen.scene.overrides import with_parameters, with_state
-from tests.scene.tables import put, refused
+from tests.scene.tables import put
+from tests.told import refused
 
 GIMBAL = {"rate": "(-2*phi(0.3) - 0.5*omega(0.3) - gimbal)/lag", "initial": 0.25}
 TABLE: dict[str, Any] = {
@@ -47,7 +48,7 @@ def test_numbers_of_laws_are_parameters() -> None:
 
 
 def test_where_a_sensor_is_belongs_to_the_structure() -> None:
-    other = GIMBAL | {"rate": GIMBAL["rate"].replace("0.3", "0.4")}  # type: ignore[attr-defined]
+    other = GIMBAL | {"rate": GIMBAL["rate"].replace("0.3", "0.4")}
     assert _with(states={"gimbal": other}).structure.hash != _with().structure.hash
     one, two = (_with(states={"a": {"rate": text}}, loads={}) for text in ("x(1)", "x( 1.0 )"))
     assert one.structure == two.structure
@@ -60,19 +61,15 @@ def test_events_watch_states() -> None:
 
 
 def test_a_rate_that_cannot_be_is_refused() -> None:
-    for rate in (
-        *("phi(1.5)", "phi(-0.1)", "phi(a)", "phi()", "phi", "b"),
-        "interp(t, [a, 1], [0, 1])",
-    ):
-        told = refused(_with, loads={}, states={"a": {"rate": rate}})
-        assert told[:2] == ("states.a.rate", rate)
+    wrong = "phi(1.5)", "phi(-0.1)", "phi(a)", "phi()", "phi", "b", "interp(t, [a, 1], [0, 1])"
+    for rate in wrong:
+        assert refused(_with, loads={}, states={"a": {"rate": rate}})[:2] == ("states.a.rate", rate)
     for table, key, value in (
         ({"rate": 1.0, "start": 0.0}, "start", 0.0),
         ({"initial": 0.0}, "rate", Missing),
         ({"rate": 1.0, "initial": "0"}, "initial", "0"),
     ):
-        told = refused(_with, loads={}, states={"a": table})
-        assert told[:2] == (f"states.a.{key}", value)
+        assert refused(_with, loads={}, states={"a": table})[:2] == (f"states.a.{key}", value)
 
 
 def test_names_of_other_things_are_no_names_of_states() -> None:

@@ -11,7 +11,8 @@ import pytest
 import rodgen
 from rodgen.scene import Scene
 from rodgen.scene.errors import Missing
-from tests.scene.tables import ROD, refused, scene_of
+from tests.scene.tables import ROD, scene_of
+from tests.told import refused
 
 PHI = [0.0, 0.1, 0.2, 0.3, 0.4]
 # As Python has them, and as a file has them.
@@ -70,8 +71,7 @@ def test_other_arrays_are_refused() -> None:
     events = [{"quantity": "tip_x", "value": np.array("a", "O")}]
     assert refused(scene_of, events=events).field == "events[0].value"
     for key in (1, "self"):
-        told = refused(Scene.from_dict, {"name": "test", "rod": ROD, key: 2})
-        assert told[:2] == (str(key), 2)
+        assert refused(Scene.from_dict, {"name": "test", "rod": ROD, key: 2})[:2] == (str(key), 2)
 
 
 def test_settings_and_structures_take_them_too() -> None:
@@ -79,14 +79,13 @@ def test_settings_and_structures_take_them_too() -> None:
     changed = scene.with_integrate(span=np.array([0, 5]), rtol=np.float32(0.5))
     assert changed == scene.with_integrate(span=[0.0, 5.0], rtol=0.5)
     assert refused(scene.with_integrate, span=np.array(["a", "b"])).field == "integrate.span"
-    one, other = rodgen.Structure(np.int64(4)), rodgen.Structure(4)  # type: ignore[arg-type]
+    one, other = rodgen.Structure(np.int64(4)), rodgen.Structure(4)
     assert (one, one.hash) == (other, other.hash)
 
 
 def test_scene_by_keywords_is_checked_alike() -> None:
-    assert Scene(name="test", rod=ROD, integrate={"span": (0, 1)}) == scene_of(
-        integrate={"span": [0, 1]}
-    )
+    given = Scene(name="test", rod=ROD, integrate={"span": (0, 1)})
+    assert given == scene_of(integrate={"span": [0, 1]})
     assert refused(Scene, name="test", rod={**ROD, "mass": -1})[:2] == ("rod.mass", -1)
     assert refused(Scene, name="test")[:2] == ("rod", Missing)
     for table in ("chain.toml", 5, None, [ROD]):
@@ -103,4 +102,4 @@ def test_what_is_no_scene_or_solution() -> None:
         with pytest.raises(TypeError, match=r"^scene .*Scene.from_toml.* str$"):
             function("chain.toml")
     with pytest.raises(TypeError, match=r"^solution .* Scene$"):
-        rodgen.spectrum(scene_of())  # type: ignore[arg-type]
+        rodgen.spectrum(scene_of())

@@ -12,8 +12,9 @@ import numpy as np
 
 from rodgen.scene import Scene
 from rodgen.scene.plain import DEEPEST, LARGEST, LONGEST, MOST_KEYS
-from tests.scene.tables import ROD, Refusal, refused, scene_of
+from tests.scene.tables import ROD, scene_of
 from tests.scene.tables import TOML as HEAD
+from tests.told import Refusal, refused
 
 PHI = "[initial]\nphi = ["
 MANY = 2 * MOST_KEYS
@@ -72,8 +73,7 @@ def test_file_is_refused_at_once(tmp_path: Path) -> None:
 
 def test_files_within_the_limits_are_read(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
-    brackets = "# " + "[" * 999 + "\n"
-    name = HEAD.replace('"a"', "'''a'''" + brackets)
+    name = HEAD.replace('"a"', "'''a'''# " + "[" * 999 + "\n")
     path.write_bytes(name.replace("\n", "\r\n").encode())
     assert Scene.from_toml(path).rod.links == 5
     count = 30_000
@@ -122,8 +122,7 @@ def test_tables_from_python_are_refused_at_once() -> None:
 
 def test_arrays_of_python_may_be_as_long_as_a_rod() -> None:
     phi = np.full(MANY, 0.5)
-    scene = scene_of(rod={"links": MANY}, initial={"phi": phi})
-    assert scene.initial_state().sum() == phi.sum()
+    assert scene_of(rod={"links": MANY}, initial={"phi": phi}).initial_state().sum() == phi.sum()
 
 
 def test_parentheses_of_an_expression() -> None:

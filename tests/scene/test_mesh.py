@@ -10,7 +10,7 @@ import pytest
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes, unlike_damping
-from tests.scene.tables import NUMBER, refused
+from tests.told import numbers, refused
 
 ROD = {"links": 4, "length": 2.0, "bending_stiffness": 3.0, "mass": 5.0}
 INSIDE = {"internal_damping": {"coefficient": 0.5}}
@@ -18,9 +18,8 @@ FINS = {"external_damping": {"coefficient": 2.0, "fin_factor": {"nose": 3.0, "ta
 
 
 def _scene(loads: dict[str, Any], boundary: str = "free", **tables: Any) -> Scene:
-    return Scene.from_dict(
-        {"name": "rod", "rod": ROD | {"boundary": boundary}, "loads": loads} | tables
-    )
+    rod = ROD | {"boundary": boundary}
+    return Scene.from_dict({"name": "rod", "rod": rod, "loads": loads} | tables)
 
 
 @pytest.mark.parametrize("links", [2, 7, 40])
@@ -74,7 +73,7 @@ def test_notes_name_every_number_and_its_equivalent() -> None:
     )
     for note, (name, here, there) in zip(mesh_notes(_scene(INSIDE | FINS)), due, strict=True):
         assert name in note
-        assert [float(number) for number in NUMBER.findall(note)][:4] == [here, 4, there, 8]
+        assert numbers(note)[:4] == [here, 4, there, 8]
     # The nose of a held rod does not move.
     assert len(mesh_notes(_scene(FINS, "pinned"))) == 1
 
@@ -88,16 +87,14 @@ def test_what_is_given_link_by_link_is_refused() -> None:
     ):
         assert refused(_scene({}, **tables).with_links, 8)[:2] == (field, value)
     fins = _scene({"external_damping": {"coefficient": 1.0, "fin_factor": [1.0] * 5}})
-    field = "loads.external_damping.fin_factor"
-    assert refused(fins.with_links, 8)[:2] == (field, [1.0] * 5)
+    assert refused(fins.with_links, 8)[:2] == ("loads.external_damping.fin_factor", [1.0] * 5)
     for links in (0, -3, 2.5, True, 10**7, "8"):
         assert refused(_scene(INSIDE).with_links, links)[:2] == ("links", links)
 
 
 def test_damping_that_was_not_converted_is_found() -> None:
     one = _scene(INSIDE | FINS)
-    converted = [one.with_links(n) for n in (3, 8, 20)]
-    assert unlike_damping([one, *converted]) == []
+    assert unlike_damping([one, *(one.with_links(n) for n in (3, 8, 20))]) == []
     tables = one.model_dump(exclude_none=True)
     tables["rod"]["links"] = 8
     assert unlike_damping([one, Scene.from_dict(tables)]) == [

@@ -14,7 +14,8 @@ from rodgen.scene import Scene
 from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.literals import literals, with_literal
 from rodgen.scene.overrides import with_parameters
-from tests.scene.tables import TOML, refused, scene_of
+from tests.scene.tables import TOML, scene_of
+from tests.told import refused
 
 
 def scene(force: object, **tables: Any) -> Scene:
@@ -68,10 +69,8 @@ def test_a_named_number_serves_in_several_places() -> None:
 
 def test_a_name_that_cannot_be_is_refused() -> None:
     for name in ("t", "mass", "follower_force_1", "sin", "lambda", "phi", "_x", "é"):
-        told = refused(scene, "t + 1", parameters={name: 1.0})
-        assert told[:2] == (f"parameters.{name}", name)
-    told = refused(scene, "t", parameters={"P0": 1.0, "p0": 1.0})
-    assert told[:2] == ("parameters.p0", "p0")
+        assert refused(scene, "t + 1", parameters={name: 1.0})[:2] == (f"parameters.{name}", name)
+    assert refused(scene, "t", parameters={"P0": 1.0, "p0": 1.0})[:2] == ("parameters.p0", "p0")
     for value in ("2", float("inf")):
         assert refused(scene, "t", parameters={"P0": value})[:2] == ("parameters.P0", value)
     assert refused(scene, "t", numbers={"P0": 2.0})[:2] == ("numbers", {"P0": 2.0})
@@ -95,19 +94,11 @@ def test_a_table_holds_its_ends_and_breaks_at_its_knots() -> None:
 
 def test_what_is_no_table_is_refused() -> None:
     for text in (
-        "interp(t, [0, 1], [0])",
-        "interp(t, [0], [0])",
-        "interp(t, [1, 0], [0, 1])",
-        "interp(t, [0, 0], [0, 1])",
-        "interp(t, [0, 1], [0, t])",
-        "interp(t, [0, 1], [0, 2*3])",
-        "interp(t, [0, 1], [0, 1], 'spline')",
-        "interp(t, [0, 1], [0, 1], kind='cubic')",
-        "interp(t, 'thrust.csv')",
-        "interp(t)",
-        "interp([0], [0, 1], [0, 1])",
+        *("interp(t, [0, 1], [0])", "interp(t, [0], [0])", "interp(t, [1, 0], [0, 1])"),
+        *("interp(t, [0, 0], [0, 1])", "interp(t, [0, 1], [0, t])", "interp(t, [0, 1], [0, 2*3])"),
+        *("interp(t, [0, 1], [0, 1], 'spline')", "interp(t, [0, 1], [0, 1], kind='cubic')"),
+        *("interp(t, 'thrust.csv')", "interp(t)", "interp([0], [0, 1], [0, 1])", "[0, 1]"),
         f"interp(t, {list(range(1001))}, {list(range(1001))})",
-        "[0, 1]",
     ):
         assert refused(scene, text)[:2] == ("loads.follower.force", text)
 
@@ -149,19 +140,12 @@ def test_a_file_that_is_no_table_is_refused(tmp_path: Path) -> None:
     folder = tmp_path / "scenes"
     folder.mkdir()
     for name, text in (
-        ("missing.csv", None),
-        ("../secret.csv", "0 0\n1 1"),
-        ("/etc/passwd", None),
-        ("table.txt", "0 0\n1 1"),
-        ("a.csv", "0 0\n0 1"),
-        ("a.csv", "0 0\n1 x"),
-        ("a.csv", "0 0\n1 inf"),
-        ("a.csv", "x y\nx y\n0 0\n1 1"),
-        ("a.csv", "0 0"),
+        *(("missing.csv", None), ("../secret.csv", "0 0\n1 1"), ("/etc/passwd", None)),
+        *(("table.txt", "0 0\n1 1"), ("a.csv", "0 0\n0 1"), ("a.csv", "0 0\n1 x")),
+        *(("a.csv", "0 0\n1 inf"), ("a.csv", "x y\nx y\n0 0\n1 1"), ("a.csv", "0 0")),
         ("a.csv", "0 0 0\n1 1 1"),
         ("a.csv", "\n".join(f"{i} 0" for i in range(1001))),
-        ("a.eng", "0 0\n1 1"),
-        ("a.eng", MOTOR + MOTOR),
+        *(("a.eng", "0 0\n1 1"), ("a.eng", MOTOR + MOTOR)),
     ):
         assert refused(_from_file, folder, name, text)[:2] == ("loads.follower.force", name)
 

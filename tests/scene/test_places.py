@@ -13,7 +13,7 @@ from rodgen.scene.errors import Missing
 from rodgen.scene.overrides import with_parameters
 from rodgen.scene.places import place_of
 from rodgen.scene.structure import Structure, parse_terms
-from tests.scene.tables import refused
+from tests.told import refused
 
 ROD = {"links": 10, "length": 5.0, "mass": 20.0, "bending_stiffness": 100.0, "boundary": "clamped"}
 THREE = {"rod": ROD | {"links": 3}}  # enough to flutter
@@ -31,9 +31,8 @@ def test_one_at_the_tail_is_what_it_was() -> None:
 
 
 def test_each_has_parameters_of_its_own() -> None:
-    scene = _rod(
-        [{"force": 3.0, "at": 0.25}, {"force": "4*t", "angle": 0.1}, {"force": 5.0, "at": 0}]
-    )
+    last = {"force": 5.0, "at": 0}
+    scene = _rod([{"force": 3.0, "at": 0.25}, {"force": "4*t", "angle": 0.1}, last])
     assert scene.structure.terms == ("follower@2+1/2", "follower", "follower@0")
     assert scene.loads.terms == ("follower", "follower_2", "follower_3")
     given = scene.parameters
@@ -67,8 +66,7 @@ def test_what_is_no_place_is_refused() -> None:
         ({"force": "x"}, "force", "x"),
         ({"force": 3.0, "place": 0.3}, "place", 0.3),
     ):
-        told = refused(_rod, [{"force": 3.0}, table])
-        assert told[:2] == (f"loads.follower.1.{key}", value)
+        assert refused(_rod, [{"force": 3.0}, table])[:2] == (f"loads.follower.1.{key}", value)
     assert refused(_rod, {"force": 3.0, "at": "0.3"})[:2] == ("loads.follower.at", "0.3")
     for tables in ([{"force": 1.0}] * 101, 3):
         assert refused(_rod, tables)[:2] == ("loads.follower", tables)
@@ -80,9 +78,8 @@ def test_terms_at_no_place_are_refused() -> None:
     def make(text: str) -> Structure:
         return Structure(10, terms=parse_terms(text))
 
-    for text in (
-        *("follower@10", "follower@", "follower@1+3/2", "tip_load@3", "gravity,gravity", "nix@3"),
-    ):
+    others = "follower@10", "follower@", "follower@1+3/2", "tip_load@3", "gravity,gravity", "nix@3"
+    for text in others:
         assert refused(make, text).field == "terms"
     assert make("follower@9").terms == ("follower@9",)
 
@@ -96,5 +93,4 @@ def test_two_halves_flutter_as_one() -> None:
     # Beside the half that stays, the other bears the rest.
     second = critical_force(halves, load="follower_2")
     assert second.force == pytest.approx(whole.force - 0.5, rel=1e-9)
-    told = refused(critical_force, halves, load="follower_3")
-    assert told[:2] == ("loads.follower_3", Missing)
+    assert refused(critical_force, halves, load="follower_3")[:2] == ("loads.follower_3", Missing)

@@ -18,7 +18,8 @@ from rodgen.model.terms import PARAMETERS, PLACES, TERMS
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.errors import Missing
 from rodgen.scene.structure import MOST_LINKS
-from tests.scene.tables import ROD, put, refused, scene_of, table_of
+from tests.scene.tables import ROD, put, scene_of, table_of
+from tests.told import refused
 
 FINS = "loads.external_damping.fin_factor"
 DRAG: dict[str, Any] = {"loads.external_damping.coefficient": 1.0}
@@ -75,8 +76,7 @@ def test_bad_input_names_field_and_value() -> None:
         table = table_of()
         for field, value in changes.items():
             put(table, field, value)
-        told = refused(Scene.from_dict, table)
-        assert told[:2] == (tuple(other) or (field, value))
+        assert refused(Scene.from_dict, table)[:2] == (tuple(other) or (field, value))
 
 
 def test_what_is_meant_is_told() -> None:
@@ -111,11 +111,7 @@ def test_initial_state_is_in_the_order_of_the_contract() -> None:
 
 
 def test_samples_start_and_end_with_the_span() -> None:
-    for every, expected in (
-        (0.25, [0, 0.25, 0.5, 0.75, 1]),
-        (0.4, [0, 0.4, 0.8, 1]),
-        (7, [0, 1]),
-    ):
+    for every, expected in ((0.25, [0, 0.25, 0.5, 0.75, 1]), (0.4, [0, 0.4, 0.8, 1]), (7, [0, 1])):
         scene = scene_of(integrate={"span": [0, 1], "output_every": every})
         np.testing.assert_allclose(scene.integrate.samples, expected, atol=1e-15)
         assert scene.integrate.samples[-1] == 1.0

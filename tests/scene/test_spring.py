@@ -8,7 +8,8 @@ import pytest
 
 from rodgen.scene import Scene
 from rodgen.scene.overrides import with_parameters
-from tests.scene.tables import refused, scene_of
+from tests.scene.tables import scene_of
+from tests.told import refused
 
 
 def _scene(*spring: Any, stiffness: float = 2.0, **tables: Any) -> Scene:

@@ -8,7 +8,7 @@ from rodgen.emit.targets import check_output
 from rodgen.model.rod import BOUNDARIES, STEADY, UNEVEN
 from rodgen.model.terms import PARAMETERS, PLACES, TERMS, THESIS_TERMS
 from rodgen.scene.structure import Structure, parse_terms
-from tests.scene.tables import refused
+from tests.told import refused
 
 DIFFERING = {one.name for way in UNEVEN.values() for one in way.parameters} | {
     one.name for one in STEADY.values()
@@ -47,11 +47,7 @@ def test_order_of_expressions_does_not_matter() -> None:
         assert told[:2] == ("expressions", name)
 
 
-NAMES = [
-    (("numpy", "chain"), ""),
-    (("numpy", "dense"), "_dense"),
-    (("c", "chain"), "_c"),
-]
+NAMES = [(("numpy", "chain"), ""), (("numpy", "dense"), "_dense"), (("c", "chain"), "_c")]
 
 
 def test_names_of_modules() -> None:

@@ -13,12 +13,13 @@ import xarray as xr
 
 from rodgen.integrate.files.checksums import NO_STATS
 from rodgen.integrate.files.stream import Stream
-from rodgen.integrate.solution import Solution
+from rodgen.integrate.solution import Solution, Stats
 from rodgen.integrate.stepper import Array
 from rodgen.loading import build
 from rodgen.model.terms import THESIS_TERMS
 from rodgen.scene import Scene
 
+STATS = Stats(10, 2, 30, 4, 5, 0.25)
 EVENTS = [{"quantity": "phi_1", "value": 0.0}, {"quantity": "tip_y", "value": 1.0, "name": "high"}]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rodgen.integrate.files import checkpoint
-from tests.scene.tables import refused
+from tests.told import refused
 
 ARRAYS = {
     "y": np.random.default_rng(2).normal(size=(3, 4)),
@@ -78,5 +78,5 @@ def test_what_cannot_come_back_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "run.nc.checkpoint"
     for arrays, numbers in (({"y": np.array([None])}, {}), ({}, {"t": object()})):
         with pytest.raises(TypeError):
-            checkpoint.write(path, arrays, numbers)  # type: ignore[arg-type]
+            checkpoint.write(path, arrays, numbers)
     assert list(tmp_path.iterdir()) == []

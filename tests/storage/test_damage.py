@@ -16,12 +16,10 @@ import rodgen
 from rodgen.integrate.files.result_file import FileWarning
 from rodgen.integrate.files.storage import Excerpt
 from rodgen.integrate.files.stream import Stream
-from rodgen.integrate.solution import Stats
-from tests.scene.tables import NUMBER, refused
-from tests.storage.conftest import same
+from tests.storage.conftest import STATS, same
+from tests.told import numbers, refused
 
 Make = Callable[..., Any]
-STATS = Stats(10, 2, 30, 4, 5, 0.25)
 FORMER = Path(__file__).with_name("format_2.netcdf")  # written by rodgen before checksums
 REFUSED = rodgen.SceneError
 
@@ -77,7 +75,7 @@ def test_random_damage_is_refused_or_harmless(whole: Make, ended: bool) -> None:
             try:
                 found = reader(path)
             except REFUSED as error:
-                assert "\n" not in str(error)  # noqa: PT017
+                assert "\n" not in str(error)  # noqa: PT017  where it may also be read
                 refused += 1
                 continue
             read += 1
@@ -131,7 +129,7 @@ def test_damage_is_named_and_the_rest_is_had(whole: Make, samples: Make, tmp_pat
     several = flipped(*(start + k * size + 11 for k in (0, 4, 5)))
     text_of_the_run = flipped(header.variables["run"].begin + 40)
     # What is left of the file, the numbers that are said of it, and the samples that are good.
-    for damaged, numbers, good in (
+    for damaged, due, good in (
         (several, [1, 0.01, 2, 0.03, 0.06], [1, 2, 3, *range(6, 12)]),
         (content[: start + 7 * size + 100], [5, 0.06], [*range(7)]),
         (text_of_the_run, [], [*range(12)]),
@@ -142,15 +140,15 @@ def test_damage_is_named_and_the_rest_is_had(whole: Make, samples: Make, tmp_pat
         for reader in (rodgen.load, Excerpt, lambda at: Stream.reopen(at, given.model)):
             told = refused(reader, path)
             assert told.value == str(path)
-            assert told.numbers == numbers
+            assert told.numbers == due
         with pytest.warns(FileWarning) as warned:
             part = rodgen.load(path, strict=False)
         said = str(warned[0].message).replace(str(path), "")
-        assert [float(number) for number in NUMBER.findall(said)] == numbers
+        assert numbers(said) == due
         np.testing.assert_array_equal(part.t, given.t[good])
         np.testing.assert_array_equal(part.y, given.y[good])
         assert len(part.events) == 2
-        assert part.status == ("finished" if numbers else "interrupted")
+        assert part.status == ("finished" if due else "interrupted")
         some = Excerpt(path, strict=False)
         assert some.notes
         np.testing.assert_array_equal(some.at(np.array([0, 3])).y, given.y[good][[0, 3]])

@@ -16,8 +16,8 @@ from rodgen.integrate.files.checksums import NO_STATS
 from rodgen.integrate.files.result_file import header_of
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Event
-from tests.scene.tables import NUMBER, refused
 from tests.storage.conftest import same
+from tests.told import numbers, refused
 
 Make = Callable[..., Any]
 
@@ -50,7 +50,7 @@ def test_run_that_was_killed_says_how_far_it_got(samples: Make, tmp_path: Path) 
         given.append(file, 0, 51)
     sol = rodgen.load(path)
     assert sol.status == "interrupted"
-    assert [float(number) for number in NUMBER.findall(sol.message)] == [0.5, 1.0]
+    assert numbers(sol.message) == [0.5, 1.0]
     assert "rodgen run --resume" in sol.message
     assert sol.stats == NO_STATS
 

@@ -17,12 +17,11 @@ import rodgen
 from rodgen.integrate.files import netcdf, stream
 from rodgen.integrate.files.checksums import Run
 from rodgen.integrate.files.stream import Stream
-from rodgen.integrate.solution import Stats
 from rodgen.model.terms import TERMS, THESIS_TERMS
-from tests.scene.tables import refused
+from tests.storage.conftest import STATS
+from tests.told import refused
 
 Make = Callable[..., Any]
-STATS = Stats(10, 2, 30, 4, 5, 0.25)
 # What a Dataset has beside: it follows from what is in the file.
 FOLLOWING = {
     *("tip", "total_energy", "principal_angle", "principal_moments"),
@@ -63,8 +62,7 @@ def test_other_readers_see_the_same(
     with netcdf_file(path, mmap=False) as plain:
         assert plain.version_byte == 2
         assert plain._recs == 20
-        in_time = {name for name, v in due.variables.items() if "time" in v.dims}
-        for name in in_time - FOLLOWING:
+        for name in {name for name, v in due.variables.items() if "time" in v.dims} - FOLLOWING:
             np.testing.assert_array_equal(plain.variables[name][:], due[name])
         states = [b"".join(row).decode() for row in plain.variables["state"][:]]
         assert [state.rstrip("\0") for state in states] == list(due["state"].values)
@@ -104,8 +102,7 @@ def test_going_back_and_on_is_never_having_stopped(samples: Make, tmp_path: Path
         opened.write(b"half a record")
     for count, events in ((40, 3), (0, 0), (30, 1)):
         with Stream.reopen(back) as file:
-            there = file.count
-            file.truncate(min(count, there), min(events, file.events))
+            file.truncate(min(count, file.count), min(events, file.events))
             given.append(file, file.count, count)
             for k in (10, 20, 30)[file.events : events]:
                 file.add_event(k % 2, given.t[k], given.y[k])
@@ -204,14 +201,9 @@ def test_what_does_not_fit_is_refused_before(
 
 def test_samples_of_another_shape_are_refused(samples: Make, tmp_path: Path) -> None:
     given = samples()
-    t, y, work = given.t, given.y, given.work
+    t, y, work, more = given.t, given.y, given.work, given.work | {"x": given.t}
     with given.create(tmp_path / "run.nc") as file:
-        for wrong in (
-            (t[:3], y[:4], work),
-            (t, y[:, :1], work),
-            (t, y, {}),
-            (t, y, {**work, "x": t}),
-        ):
+        for wrong in ((t[:3], y[:4], work), (t, y[:, :1], work), (t, y, {}), (t, y, more)):
             with pytest.raises(ValueError, match="shapes"):
                 file.append(*wrong)
         given.append(file, 0, 0)

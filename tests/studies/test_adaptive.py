@@ -18,6 +18,7 @@ from tests.studies.conftest import BECK, scene
 
 FORCE, TIME = "loads.follower.force", "loads.material_damping.time"
 Array = np.ndarray
+Values = Callable[[Array], dict[str, Array]]  # of the points that are asked for
 
 
 def stability(rows: int, columns: int, **more: Any) -> Study:
@@ -28,9 +29,7 @@ def stability(rows: int, columns: int, **more: Any) -> Study:
     return Study.of(scene(BECK), vary, what="modes", keep=["stable", "largest_growth"], **more)
 
 
-def refined(
-    study: Study, of: Callable[[Array], dict[str, Array]], *how: Any
-) -> tuple[Array, list[list[int]]]:
+def refined(study: Study, of: Values, *how: Any) -> tuple[Array, list[list[int]]]:
     """Which points are computed, and in which rounds."""
     asked, known = list[list[int]](), np.zeros(study.count, dtype=bool)
     steps = adaptive.rounds(study, *how)
@@ -47,7 +46,7 @@ def refined(
         values = of(np.array(now))
 
 
-def given(**whole: Array) -> Callable[[Array], dict[str, Array]]:
+def given(**whole: Array) -> Values:
     """The values of the points that are asked for, of all that there are."""
     usual = {"stable": np.ones(10_000, dtype=int), "status": np.full(40_000, "finished")}
     return lambda flat: {name: of.flat[flat] for name, of in (usual | whole).items()}
@@ -71,8 +70,7 @@ def test_the_whole_border_is_found(size: tuple[int, int]) -> None:
         known, asked = refined(study, given(stable=whole))
         for axis in (0, 1):
             classes, there = np.moveaxis(whole, axis, 0), np.moveaxis(known, axis, 0)
-            border = classes[1:] != classes[:-1]
-            assert (there[1:] & there[:-1])[border].all(), name
+            assert (there[1:] & there[:-1])[classes[1:] != classes[:-1]].all(), name
         if size == (200, 200):
             assert known.mean() < 0.1, name
         assert len(asked) == 1 or name != "nothing"
@@ -105,12 +103,10 @@ def test_the_border_of_stability_is_the_critical_force() -> None:
     known, _ = refined(study, of)
     forces, times = (np.array(axis.values) for axis in study.axes)
     for column, time in enumerate(times):
-        table = study.scene_at({TIME: float(time), FORCE: 20.0})
-        critical = rodgen.critical_force(table).force
+        critical = rodgen.critical_force(study.scene_at({TIME: float(time), FORCE: 20.0})).force
         row = int(np.searchsorted(forces, critical))
         assert known[row - 1 : row + 1, column].all()
-        sides = of(np.array([(row - 1) * 3 + column, row * 3 + column]))
-        assert sides["stable"].tolist() == [1, 0]
+        assert of(np.array([(row - 1) * 3 + column, row * 3 + column]))["stable"].tolist() == [1, 0]
 
 
 def test_what_cannot_be_refined() -> None:

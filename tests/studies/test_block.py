@@ -16,8 +16,8 @@ from rodgen.studies import runs, vectors
 from rodgen.studies.block import evaluate
 from rodgen.studies.points import points
 from rodgen.studies.specification import Study
-from tests.cli.conftest import numbers
 from tests.studies.conftest import BECK, PENDULUM, scene
+from tests.told import numbers
 
 pytestmark = pytest.mark.compiler
 KEEP = ["last(tip_x)", "max(phi_2)", "rms(omega_0, from=0.5)", "time_of_max(kinetic_energy)"]
@@ -79,9 +79,7 @@ def test_what_is_copied_is_what_a_scene_makes_of_it(grid: Study) -> None:
     names = vectors.copied(grid)
     assert names == ("parameters.A", "initial.phi", "rod.length")
     bodies = [{"name": "tip", "at": 1.0, "mass": 1.0, "offset": [0.1, 0.0]}]
-    other = Study.of(
-        scene(PENDULUM, bodies=bodies), {"rod.length": [1.0, 2.0]}, keep=["last(tip_x)"]
-    )
+    other = Study.of(scene(PENDULUM, bodies=bodies), {"rod.length": [1.0, 2.0]}, keep="last(tip_x)")
     assert vectors.copied(other) == ()
     every = points(grid, range(grid.count))
     (_, members), *_ = vectors.groups(every, ["integrate.rtol"])
@@ -128,9 +126,7 @@ def test_points_that_fail_are_alone() -> None:
     for name in (*KEEP, "energy_error"):
         assert np.isfinite(found[name][fine]).all()
         assert np.isnan(found[name][refused + spent]).all()
-    links = computed(
-        Study.of(scene(PENDULUM, events=[]), {"rod.links": [3, 2]}, keep=["max(phi_2)"])
-    )
+    links = computed(Study.of(scene(PENDULUM, events=[]), {"rod.links": [3, 2]}, keep="max(phi_2)"))
     assert links["status"].tolist() == ["finished", "failed"]
     assert "phi_2" in links["message"][1]
 
@@ -209,8 +205,7 @@ def critical(of: Scene, **options: Any) -> dict[str, Any]:
 def modes(of: Scene) -> dict[str, Any]:
     found = rodgen.natural_modes(of, 16)
     growth = found.growth.max()
-    kept = {"stable": growth < 0, "largest_growth": growth}
-    return {**kept, "frequency(3)": found.frequencies[:3]}
+    return {"stable": growth < 0, "largest_growth": growth, "frequency(3)": found.frequencies[:3]}
 
 
 def static(of: Scene) -> dict[str, Any]:
@@ -225,8 +220,8 @@ def cycle(of: Scene) -> dict[str, Any]:
 
 def lyapunov(of: Scene, **options: Any) -> dict[str, Any]:
     found = rodgen.lyapunov_exponents(of, count=2, **options)
-    each = {"exponent(2)": found.exponents, "error(2)": found.errors}
-    return {**each, "exponent": found.exponents[0]}
+    first, *_ = found.exponents
+    return {"exponent(2)": found.exponents, "error(2)": found.errors, "exponent": first}
 
 
 KEPT = {
@@ -251,17 +246,13 @@ ANALYSES: list[tuple[Alone, dict[str, Any], dict[str, Any], dict[str, Any], int]
 
 
 @pytest.mark.parametrize(
-    ("alone", "table", "vary", "options", "failures"),
-    [*ANALYSES[:5], *(pytest.param(*one, marks=pytest.mark.slow) for one in ANALYSES[5:])],
+    "analysis",
+    [*ANALYSES[:5], *(pytest.param(one, marks=pytest.mark.slow) for one in ANALYSES[5:])],
+    ids=lambda analysis: analysis[0].__name__,
 )
-def test_analyses_are_those_of_their_scenes(
-    alone: Alone,
-    table: dict[str, Any],
-    vary: dict[str, Any],
-    options: dict[str, Any],
-    failures: int,
-) -> None:
+def test_analyses_are_those_of_their_scenes(analysis: tuple[Any, ...]) -> None:
     """And what they refuse is a failed point with the reason."""
+    alone, table, vary, options, failures = analysis
     what = alone.__name__
     study = Study.of(scene(table), vary, what=what, keep=KEPT[what], options=options)
     found = computed(study)

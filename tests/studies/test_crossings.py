@@ -12,9 +12,9 @@ from rodgen.studies.block_arrays import Made
 from rodgen.studies.keep import kept, variables
 from rodgen.studies.points import points
 from rodgen.studies.specification import Study
-from tests.cli.conftest import numbers
 from tests.studies.conftest import PENDULUM, scene
 from tests.studies.test_block import computed, same
+from tests.told import numbers
 
 pytestmark = pytest.mark.compiler
 EVENTS = [
@@ -63,10 +63,7 @@ def one_by_one(of: Study) -> dict[str, np.ndarray]:
     ids=["dop853", "rk4", "states alone", "stopped"],
 )
 def test_crossings_are_those_of_runs_one_by_one(
-    keep: list[str],
-    events: list[dict[str, Any]],
-    integrate: dict[str, Any],
-    monkeypatch: pytest.MonkeyPatch,
+    keep: list[str], events: Any, integrate: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """To the tolerance of the run; velocities of points are differences, of 1e-10 of their size."""
     table = study(keep, *events, **integrate)
@@ -90,8 +87,7 @@ def test_crossings_are_those_of_runs_one_by_one(
     if "count(end)" in keep:
         assert 0 < (found["message"] != "").sum() < table.count
         np.testing.assert_array_equal(found["count(end)"], found["message"] != "")
-        stopped = found["message"] != ""
-        np.testing.assert_allclose(found["last(tip_x)"][stopped], -0.9, atol=1e-12)
+        np.testing.assert_allclose(found["last(tip_x)"][found["message"] != ""], -0.9, atol=1e-12)
 
 
 def test_neighbours_and_order_do_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:

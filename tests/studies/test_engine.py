@@ -63,8 +63,9 @@ def test_how_long_a_point_takes_does_not_depend_on_who_shares_the_processor(
         done: list[int] = []
         monkeypatch.setattr(task, "computed", lambda study, at, done=done: done.append(len(at)))
         monkeypatch.setattr(task, "process_time", lambda done=done: 0.01 * sum(done))
-        clock = lambda done=done, beside=beside: 0.01 * sum(done) * beside  # noqa: E731
-        monkeypatch.setattr(task, "perf_counter", clock)
+        monkeypatch.setattr(
+            task, "perf_counter", lambda done=done, beside=beside: 0.01 * sum(done) * beside
+        )
         assert task.timed(many) == pytest.approx(taken)
 
 

@@ -20,6 +20,7 @@ from rodgen.studies.engine import run
 from rodgen.studies.store import Store, read
 from rodgen.studies.tally import reason, tally
 from tests.studies.conftest import PENDULUM, assert_same, scene, study_file
+from tests.told import refused
 
 pytestmark = pytest.mark.compiler
 KEEP = ["last(tip_x)", "max(phi_2)", "section(tip_y, where='phi_0', rising=0)"]
@@ -139,13 +140,9 @@ def test_what_is_no_store_is_refused(tmp_path: Path) -> None:
     xr.Dataset({"x": ("x", [1.0])}).to_zarr(tmp_path / "c.zarr", zarr_format=3, consolidated=False)
     for name in ("a", "b", "c", "missing"):
         path = tmp_path / f"{name}.zarr"
-        with pytest.raises(SceneError) as refused:
-            read(path)
-        assert str(refused.value.value) == str(path)
+        assert str(refused(read, path).value) == str(path)
         if path.exists():
-            with pytest.raises(SceneError) as refused:
-                run(grid(), path, workers=1, resume=True)
-            assert str(refused.value.value) == str(path)
+            assert str(refused(run, grid(), path, workers=1, resume=True).value) == str(path)
     with pytest.raises(SceneError, match=r"^out = "):
         run(grid(), tmp_path / "b.zarr" / "inside.zarr", workers=1)
 
@@ -166,13 +163,10 @@ def test_success_is_what_the_store_says(tmp_path: Path, monkeypatch: pytest.Monk
 def test_failures_are_counted_by_reason(tmp_path: Path, rodgen: Any) -> None:
     """Four points have masses below zero, and two of the others too few steps."""
     few = {"span": [0.0, 0.2], "method": "dop853"}
-    vary = {
-        "rod.mass": {"values": [-1.0, -2.0, 1.0, 2.0]},
-        "integrate.max_steps": {"values": [1, 500]},
-    }
+    masses, steps = [-1.0, -2.0, 1.0, 2.0], [1, 500]
+    vary = {"rod.mass": {"values": masses}, "integrate.max_steps": {"values": steps}}
     file = study_file(tmp_path / "study.toml", "masses", {**PENDULUM, "integrate": few}, vary)
-    given = ("--out", tmp_path, "--workers", 1, "--no-pictures")
-    done = rodgen("study", file, *given)
+    done = rodgen("study", file, "--out", tmp_path, "--workers", 1, "--no-pictures")
     assert done.returncode == 0, done.stderr
     path = tmp_path / "masses" / "study.zarr"
     found = tally(path)

@@ -14,7 +14,6 @@ from rodgen.show import pictures, study_pictures, study_results
 from rodgen.show.study_results import Results
 
 SECTION = "section(tip_y, where='tip_x', rising=0)"
-SIZES = {"rod.length": 6, "loads.follower.force": 5, "rod.links": 3, "rod.mass": 2}
 AXES = {
     "rod.length": np.geomspace(0.1, 10.0, 6),
     "loads.follower.force": np.linspace(0.0, 1.0, 5),
@@ -71,8 +70,7 @@ def test_of_too_many_points_some_are_shown(monkeypatch: pytest.MonkeyPatch) -> N
     shown = Results.thinned(whole)
     assert shown.status.shape == (2, 3)
     assert "4" in shown.title.split()
-    expected = whole["last(tip_x)"].values[::4]
-    np.testing.assert_array_equal(shown.dataset["last(tip_x)"], expected)
+    np.testing.assert_array_equal(shown.dataset["last(tip_x)"], whole["last(tip_x)"].values[::4])
     np.testing.assert_array_equal(shown.dataset[names[0]], AXES[names[0]][::4])
 
 
@@ -111,13 +109,11 @@ def test_a_map_shows_the_points_that_were_computed() -> None:
     data = dataset(names)
     status = np.full((6, 5), "", dtype=object)
     status[::2, ::2] = "finished"
-    of = Results(data.assign(status=(names, status)))
-    figure = study_pictures.map_of(of, "stable")
+    figure = study_pictures.map_of(Results(data.assign(status=(names, status))), "stable")
     drawn = of_lines(figure, ".")
     assert len(drawn) == 9
     assert {*drawn[:, 0]} == {0.0, 0.5, 1.0}
-    mesh = figure.axes[0].collections[0]
-    assert np.isfinite(np.ma.filled(mesh.get_array(), np.nan)).all()
+    assert np.isfinite(np.ma.filled(figure.axes[0].collections[0].get_array(), np.nan)).all()
     texts = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
     assert texts[:2] == ["stable", "unstable"]
 

@@ -137,10 +137,7 @@ def _times(factor: int) -> Callable[[Any], Any]:
 # What is spoilt (methods of the closed form, and of loads whose entries are written by hand), the
 # entry that proofs then name, and the loads that a rod has.
 WRONG = [
-    *(
-        (ClosedForm, method, "M", ())
-        for method in ("M_base", "M_base_link", "M_link", "M_link_link")
-    ),
+    *((ClosedForm, f"M_{of}", "M", ()) for of in ("base", "base_link", "link", "link_link")),
     *((ClosedForm, method, "Q", ()) for method in ("Q_base_link", "Q_link_link")),
     (ClosedForm, "bending_row", "K", ()),
     *(

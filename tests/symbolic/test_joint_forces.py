@@ -43,9 +43,8 @@ Change = Callable[[System], System]
 def _half_of(base: object) -> Change:
     def change(system: System) -> System:
         array: Array = system.arrays[base]
-        return replace(
-            system, arrays={**system.arrays, base: replace(array, value=array.value / 2)}
-        )
+        half = replace(array, value=array.value / 2)
+        return replace(system, arrays={**system.arrays, base: half})
 
     return change
 

@@ -117,8 +117,7 @@ def test_a_wrong_share_is_caught(
 
 
 @pytest.mark.parametrize(
-    ("method", "where"),
-    [("_law", "joint forces"), ("work", "any n"), ("rows", "explicit n")],
+    ("method", "where"), [("_law", "joint forces"), ("work", "any n"), ("rows", "explicit n")]
 )
 def test_a_force_on_another_place_of_its_link_is_caught(
     give: Give, method: str, where: str, monkeypatch: pytest.MonkeyPatch

@@ -22,9 +22,7 @@ LOADS = (*THESIS_TERMS, "material_damping")
 
 
 @cases(
-    "boundary, links, inertia, uneven",
-    *(BOUNDARIES, (1, 3, 6), INERTIAS, UNEVEN),
-    where=carries,
+    "boundary, links, inertia, uneven", *(BOUNDARIES, (1, 3, 6), INERTIAS, UNEVEN), where=carries
 )
 def test_all_derivations_agree(
     boundary: str, links: int, inertia: str, uneven: tuple[str, ...]
@@ -34,20 +32,16 @@ def test_all_derivations_agree(
 
 
 @pytest.mark.parametrize(
-    "prove",
-    [
-        lambda: prove_any_n("free", "uniform", (), ("stiffness",)),
-        lambda: prove_at_points(70, "free", "uniform", (), ("stiffness",)),
-        lambda: prove_joint_forces(4, "free", "uniform", (), ("stiffness",)),
-    ],
-    ids=["any n", "points", "joint forces"],
+    ("prove", "links"), [(prove_any_n, ()), (prove_at_points, (70,)), (prove_joint_forces, (4,))]
 )
 def test_the_spring_of_another_joint_is_found(
-    prove: Callable[[], Iterator[Comparison]], monkeypatch: pytest.MonkeyPatch
+    prove: Callable[..., Iterator[Comparison]],
+    links: tuple[int, ...],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(general, "Rod", NextJoint)
     with pytest.raises(DisagreementError):
-        list(prove())
+        list(prove(*links, "free", "uniform", (), ("stiffness",)))
 
 
 class NextJoint(Rod):

@@ -35,12 +35,8 @@ def changed(swinging: Solution) -> Solution:
     """The swinging rod, of which g, mass, stiffness and thrust were others in the first 0.4 s."""
     p = np.tile(swinging._p, (SAMPLES, 1))
     names = swinging.scene.structure.parameters
-    for name, value in (
-        ("gravity", 2.0),
-        ("mass", 5.0),
-        ("bending_stiffness", 60.0),
-        ("follower_force", 10.0),
-    ):
+    before = {"gravity": 2.0, "mass": 5.0, "bending_stiffness": 60.0, "follower_force": 10.0}
+    for name, value in before.items():
         p[:CHANGE, names.index(name)] = value
     swinging.changes = Changes(p, np.zeros(SAMPLES))
     return swinging

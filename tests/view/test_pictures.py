@@ -17,18 +17,16 @@ from rodgen.show.pictures import energies, trajectories
 from rodgen.show.shape_picture import shapes
 from rodgen.show.summary import summary
 from rodgen.show.time_pictures import across, acting, moments, tail
-from tests.cli.conftest import numbers
 from tests.live.conftest import ROD
+from tests.told import numbers
 
 
 def run(force: float | str = 0.0, g: float = 0.0, **more: Any) -> Solution:
     """A rod under these loads; more: other tables, and keys of [integrate]."""
     tables = {name: more.pop(name) for name in ("events", "initial") if name in more}
     loads = {**ROD["loads"], "follower": {"force": force}, "gravity": {"g": g}}
-    integrate = {**ROD["integrate"], **more}
-    return rodgen.simulate(
-        Scene.from_dict({**ROD, **tables, "loads": loads, "integrate": integrate})
-    )
+    table = {**ROD, **tables, "loads": loads, "integrate": {**ROD["integrate"], **more}}
+    return rodgen.simulate(Scene.from_dict(table))
 
 
 @pytest.fixture(scope="module")

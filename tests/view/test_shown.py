@@ -201,8 +201,7 @@ def test_datasets_draw_themselves(make: Callable[[], Any]) -> None:
     axes = data.rodgen.plot()
     assert isinstance(axes, Axes)
     assert axes.figure is pyplot.gcf()
-    drawn = [line for line in axes.get_lines() if len(np.atleast_1d(line.get_xdata())) > 1]
-    assert drawn
+    assert any(len(np.atleast_1d(line.get_xdata())) > 1 for line in axes.get_lines())
     with pytest.raises(SceneError, match=r"^picture = 'none'"):
         data.rodgen.plot("none")
     with pytest.raises(SceneError):

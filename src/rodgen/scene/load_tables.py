@@ -61,7 +61,9 @@ def _load_table(term: Term) -> type[Table]:
     for key, default in term.beginning.items():
         if isinstance(default, list):
             kind, _ = fields[key]
-            fields[key] = Annotated[list[kind], Field(min_length=2, max_length=2)], default  # type: ignore[valid-type]
+            # A type that is known when this runs, which annotations are not asked to tell.
+            pair = Annotated[list[kind], Field(min_length=2, max_length=2)]  # type: ignore[valid-type]
+            fields[key] = pair, default
     if term.placed:
         fields["at"] = Share, Field(1.0, exclude_if=lambda at: at == 1)
     made = create_model(name, __base__=Table, __module__=__name__, __doc__=term.label, **fields)
@@ -72,6 +74,7 @@ def _load_table(term: Term) -> type[Table]:
 def _tables_of(term: Term) -> Any:
     """What a scene may have of a term: a table or, of one at a place, several."""
     one = _load_table(term)
+    # A type that is known when this runs, as above.
     several = Annotated[list[one], Field(max_length=MOST_PLACED)]  # type: ignore[valid-type]
     return one | several | None if term.placed else one | None
 

@@ -25,7 +25,7 @@ Texts = dict[tuple[str, ...], str]
 Indices = list[int]
 
 
-class Context(WorkerPlugin):  # type: ignore[misc]
+class Context(WorkerPlugin):  # type: ignore[misc]  # Dask has no types
     """What all blocks of a study need, on every worker, also those that come later: the study, the
     place of its store, and the texts of modules that were generated already, so that a worker
     compiles once and derives nothing."""

@@ -35,11 +35,7 @@ def test_compiler_with_arguments(place: Place) -> None:
 
 @pytest.mark.parametrize(
     ("refused", "used"),
-    [
-        ("-mprefer-vector-width=512", "-O3 -march=native"),
-        ("-march=native", "-O2"),
-        ("-O3", "-O2"),
-    ],
+    [("-mprefer-vector-width=512", "-O3 -march=native"), ("-march=native", "-O2"), ("-O3", "-O2")],
 )
 def test_refused_flags_are_replaced(refused: str, used: str, place: Place) -> None:
     refuse = f'for a; do [ "$a" = {refused} ] && {{ echo unknown; exit 1; }}; done; '
@@ -143,15 +139,12 @@ WRONG: dict[str, tuple[Spoil, str]] = {
     ),
     **{
         f"CC={command}": (
-            lambda b, command=command: (b.load(), b.patch.setenv("CC", command)),  # type: ignore[misc]
+            lambda b, command=command: (b.load(), b.patch.setenv("CC", command)),
             f"CC={command}",
         )
         for command in ("no-such-compiler -m64", "/no/such/cc", "''")
     },
-    "MSVC": (
-        lambda b: b.patch.setenv("CC", str(b.compiler().rename(b.temporary / "cl"))),
-        "CC=cl",
-    ),
+    "MSVC": (lambda b: b.patch.setenv("CC", str(b.compiler().rename(b.temporary / "cl"))), "CC=cl"),
     "no compiler": (lambda b: b.patch.setenv("PATH", str(b.temporary)), "cc, gcc, clang"),
     "crash": (lambda b: b.compiler(answers="kill -SEGV $$\n"), "-11"),
     "no shell": (lambda b: b.compiler().write_text("#!/no/such/shell\n"), "fakecc --version"),

@@ -15,6 +15,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -70,7 +71,7 @@ def of_rodgen(links: int, rods: int, rounds: int) -> tuple[Array, list[Point]]:
     print(f"what errors are measured against: rk45 differs by {off:.1e} rad", flush=True)
     points = []
     for rtol in RTOLS:
-        seconds = best(rounds, lambda rtol=rtol: run(many, "dop853", rtol)) / len(many)  # type: ignore[misc]
+        seconds = best(rounds, partial(run, many, "dop853", rtol)) / len(many)
         points.append(Point(seconds, _error(run(p, "dop853", rtol).y, exact, links)))
     return exact, points
 

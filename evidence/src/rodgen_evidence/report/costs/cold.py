@@ -71,7 +71,7 @@ def setups(table: dict[str, Any]) -> dict[str, float]:
 
 def main() -> None:
     """Make the module; generation is without what its imports take, of SymPy above all."""
-    import rodgen.emit  # noqa: F401
+    import rodgen.emit  # noqa: F401  so that it is loaded
 
     scene, target = Scene.from_dict(json.load(sys.stdin)), sys.argv[1]
     start = time.perf_counter()

@@ -1,13 +1,15 @@
-"""Cases by the sets of tests that they belong to, where no covering array chooses them; and the
-numbers that a sentence tells."""
+"""Cases by the sets of tests that they belong to, where no covering array chooses them."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import pytest
+
+from rodgen.scene import Scene
+
+Make = Callable[..., Scene]  # the fixture make_scene
 
 
 def sets(quick: Iterable[Any], slow: Iterable[Any] = (), nightly: Iterable[Any] = ()) -> list[Any]:
@@ -22,9 +24,3 @@ def sets(quick: Iterable[Any], slow: Iterable[Any] = (), nightly: Iterable[Any] 
                 found.append(pytest.param(*parts, marks=marks))
                 seen.append(case)
     return found
-
-
-def numbers(text: object) -> list[float]:
-    """All numbers in a text, but those in names such as rk4."""
-    found = re.findall(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)", str(text))
-    return [float(number) for number in found]
