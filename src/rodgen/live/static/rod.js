@@ -120,13 +120,16 @@ class Pointer {
   }
 
   // Has the far end of a pull go where the pointer is by now: the view may move below it, too.
+  // Returns whether that has to wait.
   follow(now = performance.now()) {
-    if (!this.picture.hand || now - this.#sent.at < APART) return;
+    if (!this.picture.hand) return false;
     const place = this.#held();
     const moved = place.map((part, k) => part - this.#sent.place[k]);
-    if (Math.hypot(...moved) * this.picture.camera.scale < SAME) return;
+    if (Math.hypot(...moved) * this.picture.camera.scale < SAME) return false;
+    if (now - this.#sent.at < APART) return true;
     this.#sent = { at: now, place };
     this.emit("move", { x: place[0], y: place[1] });
+    return false;
   }
 
   // The pointer lets go: of the far end alone, which stays, or of the rod.
@@ -241,14 +244,14 @@ export default {
     this.set();
     this.painter = {
       paint: (...frame) => {
-        pointer.follow();
+        const waits = pointer.follow();
         const more = picture.paint(...frame);
         Object.assign(hub.shown, {
           joints: Array.from(picture.points),
           scale: picture.camera.scale,
           mode: picture.options.mode?.text ?? null,
         });
-        return more;
+        return more || waits;
       },
     };
     this.sizes = new ResizeObserver(() => {
