@@ -162,7 +162,7 @@ def test_modules_that_differ_are_found(
     monkeypatch.setitem(leaving_out.NOTHING, "gravity", {"g": 1e-3})
     sizes: dict[str, Any] = {variant: {} for variant in two_modules}
     for made in leaving_out.compared(rod("five", 5, 1.0), two_modules, sizes, True):
-        assert made["failed"]
+        assert "rates" in str(made["failed"])
         assert made["run"] is None
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 
 import pytest
 
@@ -17,11 +16,7 @@ from rodgen_evidence.report.precision.growth import growth_line
 from rodgen_evidence.report.stability.rounding import losing
 from rodgen_evidence.report.summary import best_row, growth, sentences
 from rodgen_evidence.report.unit import Measured
-
-
-def numbers(said: str) -> list[float]:
-    """Those of a sentence, without those of names such as rk4."""
-    return [float(one) for one in re.findall(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?", said)]
+from tests.told import numbers
 
 
 def test_summary_follows_the_numbers():
