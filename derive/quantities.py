@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
-from sympy import Eq, Expr, Piecewise, S, Sum, collect, cos, expand, sin
+from sympy import Add, Eq, Expr, Piecewise, S, Sum, collect, cos, expand, sin
 from sympy.physics.mechanics import dynamicsymbols
 
 from .calculus import TIME
@@ -124,6 +124,14 @@ class Quantities:
         """Force of the support of link i on it [N], and its moment [N m]; none without supports."""
         supports = self.equations.loads.get(SUPPORTS)
         return () if supports is None else tuple(supports.on_links().values())
+
+    @cached_property
+    def start_loads(self) -> tuple[Expr, ...]:
+        """What the loads do on link i at its start [N]; none where there are no such loads."""
+        hold, loads = self.equations.hold, self.equations.loads.values()
+        parts = zip((S.Zero, S.Zero), *(load.on_start(i, hold) for load in loads), strict=True)
+        total = tuple(Add(*part) for part in parts)
+        return total if any(total) else ()
 
     @cached_property
     def curvature(self) -> Expr:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from sympy import Expr, IndexedBase, Piecewise, Sum, sqrt
+from sympy import Eq, Expr, IndexedBase, Integer, Piecewise, S, Sum, sqrt
 from sympy.polys.rings import PolyElement
+
+from rodgen.model.rod import Boundary
 
 from ..chain import Vector
 from ..closed_form import ClosedForm, Num, Pair
@@ -111,6 +113,24 @@ class JointDrag(JointForces):
             tuple(base[joint] for base in self.per_joint),
             *(joint_x[joint], joint_y[joint], length_at[joint]),
         )
+
+    def on_start(self, link: Expr, hold: Boundary) -> Vector:
+        """Half of it, as half of the rod that is gathered there is of that link; all of it at the
+        start of a rod that moves, and that of the wind on a start that does not."""
+        first = Integer(hold.first)
+        there = tuple(base[link] for base in self.bases) if hold.translates else self._held(first)
+        pairs = zip(there, self.bases, strict=True)
+        x, y = (Piecewise((e, Eq(link, first)), (base[link] / 2, True)) for e, base in pairs)
+        return x, y
+
+    def _held(self, at: Expr) -> Vector:
+        """Force on a joint that does not move, of the half link behind it."""
+        if self.wind == NOTHING:
+            return NOTHING
+        factors = tuple(base[at] for base in self.per_joint)
+        place = joint_x[at], joint_y[at]
+        still = JointMotion(S.Zero, S.Zero, S.One, phi[at], joint_mass(1), factors, *place, l / 2)
+        return self.force(still)
 
     def arrays(self, chain: Equations) -> dict[IndexedBase, Expr]:
         force = self.force(self.motion(chain))

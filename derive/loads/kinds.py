@@ -142,6 +142,11 @@ class Load:
         """Force on a joint [N], without what pulls at the tail alone."""
         return NOTHING
 
+    def on_start(self, link: Expr, hold: Boundary) -> Vector:
+        """What acts at the start of a link on that link itself [N], of the force on the joint there;
+        the rest of this acts on the link before."""
+        return NOTHING
+
     def on_link(self, link: Expr) -> Expr:
         """Moment on a link [N m], beside those across its joints."""
         return S.Zero

@@ -9,6 +9,8 @@ from sympy import Expr, IndexedBase, S, Sum, symbols
 from sympy.physics.mechanics import dynamicsymbols
 from sympy.polys.rings import PolyElement
 
+from rodgen.model.rod import Boundary
+
 from ..calculus import TIME
 from ..chain import OWN, Vector, combine, lever
 from ..closed_form import ClosedForm, Num, Pair
@@ -101,6 +103,10 @@ class LinkAnchor(JointForces):
 
     def on_link(self, link: Expr) -> Expr:
         return self.opaque[2][link]
+
+    def on_start(self, link: Expr, hold: Boundary) -> Vector:
+        x, y = ((1 - self.share[link]) * pull[link] for pull in self.opaque[:2])
+        return x, y
 
     def on_links(self) -> dict[IndexedBase, Expr]:
         laws = self._law(self._motion(i, i, self.share[i]))

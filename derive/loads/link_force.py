@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from sympy import Expr, IndexedBase, Sum, expand
 from sympy.polys.rings import PolyElement
 
+from rodgen.model.rod import Boundary
+
 from ..chain import Vector
 from ..closed_form import ClosedForm, Num, Pair
 from ..symbols import HALF, i, joint, n, other, phi
@@ -52,6 +54,10 @@ class LinkForce(JointForces):
             if angle is not None
         ]
         x, y = map(sum, zip(*parts, strict=True))
+        return x, y
+
+    def on_start(self, link: Expr, hold: Boundary) -> Vector:
+        x, y = ((1 - self.share) * f for f in self.force(phi[link], link))
         return x, y
 
     def arrays(self, chain: Equations) -> dict[IndexedBase, Expr]:

@@ -101,6 +101,13 @@ class PointForce(Load):
         x, y = (b[at] if f != 0 else S.Zero for b, f in zip(self._bases, self._force, strict=True))
         return x, y
 
+    def on_start(self, link: Expr, hold: Boundary) -> Vector:
+        if self.point.share == 1:
+            return NOTHING
+        x, y = ((1 - self.point.share) * f for f in self._force)
+        here = Eq(link, self.point.link)
+        return Piecewise((x, here), (S.Zero, True)), Piecewise((y, here), (S.Zero, True))
+
     def on_tail(self) -> Vector:
         return NOTHING if self.inside else self._force
 

@@ -361,6 +361,9 @@ class Functions:
             outputs["support_forces"] = {
                 name: (link, e) for name, e in zip(names, held, strict=True)
             }
+        if starts := of.start_loads:
+            pairs = zip(("start_x", "start_y"), starts, strict=True)
+            outputs["start_loads"] = {name: (self.compiler.link, e) for name, e in pairs}
         if springs := hold.springs(self.links):
             domain = Domain((s,), springs.start, springs.stop - 1)
             outputs["curvatures"] = {"curvature": (domain, of.curvature)}

@@ -30,7 +30,7 @@ PARTS = {
     ),
     "kinetics": (
         *("momentum", "angular_momentum", "reaction_moment", "support_forces"),
-        "curvatures",
+        *("start_loads", "curvatures"),
     ),
     "tangents": ("tangents", "VARIATIONS"),
     "flow": ("Run", "WORKS"),

@@ -245,6 +245,19 @@ def _joint_forces(motion: Motion) -> Array:
     first = motion.hold.first_force - motion.hold.first  # joint 0 of a free rod passes none on
     unit = np.asarray(motion.parameter("mass"))[..., None, None] / links
     found: Array = unit * per_mass[..., first:, :]
+    if (own := _given(motion, "start_loads", motion.t)) is not None:
+        found += own[..., first:, :]
+    return found
+
+
+def _given(motion: Motion, function: str, *times: Array) -> Array | None:
+    """What a function of the module says of the states; None of a rod that has nothing of it."""
+    try:
+        found: Array = motion.called(function, *times, motion.y)
+    except AttributeError as error:
+        if error.name != function:
+            raise
+        return None
     return found
 
 
@@ -262,12 +275,9 @@ def _along_and_across(motion: Motion) -> Array:
 def _support_forces(motion: Motion) -> Array:
     """Forces of the supports on all links [N], and their moments [N m], (..., n, 3). Raises
     KeyError for a rod without supports."""
-    try:
-        moving = motion.called("support_forces", motion.y)
-    except AttributeError as error:
-        if error.name != "support_forces":
-            raise
-        raise KeyError("a rod without supports has no force or moment of them") from None
+    moving = _given(motion, "support_forces")
+    if moving is None:
+        raise KeyError("a rod without supports has no force or moment of them")
     held = np.zeros((*moving.shape[:-2], motion.hold.first, moving.shape[-1]))
     found: Array = np.concatenate((held, moving), axis=-2)
     return found
