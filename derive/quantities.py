@@ -130,7 +130,7 @@ class Quantities:
         """What the loads do on link i at its start [N]; none where there are no such loads."""
         hold, loads = self.equations.hold, self.equations.loads.values()
         parts = zip((S.Zero, S.Zero), *(load.on_start(i, hold) for load in loads), strict=True)
-        total = tuple(Add(*part) for part in parts)
+        total = tuple(_in_cases(Add(*part)) for part in parts)
         return total if any(total) else ()
 
     @cached_property
@@ -231,3 +231,12 @@ class Quantities:
         mass = self.equations.rod.mass(i)
         first, second, third = (Sum(mass * value, (i, 0, n - 1)) for value in means)
         return first, second, third
+
+
+def _in_cases(total: Expr) -> Expr:
+    """A sum of what differs at single links as what it is at each of these, and elsewhere."""
+    named = sorted({equality.rhs for equality in total.atoms(Eq)})
+    elsewhere = total.replace(
+        lambda e: isinstance(e, Piecewise) and e.has(Eq), lambda e: e.args[-1][0]
+    )
+    return Piecewise(*((total.subs(i, link), Eq(i, link)) for link in named), (elsewhere, True))

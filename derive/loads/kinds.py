@@ -143,8 +143,8 @@ class Load:
         return NOTHING
 
     def on_start(self, link: Expr, hold: Boundary) -> Vector:
-        """What acts at the start of a link on that link itself [N], of the force on the joint there;
-        the rest of this acts on the link before."""
+        """What acts on a link itself [N], of the force on the joint where it starts; the rest of this
+        acts on the link before."""
         return NOTHING
 
     def on_link(self, link: Expr) -> Expr:
