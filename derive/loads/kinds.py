@@ -143,7 +143,7 @@ class Load:
         return NOTHING
 
     def on_start(self, link: Expr, hold: Boundary) -> Vector:
-        """What acts on a link itself [N], of the force on the joint where it starts; the rest of this
+        """What acts on a link itself [N] of the force on the joint where it starts; the rest of it
         acts on the link before."""
         return NOTHING
 
