@@ -19,9 +19,9 @@ def forces_per_mass(model: ModuleType, t: Array, y: Array, p: Array) -> Array:
     """Forces with which every moving link pulls at the joint before it, over the mass of a link of
     an even rod, (..., cells, 2) [m/s^2]; not a number where a state is not.
 
-    t: times [s], (...); y: states, (..., states); p: parameters. All that the loads do on a joint is
-    done on the link before it, and in joint 0 of a free rod, which has none, the force is minus
-    that; `start_loads` of a module is what they do on the link after it.
+    t: times [s], (...); y: states, (..., states); p: parameters. What loads do on a joint is done
+    on the link before it, and in joint 0 of a free rod, which has none, the force is minus that;
+    `start_loads` of a module is what they do on the link after it.
     """
     size = (y.shape[-1] - len(getattr(model, "STATES", ()))) // 2
     cells = size - 2 * ("x0" in model.STATE)

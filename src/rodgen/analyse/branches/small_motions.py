@@ -50,7 +50,10 @@ class Growing:
 
     def motions(self, state: Steady) -> Motions:
         """The motions about a state; those that move or turn the whole rod do not grow."""
-        K, C, M = (part[None] for part in linearised(state).on(self.basis).parts)
+        linear, basis = linearised(state), self.basis
+        if isinstance(linear, Pencil) and self.start.turns_freely:
+            basis = _without_turning(linear, basis)
+        K, C, M = (part[None] for part in linear.on(basis).parts)
         found = Modal(K, C, M, self.frequencies, self.singular, self.added).motions()
         s, growth = found.s[0], found.growth[0]
         return Motions(s, np.where(np.abs(s) <= self.rigid, 0.0, growth))
@@ -82,6 +85,14 @@ def _modes(start: Steady, linear: Linear, every: bool) -> tuple[Array, Array]:
         order = order[int(start.turns_freely) :]
     order = order[: None if every else MODES]
     return squares[order], found[:, order]
+
+
+def _without_turning(linear: Pencil, basis: Array) -> Array:
+    """Shapes whose inertia does no work on turning alone: K and C do none on it and it none on
+    them, so that the others are found without it, whatever basis they are found in."""
+    turning = np.ones((linear.cells, 1))
+    momenta = linear.eliminated(turning)[2]
+    return np.asarray(basis - turning @ (momenta.T @ basis) / momenta.sum())
 
 
 def crossing(problem: Equilibria, a: Point, b: Point) -> list[Special]:
