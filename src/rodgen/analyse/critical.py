@@ -18,11 +18,12 @@ from rodgen.analyse.family import (
     scaled,
     unit_of,
 )
-from rodgen.analyse.onset import At, Onset, digits, onset, turning_onset
+from rodgen.analyse.onset import At, Onset, digits, onset
 from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.rest import DIVERGENCE, FLUTTER
 from rodgen.analyse.search import Event, Search, grid
 from rodgen.analyse.system import System, flown
+from rodgen.analyse.zero_onset import zero_onset
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.mesh import mesh_notes
 from rodgen.scene.overrides import with_parameters
@@ -33,9 +34,7 @@ from rodgen.shown import Shown
 
 HIGHEST = 1000.0  # EI/L^2: ten times what a free rod bears
 NARROWEST = 1e-6, 1e-9  # range that is searched: of EI/L^2, and of its ends
-NEAR = 1e-3  # of a force, within which a search in a few modes has found it
 SLOW = 0.01  # of the lowest frequency
-AT_ONCE = 1e-2  # EI/L^2: an onset so close to the lowest force lies at it
 WHOLE = 0.9  # of the angles that links have in common, squared: the whole rod turns
 KNOWN = 5e-9  # share of an onset that rounding may change at most
 CHECKED = (0.4, 0.7, 0.9, 0.99)  # of the force, where all modes are looked at
@@ -334,16 +333,13 @@ def _found(search: Search, end: str, growth: float) -> Onset:
 
 
 def _onset(search: Search, near: Onset) -> Onset:
-    """Of a pinned rod whose turning is damped from outside, a real eigenvalue reaches zero beside
-    the one that is zero always: a matter of damping, not of stiffness alone."""
-    family = search.family
-    if family.bare is not None and near.s == 0 and not family.diverges(near.force * (1 + NEAR)):
-        if not family.system.base:
-            return turning_onset(family.at, near)
-        lowest = float(search.forces[0])
-        if near.force - lowest < AT_ONCE * family.unit:
-            return Onset(lowest, near.s, near.force - lowest)
-        return near
+    """The onset with all links, next to an estimate; that which is next to the lowest force is
+    there, since the motion grows under every larger one."""
+    family, lowest = search.family, float(search.forces[0])
+    if near.force - near.error <= lowest:
+        return Onset(lowest, near.s, near.error)
+    if near.s == 0 and family.neutral.steps:
+        return zero_onset(family.without_neutral, near, family.unit)
     found = onset(_equations(family, near), near, family.unit, family.straight)
     if found.error > KNOWN * abs(found.force) and family.whole <= BASIS:
         raise AnalysisError(

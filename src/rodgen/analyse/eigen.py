@@ -3,7 +3,7 @@ small pencils which motions grow, and how far that can be trusted."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -16,6 +16,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
 
 from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.neutral import NONE, Neutral
 from rodgen.analyse.pencil import Dense, Parts, Pencil, first_order, product
 from rodgen.integrate.stepper import Array
 
@@ -221,7 +222,7 @@ class Modal:
     C: Array
     M: Array
     frequencies: Array
-    singular: bool  # the stiffness, under any force
+    neutral: Neutral = NONE  # what has no rate under any force
     added: int = 0  # states of first order, the last rows
 
     @property
@@ -243,18 +244,14 @@ class Modal:
     def each(self) -> Iterator[Motions]:
         """The motions under every force, one after the other; damped ones are found where they are
         asked for."""
-        if self.added:
-            return self._of_rates().each()
+        if self.added or self.neutral.steps:
+            return self._judged(map(self.neutral.without, self.by_rates()))
         damping = self.damping
         if not damping:
             return self._undamped().each()
-        return self._weak().each() if damping < WEAK else self._strong()
-
-    def _of_rates(self) -> Motions:
-        """With states that are added, of whose rates nothing is known."""
-        A = first_order(self.K, self.C, self.M, self.added)
-        s: Complex = np.linalg.eigvals(A).astype(np.complex128)
-        return Motions(s, self._certain(s))
+        if damping < WEAK:
+            return self._weak().each()
+        return self._judged(self._by_inverse(), inverse=True)
 
     def _undamped(self) -> Motions:
         s = roots(np.linalg.eigvals(np.linalg.solve(self.M, -self.K)))
@@ -277,12 +274,13 @@ class Modal:
         pairs = np.concatenate((s + change, -s + change), axis=-1)
         return Motions(pairs, np.concatenate((np.where(grown > 0, grown, small), shrunk), axis=-1))
 
-    def _strong(self) -> Iterator[Motions]:
-        every = self._by_rates() if self.singular else self._by_inverse()
-        sizes = np.linalg.norm(every, axis=(-2, -1))
-        for A, size in zip(every, sizes, strict=True):
+    @staticmethod
+    def _judged(every: Iterable[Array], inverse: bool = False) -> Iterator[Motions]:
+        """Of matrices whose eigenvalues are s, or 1/s."""
+        for A in every:
+            size = float(np.linalg.norm(A))
             z = _values_of(A, size)
-            s = z if self.singular else 1 / z
+            s = 1 / z if inverse else z
             growth = np.zeros(len(z))
             grows = np.flatnonzero(z.real > CRUDE * ROUNDING * size)
             if len(grows):
@@ -291,11 +289,14 @@ class Modal:
                 growth[grows] = s[grows].real
             yield Motions(s, growth)
 
-    def _by_rates(self) -> Array:
-        """s of (W q, q'), W the frequencies."""
-        w = self.frequencies
-        K, C = (np.linalg.solve(self.M, part) for part in (self.K, self.C))
-        return self._rows(w, -K / w, -C)
+    def by_rates(self) -> Array:
+        """Matrices whose eigenvalues are s, of (W q, q', z), W the frequencies, z the added
+        states."""
+        w, k = self.frequencies, len(self.frequencies)
+        A = first_order(self.K, self.C, self.M, self.added)
+        A[..., :k] /= w
+        A[..., :k, :] *= w[:, None]
+        return A
 
     def _by_inverse(self) -> Array:
         """A matrix whose eigenvalues are 1/s, of (W q, q')."""
@@ -351,7 +352,9 @@ def _inverse(stack: NDArray[Any]) -> NDArray[Any]:
     try:
         return np.linalg.inv(stack)
     except np.linalg.LinAlgError:  # the very force of a divergence, or at which two motions meet
-        return np.linalg.inv(stack + ROUNDING * np.abs(stack).max() * np.eye(stack.shape[-1]))
+        size = stack.shape[-1]
+        aside = ROUNDING * np.abs(stack).max(axis=(-2, -1), keepdims=True) * np.eye(size)
+        return np.linalg.inv(stack + aside * (2 + np.cos(np.arange(size) ** 2)))
 
 
 def roots(squares: NDArray[Any]) -> Complex:

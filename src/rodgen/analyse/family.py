@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 
 from rodgen.analyse.eigen import Complex, Modal, Motions, all_shapes, lowest_shapes
+from rodgen.analyse.neutral import NONE, Neutral
 from rodgen.analyse.pencil import Dense, Parts, Pencil
 from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System, without
@@ -35,6 +36,7 @@ RIGID_DENSE, ROUNDED = 1e-4, 1e-7  # the same, of the lowest and of the largest,
 # close together enlarges their rounding.
 FAR = 16.0
 KEPT = 64  # steady states remembered
+SOME = 0.37, 1.61, FAR  # loads of no importance
 
 
 def scaled(load: str) -> Term | None:
@@ -192,7 +194,7 @@ class Family:
     @property
     def damped(self) -> bool:
         """Whether rates have an effect."""
-        return self.at(0.0).damped
+        return any(self.at(size * self.unit).damped for size in (0.0, 1.0))
 
     @cached_property
     def dragged(self) -> bool:
@@ -245,25 +247,23 @@ class Family:
         without a rate, which move or turn the rod as a whole, as nan. elastic: also that which
         turns a free rod with external damping, the real one that grows most, at any load, unless
         the rod without that damping diverges, which is a matter of its stiffness alone."""
-        found = self._modal(forces, modes).motions()
-        if not self.dragged:
+        found = self._modal(forces, modes, self.neutral).motions()
+        if not (elastic and self.bare is not None and self.system.base):
             return found
-        away = np.abs(found.s) <= self.rigid
-        if elastic and self.bare is not None and self.system.base:
-            away |= self._turns(found.s, np.asarray(forces), modes, ~away)
+        away = self._turns(found.s, np.asarray(forces), modes)
         return Motions(np.where(away, np.nan, found.s), np.where(away, 0.0, found.growth))
 
     def each(self, forces: Array, modes: int = BASIS, elastic: bool = False) -> Iterator[Motions]:
         """The same motions under one load after the other, each when it is asked for."""
         if self.dragged:
             return self.motions(forces, modes, elastic).each()
-        return self._modal(forces, modes).each()
+        return self._modal(forces, modes, self.neutral).each()
 
-    def _turns(self, s: Complex, forces: Array, modes: int, kept: Flags) -> Flags:
-        """Which motions turn the whole rod, among those that are kept."""
+    def _turns(self, s: Complex, forces: Array, modes: int) -> Flags:
+        """Which motions turn the whole rod."""
         assert self.bare is not None
         diverges = np.any(self.bare.motions(forces, modes).growth > 0, axis=-1, keepdims=True)
-        real = np.where((np.abs(s.imag) <= self.rigid) & kept, s.real, -np.inf)
+        real = np.where(np.abs(s.imag) <= self.rigid, s.real, -np.inf)
         largest = real.max(axis=-1, keepdims=True)
         first = np.arange(s.shape[-1]) == np.argmax(real, axis=-1)[:, None]
         return np.asarray(first & np.isfinite(largest) & ~diverges)
@@ -301,9 +301,22 @@ class Family:
     def rates(self, forces: Array, modes: int = BASIS) -> Complex:
         """Eigenvalues s [1/s] (forces, k) in a basis of so many modes of the unloaded rod: without
         damping one of every pair of opposites, with imaginary part >= 0."""
-        return self._modal(forces, modes).motions().s
+        return self._modal(forces, modes, self.neutral).motions().s
 
-    def _modal(self, forces: Array, modes: int) -> Modal:
+    @cached_property
+    def neutral(self) -> Neutral:
+        """What has no rate under any load."""
+        if not self.dragged:
+            return NONE
+        forces = self.unit * np.array(SOME)
+        return Neutral.of(self._modal(forces, self.whole, NONE).by_rates())
+
+    def without_neutral(self, force: float) -> Array:
+        """The matrix of first order in all modes, without what has no rate under any load."""
+        (made,) = self._modal(np.array([force]), self.whole, self.neutral).by_rates()
+        return self.neutral.without(made)
+
+    def _modal(self, forces: Array, modes: int, neutral: Neutral) -> Modal:
         if self.straight:
             first, last = (self._on(P, modes) for P in (0.0, FAR * self.unit))
             x = (np.asarray(forces) / (FAR * self.unit))[:, None, None]
@@ -311,10 +324,8 @@ class Family:
         else:
             all_of = [self._on(float(P), modes).parts for P in forces]
             K, C, M = (np.stack(parts) for parts in zip(*all_of, strict=True))
-        squares = self._modes[0][:modes]
-        frequencies = np.maximum(np.sqrt(np.abs(squares)), self.lowest)
-        singular = self.dragged and self.state(0.0).turns_freely
-        return Modal(K, C, M, frequencies, singular, self._added)
+        frequencies = np.maximum(np.sqrt(np.abs(self._modes[0][:modes])), self.lowest)
+        return Modal(K, C, M, frequencies, neutral, self._added)
 
     @cached_property
     def _added(self) -> int:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from scipy.linalg import null_space
 from scipy.linalg.lapack import get_lapack_funcs
-from scipy.optimize import brentq
 from scipy.sparse import block_array, csc_array, issparse
 from scipy.sparse.linalg import splu
 
@@ -25,7 +22,6 @@ At = Callable[[float], Linear]  # the equations linearised at a load
 DIFFERENCE = 1e-4  # relative, of derivatives by the load: exact where S is linear in it
 ITERATIONS = 30
 SMALL = 1e-7  # relative change below which one that no longer shrinks is rounding
-START = 1e-4  # the share of the force in which an onset is looked for first
 APART = 0.05  # by which an estimate may be wrong
 ENTRY = 16 * ROUNDING  # of an entry of the matrices, which a few operations make
 REAL = 1e-6  # of a vector whose imaginary part is left out of a border
@@ -70,30 +66,6 @@ def onset(at: At, near: Onset, unit: float, linear: bool = False) -> Onset:
     return Onset(force, 1j * omega, error, spread / (2 * omega))
 
 
-def turning_onset(at: At, near: Onset) -> Onset:
-    """Where a pinned rod, its turning damped from outside, begins to turn on its own.
-
-    With r the turning, K r = 0 under every force, and l K = 0, the other small eigenvalue is
-    -(l C r)/(l M r): zero where l C r is.
-    """
-
-    def drag(force: float) -> float:
-        here = at(force)
-        assert isinstance(here, Dense)
-        turn = null_space(here.K, rcond=1e-9)[:, :1]
-        left = null_space(here.K.T, rcond=1e-9)[:, :1]
-        return float((left.T @ here.C @ turn / (left.T @ here.M @ turn))[0, 0])
-
-    apart = START
-    while apart < APART:  # not farther than needed: the stiffness may be singular close by
-        low, high = near.force * (1 - apart), near.force * (1 + apart)
-        with suppress(ValueError, IndexError):
-            force = float(brentq(drag, low, high, xtol=1e-12 * near.force))
-            return Onset(force, 0j, 1e-12 * abs(force))
-        apart *= 2
-    raise AnalysisError(_unfound(near.force))
-
-
 def digits(value: float, error: float) -> str:
     """A value with the digits that an error leaves, twelve at most."""
     least, most = DIGITS
@@ -103,7 +75,7 @@ def digits(value: float, error: float) -> str:
     return f"{value:.{min(max(known, least), most)}g}"
 
 
-def _unfound(force: float) -> str:
+def unfound(force: float) -> str:
     return f"Newton's method found no onset of instability within {APART:.0%} of {force:.9g} N"
 
 
@@ -152,7 +124,7 @@ class _Search:
             if moved < SMALL and moved >= before / 4:
                 return x.tolist(), (np.maximum(noise, np.abs(change)) * scale).tolist()
             before = moved
-        raise AnalysisError(_unfound(self.near.force))
+        raise AnalysisError(unfound(self.near.force))
 
     def _parts(self, force: float) -> tuple[Parts, Parts]:
         """At a load, and their derivative by it."""

@@ -20,6 +20,7 @@ from rodgen.model.terms import TERMS
 STEADY = 1e-9  # of the accelerations that the joint forces would cause: rounding
 STRAIGHT = 1e-12  # rad
 AT_REST = 2.0**-100  # m/s; a power of 2 rounds nothing
+TURNS = "phi", "omega"  # sensors of a link, not of a place
 ASKEW = 5.0  # degrees between the velocity and the axis, up to which a rod flies along it
 
 
@@ -167,18 +168,18 @@ class Steady:
         whole = whole or system.anchored
         if not system.anchored and (has_drag(system) or not system.steered):
             ways = across
-        elif base and not (whole or self._follows_joint(J)):
+        elif base and not (whole or self._follows_joint):
             inner = mass[base:, :base] @ np.linalg.solve(mass[:base, :base], mass[:base, base:])
             mass, ways = mass.copy(), ways[:, base:]
             mass[base:, base:] -= inner
             J[half : half + base] = 0.0
         return _closed(J, mass, ways)
 
-    def _follows_joint(self, J: Array) -> bool:
-        """Whether angles or added states follow the place or the velocity of joint 0."""
-        base, half = self.system.base, self.system.base + self.system.cells
-        columns = [*range(base), *range(half, half + base)]
-        return bool(J[half + base :][:, columns].any())
+    @property
+    def _follows_joint(self) -> bool:
+        """Whether loads or added states follow the place or the velocity of a joint, however large
+        the loads are."""
+        return any(one.what not in TURNS for one in self.system.scene.structure.sensors)
 
 
 def _closed(J: Array, mass: Array, ways: Array) -> Dense:

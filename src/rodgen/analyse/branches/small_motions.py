@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +11,8 @@ from rodgen.analyse.curves.curve import BRANCH, Point, Special, corrected
 from rodgen.analyse.curves.special_points import on_chord
 from rodgen.analyse.eigen import Complex, Modal, Motions, all_shapes, lowest_shapes
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.family import RIGID, RIGID_DENSE, ROUNDED
+from rodgen.analyse.family import RIGID
+from rodgen.analyse.neutral import Neutral
 from rodgen.analyse.onset import Onset, onset
 from rodgen.analyse.pencil import Dense, Linear, Parts, Pencil
 from rodgen.analyse.steady import Steady, linearised
@@ -35,7 +37,6 @@ class Growing:
         linear = linearised(start)
         self.added = len(start.system.scene.states)
         self.dragged = isinstance(linear, Dense)
-        self.singular = self.dragged and start.turns_freely
         squares, self.basis = _modes(start, linear, self.every)
         rates = np.sqrt(np.abs(squares))
         elastic = rates[rates > RIGID * rates.max(initial=0.0)]
@@ -43,10 +44,8 @@ class Growing:
             raise AnalysisError("nothing holds the rod in the state at which a branch begins")
         self.lowest = float(elastic.min())
         self.frequencies = np.maximum(rates, self.lowest)
-        held = not (start.system.base and start.system.cells)
+        held = self.dragged or not start.system.base
         self.rigid = 0.0 if held else RIGID * self.lowest
-        if not held and self.dragged:
-            self.rigid = max(RIGID_DENSE * self.lowest, ROUNDED * float(rates.max()))
 
     def motions(self, state: Steady) -> Motions:
         """The motions about a state; those that move or turn the whole rod do not grow."""
@@ -54,7 +53,10 @@ class Growing:
         if isinstance(linear, Pencil) and self.start.turns_freely:
             basis = _without_turning(linear, basis)
         K, C, M = (part[None] for part in linear.on(basis).parts)
-        found = Modal(K, C, M, self.frequencies, self.singular, self.added).motions()
+        modal = Modal(K, C, M, self.frequencies, added=self.added)
+        if self.dragged:
+            modal = replace(modal, neutral=Neutral.of(modal.by_rates()))
+        found = modal.motions()
         s, growth = found.s[0], found.growth[0]
         return Motions(s, np.where(np.abs(s) <= self.rigid, 0.0, growth))
 
