@@ -3,9 +3,9 @@ small pencils which motions grow, and how far that can be trusted."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,7 @@ ROUNDING = 2.0**-52
 CRUDE, SAFE = 64.0, 32.0  # roundings of the whole matrix: before, after eigenvectors are known
 GROWS = 1e-6  # of the lowest frequency: less growth without damping is rounding
 MET = 1e-8  # of |s|: less growth without damping is the square root of rounding
+SUSPECT = 1e8  # of the time that the slowest mode takes: the stiffness may be singular
 CANCELLED = 64 * ROUNDING  # of the terms of a sum
 
 
@@ -207,6 +208,11 @@ class Motions:
         """The motions under every force, one after the other."""
         return map(Motions, self.s, self.growth)
 
+    def padded(self, count: int) -> Motions:
+        """With motions that have no rate, as nan, up to so many."""
+        none = np.zeros(count - len(self.s))
+        return Motions(np.append(self.s, none + np.nan), np.append(self.growth, none))
+
     @property
     def count(self) -> NDArray[np.int_]:
         """How many grow under every force, one that oscillates counted twice."""
@@ -245,13 +251,15 @@ class Modal:
         """The motions under every force, one after the other; damped ones are found where they are
         asked for."""
         if self.added or self.neutral.steps:
-            return self._judged(map(self.neutral.without, self.by_rates()))
+            every = self.by_rates()
+            found = map(_judged, map(self.neutral.without, every))
+            return (one.padded(every.shape[-1]) for one in found)
         damping = self.damping
         if not damping:
             return self._undamped().each()
         if damping < WEAK:
             return self._weak().each()
-        return self._judged(self._by_inverse(), inverse=True)
+        return self._strong()
 
     def _undamped(self) -> Motions:
         s = roots(np.linalg.eigvals(np.linalg.solve(self.M, -self.K)))
@@ -274,20 +282,17 @@ class Modal:
         pairs = np.concatenate((s + change, -s + change), axis=-1)
         return Motions(pairs, np.concatenate((np.where(grown > 0, grown, small), shrunk), axis=-1))
 
-    @staticmethod
-    def _judged(every: Iterable[Array], inverse: bool = False) -> Iterator[Motions]:
-        """Of matrices whose eigenvalues are s, or 1/s."""
-        for A in every:
-            size = float(np.linalg.norm(A))
-            z = _values_of(A, size)
-            s = 1 / z if inverse else z
-            growth = np.zeros(len(z))
-            grows = np.flatnonzero(z.real > CRUDE * ROUNDING * size)
-            if len(grows):
-                limit = SAFE * ROUNDING * size * _conditions(A, z[grows])
-                grows = grows[z[grows].real > limit]
-                growth[grows] = s[grows].real
-            yield Motions(s, growth)
+    def _strong(self) -> Iterator[Motions]:
+        """By the inverse; under a force that leaves no stiffness to some motion, which others do
+        not, by the rates without it."""
+        stiff = self.K / (self.frequencies[:, None] * self.frequencies)
+        for at, A in enumerate(self._by_inverse()):
+            suspect = np.linalg.norm(A) * self.frequencies.min() > SUSPECT
+            if suspect and np.linalg.cond(stiff[at]) * CRUDE * ROUNDING > 1:
+                alone = replace(self, K=self.K[at], C=self.C[at], M=self.M[at]).by_rates()
+                yield _judged(Neutral.of([alone]).without(alone)).padded(len(A))
+                continue
+            yield _judged(A, inverse=True)
 
     def by_rates(self) -> Array:
         """Matrices whose eigenvalues are s, of (W q, q', z), W the frequencies, z the added
@@ -318,6 +323,20 @@ class Modal:
         made[..., range(k), range(k, 2 * k)] = top
         made[..., k:, :k], made[..., k:, k:] = left, right
         return made
+
+
+def _judged(A: Array, inverse: bool = False) -> Motions:
+    """Of a matrix whose eigenvalues are s, or 1/s."""
+    size = float(np.linalg.norm(A))
+    z = _values_of(A, size)
+    s = 1 / z if inverse else z
+    growth = np.zeros(len(z))
+    grows = np.flatnonzero(z.real > CRUDE * ROUNDING * size)
+    if len(grows):
+        limit = SAFE * ROUNDING * size * _conditions(A, z[grows])
+        grows = grows[z[grows].real > limit]
+        growth[grows] = s[grows].real
+    return Motions(s, growth)
 
 
 def _values_of(A: Array, size: float) -> Complex:
@@ -353,8 +372,8 @@ def _inverse(stack: NDArray[Any]) -> NDArray[Any]:
         return np.linalg.inv(stack)
     except np.linalg.LinAlgError:  # the very force of a divergence, or at which two motions meet
         size = stack.shape[-1]
-        aside = ROUNDING * np.abs(stack).max(axis=(-2, -1), keepdims=True) * np.eye(size)
-        return np.linalg.inv(stack + aside * (2 + np.cos(np.arange(size) ** 2)))
+        aside = ROUNDING * np.abs(stack).max() * np.diag(2 + np.cos(np.arange(size) ** 2))
+        return np.linalg.inv(stack + aside)
 
 
 def roots(squares: NDArray[Any]) -> Complex:

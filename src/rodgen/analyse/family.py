@@ -179,7 +179,7 @@ class Family:
         """The linearised equations under a load without external damping, turning the whole rod
         taken away."""
         state = self.state(force)
-        if self.system.steered:
+        if self.system.steered or self.system.anchored:
             here = self.at(force)
             assert not isinstance(here, Pencil)
             return Parts.of(here)
