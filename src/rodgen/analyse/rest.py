@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rodgen.analyse.balance import MOST_DENSE, Balance, balance
+from rodgen.analyse.balance import Balance, balance
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.pencil import Dense, first_order
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
 
@@ -24,6 +22,8 @@ ITERATIONS = 40  # of Newton's method for one load
 FARTHEST = 0.2  # rad of a correction that is taken, else the step is halved
 SMALL = 1e-4  # of the way: what changes its stability over it does so on this branch
 LEAST = 1e-6  # of the way, the smallest step
+FOLDED = 0.02  # of the stiffness at the start: a branch that turns back after LEAST more of the way
+OTHERS = "`rodgen static --all` finds those of other branches, a damped run the one it rests in"
 NOISE = 1e-9  # rad: a correction below it that no longer shrinks is rounding
 FLUTTER, DIVERGENCE = "flutter", "divergence"
 # Shares of the largest eigenvalue down to which a matrix and its inverse have the others well:
@@ -67,7 +67,7 @@ def follow(
     other branch is jumped to. A change that remains over the smallest step is one of this branch.
     Raises AnalysisError where the branch ends.
     """
-    done, step = 0.0, 1.0
+    done, step, first = 0.0, 1.0, rest
     stages: list[float] = []
     signature = at(0.0).balance(system, rest).signature()
     slope = None
@@ -89,6 +89,14 @@ def follow(
             rest.iterations = trial.iterations
             step /= 2
         if step < LEAST:
+            stiff, stiff_first = (
+                _stiffness(at(f).balance(system, r)) for f, r in ((done, rest), (0.0, first))
+            )
+            if stiff < FOLDED * stiff_first:
+                raise AnalysisError(
+                    f"no equilibrium beyond {done:.6g} of {way} on the branch of the unloaded rod, "
+                    f"which turns back there: {OTHERS}"
+                )
             raise AnalysisError(
                 f"no equilibrium found beyond {done:.6g} of {way}: Newton's method failed from "
                 f"there for every step down to {LEAST:g} of it ({rest.iterations} iterations)"
@@ -120,60 +128,10 @@ def newton(system: System, rest: Rest, loading: Loading) -> bool:
     return False
 
 
+def _stiffness(here: Balance) -> float:
+    """The smallest singular value of the stiffness: zero where a branch turns back."""
+    return float(np.linalg.svd(here.dense().K, compute_uv=False).min(initial=np.inf))
+
+
 def _largest(values: Array) -> float:
     return float(np.abs(values).max(initial=0.0))
-
-
-def instability(system: System, rest: Rest, p: Array) -> str | None:
-    """What small motions do: "divergence" where one grows without oscillating, "flutter" where one
-    oscillates more and more, "" where none grows; None where that was not looked at, beyond 200
-    links. Damping counts only where loads follow the motion or states are added.
-
-    The slow motions come from the inverse, where they lose as many roundings as there are links,
-    squared: the growth just above a critical load is told from zero to that, the slowest motion's
-    alone.
-    """
-    if system.cells > MOST_DENSE:
-        return None
-    dense = balance(system, rest.at, p).dense()
-    if dense.added or dense.damped:
-        return _growing(dense)
-    squares = np.concatenate(
-        (
-            _beyond(np.linalg.solve(dense.M, -dense.K), OF_MATRIX),
-            1 / _beyond(_inverse(dense.K, dense.M), OF_INVERSE, ROUNDING * system.cells**2),
-        )
-    )
-    turned = np.abs(squares.imag) > DOUBLE * system.cells * np.abs(squares)
-    if (~turned & (squares.real > 0)).any():
-        return DIVERGENCE
-    return FLUTTER if turned.any() else ""
-
-
-def _growing(dense: Dense) -> str:
-    """By what follows rates as well; growth that rounding may make is none."""
-    s = np.linalg.eigvals(first_order(*dense.parts, dense.added)).astype(complex)
-    size = np.abs(s)
-    grows = s.real > GROWTH * size + SLOWEST * size.max(initial=0.0)
-    if (grows & (np.abs(s.imag) <= GROWTH * size)).any():
-        return DIVERGENCE
-    return FLUTTER if grows.any() else ""
-
-
-def _inverse(K: Array, M: Array) -> Array:
-    """-K^-1 M; of a singular K, exactly at the onset, nothing."""
-    try:
-        return np.asarray(np.linalg.solve(-K, M))
-    except np.linalg.LinAlgError:
-        return np.zeros((0, 0))
-
-
-def _beyond(matrix: Array, share: float, rounded: float = 0.0) -> NDArray[Any]:
-    """Eigenvalues that are larger than this share of the largest; none, where that is so much
-    larger than all others that its sign is rounding, which spoils them too."""
-    values = np.linalg.eigvals(matrix).astype(complex)
-    size = np.abs(values)
-    largest, others = size.max(initial=0.0), np.sort(size)[:-1].max(initial=0.0)
-    if 0 < others < rounded * largest:
-        return values[:0]
-    return np.asarray(values[size > share * largest])

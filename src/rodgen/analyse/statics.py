@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from rodgen.analyse.balance import WholeBalance, balance, free_ways
-from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.balance import free_ways
+from rodgen.analyse.errors import guarded
 from rodgen.analyse.pencil import forces
-from rodgen.analyse.rest import ITERATIONS, Loading, Rest, follow, instability, newton
-from rodgen.analyse.system import System, Unknowns
+from rodgen.analyse.settle import settle, start_of
+from rodgen.analyse.small_motions import instability
+from rodgen.analyse.steady import Steady
+from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
-from rodgen.model.term import FORCE, WEIGHT, Term
-from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.plain import is_number, plain
 from rodgen.shown import Shown
 
-NEAR_END = 1e-4  # rad
-UNBALANCED = 1e-12  # of the forces that hold a rod: rounding
 MOST_BENT = 1.0  # rad
-MOST_TURNED = 10.0  # of the tail: a rod that turns more elsewhere is not bent by it
 
 
 @dataclass(frozen=True, repr=False)
@@ -121,16 +115,17 @@ def static_equilibrium(
     if system.base:
         _check_held(system, p)
     rest, stages = settle(system, system.given, bend=bend)
+    rest.at = rest.at._replace(force=forces(system, rest.at, p)[1])
     y = system.at_rest(rest.at)
     return Equilibrium(
         y=y,
         phi=system.all_links(rest.at.phi),
         joints=system.model.joints(y, p),
-        force=forces(system, rest.at, p)[1],
+        force=rest.at.force,
         change=rest.change,
         iterations=rest.iterations,
         stages=stages,
-        instability=instability(system, rest, p),
+        instability=instability(Steady(system, rest.at, p)),
         t=system.t,
         states=dict(zip(scene.states, rest.at.added.tolist(), strict=True)),
         scene=scene,
@@ -139,7 +134,7 @@ def static_equilibrium(
 
 def _check_held(system: System, p: Array) -> None:
     """Raise SceneError for a free rod whose place nothing follows."""
-    if len(free_ways(system, _start(system, system.straight), p)) == system.base:
+    if len(free_ways(system, start_of(system, system.straight), p)) == system.base:
         allowed = "clamped, cantilever or pinned: nothing holds a free rod in place without "
         allowed += "[[supports]], [foundation] or loads that follow its place"
         raise SceneError("rod.boundary", system.scene.rod.boundary, allowed)
@@ -151,145 +146,3 @@ def checked_imperfection(imperfection: float) -> float:
         allowed = f"an angle of the tail above 0 and at most {MOST_BENT:g} rad"
         raise SceneError("imperfection", imperfection, allowed)
     return float(size)
-
-
-def settle(
-    system: System, given: dict[str, float], start: Unknowns | None = None, bend: float = 0.0
-) -> tuple[Rest, tuple[float, ...]]:
-    """The equilibrium under these parameters, and the fractions of the load in between.
-
-    start: an equilibrium under loads close to these, from which Newton's method is tried first;
-    bend: angle of the tail of the rod that is loaded, before it is made straight again [rad].
-    """
-    p = system.parameters(**given)
-    near = Rest(start) if start is not None else None
-    if near is not None and newton(system, near, Loading(p)):
-        return near, (1.0,)
-    try:
-        rest, stages = _settled(system, given, bend)
-    except AnalysisError as error:
-        try:
-            system.beside(system.straight)
-        except AnalysisError as restless:
-            raise AnalysisError(f"{error}; {restless}") from None
-        raise
-    _check_rest(system, rest, p)
-    return rest, stages
-
-
-def _start(system: System, phi: Array) -> Unknowns:
-    """A rod from which an equilibrium is looked for: its added states where they stay, and as they
-    are at the start where they follow what the rod will be."""
-    try:
-        return system.beside(phi)
-    except AnalysisError:
-        return system.unsettled(phi)
-
-
-def _settled(
-    system: System, given: dict[str, float], bend: float
-) -> tuple[Rest, tuple[float, ...]]:
-    if not (system.clamped or system.anchored):
-        return _hang(system, given), (1.0,)
-    try:
-        return _load(system, given, bend)
-    except AnalysisError:
-        acting = [term for name, term in _sizes(system) if np.any(given.get(name, 0.0))]
-        if not acting or any(term.follows for term in acting):
-            raise
-        # Springs too soft to keep the rod near its straight shape: it hangs like a chain.
-        with suppress(AnalysisError):
-            return _hang(system, given), (1.0,)
-        raise
-
-
-def _sizes(system: System) -> list[tuple[str, Term]]:
-    """Parameters that grow from zero as the rod is loaded, with their loads."""
-    terms = [TERMS[name] for name in system.scene.structure.loads]
-    return [(one.name, term) for term in terms for one in term.sizes]
-
-
-def _check_rest(system: System, rest: Rest, p: Array) -> None:
-    """Raise AnalysisError where loads push a rod in a direction in which nothing holds it."""
-    here = balance(system, rest.at, p)
-    if not isinstance(here, WholeBalance) or not len(here.free):
-        return
-    pull = np.abs(forces(system, rest.at, p)[1]).max() * system.scene.mass / system.scene.rod.links
-    scale = here.hold() + pull
-    for way, push in zip(here.free, here.push(), strict=True):
-        if abs(push) > UNBALANCED * scale:
-            x, y = way * np.sign(push)
-            raise AnalysisError(
-                f"no equilibrium: nothing holds the free rod along ({x:.6g}, {y:.6g}), where its "
-                f"loads push it with {abs(push):.6g} N"
-            )
-
-
-def _load(system: System, given: dict[str, float], bend: float) -> tuple[Rest, tuple[float, ...]]:
-    """The branch that begins with the unloaded rod: straight, or bent, by moments that keep it so
-    (of springs at rest none, where it is straight) and their value while the load grows; they are
-    taken away under the whole load."""
-    loads = {name: np.asarray(given[name]) for name, _ in _sizes(system) if name in given}
-
-    def p(fraction: float) -> Array:
-        return system.parameters(**given | {k: fraction * value for k, value in loads.items()})
-
-    rest = Rest(_bent(system, _start(system, system.straight), p(0.0), bend))
-    moments = Loading(p(0.0)).balance(system, rest).residual
-    rest, stages = follow(system, rest, lambda done: Loading(p(done), moments))
-    if moments.any():
-        way = "the way back to a rod that is straight without load"
-        rest, _ = follow(system, rest, lambda done: Loading(p(1.0), (1 - done) * moments), way)
-    return rest, stages
-
-
-def _bent(system: System, at: Unknowns, p: Array, bend: float) -> Unknowns:
-    """The unloaded rod as a moment bends it that turns its tail by so much [rad], to first order;
-    evenly, where it does not resist."""
-    if not bend:
-        return at
-    here = balance(system, at, p)
-    with suppress(AnalysisError):
-        by = here.solved(here.tail_moment)
-        if by.phi[-1] and np.abs(by.phi).max() < MOST_TURNED * abs(by.phi[-1]):
-            return at.moved(by._replace(force=0.0 * by.force), bend / by.phi[-1])
-    n = system.scene.rod.links
-    return at._replace(phi=at.phi + bend * (np.arange(system.scene.held, n) + 0.5) / n)
-
-
-def _hang(system: System, given: dict[str, float]) -> Rest:
-    """A rod that hangs: from the straight rod along its dead loads, by Newton's method on the
-    equations with inertia, M (phi - phi before) / tau^2, whose steps in a time that does not exist
-    lead to stable equilibria alone."""
-    p = system.parameters(**given)
-    rest = Rest(_start(system, _along(system, given)))
-    first = 0.0
-    while rest.iterations < 100 * ITERATIONS:
-        here = balance(system, rest.at, p)
-        residual = float(np.abs(here.rates).max())
-        first = first or residual
-        by = here.solved(-here.residual, residual**2 / first if first else 0.0)
-        rest.at = rest.at.moved(by)
-        rest.iterations += 1
-        if np.abs(by.phi).max() < NEAR_END and newton(system, rest, Loading(p)):
-            return rest
-    raise AnalysisError(
-        f"no equilibrium found: the rod did not come to rest in {rest.iterations} iterations"
-    )
-
-
-def _along(system: System, given: dict[str, float]) -> Array:
-    """Angles of the straight rod along its dead loads."""
-    y = system.at_rest(_start(system, system.straight))
-    acting = system.model.forces(system.t, y, system.parameters(**given))
-    pull = np.zeros(2)
-    for term in map(TERMS.__getitem__, system.scene.loads.terms):
-        if term.kind == FORCE and not term.follows:
-            pull += acting[term.name].sum(axis=0)
-        elif term.kind == WEIGHT:
-            pull[1] -= given[term.sizes[0].name] * system.scene.mass
-    if not pull.any():
-        raise AnalysisError(
-            "no equilibrium found: nothing gives a rod without gravity or tip load its direction"
-        )
-    return np.full(system.cells, np.arctan2(pull[1], pull[0]))

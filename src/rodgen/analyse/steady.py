@@ -11,7 +11,7 @@ from scipy.linalg import block_diag
 
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import Cells, Dense, Pencil, forces, product
-from rodgen.analyse.statics import settle
+from rodgen.analyse.settle import settle
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
 from rodgen.model.term import DRAG
@@ -137,7 +137,7 @@ class Steady:
         sizes = np.abs(all_of_it).max(axis=(1, 2, 3), keepdims=True)
         return bool((np.abs(felt) > STEADY * sizes).any())
 
-    def dense(self, whole: bool = False) -> Dense:
+    def dense(self, whole: bool = False, smooth: bool = False) -> Dense:
         """The equations linearised here, with external damping, with what loads follow of the
         motion, and with added states.
 
@@ -147,10 +147,10 @@ class Steady:
         the angles; of a rod without drag whose loads follow the motion the angles alone where
         nothing follows joint 0, else, of one that springs hold, and where it is asked for (whole)
         x0 and y0 as well; then the added states. Raises AnalysisError for a bent rod with external
-        damping.
+        damping, unless this is left out (smooth).
         """
         system, y = self.system, self.system.flying(self.at)
-        if is_kinked(system) and not self.straight:
+        if is_kinked(system) and not self.straight and not smooth:
             raise AnalysisError(
                 "external damping has no linear part about a bent state (its force depends on the "
                 "share of the velocity across the rod): leave out loads.external_damping"
@@ -161,7 +161,7 @@ class Steady:
         across = ways[:, base // 2 :].copy()
         if base:
             across[:2, 0] = -np.sin(self.phi[0]), np.cos(self.phi[0])
-        if has_drag(system) and not system.speed:
+        if has_drag(system) and not (system.speed or smooth):
             # At any speed across the rod, however small, that has the same derivative.
             moving[half : 2 * half] = AT_REST * (across[:, 0] if base else 1.0)
         J[:, half : 2 * half] = system.model.jac(system.t, moving, self.p)[:, half : 2 * half]

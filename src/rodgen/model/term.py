@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
-from rodgen.model.parameter import JOINTS, Parameter
+from rodgen.model.parameter import JOINTS, NOT_NEGATIVE, Parameter
 
 # Kinds of terms: what they act on.
 FORCE = "force at a point"
@@ -71,6 +71,12 @@ class Term:
     def sizes(self) -> tuple[Parameter, ...]:
         """Parameters with which the load grows in proportion; several are its components."""
         return tuple(one for one in self.parameters if one.scales)
+
+    @property
+    def proportions(self) -> tuple[Parameter, ...]:
+        """Parameters that its force is in proportion to: its sizes, or the coefficients of drag."""
+        of_drag = self.kind == DRAG
+        return tuple(p for p in self.parameters if p.scales or (of_drag and p.rule == NOT_NEGATIVE))
 
     @property
     def beginning(self) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from rodgen.analyse.curves.continuation import Steps, continued, started
 from rodgen.analyse.curves.curve import BRANCH, NOISE, Curve
 from rodgen.analyse.curves.switching import switched
 from rodgen.analyse.errors import AnalysisError, guarded
-from rodgen.analyse.rest import Rest, instability
+from rodgen.analyse.small_motions import instability
 from rodgen.analyse.statics import Equilibrium, static_equilibrium
 from rodgen.analyse.steady import Steady, straight_state
 from rodgen.analyse.system import System
@@ -204,7 +204,7 @@ def _equilibrium(state: Steady, iterations: int) -> Equilibrium:
         change=0.0,
         iterations=iterations,
         stages=(1.0,),
-        instability=instability(system, Rest(state.at), state.p),
+        instability=instability(state),
         t=system.t,
         states=dict(zip(system.scene.states, state.at.added.tolist(), strict=True)),
         scene=system.scene,

@@ -8,12 +8,13 @@ import numpy as np
 from scipy.sparse import csc_array, diags_array, hstack
 
 from rodgen.analyse.balance import WholeBalance
-from rodgen.analyse.branches.small_motions import Growing, crossing
+from rodgen.analyse.branches.crossings import crossing
 from rodgen.analyse.branches.variable import Variable
 from rodgen.analyse.curves.bordered import Matrix
 from rodgen.analyse.curves.curve import Point, Problem, Special
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import Cells, sparse
+from rodgen.analyse.small_motions import Growing
 from rodgen.analyse.steady import Steady, straight_state
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array

@@ -10,7 +10,6 @@ import numpy as np
 
 from rodgen.analyse.branches.equilibria import Equilibria, equilibria
 from rodgen.analyse.branches.motions import Motions, begun, motion_of
-from rodgen.analyse.branches.small_motions import MODES, MOST_DENSE, Growing
 from rodgen.analyse.branches.variable import SAME, WHOLE, Key
 from rodgen.analyse.curves.continuation import Steps, continued, started, taken_up
 from rodgen.analyse.curves.curve import (
@@ -25,7 +24,8 @@ from rodgen.analyse.curves.datasets import extended, kept
 from rodgen.analyse.curves.special_points import branch_point
 from rodgen.analyse.curves.switching import chosen, switched
 from rodgen.analyse.errors import guarded
-from rodgen.analyse.statics import settle
+from rodgen.analyse.settle import settle
+from rodgen.analyse.small_motions import MODES, MOST_DENSE, Growing
 from rodgen.analyse.steady import Steady, steady
 from rodgen.analyse.system import System
 from rodgen.scene import Scene, SceneError

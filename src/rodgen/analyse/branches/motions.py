@@ -16,13 +16,14 @@ import numpy as np
 from scipy.linalg import null_space
 from scipy.optimize import root
 
+from rodgen.analyse.branches.crossings import HOPF
 from rodgen.analyse.branches.equilibria import Equilibria
-from rodgen.analyse.branches.small_motions import HOPF, Growing
 from rodgen.analyse.branches.variable import Variable
 from rodgen.analyse.curves.curve import Point, Special
 from rodgen.analyse.curves.special_points import located
 from rodgen.analyse.eigen import Complex
 from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.small_motions import Growing
 from rodgen.analyse.steady import Steady, has_drag, is_kinked
 from rodgen.analyse.system import System
 from rodgen.integrate.simulate import simulate

@@ -58,12 +58,17 @@ class LoadFactor(Variable):
 
     def __init__(self, system: System):
         self.base = system
-        names = [one.name for term in system.scene.structure.loads for one in TERMS[term].sizes]
+        terms = [TERMS[name] for name in system.scene.structure.loads]
+        names = [one.name for term in terms for one in term.proportions]
         given = system.given
         self._loads = {name: np.asarray(given[name]) for name in names if name in given}
 
     def parameters(self, value: float) -> Array:
         return self.base.parameters(**{k: value * load for k, load in self._loads.items()})
+
+    def near(self, value: float) -> list[tuple[Array, float]]:
+        """All of them less none: forces are in proportion to the factor."""
+        return [(self.parameters(1.0), 1.0), (self.parameters(0.0), -1.0)]
 
 
 class Key(Variable):

@@ -1,40 +1,33 @@
-"""Motions that grow about the states of a branch: how many, and where one begins or ceases to."""
+"""Small motions about steady states: how many grow, and whether one oscillates."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rodgen.analyse.curves.curve import BRANCH, Point, Special, corrected
-from rodgen.analyse.curves.special_points import on_chord
 from rodgen.analyse.eigen import Complex, Modal, Motions, all_shapes, lowest_shapes
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import RIGID
 from rodgen.analyse.neutral import Neutral
-from rodgen.analyse.onset import Onset, onset
-from rodgen.analyse.pencil import Dense, Linear, Parts, Pencil
-from rodgen.analyse.steady import Steady, linearised
+from rodgen.analyse.pencil import Dense, Linear, Pencil
+from rodgen.analyse.rest import DIVERGENCE, FLUTTER
+from rodgen.analyse.steady import Steady, is_kinked, linearised
 from rodgen.integrate.stepper import Array
 
-if TYPE_CHECKING:
-    from rodgen.analyse.branches.equilibria import Equilibria
-
-HOPF = "hopf"
 MODES = 24  # of the rod at the start of a branch, in which its motions are counted
 MOST_DENSE = 200  # links up to which all modes may be looked at
-CLOSE = 1e-5  # of the way between two points, to which a crossing is narrowed
 REAL = 1e-6  # of the modulus: an imaginary part below it is rounding
 
 
 class Growing:
     """Small motions in the lowest modes of a steady state, or in all of them."""
 
-    def __init__(self, start: Steady, every: bool = False):
-        self.start = start
+    def __init__(self, start: Steady, every: bool = False, smooth: bool = False):
+        """smooth: without what has no linear part, such as external damping of a bent rod."""
+        self.start, self.smooth = start, smooth
         self.every = every or start.system.cells <= MODES
-        linear = linearised(start)
+        linear = self._linear(start)
         self.added = len(start.system.scene.states)
         self.dragged = isinstance(linear, Dense)
         squares, self.basis = _modes(start, linear, self.every)
@@ -49,7 +42,7 @@ class Growing:
 
     def motions(self, state: Steady) -> Motions:
         """The motions about a state; those that move or turn the whole rod do not grow."""
-        linear, basis = linearised(state), self.basis
+        linear, basis = self._linear(state), self.basis
         if isinstance(linear, Pencil) and self.start.turns_freely:
             basis = _without_turning(linear, basis)
         K, C, M = (part[None] for part in linear.on(basis).parts)
@@ -59,6 +52,9 @@ class Growing:
         found = modal.motions()
         s, growth = found.s[0], found.growth[0]
         return Motions(s, np.where(np.abs(s) <= self.rigid, 0.0, growth))
+
+    def _linear(self, state: Steady) -> Linear:
+        return state.dense(smooth=True) if self.smooth else linearised(state)
 
     def count(self, state: Steady) -> int:
         """How many directions are unstable: one of a motion that diverges, two of one that
@@ -74,6 +70,25 @@ def grown(found: Motions) -> Complex:
     if (turned.imag < 0).any() or not len(turned):
         return s
     return np.concatenate((s, turned.conj()))
+
+
+def instability(state: Steady) -> str | None:
+    """What small motions about a steady state do: "divergence" if that which grows most does not
+    oscillate, "flutter" if it does, "" if none grows. None where that was not looked at, beyond 200
+    links, or is not known: where none grows, some do not die away, and external damping, which has
+    no linear part about a bent rod, acts beside loads that follow it."""
+    system = state.system
+    if system.cells > MOST_DENSE:
+        return None
+    smooth = is_kinked(system) and not state.straight
+    found = Growing(state, every=True, smooth=smooth).motions(state)
+    if (found.growth > 0).any():
+        s = found.s[np.argmax(found.growth)]
+        return FLUTTER if abs(s.imag) > REAL * abs(s) else DIVERGENCE
+    known = found.s[np.isfinite(found.s)]
+    lasting = (known.real > -REAL * np.abs(known)).any()
+    follows = system.steered or bool(system.scene.loads.following)
+    return None if smooth and lasting and follows else ""
 
 
 def _modes(start: Steady, linear: Linear, every: bool) -> tuple[Array, Array]:
@@ -95,66 +110,3 @@ def _without_turning(linear: Pencil, basis: Array) -> Array:
     turning = np.ones((linear.cells, 1))
     momenta = linear.eliminated(turning)[2]
     return np.asarray(basis - turning @ (momenta.T @ basis) / momenta.sum())
-
-
-def crossing(problem: Equilibria, a: Point, b: Point) -> list[Special]:
-    """Where motions begin or cease to oscillate more and more between two points of a branch, to
-    all digits; of a free rod also where they begin to diverge, which no determinant tells there."""
-    free = len(a.u) == 1
-    found: list[Special] = []
-    low, share = a, 0.0
-    while low.unstable != b.unstable and share < 1 and len(found) < 8:
-        left, right, upper = share, 1.0, b
-        while right - left > CLOSE:
-            middle = (left + right) / 2
-            point = on_chord(problem, a, b, middle)
-            if point.unstable == low.unstable:
-                left = middle
-            else:
-                right, upper = middle, point
-        beside = low if left == share else on_chord(problem, a, b, left)
-        s = _crosses(problem, beside, upper)
-        if s.imag > 0 or free:
-            found.append(_solved(problem, upper, s))
-        low, share = upper, right
-    return found
-
-
-def _crosses(problem: Equilibria, a: Point, b: Point) -> complex:
-    """The eigenvalue that grows beside one point and not beside the other."""
-    growing = problem.growing
-    assert growing is not None
-    one, two = (grown(growing.motions(problem.steady(point.u))) for point in (a, b))
-    here, there = (one, two) if len(one) > len(two) else (two, one)
-    if not len(here):
-        return 0j
-    near = np.abs(here[:, None] - there[None, :]).min(axis=1, initial=np.inf)
-    s = here[np.argmax(near / np.abs(here))]
-    return 0j if abs(s.imag) <= abs(s.real) else complex(1j * abs(s.imag))
-
-
-def _solved(problem: Equilibria, near: Point, s: complex) -> Special:
-    """The crossing next to a point, by Newton's method on the linearised equations along the
-    branch."""
-    last = np.append(np.zeros(len(near.u) - 1), 1.0)
-    slope = near.tangent / near.tangent[-1]
-
-    def state(value: float) -> Array:
-        guess = near.u + (problem.scaled(value) - near.u[-1]) * slope
-        return corrected(problem, guess, last).u
-
-    def at(value: float) -> Linear:
-        here = problem.steady(state(value))
-        linear = linearised(here)
-        if not s and isinstance(linear, Pencil) and here.turns_freely:
-            return Parts.without_turning(linear, here.turning)
-        return linear
-
-    kind = HOPF if s else BRANCH
-    value = problem.value(near.u)
-    try:
-        found = onset(at, Onset(value, s), problem.variable.unit)
-    except AnalysisError as error:
-        note = f"known to about {CLOSE:g} of a step only: {error}"
-        return Special(kind, near.u, frequency=s.imag / (2 * np.pi), note=note)
-    return Special(kind, state(found.force), frequency=found.s.imag / (2 * np.pi))

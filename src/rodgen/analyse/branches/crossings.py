@@ -1,0 +1,85 @@
+"""Where along a branch a small motion begins or ceases to grow."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rodgen.analyse.curves.curve import BRANCH, Point, Special, corrected
+from rodgen.analyse.curves.special_points import on_chord
+from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.onset import Onset, onset
+from rodgen.analyse.pencil import Linear, Parts, Pencil
+from rodgen.analyse.small_motions import grown
+from rodgen.analyse.steady import linearised
+from rodgen.integrate.stepper import Array
+
+if TYPE_CHECKING:
+    from rodgen.analyse.branches.equilibria import Equilibria
+
+HOPF = "hopf"
+CLOSE = 1e-5  # of the way between two points, to which a crossing is narrowed
+
+
+def crossing(problem: Equilibria, a: Point, b: Point) -> list[Special]:
+    """Where motions begin or cease to oscillate more and more between two points of a branch, to
+    all digits; of a free rod also where they begin to diverge, which no determinant tells there."""
+    free = len(a.u) == 1
+    found: list[Special] = []
+    low, share = a, 0.0
+    while low.unstable != b.unstable and share < 1 and len(found) < 8:
+        left, right, upper = share, 1.0, b
+        while right - left > CLOSE:
+            middle = (left + right) / 2
+            point = on_chord(problem, a, b, middle)
+            if point.unstable == low.unstable:
+                left = middle
+            else:
+                right, upper = middle, point
+        beside = low if left == share else on_chord(problem, a, b, left)
+        s = _crosses(problem, beside, upper)
+        if s.imag > 0 or free:
+            found.append(_solved(problem, upper, s))
+        low, share = upper, right
+    return found
+
+
+def _crosses(problem: Equilibria, a: Point, b: Point) -> complex:
+    """The eigenvalue that grows beside one point and not beside the other."""
+    growing = problem.growing
+    assert growing is not None
+    one, two = (grown(growing.motions(problem.steady(point.u))) for point in (a, b))
+    here, there = (one, two) if len(one) > len(two) else (two, one)
+    if not len(here):
+        return 0j
+    near = np.abs(here[:, None] - there[None, :]).min(axis=1, initial=np.inf)
+    s = here[np.argmax(near / np.abs(here))]
+    return 0j if abs(s.imag) <= abs(s.real) else complex(1j * abs(s.imag))
+
+
+def _solved(problem: Equilibria, near: Point, s: complex) -> Special:
+    """The crossing next to a point, by Newton's method on the linearised equations along the
+    branch."""
+    last = np.append(np.zeros(len(near.u) - 1), 1.0)
+    slope = near.tangent / near.tangent[-1]
+
+    def state(value: float) -> Array:
+        guess = near.u + (problem.scaled(value) - near.u[-1]) * slope
+        return corrected(problem, guess, last).u
+
+    def at(value: float) -> Linear:
+        here = problem.steady(state(value))
+        linear = linearised(here)
+        if not s and isinstance(linear, Pencil) and here.turns_freely:
+            return Parts.without_turning(linear, here.turning)
+        return linear
+
+    kind = HOPF if s else BRANCH
+    value = problem.value(near.u)
+    try:
+        found = onset(at, Onset(value, s), problem.variable.unit)
+    except AnalysisError as error:
+        note = f"known to about {CLOSE:g} of a step only: {error}"
+        return Special(kind, near.u, frequency=s.imag / (2 * np.pi), note=note)
+    return Special(kind, state(found.force), frequency=found.s.imag / (2 * np.pi))
