@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import block_diag
 
+from rodgen.analyse.balance import free_ways
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import Cells, Dense, Pencil, forces, product
 from rodgen.analyse.settle import settle
@@ -56,6 +57,8 @@ class Steady:
     def words(self) -> str:
         """What the state is, for a reader."""
         if self.system.anchored or not self.system.base:
+            if self._driven:
+                return "straight, steadily accelerating"
             return "straight, at rest" if self.straight else "static equilibrium"
         _, force = forces(replace(self.system, speed=0.0), self.at, self.p)
         pushed, speed = np.abs(force).max(initial=0.0) > 0, self.system.speed
@@ -63,6 +66,15 @@ class Steady:
             return f"straight, {'steadily accelerating' if pushed else 'at rest or falling freely'}"
         flies = f"flying at {abs(speed):.6g} m/s{' tail first' * (speed < 0)}"
         return f"straight, {flies}{' and accelerating' * bool(pushed)}"
+
+    @property
+    def _driven(self) -> bool:
+        """Whether loads accelerate an anchored rod in a direction in which nothing holds it."""
+        if not self.system.base:
+            return False
+        free = free_ways(self.system, self.at, self.p)
+        gained = np.abs(free @ self.system.rates(self.y, self.p)[:2]).max(initial=0.0)
+        return bool(gained > STEADY * np.abs(self.force).max(initial=0.0))
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -238,13 +250,15 @@ def straight_state(system: System, p: Array) -> tuple[Steady | None, float]:
 
 def _settled(system: System, at: Unknowns, p: Array) -> bool:
     """Whether joint 0 of a straight rod does not begin to move where springs hold it, in comparison
-    with one that is a length away."""
+    with one that is a length away; where nothing does, the rod may be driven along itself."""
     if not (system.base and system.anchored):
         return True
     y = system.at_rest(at)
     away = y.copy()
     away[:2] += system.scene.rod.length
-    here, there = (np.abs(system.rates(one, p)[:2]).max() for one in (y, away))
+    free = free_ways(system, at, p)
+    held = np.eye(2) - free.T @ free
+    here, there = (np.abs(held @ system.rates(one, p)[:2]).max() for one in (y, away))
     return bool(here <= STEADY * there)
 
 
