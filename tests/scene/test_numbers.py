@@ -136,6 +136,33 @@ def test_a_table_in_a_file_is_in_the_scene_afterwards(tmp_path: Path) -> None:
         assert Scene.from_dict(made.model_dump(exclude_none=True)) == made
 
 
+ROCKSIM = """<?xml version="1.0" encoding="UTF-8"?>
+<engine-database><engine-list><engine code="C6" mfg="Estes">
+<data><eng-data t="0.031" f="0.946" m="10"/><eng-data t="0.2" f="14.09" m="9"/>{}</data>
+</engine></engine-list></engine-database>
+"""
+LATE = '<eng-data t="1.86" f="3.5" m="0"/>'
+
+
+def test_the_thrust_of_a_motor_ends_with_its_curve(tmp_path: Path) -> None:
+    """Whatever its last value is; a table of anything else keeps that."""
+    times = [0.0, 0.031, 0.2, 1.03, 1.86, 1.860001, 50.0]
+    due = 2 * np.array([0.0, 0.946, 14.09, (14.09 + 3.5) / 2, 3.5, 0.0, 0.0])
+    cut = MOTOR.replace("1.86 0", "1.86 3.5")
+    for name, text in (
+        ("c.eng", cut),
+        ("c.rse", ROCKSIM.format(LATE)),
+        ("C.RSE", ROCKSIM.format(LATE)),
+    ):
+        force = _from_file(tmp_path, name, text).expression("follower_force")
+        assert force is not None
+        np.testing.assert_allclose(force(np.array(times)), due)
+        assert 1.86 in force.breaks(0.0, 3.0) or 1.86 in force.knots()
+    force = _from_file(tmp_path, "kept.csv", "0 0\n1 3.5").expression("follower_force")
+    assert force is not None
+    assert force(9.0) == 7.0
+
+
 def test_a_file_that_is_no_table_is_refused(tmp_path: Path) -> None:
     folder = tmp_path / "scenes"
     folder.mkdir()
@@ -145,7 +172,10 @@ def test_a_file_that_is_no_table_is_refused(tmp_path: Path) -> None:
         *(("a.csv", "0 0\n1 inf"), ("a.csv", "x y\nx y\n0 0\n1 1"), ("a.csv", "0 0")),
         ("a.csv", "0 0 0\n1 1 1"),
         ("a.csv", "\n".join(f"{i} 0" for i in range(1001))),
-        *(("a.eng", "0 0\n1 1"), ("a.eng", MOTOR + MOTOR)),
+        *(("a.eng", "0 0\n1 1"), ("a.eng", MOTOR + MOTOR), ("a.rse", MOTOR)),
+        ("a.rse", ROCKSIM.format("").replace("f=", "g=")),
+        ("a.rse", "<!DOCTYPE a [<!ENTITY b 'c'>]>" + ROCKSIM.format(LATE)),
+        ("a.rse", "<engine-database/>"),
     ):
         assert refused(_from_file, folder, name, text)[:2] == ("loads.follower.force", name)
 

@@ -1,7 +1,8 @@
 """Tables of numbers in files beside a scene: interp(t, 'thrust.csv') becomes a table of numbers.
 
-A file has two columns: CSV with commas, semicolons or blanks and lines of comment after #, or the
-thrust curve of a rocket motor in RASP's format (.eng), whose curve begins at the origin.
+A file has two columns: CSV with commas, semicolons or blanks and lines of comment after #, or is
+the thrust curve of a rocket motor, RASP's (.eng) or RockSim's (.rse). A motor's curve begins at the
+origin, and where it ends the thrust does.
 """
 
 from __future__ import annotations
@@ -12,12 +13,14 @@ import re
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 from rodgen.scene.errors import SceneError, short
 from rodgen.scene.grammar import MOST_KNOTS, TABLE, parse
 
 LARGEST = 1_000_000  # bytes
-KINDS = (".csv", ".eng")
+KINDS = (".csv", ".eng", ".rse")
+MOTORS = (".eng", ".rse")
 BETWEEN = re.compile(r"[,;\s]+")
 MOTOR_FIELDS = 7  # of a RASP header: name, diameter, length, delays, two masses, maker
 
@@ -43,15 +46,21 @@ class _Reader(ast.NodeTransformer):
     def __init__(self, folder: Path, place: str, text: str):
         self._folder, self._place, self._text = folder, place, text
 
-    def visit_Call(self, node: ast.Call) -> ast.Call:
+    def visit_Call(self, node: ast.Call) -> ast.expr:
         self.generic_visit(node)
         match node:
             case ast.Call(
                 func=ast.Name(id="interp"), args=[x, ast.Constant(value=str() as name), *kind]
             ):
-                columns = zip(*self._rows(name), strict=True)
+                rows = self._rows(name)
+                columns = zip(*rows, strict=True)
                 lists = [ast.parse(repr(list(column)), mode="eval").body for column in columns]
-                return ast.Call(node.func, [x, *lists, *kind], [])
+                table = ast.Call(node.func, [x, *lists, *kind], [])
+                end, last = rows[-1]
+                if last == 0 or Path(name).suffix.lower() not in MOTORS:
+                    return table
+                burns = ast.Compare(x, [ast.LtE()], [ast.Constant(end)])
+                return ast.IfExp(burns, table, ast.Constant(0.0))
         return node
 
     def _rows(self, name: str) -> list[tuple[float, float]]:
@@ -60,7 +69,7 @@ class _Reader(ast.NodeTransformer):
 
         path = self._folder / name
         if Path(name).name != name or path.suffix.lower() not in KINDS:
-            raise refused(f"a file beside the scene whose name ends in {' or '.join(KINDS)}")
+            raise refused(f"a file beside the scene whose name ends in {', '.join(KINDS)}")
         try:
             if not path.is_file():
                 raise refused("a file in the folder of the scene: there is none of this name")
@@ -69,7 +78,7 @@ class _Reader(ast.NodeTransformer):
             lines = path.read_text(encoding="utf-8-sig").splitlines()
         except (OSError, UnicodeDecodeError) as error:
             raise refused(f"a file that can be read ({error})") from None
-        read = _motor if path.suffix.lower() == ".eng" else _table
+        read = {".eng": _motor, ".rse": _rocksim}.get(path.suffix.lower(), _table)
         return read(lines, refused)
 
 
@@ -109,7 +118,31 @@ def _motor(lines: list[str], refused: Any) -> list[tuple[float, float]]:
             rows.append(row)
     if headers != 1:
         raise refused(f"a RASP file of one motor (this has {headers})")
-    return _checked(rows if rows[:1] and rows[0][0] <= 0 else [(0.0, 0.0), *rows], refused)
+    return _checked(_from_origin(rows), refused)
+
+
+def _rocksim(lines: list[str], refused: Any) -> list[tuple[float, float]]:
+    """Thrust [N] over time [s] of a RockSim file of one motor, from the origin on."""
+    text = "\n".join(lines)
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:  # which could name other files, or grow
+        raise refused("a RockSim file without definitions of its own")
+    try:
+        motors = ElementTree.fromstring(text.encode()).findall(".//engine")
+    except ElementTree.ParseError as error:
+        raise refused(f"a RockSim file, in XML ({error})") from None
+    if len(motors) != 1:
+        raise refused(f"a RockSim file of one motor (this has {len(motors)})")
+    rows = []
+    for at, point in enumerate(motors[0].findall(".//eng-data"), start=1):
+        row = _numbers(f"{point.get('t', '')} {point.get('f', '')}")
+        if row is None:
+            raise refused(f"a RockSim file whose points have numbers t and f (not point {at})")
+        rows.append(row)
+    return _checked(_from_origin(rows), refused)
+
+
+def _from_origin(rows: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    return rows if rows[:1] and rows[0][0] <= 0 else [(0.0, 0.0), *rows]
 
 
 def _numbers(text: str) -> tuple[float, float] | None:
