@@ -27,8 +27,10 @@ NEAR = 1e-3  # share of the way to a pole within which it is what stops a run
 
 
 def step_warnings(scene: Scene, model: ModuleType, p: Array) -> Iterator[str]:
-    """What is wrong with step or tolerance of a scene, in sentences; its method is chosen."""
+    """What is wrong with step or tolerance of a scene, in sentences, and with thrust whose table is
+    shorter than its span; its method is chosen."""
     settings = scene.integrate
+    yield from _held(scene)
     for load in scene.course.loads:
         if not load.followed(*settings.span):
             yield (
@@ -58,6 +60,22 @@ def step_warnings(scene: Scene, model: ModuleType, p: Array) -> Iterator[str]:
             f"a load swings with a period of {2 * half:.2g} s, for which the step of "
             f"{settings.step:g} s is too long; take a smaller step, or dop853"
         )
+
+
+def _held(scene: Scene) -> Iterator[str]:
+    """Of thrusts that keep the first value of a table before it begins, or the last for good."""
+    (start, end), loads = scene.integrate.span, scene.loads.terms
+    thrusts = {one.name for term in loads if TERMS[term].follows for one in TERMS[term].sizes}
+    for name in sorted(thrusts & scene.timed.keys()):
+        thrust = scene.timed[name]
+        ends = [thrust.knots()[at] for at in (0, -1) if thrust.knots()]
+        for at, beyond in zip(ends, (min(start, *ends[:1]), max(end, *ends[-1:])), strict=False):
+            value = float(thrust(beyond))
+            if at != beyond and value and value == float(thrust((at + beyond) / 2)):
+                yield (
+                    f"{scene.field(name)} = {short(thrust.text)}: the table has no value from "
+                    f"{at:g} to {beyond:g} s, where the thrust keeps {value:g} N; give it zero there"
+                )
 
 
 def drift_warning(scene: Scene) -> str | None:
