@@ -40,7 +40,7 @@ def test_coefficient_of_equations_that_are_made_from_it() -> None:
     is one. Differences of a polynomial are exact but for rounding over their step squared."""
     one = PUSH / DECAY * STILL
     two = DOUBLE * PULSE / (2 * (DECAY + 2j * OMEGA))
-    q, c = normal_form(planar, np.zeros(4), OMEGA)
+    q, c = normal_form(planar, np.zeros(4), OMEGA, np.arange(2), np.arange(2, 4))
     assert c == pytest.approx(4 * (CUBIC + one + two), rel=1e-9)
     np.testing.assert_allclose(q, [1.0, 0.0, -1j, 0.0], atol=1e-12)
 

@@ -74,7 +74,7 @@ def _held(scene: Scene) -> Iterator[str]:
             if at != beyond and value and value == float(thrust((at + beyond) / 2)):
                 yield (
                     f"{scene.field(name)} = {short(thrust.text)}: the table has no value from "
-                    f"{at:g} to {beyond:g} s, where the thrust keeps {value:g} N; give it zero there"
+                    f"{at:g} to {beyond:g} s, where the thrust keeps {value:g} N"
                 )
 
 

@@ -28,6 +28,7 @@ from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.stepper import Array
 
 Complex = NDArray[np.complex128]
+Places = NDArray[np.intp]
 FORCES = 81  # values in the range at which the growth of small motions is looked at
 STEP = 0.02  # rad: of differences of sixth order, whose error is its sixth power
 FIRST = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
@@ -173,16 +174,27 @@ def _located(
     if not abs(slope.real) > 0:
         raise AnalysisError(f"the oscillation at {value:.9g} does not cross: it only touches")
     flow = at(value)
-    way, c = normal_form(lambda y: jacobian(flow, t, y), rest, s.imag)
+    of = flow.quotient
+    rates = np.union1d(of.led, of.velocity)
+    way, c = normal_form(lambda y: jacobian(flow, t, y), rest, s.imag, of.angles, rates)
     return Hopf(value, s.imag, slope, c, rest, way)
 
 
-def normal_form(J: Callable[[Array], Array], x: Array, frequency: float) -> tuple[Complex, complex]:
-    """The critical vector q (size,), its largest angle 1, and c. Raises AnalysisError where the
-    equations are not smooth."""
+def normal_form(
+    J: Callable[[Array], Array], x: Array, frequency: float, angles: Places, rates: Places
+) -> tuple[Complex, complex]:
+    """The critical vector q (size,), its largest angle 1, and c; angles, rates: which of the states
+    are angles, and rates of them or of places. Raises AnalysisError where the equations are not
+    smooth."""
     A = J(x)
     q, p = _vectors(A, frequency)
-    coefficients = [_coefficient(J, x, A, q, p, frequency, step) for step in (STEP, STEP / 2)]
+    q = q / q[angles[np.abs(q[angles]).argmax()]]
+    p = p / (p.conj() @ q).conj()
+    # Rates are as large as the frequency: the others tell how far a direction goes.
+    units = np.ones(len(x))
+    units[rates] = frequency
+    steps = (STEP, STEP / 2)
+    coefficients = [_coefficient(J, x, A, q, p, frequency, units, step) for step in steps]
     c, finer = coefficients
     if abs(c - finer) > SMOOTH * abs(finer):
         raise AnalysisError(
@@ -194,9 +206,7 @@ def normal_form(J: Callable[[Array], Array], x: Array, frequency: float) -> tupl
 def _vectors(A: Array, frequency: float) -> tuple[Complex, Complex]:
     s, left, right = scipy.linalg.eig(A, left=True)
     k = int(np.abs(s - 1j * frequency).argmin())
-    q, p = right[:, k], left[:, k]
-    q = q / q[np.abs(q[: len(q) // 2]).argmax()]
-    return q, p / (p.conj() @ q).conj()
+    return right[:, k], left[:, k]
 
 
 def _coefficient(
@@ -206,13 +216,12 @@ def _coefficient(
     q: Complex,
     p: Complex,
     frequency: float,
+    units: Array,
     step: float,
 ) -> complex:
     def along(way: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
         """First and second derivatives of J along a direction."""
-        half = len(way) // 2
-        # Rates are as large as the frequency: angles tell how far it goes.
-        size = float(max(np.abs(way[:half]).max(), np.abs(way[half:]).max() / frequency))
+        size = float(np.abs(way / units).max())
         if not size:
             return np.zeros_like(A), np.zeros_like(A)
         h = step / size
