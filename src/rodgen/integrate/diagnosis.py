@@ -68,8 +68,11 @@ def _held(scene: Scene) -> Iterator[str]:
     thrusts = {one.name for term in loads if TERMS[term].follows for one in TERMS[term].sizes}
     for name in sorted(thrusts & scene.timed.keys()):
         thrust = scene.timed[name]
-        ends = [thrust.knots()[at] for at in (0, -1) if thrust.knots()]
-        for at, beyond in zip(ends, (min(start, *ends[:1]), max(end, *ends[-1:])), strict=False):
+        knots = thrust.knots()
+        pairs = (
+            ((knots[0], min(start, knots[0])), (knots[-1], max(end, knots[-1]))) if knots else ()
+        )
+        for at, beyond in pairs:
             value = float(thrust(beyond))
             if at != beyond and value and value == float(thrust((at + beyond) / 2)):
                 yield (
