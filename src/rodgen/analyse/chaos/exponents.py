@@ -40,6 +40,7 @@ SHORTEST = 2.0**-40  # of a piece
 # Radians or decays of the fastest motion at the start, in which a step of dop853 makes an error of
 # 1e-7 of a tangent; of rods of more states it is not looked for.
 FOLLOWED, MOST_STATES = 1.0, 400
+REGULAR, CHAOTIC = 0.1, 0.9  # of the 0-1 test, beyond which it is decisive
 STABLE = 6.0  # of these radians, about what is stable
 
 
@@ -84,11 +85,13 @@ class Exponents(Shown):
 
     @property
     def chaotic(self) -> bool | None:
-        """Whether neighbours come apart exponentially; None where that cannot be told, by its error
-        or because the 0-1 test says otherwise."""
+        """Whether neighbours come apart exponentially; None where that cannot be told. An exponent
+        within three errors of zero is judged by the 0-1 test where that is decisive."""
         largest, error = float(self.exponents[0]), float(self.errors[0])
-        if largest > 3 * error:
+        if largest > 3 * error or (largest > error and self.zero_one > CHAOTIC):
             return True
+        if self.zero_one < REGULAR:
+            return False
         return None if largest > 1.5 * error or self.zero_one > 0.5 else False
 
 
