@@ -75,7 +75,7 @@ def test_the_critical_load_is_where_a_motion_begins_to_grow(seed: int) -> None:
             rodgen.critical_force(scene, highest=HIGHEST)
         return
     found = rodgen.critical_force(scene, highest=HIGHEST)
-    assert found.force <= loads[np.argmax(grows)]
+    assert found.force <= loads[np.argmax(grows)] * (1 + 1e-9)
     assert not grows[loads < found.force * (1 - 1e-9)].any()
     beside = [growth(scene, found.force * (1 + way) + 10 * way) for way in (-1e-4, 1e-4)]
     assert beside[1] > max(beside[0], 0.0) or found.force == 0.0

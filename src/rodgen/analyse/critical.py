@@ -36,7 +36,8 @@ HIGHEST = 1000.0  # EI/L^2: ten times what a free rod bears
 NARROWEST = 1e-6, 1e-9  # range that is searched: of EI/L^2, and of its ends
 SLOW = 0.01  # of the lowest frequency
 WHOLE = 0.9  # of the angles that links have in common, squared: the whole rod turns
-KNOWN = 5e-9  # share of an onset that rounding may change at most
+KNOWN = 1e-4  # share of an onset that rounding may change at most
+AT_ONCE = 1e-9  # EI/L^2: an onset so close to the lowest force lies at it
 CHECKED = (0.4, 0.7, 0.9, 0.99)  # of the force, where all modes are looked at
 TURNING = "turning"
 UPPER, LOWER = "upper", "lower"
@@ -341,6 +342,8 @@ def _onset(search: Search, near: Onset) -> Onset:
     if near.s == 0 and family.neutral.steps:
         return zero_onset(family.without_neutral, near, family.unit)
     found = onset(_equations(family, near), near, family.unit, family.straight)
+    if found.force < lowest + AT_ONCE * family.unit:
+        return replace(found, force=lowest)
     if found.error > KNOWN * abs(found.force) and family.whole <= BASIS:
         raise AnalysisError(
             f"an onset near {digits(found.force, found.error)} {unit_of(family.load.name)} is "
