@@ -72,6 +72,7 @@ def test_the_bent_branch_is_the_elastica() -> None:
             *(("clamped", 5, {name: {"coefficient": 0.3}}) for name in DAMPINGS),
             # Beyond 12 links the lowest modes are looked at, all of them in a few points.
             ("clamped", 30, {}),
+            ("free", 5, {"internal_damping": {"coefficient": 0.3}}),  # it turns freely
             ("free", 5, {name: {"coefficient": 0.3} for name in DAMPINGS}),  # it flies
         ],
     ),

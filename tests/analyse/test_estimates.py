@@ -9,11 +9,13 @@ from scipy.signal import lfilter
 
 import rodgen
 from rodgen.analyse.branches.coexistence import _newton
-from rodgen.analyse.chaos.exponents import standard_errors, trends
+from rodgen.analyse.chaos.exponents import Exponents, standard_errors, trends
 from rodgen.analyse.chaos.zero_one import zero_one_test
 from rodgen.analyse.curves.curve import Problem
 from rodgen.integrate.stepper import Array
 from tests.analyse.rods import ONES, rod
+
+ROD = rod(2, "pinned")
 
 
 def test_a_series_and_what_is_added_to_it_are_as_chaotic() -> None:
@@ -26,6 +28,22 @@ def test_a_series_and_what_is_added_to_it_are_as_chaotic() -> None:
     assert plain > 0.95
     for added in (3.0, -3.0, 20.0):
         assert zero_one_test(np.array(x) + added) == pytest.approx(plain, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("exponent", "error", "zero_one", "chaotic"),
+    [
+        (4.0, 1.0, 0.02, True),  # by its error alone
+        *((2.5, 1.0, 0.98, True), (2.5, 1.0, 0.6, None), (2.5, 1.0, 0.02, False)),
+        *((0.5, 1.0, 0.98, None), (0.5, 1.0, 0.6, None), (0.5, 1.0, 0.3, False)),
+    ],
+)
+def test_a_decisive_test_judges_what_an_error_leaves_open(
+    exponent: float, error: float, zero_one: float, chaotic: bool | None
+) -> None:
+    one, no = np.ones(1), np.nan
+    of = Exponents(one * exponent, one * error, one, one, one, 0.0, zero_one, no, {}, (), scene=ROD)
+    assert of.chaotic is chaotic
 
 
 def test_standard_errors_of_a_series_with_a_long_memory() -> None:
