@@ -337,11 +337,10 @@ def _onset(search: Search, near: Onset) -> Onset:
     """The onset with all links, next to an estimate; that which is next to the lowest force is
     there, since the motion grows under every larger one."""
     family, lowest = search.family, float(search.forces[0])
-    if near.force - near.error <= lowest:
-        return Onset(lowest, near.s, near.error)
     if near.s == 0 and family.neutral.steps:
-        return zero_onset(family.without_neutral, near, family.unit)
-    found = onset(_equations(family, near), near, family.unit, family.straight)
+        found = zero_onset(family.without_neutral, near, family.unit)
+    else:
+        found = onset(_equations(family, near), near, family.unit, family.straight)
     if found.force < lowest + AT_ONCE * family.unit:
         return replace(found, force=lowest)
     if found.error > KNOWN * abs(found.force) and family.whole <= BASIS:
