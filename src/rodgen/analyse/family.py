@@ -263,7 +263,7 @@ class Family:
         """Which motions turn the whole rod."""
         assert self.bare is not None
         diverges = np.any(self.bare.motions(forces, modes).growth > 0, axis=-1, keepdims=True)
-        real = np.where(np.abs(s.imag) <= self.rigid, s.real, -np.inf)
+        real = np.where((np.abs(s.imag) <= self.rigid) & np.isfinite(s), s.real, -np.inf)
         largest = real.max(axis=-1, keepdims=True)
         first = np.arange(s.shape[-1]) == np.argmax(real, axis=-1)[:, None]
         return np.asarray(first & np.isfinite(largest) & ~diverges)
