@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import qr
 
 from rodgen.integrate.stepper import Array
 
@@ -46,5 +47,5 @@ def _nullity(A: Array) -> int:
 
 def _quotient(A: Array, count: int) -> Array:
     """A matrix on what is across so many directions, which it takes to zero or next to it."""
-    across = np.linalg.svd(A)[2][: len(A) - count]
-    return np.asarray(across @ A @ across.T)
+    across = qr(A.T, pivoting=True, check_finite=False)[0][:, : len(A) - count]
+    return np.asarray(across.T @ A @ across)

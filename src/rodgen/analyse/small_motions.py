@@ -76,7 +76,7 @@ def instability(state: Steady) -> str | None:
     """What small motions about a steady state do: "divergence" if that which grows most does not
     oscillate, "flutter" if it does, "" if none grows. None where that was not looked at, beyond 200
     links, or is not known: where none grows, some do not die away, and external damping, which has
-    no linear part about a bent rod, acts beside loads that follow it."""
+    no linear part about a bent rod, acts beside loads that can do work around a loop."""
     system = state.system
     if system.cells > MOST_DENSE:
         return None
@@ -87,8 +87,16 @@ def instability(state: Steady) -> str | None:
         return FLUTTER if abs(s.imag) > REAL * abs(s) else DIVERGENCE
     known = found.s[np.isfinite(found.s)]
     lasting = (known.real > -REAL * np.abs(known)).any()
-    follows = system.steered or bool(system.scene.loads.following)
-    return None if smooth and lasting and follows else ""
+    return None if smooth and lasting and not _conservative(state.dense(smooth=True)) else ""
+
+
+def _conservative(linear: Dense) -> bool:
+    """Whether the forces of a linear system do no work around a loop, and none that follow rates
+    add to its energy: more damping then makes nothing unstable (Thomson, Tait and Chetaev)."""
+    K, C, added = linear.K, (linear.C + linear.C.T) / 2, linear.added
+    if added or np.abs(K - K.T).max() > REAL * np.abs(K).max():
+        return False
+    return not C.any() or bool(np.linalg.eigvalsh(C).min() >= -REAL * np.abs(C).max())
 
 
 def _modes(start: Steady, linear: Linear, every: bool) -> tuple[Array, Array]:
