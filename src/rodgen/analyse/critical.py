@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from rodgen.analyse.confirm import doubt, doubt_of_onset
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.family import (
     BASIS,
@@ -38,7 +39,7 @@ SLOW = 0.01  # of the lowest frequency
 WHOLE = 0.9  # of the angles that links have in common, squared: the whole rod turns
 KNOWN = 1e-4  # share of an onset that rounding may change at most
 AT_ONCE = 1e-9  # EI/L^2: an onset so close to the lowest force lies at it
-CHECKED = (0.4, 0.7, 0.9, 0.99)  # of the force, where all modes are looked at
+CHECKED = (0.0, 0.5, 0.9)  # of the way to an onset, where all eigenvalues are looked at
 TURNING = "turning"
 UPPER, LOWER = "upper", "lower"
 
@@ -56,8 +57,8 @@ class Critical(Shown):
     named twice); turning: growth of a slow turning of the whole rod at that force [1/s]; error:
     bound of the rounding error of the force [N]; searched: range of forces that was searched [N],
     up to the onset, and number of forces; state: the steady state that grows unstable; complete:
-    whether all modes were looked at below the force (at four forces), or only the lowest 16; t:
-    time at which the other loads are taken [s].
+    whether all modes were looked at (under four forces up to this one, and just above it), or only
+    those next to the onset in rate; t: time at which the other loads are taken [s].
 
     speed: of a free rod along its axis, nose first [m/s]; notes: what to know about this speed, and
     about damping that depends on the number of links; load: the load that is scaled; unit: its
@@ -289,40 +290,46 @@ def _between(search: Search, solved: Callable[[Event], float]) -> list[tuple[flo
 
 
 def _first(search: Search, end: str, growth: float) -> Onset:
-    """The first onset with all links, from a search in a few modes; with all modes where those did
-    not do, or where the others show an onset at a lower force."""
-    family, forces = search.family, search.forces
-    near = _found(search, end, growth)
-    if family.system.cells > MOST_DENSE:
-        return _onset(search, near)
-    every = replace(search, modes=family.whole)
-    if family.whole <= BASIS:
-        return _onset(search, near)
-    try:
-        found = _onset(search, near)
-    except AnalysisError:
-        return _onset(every, _found(every, end, growth))
-    if end == LOWER:
-        return found
-    below = forces[0] + np.array(CHECKED) * (found.force - forces[0])
-    counts = every.counts(np.append(below, forces[0]))
-    more = counts[:-1] > counts[-1]
-    if not more.any():
-        return found
-    until = below[int(np.argmax(more))]
-    every = replace(every, forces=np.append(forces[forces < until], until))
-    return _onset(every, _found(every, end, growth))
+    """The first onset with all links, from a search in a few modes; in all of them where those did
+    not do. Raises AnalysisError, too where what grows is not what the eigenvalues say."""
+    family, why = search.family, AnalysisError("")
+    many = family.system.cells > MOST_DENSE
+    enough = many or family.whole <= BASIS
+    for one in [search] if enough else [search, replace(search, modes=family.whole)]:
+        near = _found(one, end)
+        try:
+            found = None if near is None else _onset(one, near)
+        except AnalysisError as error:
+            why = error
+            continue
+        low, high = float(search.forces[0]), float(search.forces[-1])
+        if found is None:
+            why = AnalysisError(_none(one, end, growth))
+            apart = doubt(one, (low, (low + high) / 2, high))
+            if not apart:
+                break
+        else:
+            ways = low + np.array(CHECKED) * (found.force - low)
+            # The modes of many links are those of the whole unloaded rod already.
+            apart = doubt(one, [] if many else ways.tolist())
+            apart = apart or doubt_of_onset(one, found, end == UPPER)
+            if not apart:
+                return found
+        why = AnalysisError(apart)
+    raise why
 
 
-def _found(search: Search, end: str, growth: float) -> Onset:
+def _found(search: Search, end: str) -> Onset | None:
     """The first event that is asked for, roughly."""
     ends = (event for event in search.borders() if not event.after)
     event = next(search.begins() if end == UPPER else ends, None)
-    if event is not None:
-        return search.near(event)
+    return None if event is None else search.near(event)
+
+
+def _none(search: Search, end: str, growth: float) -> str:
+    """What is said where there is no such event."""
     low, high = search.forces[[0, -1]]
-    unit = unit_of(search.family.load.name)
-    where = f"between {low:g} and {high:g} {unit}"
+    where = f"between {low:g} and {high:g} {unit_of(search.family.load.name)}"
     if end == LOWER:
         what = f"no lower end of a window of stability {where}"
     elif growth:
@@ -330,7 +337,7 @@ def _found(search: Search, end: str, growth: float) -> Onset:
     else:
         what = f"neither flutter nor divergence {where}"
     modes = min(search.modes, search.family.whole)
-    raise AnalysisError(f"{what} ({len(search.forces)} forces, the lowest {modes} modes)")
+    return f"{what} ({len(search.forces)} forces, the lowest {modes} modes)"
 
 
 def _onset(search: Search, near: Onset) -> Onset:

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import null_space
 
-from rodgen.analyse.eigen import Complex, Modal, Motions, all_shapes, lowest_shapes
+from rodgen.analyse.eigen import Complex, all_shapes, lowest_shapes
+from rodgen.analyse.modal import Modal, Motions
 from rodgen.analyse.neutral import NONE, Neutral
 from rodgen.analyse.pencil import Dense, Parts, Pencil
 from rodgen.analyse.steady import Steady, linearised, steady
@@ -209,7 +210,7 @@ class Family:
         turns = state.turns_freely
         if isinstance(pencil, Pencil) and pencil.cells > MOST_DENSE:
             return lowest_shapes(pencil, BASIS, state.turning if turns else None)
-        squares, found = all_shapes(self._reduced(0.0))
+        squares, found = all_shapes(self.equations(0.0))
         if isinstance(pencil, Dense):
             return squares, self._translated(found)
         rigid = int(turns)
@@ -218,14 +219,13 @@ class Family:
     def _translated(self, shapes: Array) -> Array:
         """Shapes among which are the translations that nothing holds, each on its own, for which
         no stiffness follows from rounding."""
-        base = self.system.base
-        if self.system.anchored or self.system.steered or not base:
+        moved = len(shapes) - self.system.cells  # coordinates of joint 0
+        if self.system.anchored or self.system.steered or not moved:
             return shapes
-        rigid = base + self.state(0.0).turns_freely
-        axes = np.eye(len(shapes))[:, :base]
-        parts, still = shapes[:base, :rigid], shapes.copy()
-        still[:, :base] = axes
-        still[:, base:rigid] = shapes[:, :rigid] @ null_space(parts)
+        rigid = moved + self.state(0.0).turns_freely
+        parts, still = shapes[:moved, :rigid], shapes.copy()
+        still[:, :moved] = np.eye(len(shapes))[:, :moved]
+        still[:, moved:rigid] = shapes[:, :rigid] @ null_space(parts)
         return still
 
     @cached_property
@@ -335,12 +335,18 @@ class Family:
     def _on(self, force: float, modes: int) -> Dense:
         """By virtual work of so many motions."""
         if (force, modes) not in self._projected:
-            here = self.at(force) if self.system.cells > MOST_DENSE else self._reduced(force)
+            here = self.at(force) if self.system.cells > MOST_DENSE else self.equations(force)
             self._projected[force, modes] = here.on(self._modes[1][:, :modes])
         return self._projected[force, modes]
 
-    def _reduced(self, force: float) -> Dense:
+    def equations(self, force: float) -> Dense:
         """The linearised equations under a load, of the angles alone."""
+        far = FAR * self.unit
+        if self.straight and force not in (0.0, far):
+            first, last = (self.equations(P).parts for P in (0.0, far))
+            x = force / far
+            K, C, M = (a + x * (b - a) for a, b in zip(first, last, strict=True))
+            return Dense(K, C, M, self._added)
         if force not in self._dense:
             while len(self._dense) > KEPT:
                 self._dense.pop(next(iter(self._dense)))

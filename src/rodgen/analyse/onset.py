@@ -12,8 +12,8 @@ from scipy.linalg.lapack import get_lapack_funcs
 from scipy.sparse import block_array, csc_array, issparse
 from scipy.sparse.linalg import splu
 
-from rodgen.analyse.eigen import ROUNDING
 from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.modal import ROUNDING
 from rodgen.analyse.pencil import Dense, Linear, Parts
 from rodgen.integrate.blocks import Matrix
 from rodgen.integrate.stepper import Array

@@ -9,8 +9,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.analyse.eigen import Motions
 from rodgen.analyse.family import Family
+from rodgen.analyse.modal import Motions
 from rodgen.analyse.onset import Onset
 from rodgen.integrate.stepper import Array
 

@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from rodgen.analyse.eigen import Complex, Modal, Motions, all_shapes, lowest_shapes
+from rodgen.analyse.eigen import Complex, all_shapes, lowest_shapes
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import RIGID
+from rodgen.analyse.modal import Modal, Motions
 from rodgen.analyse.neutral import Neutral
-from rodgen.analyse.pencil import Dense, Linear, Pencil
+from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.rest import DIVERGENCE, FLUTTER
 from rodgen.analyse.steady import Steady, is_kinked, linearised
 from rodgen.integrate.stepper import Array
@@ -26,11 +27,11 @@ class Growing:
     def __init__(self, start: Steady, every: bool = False, smooth: bool = False):
         """smooth: without what has no linear part, such as external damping of a bent rod."""
         self.start, self.smooth = start, smooth
-        self.every = every or start.system.cells <= MODES
+        every = every or start.system.cells <= MODES
         linear = self._linear(start)
         self.added = len(start.system.scene.states)
         self.dragged = isinstance(linear, Dense)
-        squares, self.basis = _modes(start, linear, self.every)
+        squares, self.basis = _modes(start, linear, every)
         rates = np.sqrt(np.abs(squares))
         elastic = rates[rates > RIGID * rates.max(initial=0.0)]
         if not len(elastic):
@@ -53,7 +54,7 @@ class Growing:
         s, growth = found.s[0], found.growth[0]
         return Motions(s, np.where(np.abs(s) <= self.rigid, 0.0, growth))
 
-    def _linear(self, state: Steady) -> Linear:
+    def _linear(self, state: Steady) -> Pencil | Dense:
         return state.dense(smooth=True) if self.smooth else linearised(state)
 
     def count(self, state: Steady) -> int:
@@ -99,11 +100,10 @@ def _conservative(linear: Dense) -> bool:
     return not C.any() or bool(np.linalg.eigvalsh(C).min() >= -REAL * np.abs(C).max())
 
 
-def _modes(start: Steady, linear: Linear, every: bool) -> tuple[Array, Array]:
+def _modes(start: Steady, linear: Pencil | Dense, every: bool) -> tuple[Array, Array]:
     """Squared frequencies and shapes (coordinates, k), the slowest first."""
     if isinstance(linear, Pencil) and linear.cells > MOST_DENSE:
         return lowest_shapes(linear, MODES, start.turning if start.turns_freely else None)
-    assert isinstance(linear, Pencil | Dense)
     squares, found = all_shapes(linear.reduced())
     order = np.argsort(np.abs(squares), kind="stable")
     if isinstance(linear, Pencil):  # turning alone, which every load leaves as it is

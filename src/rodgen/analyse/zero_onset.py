@@ -9,8 +9,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import brentq
 
-from rodgen.analyse.eigen import ROUNDING
 from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.modal import ROUNDING
 from rodgen.analyse.onset import APART, Onset, unfound
 from rodgen.integrate.stepper import Array
 

@@ -39,6 +39,10 @@ class Equilibria(Problem):
             self.why_unknown = str(error)
             return None
 
+    def leave_stability(self, why: str) -> None:
+        """Count nothing that grows from here on, for a reason."""
+        self.growing, self.why_unknown = None, why
+
     def value(self, u: Array) -> float:
         """The varied number."""
         return float(u[-1] * self.variable.unit)

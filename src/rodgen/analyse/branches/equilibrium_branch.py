@@ -11,6 +11,7 @@ import numpy as np
 from rodgen.analyse.branches.equilibria import Equilibria, equilibria
 from rodgen.analyse.branches.motions import Motions, begun, motion_of
 from rodgen.analyse.branches.variable import SAME, WHOLE, Key
+from rodgen.analyse.confirm import Eigenvalues, contradicts
 from rodgen.analyse.curves.continuation import Steps, continued, started, taken_up
 from rodgen.analyse.curves.curve import (
     Curve,
@@ -25,8 +26,8 @@ from rodgen.analyse.curves.special_points import branch_point
 from rodgen.analyse.curves.switching import chosen, switched
 from rodgen.analyse.errors import guarded
 from rodgen.analyse.settle import settle
-from rodgen.analyse.small_motions import MODES, MOST_DENSE, Growing
-from rodgen.analyse.steady import Steady, steady
+from rodgen.analyse.small_motions import MOST_DENSE
+from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.keys import with_value
@@ -39,7 +40,8 @@ if TYPE_CHECKING:
 
 STEP = 0.02  # of the range, or rad: the longest along a branch
 MOST = 2000  # points
-CHECKED = 5  # points of a branch of which all modes are looked at
+CHECKED = 5  # points of a branch of which all eigenvalues are looked at
+DOUBTED = "what was counted is not what the eigenvalues of the linearised equations say"
 
 
 @dataclass(frozen=True)
@@ -164,9 +166,12 @@ def continue_equilibria(
         return follow(1.0) if start is None or begin in (low, high) else both_ways(follow)
 
     curve = walk(problem)
-    if not (curve.interrupted or _counted(problem, curve)):  # in too few modes
+    if not curve.interrupted and _doubted(problem, curve):  # in too few modes
         problem = equilibria(problem.variable, first, True)
         curve = walk(problem)
+        if not curve.interrupted and _doubted(problem, curve):
+            problem.leave_stability(DOUBTED)
+            curve = walk(problem)
     if switch is not None and not curve.interrupted:
         problem, special = _entered(problem, curve, chosen(curve.special, switch))
         bounds = problem.scaled(min(low, high)), problem.scaled(max(low, high))
@@ -241,12 +246,12 @@ def _taken_up(problem: Equilibria, before: Recorded) -> Point:
     return taken_up(problem, here, others[0] if others else None, "equilibrium")
 
 
-def _counted(problem: Equilibria, curve: Curve) -> bool:
-    """Whether all modes tell the same numbers of unstable directions as the lowest do, in a few
-    points and beside special ones."""
-    cells = problem.variable.base.cells
-    if problem.growing is None or not MODES < cells <= MOST_DENSE:
-        return True
+def _doubted(problem: Equilibria, curve: Curve) -> bool:
+    """Whether all eigenvalues tell other numbers of unstable directions than those that were
+    counted, in a few points and beside special ones."""
+    growing = problem.growing
+    if growing is None or problem.variable.base.cells > MOST_DENSE:
+        return False
     last = len(curve.points) - 1
     looked = {*np.linspace(0, last, CHECKED).astype(int).tolist()}
     looked |= {min(one.after + at, last) for one in curve.special for at in (0, 1)}
@@ -255,9 +260,10 @@ def _counted(problem: Equilibria, curve: Curve) -> bool:
         if point.unstable is None:
             continue
         state = problem.steady(point.u)
-        if Growing(state, True).count(state) != point.unstable:
-            return False
-    return True
+        found = Eigenvalues.of(linearised(state).reduced(), growing.lowest)
+        if contradicts(found, growing.motions(state), growing.lowest):
+            return True
+    return False
 
 
 def _range(key: str, ends: tuple[float, float]) -> tuple[float, float]:

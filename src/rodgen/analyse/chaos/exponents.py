@@ -109,9 +109,11 @@ def lyapunov_exponents(
 
     Tangents are measured by the numbers of the state. If all exponents are computed, tangents are
     measured by kinetic energy, and a motion without damping then keeps volumes. The error of an
-    exponent has three parts: the standard error of batch means, larger if these are correlated;
-    half the difference between both halves of the time; and the size that an exponent of zero may
-    have after such a span.
+    exponent is a standard error, for the limit of long spans: of other spans of a chaotic motion,
+    some four fifths lie within one error of that limit, and 19 in 20 within two. It has three
+    parts: the standard error of batch means, larger if these are correlated; half the difference
+    between both halves of the time; and the size that an exponent of zero may have after such a
+    span.
 
     Parameters
     ----------
@@ -312,14 +314,18 @@ def _found(
 
 def standard_errors(rates: Array) -> Array:
     """Standard errors (k,) of the means of rates (pieces, k) that are correlated in time: by the
-    means of BATCHES longer parts, widened as these are still correlated from one to the next."""
+    means of BATCHES longer parts. If their correlation from one to the next is r, they count as
+    BATCHES (1 - r)/(1 + r) independent ones. So few of them show an r that is too small, and spread
+    too little about their own mean; both are corrected (F. H. C. Marriott, J. A. Pope, Biometrika
+    41 (1954) 390-402).
+    """
     batches = np.stack([part.mean(axis=0) for part in np.array_split(rates, BATCHES)])
     off = batches - batches.mean(axis=0)
-    variance = (off**2).sum(axis=0) / (len(off) - 1)
-    least = np.finfo(float).tiny
-    together = (off[1:] * off[:-1]).sum(axis=0) / np.maximum((off**2).sum(axis=0), least)
-    together = np.clip(together, 0.0, 0.9)
-    errors: Array = np.sqrt(variance / len(off) * (1 + together) / (1 - together))
+    squares = (off**2).sum(axis=0)
+    seen = (off[1:] * off[:-1]).sum(axis=0) / np.maximum(squares, np.finfo(float).tiny)
+    together = np.clip((BATCHES * seen + 1) / (BATCHES - 3), 0.0, 0.9)
+    alike = (1 + together) / (1 - together)  # batches that count as one
+    errors: Array = np.sqrt(squares / BATCHES / (BATCHES / alike - 1))
     return errors
 
 
