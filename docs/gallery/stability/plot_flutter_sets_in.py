@@ -4,6 +4,7 @@ Onset of flutter
 
 A clamped column is pushed by a force that turns with its tip, like the thrust of an engine. The
 force grows slowly. At first a small swing dies out. Beyond the critical load it grows into flutter.
+Without damping it would flutter from 19.9 EI/L² on; a little internal damping takes almost half.
 """
 
 # sphinx_gallery_thumbnail_path = "pictures/film_flutter_sets_in.gif"
@@ -48,7 +49,9 @@ arrow = column.annotate(
 curve.set(xlim=(9, 19), ylim=(-0.8, 0.8), xticks=(), yticks=())
 curve.set(xlabel="force", ylabel="deflection of the tip")
 curve.axvline(critical, color="tab:red", linestyle="--")
-curve.text(critical + 0.2, 0.65, f"critical load: {critical:.1f} EI/L²", color="tab:red")
+damping = scene.parameters["material_damping_time"]
+curve.text(critical + 0.2, 0.65, f"critical: {critical:.1f} EI/L²", color="tab:red")
+curve.text(critical + 0.2, 0.5, f"20 links, damping {damping:g} s", color="tab:red")
 (swing,) = curve.plot([], [], color="tab:blue", linewidth=1)
 
 

@@ -55,13 +55,13 @@ def polynomials(count: int) -> Shapes:
 
 def bare(count: int) -> Shapes:
     """The first modes of the column without load and tip mass."""
-    full = polynomials(count + 8)
+    full = polynomials(count + 16)
     return _combined(full, (full.values[0] * WEIGHT) @ full.values[0].T, count)
 
 
 def own(count: int, mass: float, inertia: float) -> Shapes:
     """The first modes of the column without load, with its tip mass."""
-    full = polynomials(count + 8)
+    full = polynomials(count + 16)
     M = (full.values[0] * WEIGHT) @ full.values[0].T
     M += mass * np.outer(full.tip, full.tip) + inertia * np.outer(full.slope, full.slope)
     return _combined(full, M, count)
