@@ -152,3 +152,13 @@ def test_what_is_no_steady_motion() -> None:
     held = _scene(2, "free", {"gravity": {}}, supports=[{"at": 0.5, "stiffness": [1.0, 1.0]}])
     with pytest.raises(SceneError, match=r"^motion = "):
         continue_equilibria(held, STIFFNESS, (1.0, 2.0), motion="initial")
+
+
+def test_undamped_motions_that_go_on_oscillating_are_no_onset() -> None:
+    """Two free links under a dead push: beside the turning of the whole, which grows under any, a
+    second motion oscillates up to 16 k/(3 l) and diverges from there; k = 2 EI/L and l = L/2."""
+    scene = rod(2, "free", {"tip": {"x": -1.0, "y": 0.0}}, **ONES)
+    found = continue_equilibria(scene, AXIAL, (-1.0, -30.0), motion="initial")
+    assert found["special_kind"].values.tolist() == ["branch"]
+    # The force of a branch point is solved for to rounding, of which this leaves a few digits.
+    assert float(found["special_value"][0]) == pytest.approx(-64 / 3, rel=1e-9)

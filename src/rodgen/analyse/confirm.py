@@ -18,7 +18,9 @@ from rodgen.integrate.stepper import Array
 
 ALIKE = 2.0  # times: growths by two routes that differ by less are one
 NOISE = 1024 * ROUNDING  # of a matrix: roundings of what it was made of
-ASIDE, NEXT = 1e-4, 1e-6  # to either side of an onset: of it, and of EI/L^2
+ASIDE = 1e-4, 1e-2  # of an onset, to either side of it: the second where the first tells nothing
+NEXT = 1e-6  # of EI/L^2: no closer than that
+BESIDE = 1e-3  # of the lowest frequency: away from what is singular
 NEAREST = 4  # eigenvalues next to an onset, of a rod of many links
 
 
@@ -37,12 +39,16 @@ class Eigenvalues:
     def of(cls, dense: Dense, lowest: float) -> Eigenvalues:
         """All; lowest: the lowest frequency of the rod [rad/s]."""
         own = len(dense.K) - dense.added
-        matrix = np.linalg.solve(dense.M[:own, :own], -dense.K[:own, :own])
-        squared = not (dense.damped or dense.added)
-        if not squared:
-            scale = np.full(own, np.sqrt(np.linalg.norm(matrix)) or 1.0)
-            K, C, M = (part[None] for part in dense.parts)
-            matrix = Modal(K, C, M, scale, added=dense.added).by_rates()[0]
+        squares = np.linalg.solve(dense.M[:own, :own], -dense.K[:own, :own])
+        if not (dense.damped or dense.added):
+            return cls.of_matrix(squares, lowest, squared=True)
+        scale = np.full(own, np.sqrt(np.linalg.norm(squares)) or 1.0)
+        K, C, M = (part[None] for part in dense.parts)
+        return cls.of_matrix(Modal(K, C, M, scale, added=dense.added).by_rates()[0], lowest)
+
+    @classmethod
+    def of_matrix(cls, matrix: Array, lowest: float = 0.0, squared: bool = False) -> Eigenvalues:
+        """All of a matrix, or those whose squares it has."""
         z = np.linalg.eigvals(matrix).astype(complex)
         s = roots(z) if squared else z
         growth = _visible(s, lowest)
@@ -84,7 +90,7 @@ def _visible(s: Complex, lowest: float) -> Array:
 
 def _errors(matrix: Array, z: Complex) -> Array:
     """How far off eigenvalues of a matrix may be."""
-    return NOISE * float(np.linalg.norm(matrix)) * conditions(matrix, z)
+    return NOISE * float(np.linalg.norm(matrix)) * conditions(matrix, z.real + 1j * np.abs(z.imag))
 
 
 def eigenvalues(family: Family, load: float, near: complex = 0j) -> Eigenvalues:
@@ -120,15 +126,20 @@ def contradicts(found: Eigenvalues, said: Motions, lowest: float) -> bool:
 
 
 def doubt_of_onset(search: Search, onset: Onset, begins: bool) -> str:
-    """Why a motion does not begin to grow at an onset, or does not cease to; "" if it does."""
+    """Why a motion does not begin to grow at an onset, or does not cease to; "" if it does, and
+    where all damping is too weak to tell."""
     family, low, s = search.family, float(search.forces[0]), onset.s
-    aside = max(ASIDE * abs(onset.force), NEXT * family.unit, 10 * onset.error)
-    sides = max(onset.force - aside, low), onset.force + aside
-    calm, grown = (
-        eigenvalues(family, load, s + family.lowest * 1e-3)
-        for load in (sides if begins else sides[::-1])
-    )
+    most, beside = -np.inf, s + BESIDE * family.lowest
+    for aside in ASIDE:
+        away = max(aside * abs(onset.force), NEXT * family.unit, 10 * onset.error)
+        sides = max(onset.force - away, low), onset.force + away
+        calm, grown = (
+            eigenvalues(family, load, beside) for load in (sides if begins else sides[::-1])
+        )
+        if grown.count > calm.count:
+            return ""
+        most = grown.most(s)
     least = float(slight(s, family.lowest))  # less growth is not seen
-    if grown.count > calm.count or grown.most(s) > (-least if family.damped else ALIKE * least):
+    if most > (-least if family.damped else ALIKE * least):
         return ""
-    return f"no motion grows beside {onset.force:.6g} of all eigenvalues"
+    return f"no motion grows beside {onset.force:.6g} by the eigenvalues of the whole"

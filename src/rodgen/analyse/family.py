@@ -208,13 +208,17 @@ class Family:
         turning alone, which every force leaves as it is, is not among them."""
         state, pencil = self.state(0.0), self.at(0.0)
         turns = state.turns_freely
+        always = turns and self.state(self.unit).turns_freely
         if isinstance(pencil, Pencil) and pencil.cells > MOST_DENSE:
-            return lowest_shapes(pencil, BASIS, state.turning if turns else None)
+            squares, found = lowest_shapes(pencil, BASIS, state.turning if turns else None)
+            if turns and not always:
+                squares = np.append(0.0, squares)
+                found = np.column_stack((np.ones(len(found)), found))
+            return squares, found
         squares, found = all_shapes(self.equations(0.0))
         if isinstance(pencil, Dense):
             return squares, self._translated(found)
-        rigid = int(turns)
-        return squares[rigid:], found[:, rigid:]
+        return squares[always:], found[:, always:]
 
     def _translated(self, shapes: Array) -> Array:
         """Shapes among which are the translations that nothing holds, each on its own, for which

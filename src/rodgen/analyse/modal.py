@@ -197,12 +197,16 @@ def conditions(A: Array, z: Complex) -> Array:
 
 def _inverse(stack: NDArray[Any]) -> NDArray[Any]:
     """The inverse of every matrix; of one that is singular to the last bit, next to it."""
-    try:
-        return np.linalg.inv(stack)
-    except np.linalg.LinAlgError:  # the very force of a divergence, or at which two motions meet
-        size = stack.shape[-1]
-        aside = ROUNDING * np.abs(stack).max() * np.diag(2 + np.cos(np.arange(size) ** 2))
-        return np.linalg.inv(stack + aside)
+    size, aside = stack.shape[-1], 0.0
+    for _ in range(8):
+        try:
+            return np.linalg.inv(stack + aside)
+        except (
+            np.linalg.LinAlgError
+        ):  # the very force of a divergence, or at which two motions meet
+            nudge = ROUNDING * np.abs(stack).max() * np.diag(2 + np.cos(np.arange(size) ** 2))
+            aside = 2 * aside + nudge
+    raise np.linalg.LinAlgError("Singular matrix")
 
 
 def slight(s: Complex | complex, lowest: float) -> Array:

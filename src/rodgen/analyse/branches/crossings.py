@@ -11,7 +11,6 @@ from rodgen.analyse.curves.special_points import on_chord
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.onset import Onset, onset
 from rodgen.analyse.pencil import Linear, Parts, Pencil
-from rodgen.analyse.small_motions import grown
 from rodgen.analyse.steady import linearised
 from rodgen.integrate.stepper import Array
 
@@ -40,16 +39,14 @@ def crossing(problem: Equilibria, a: Point, b: Point) -> list[Special]:
         beside = low if left == share else on_chord(problem, a, b, left)
         s = _crosses(problem, beside, upper)
         if s.imag > 0 or free:
-            found.append(_solved(problem, upper, s))
+            found.append(problem.crossed(beside, upper, s))
         low, share = upper, right
     return found
 
 
 def _crosses(problem: Equilibria, a: Point, b: Point) -> complex:
     """The eigenvalue that grows beside one point and not beside the other."""
-    growing = problem.growing
-    assert growing is not None
-    one, two = (grown(growing.motions(problem.steady(point.u))) for point in (a, b))
+    one, two = (problem.grown(point.u) for point in (a, b))
     here, there = (one, two) if len(one) > len(two) else (two, one)
     if not len(here):
         return 0j
@@ -58,7 +55,7 @@ def _crosses(problem: Equilibria, a: Point, b: Point) -> complex:
     return 0j if abs(s.imag) <= abs(s.real) else complex(1j * abs(s.imag))
 
 
-def _solved(problem: Equilibria, near: Point, s: complex) -> Special:
+def solved(problem: Equilibria, near: Point, s: complex) -> Special:
     """The crossing next to a point, by Newton's method on the linearised equations along the
     branch."""
     last = np.append(np.zeros(len(near.u) - 1), 1.0)
@@ -80,6 +77,11 @@ def _solved(problem: Equilibria, near: Point, s: complex) -> Special:
     try:
         found = onset(at, Onset(value, s), problem.variable.unit)
     except AnalysisError as error:
-        note = f"known to about {CLOSE:g} of a step only: {error}"
-        return Special(kind, near.u, frequency=s.imag / (2 * np.pi), note=note)
+        return about(near, s, error)
     return Special(kind, state(found.force), frequency=found.s.imag / (2 * np.pi))
+
+
+def about(near: Point, s: complex, why: AnalysisError) -> Special:
+    """The crossing at a point next to it."""
+    note = f"known to about {CLOSE:g} of a step only: {why}"
+    return Special(HOPF if s else BRANCH, near.u, frequency=s.imag / (2 * np.pi), note=note)

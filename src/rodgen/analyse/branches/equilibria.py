@@ -8,13 +8,14 @@ import numpy as np
 from scipy.sparse import csc_array, diags_array, hstack
 
 from rodgen.analyse.balance import WholeBalance
-from rodgen.analyse.branches.crossings import crossing
+from rodgen.analyse.branches.crossings import crossing, solved
 from rodgen.analyse.branches.variable import Variable
 from rodgen.analyse.curves.bordered import Matrix
 from rodgen.analyse.curves.curve import Point, Problem, Special
+from rodgen.analyse.eigen import Complex
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import Cells, sparse
-from rodgen.analyse.small_motions import Growing
+from rodgen.analyse.small_motions import Growing, grown
 from rodgen.analyse.steady import Steady, straight_state
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
@@ -82,8 +83,18 @@ class Equilibria(Problem):
             self.why_unknown = self.why_unknown or str(error)
             return None
 
+    def grown(self, u: Array) -> Complex:
+        """The eigenvalues that grow [1/s], both of every conjugate pair."""
+        assert self.growing is not None
+        return grown(self.growing.motions(self.steady(u)))
+
     def crossings(self, before: Point, after: Point) -> list[Special]:
         return crossing(self, before, after)
+
+    def crossed(self, before: Point, after: Point, s: complex) -> Special:
+        """Where the motion with a rate s, 0 where it does not oscillate, begins or ceases to grow
+        between two points next to each other."""
+        return solved(self, after, s)
 
 
 class Chain(Equilibria):

@@ -16,10 +16,11 @@ import numpy as np
 from scipy.linalg import null_space
 from scipy.optimize import root
 
-from rodgen.analyse.branches.crossings import HOPF
+from rodgen.analyse.branches.crossings import HOPF, about
 from rodgen.analyse.branches.equilibria import Equilibria
 from rodgen.analyse.branches.variable import Variable
-from rodgen.analyse.curves.curve import Point, Special
+from rodgen.analyse.confirm import Eigenvalues
+from rodgen.analyse.curves.curve import BRANCH, Point, Special
 from rodgen.analyse.curves.special_points import located
 from rodgen.analyse.eigen import Complex
 from rodgen.analyse.errors import AnalysisError
@@ -33,7 +34,6 @@ from rodgen.scene import Scene, SceneError
 AHEAD = np.array([[0.0, -1.0], [1.0, 0.0]])  # turns a vector by a right angle
 TRIED = 0.7  # rad by which the whole rod is turned, to see whether directions are alike
 ALIKE = 1e-9  # of the accelerations: a difference that is rounding
-GROWS, ROUNDED = 1e-6, 1e-9  # of the modulus, and of the largest: less growth may be rounding
 FOUND = 1e-3  # of what acts: what remains where a steady motion may be near
 INITIAL, RUN = "initial", "run"
 
@@ -187,9 +187,12 @@ class Motions(Equilibria):
 
     # Stability -----------------------------------------------------------------------------------
 
-    def rates(self, u: Array) -> Complex:
-        """Eigenvalues of small motions in the moving frame [1/s], without that zero which turning
-        the whole rod has where directions are alike."""
+    def _rates(self, u: Array) -> Complex:
+        return Eigenvalues.of_matrix(self._matrix(u)).s
+
+    def _matrix(self, u: Array) -> Array:
+        """Of small motions in the moving frame, without that zero which turning the whole rod has
+        where directions are alike."""
         state = self.steady(u)
         assert isinstance(state, SteadyMotion)
         if is_kinked(state.system) and state.straight:
@@ -207,34 +210,34 @@ class Motions(Equilibria):
             turned = np.concatenate((np.ones(size), carried, np.zeros(size)))
             keep = null_space(turned[None])
             A = keep.T @ A @ keep
-        return np.asarray(np.linalg.eigvals(A), dtype=complex)
+        return A
 
     def unstable(self, u: Array) -> int | None:
         try:
-            s = self.rates(u)
+            return Eigenvalues.of_matrix(self._matrix(u)).count
         except AnalysisError as error:
             self.why_unknown = self.why_unknown or str(error)
             return None
-        return int((s.real > GROWS * np.abs(s) + ROUNDED * np.abs(s).max()).sum())
 
-    def crossings(self, before: Point, after: Point) -> list[Special]:
-        """Where a motion begins or ceases to oscillate more and more between two points."""
+    def grown(self, u: Array) -> Complex:
+        found = Eigenvalues.of_matrix(self._matrix(u))
+        return found.s[found.growth > 0]
+
+    def crossed(self, before: Point, after: Point, s: complex) -> Special:
         assert before.unstable is not None
         assert after.unstable is not None
         order = min(before.unstable, after.unstable)
 
-        def next_one(point: Point) -> complex:
-            s = self.rates(point.u)
-            return complex(s[np.argsort(-s.real)[order]])
+        def growth(point: Point) -> float:
+            return -float(np.sort(-self._rates(point.u).real)[order])
 
         try:
-            here = located(self, before, after, lambda point: next_one(point).real)
-        except AnalysisError:
-            return []
-        s = next_one(here)
-        if abs(s.imag) <= GROWS * np.abs(self.rates(here.u)).max():
-            return []  # a fold or a branch point, which has its own equations
-        return [Special(HOPF, here.u, frequency=abs(s.imag) / (2 * np.pi))]
+            here = located(self, before, after, growth)
+        except AnalysisError as error:
+            return about(after, s, error)
+        rates = self._rates(here.u)
+        rate = rates[np.argmin(np.abs(rates - s))].imag if s else 0.0
+        return Special(HOPF if s else BRANCH, here.u, frequency=abs(rate) / (2 * np.pi))
 
 
 def motion_of(system: System, p: Array, y: Array) -> SteadyMotion:
