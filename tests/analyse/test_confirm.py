@@ -1,4 +1,4 @@
-"""Verdicts of stability against all eigenvalues: what is right passes, what is made wrong does not."""
+"""Verdicts of stability against all eigenvalues: right ones pass, those made wrong do not."""
 
 from __future__ import annotations
 

@@ -29,8 +29,8 @@ class Equilibrium(Shown):
     length); iterations: number of Newton's corrections, for all steps of the load; stages:
     fractions of the load through which it stepped, dimensionless; instability: "divergence" if a
     small motion grows without oscillating, "flutter" if one oscillates with growing amplitude, ""
-    if none grows, None if this was not looked at (more than 200 links); stable: the same as yes or
-    no; t: time at which the loads are taken [s]; states: added states by name, in the units of the
+    if none grows with all damping, None where this is not known (of more than 200 links; of a bent
+    rod, what external damping does beside loads that follow it); stable: the same as yes or no; t: time at which the loads are taken [s]; states: added states by name, in the units of the
     scene; scene: the scene at rest.
 
     Examples
@@ -62,7 +62,7 @@ class Equilibrium(Shown):
 
     def __repr__(self) -> str:
         x, y = self.tip
-        known = "stability not looked at" if self.stable is None else "stable"
+        known = "stability not known" if self.stable is None else "stable"
         how = f"unstable ({self.instability})" if self.instability else known
         return f"<Equilibrium of {self.scene.name}: tail at ({x:.6g}, {y:.6g}) m; {how}>"
 

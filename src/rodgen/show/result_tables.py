@@ -25,7 +25,7 @@ from rodgen.scene import Scene
 from rodgen.scene.contents import in_words
 from rodgen.studies.specification import Study
 
-STABLE = {"": "yes", None: "not looked at (more than 200 links)"}
+STABLE = {"": "yes", None: "not known (more than 200 links, or external damping of a bent rod)"}
 ROUNDING = 1e-15  # of the largest coordinate
 SHOWN = 10  # multipliers of a cycle
 
