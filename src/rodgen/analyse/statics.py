@@ -30,8 +30,9 @@ class Equilibrium(Shown):
     fractions of the load through which it stepped, dimensionless; instability: "divergence" if a
     small motion grows without oscillating, "flutter" if one oscillates with growing amplitude, ""
     if none grows with all damping, None where this is not known (of more than 200 links; of a bent
-    rod, what external damping does beside loads that follow it); stable: the same as yes or no; t: time at which the loads are taken [s]; states: added states by name, in the units of the
-    scene; scene: the scene at rest.
+    rod, what external damping does beside loads that follow it); stable: the same as yes or no; t:
+    time at which the loads are taken [s]; states: added states by name, in the units of the scene;
+    scene: the scene at rest.
 
     Examples
     --------

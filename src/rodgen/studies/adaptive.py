@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from rodgen.integrate.endings import FAILED
 from rodgen.scene import SceneError
-from rodgen.studies.keep import variables
+from rodgen.studies.keep import asked_for
 
 if TYPE_CHECKING:
     from rodgen.studies.specification import Study
@@ -47,7 +47,7 @@ class Classes:
     def of(cls, study: Study, by: str | None = None) -> Classes:
         """by: the name of a variable, with "> level" where it is a real number; by default the
         first that is none, else the first. Raises SceneError."""
-        kept = [one for one in variables(study)[:-4] if not one.shape]
+        kept = [one for one in asked_for(study) if not one.shape]
         ordinal = [one.name for one in kept if one.dtype != "f8"]
         if by is None and kept:
             return cls((ordinal or [kept[0].name])[0], ordinal=bool(ordinal))

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 RUN = "run"
 PARTS = ("rhs", "flow", "power", "lanes")  # of a module, that runs ask for
 LIMIT = 10**6  # of these
+METHOD = Variable("method", dtype="U16", fill="")  # by which a run was computed
 SUMMED = "total_work", "energy_balance"  # beside the work of each load
 
 _CALL = re.compile(r"\s*(\w+)\s*(?:\((.*)\))?\s*", re.DOTALL)
@@ -47,15 +48,19 @@ _OF_A_RUN = (
 def variables(study: Study) -> list[Variable]:
     """What the points of a study fill, known before any is computed. Raises SceneError for what
     cannot be kept, and for a study all of whose tried points the scene refuses."""
-    if study.what == RUN:
-        made = [variable for one in kept(study) for variable in one.variables]
-    else:
-        made = [variable_of(study, one) for one in found(study)]
-    names = [variable.name for variable in (*made, *ALWAYS)]
+    made = [*asked_for(study), *([METHOD] if study.what == RUN else []), *ALWAYS]
+    names = [variable.name for variable in made]
     for at, name in enumerate(names):
         if name in names[:at]:
             raise SceneError("compute.keep", name, "each thing once")
-    return [*made, *ALWAYS]
+    return made
+
+
+def asked_for(study: Study) -> list[Variable]:
+    """Those of them that a study names."""
+    if study.what == RUN:
+        return [variable for one in kept(study) for variable in one.variables]
+    return [variable_of(study, one) for one in found(study)]
 
 
 # Of a run -----------------------------------------------------------------------------------------

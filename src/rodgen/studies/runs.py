@@ -5,24 +5,27 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rodgen.integrate.crossings import Crossing
 from rodgen.integrate.endings import RunError, StepWarning
 from rodgen.integrate.equations import Equations, equations_of
 from rodgen.integrate.many import goes_side_by_side, watched_many
-from rodgen.integrate.methods.choose import choose
+from rodgen.integrate.methods.choose import choose, choose_from
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.stepper import Array
 from rodgen.loading import build_fastest
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.integration import AUTO
+from rodgen.studies.axis import Axis
 from rodgen.studies.block_arrays import Made
-from rodgen.studies.keep import PARTS, check_numbers, kept
+from rodgen.studies.keep import METHOD, PARTS, check_numbers, kept
 from rodgen.studies.measures import Count, Kept, Own, Peak, Sampled, Section, crossing_of
 from rodgen.studies.points import Point
 from rodgen.studies.reference import reference
@@ -32,6 +35,7 @@ if TYPE_CHECKING:
     from rodgen.studies.specification import Study
 
 MOST_CROSSED = 2**22  # numbers of crossings and samples that are kept at once
+MOST_CORNERED = 4  # varied numbers of which all ends are tried with each other, else one by one
 FEW = 3  # points of a group whose scenes are made sooner than what they share is found
 
 
@@ -76,21 +80,24 @@ def _together(study: Study, points: list[Point], made: Made, wanted: tuple[Kept,
     for shared, members in groups(points, others):
         share = _share(study, tuple(shared.items())) if len(members) > FEW else None
         left = members
+        usual = _method(study, tuple(shared.items()))
         if share is not None:
             p, y, taken = share.rows([points[at] for at in members])
             rows = np.flatnonzero(taken)
-            ready = [members[row] for row in rows]
-            batch(_decided(study, tuple(shared.items()), share.scene)).add(ready, p[rows], y[rows])
+            for method, some in _by_method(share, usual, p, y, rows).items():
+                ready = [members[row] for row in some]
+                batch(share.scene.integrated_by(method)).add(ready, p[some], y[some])
             left = [at for at, is_taken in zip(members, taken, strict=True) if not is_taken]
         for at in left:
             try:
                 scene = study.scene_at(points[at])
                 p, y = packed(scene)
-                batch(_decided(study, tuple(shared.items()), scene)).add([at], p[None], y[None])
+                batch(scene.integrated_by(usual or _choice(scene))).add([at], p[None], y[None])
             except SceneError as error:
                 made.fail(at, str(error))
     made.arrays["seconds"][:] = (time.process_time() - start) / max(1, len(points))
     for one in batches.values():
+        made.arrays[METHOD.name][one.points] = one.scene.integrate.method
         try:
             _run(study, one, points, made, wanted)
         except SceneError as error:
@@ -169,21 +176,41 @@ def _share(study: Study, shared: tuple[tuple[str, Any], ...]) -> Copying | None:
         return None
 
 
-def _decided(study: Study, shared: tuple[tuple[str, Any], ...], scene: Scene) -> Scene:
-    """The scene with the method that `auto` finds for the points that have these values in common:
-    it is one for all of them, so that it does not depend on who asks first."""
-    if scene.integrate.method != AUTO:
-        return scene
-    return scene.integrated_by(_method(study, shared) or _choice(scene))
-
-
 @lru_cache(maxsize=512)
 def _method(study: Study, shared: tuple[tuple[str, Any], ...]) -> str:
-    """What `auto` finds; empty where the scene refuses the point that stands for them."""
-    try:
-        return _choice(study.scene_at(reference(study) | dict(shared)))
-    except SceneError:
-        return ""
+    """The method of all points that have these values in common, where `auto` finds the same at
+    all ends of what is copied into them; empty where it does not. So it depends on what the study
+    is, and not on which of its points are asked for."""
+    given = reference(study) | dict(shared)
+    names = [name for name in _copied(study) if name not in dict(shared)]
+    ends = {axis.name: _ends(axis) for axis in study.axes if axis.name in names}
+    if len(ends) <= MOST_CORNERED:
+        tried = [dict(zip(ends, values, strict=True)) for values in product(*ends.values())]
+    else:
+        tried = [{name: value} for name, both in ends.items() for value in both]
+    found = set()
+    for changes in ({}, *tried):
+        with suppress(SceneError):  # of a point that is not in the study, or fails in its turn
+            found.add(_choice(study.scene_at(given | changes)))
+        if len(found) > 1:
+            return ""
+    return found.pop() if found else ""
+
+
+def _ends(axis: Axis) -> tuple[Any, Any]:
+    """The smallest and the largest value."""
+    return (min(axis.values), max(axis.values)) if len(axis.values) else (axis.low, axis.high)
+
+
+def _by_method(
+    share: Copying, method: str, p: Array, y: Array, rows: NDArray[np.intp]
+) -> dict[str, NDArray[np.intp]]:
+    """Rows of p and y0 by the method that runs them: by one for all, or each by its own."""
+    if method:
+        return {method: rows}
+    settings, model = share.scene.integrate, build_fastest(share.scene, PARTS)
+    found = np.array([choose_from(settings, model, p[row], y[row]).method for row in rows])
+    return {str(name): rows[found == name] for name in dict.fromkeys(found.tolist())}
 
 
 def _choice(scene: Scene) -> str:
@@ -207,8 +234,10 @@ def _one_by_one(
         start, point = time.process_time(), points[at]
         shared = tuple((name, point[name]) for name in others)
         try:
-            scene = _watching(study.scene_at(point), wanted)
-            _keep(_decided(study, shared, scene), wanted, made, at)
+            scene = study.scene_at(point)
+            scene = scene.integrated_by(_method(study, shared) or _choice(scene))
+            made.arrays[METHOD.name][at] = scene.integrate.method
+            _keep(_watching(scene, wanted), wanted, made, at)
         except (SceneError, RunError) as error:
             made.fail(at, str(error))
         made.arrays["seconds"][at] = time.process_time() - start

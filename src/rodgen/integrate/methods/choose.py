@@ -56,12 +56,17 @@ def choose(scene: Scene, model: ModuleType) -> Choice:
     >>> rodgen.choose(scene, rodgen.build(scene)).method
     'dop853'
     """
-    settings = scene.integrate
+    p = model.parameters(**scene.parameters)
+    return choose_from(scene.integrate, model, p, scene.initial_state())
+
+
+def choose_from(settings: Integrate, model: ModuleType, p: Array, y: Array) -> Choice:
+    """The method for a run from a state under parameters."""
     if settings.method != AUTO:
         return Choice(settings.method, "the scene asks for it")
     start, end = settings.span
     try:
-        fastest = fastest_motion(scene, model)
+        fastest = dominant(model, _inside(settings), y, p)
     except StepError:
         return Choice("dop853", "the rates at the start are not finite, of which the run will tell")
     return by_rule(fastest, end - start, settings.rtol, settings.budget)
@@ -119,12 +124,12 @@ def described(fastest: Dominant) -> str:
 def fastest_motion(scene: Scene, model: ModuleType) -> Dominant:
     """The fastest motion about the start of a scene. Raises StepError."""
     p = model.parameters(**scene.parameters)
-    return dominant(model, _inside(scene), scene.initial_state(), p)
+    return dominant(model, _inside(scene.integrate), scene.initial_state(), p)
 
 
-def _inside(scene: Scene) -> float:
+def _inside(settings: Integrate) -> float:
     """A time just after the start of the span."""
-    start, end = scene.integrate.span
+    start, end = settings.span
     return start + 1e-9 * (end - start)
 
 
