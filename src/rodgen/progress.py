@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from html import escape
+from math import isfinite
 from threading import Timer, current_thread, main_thread
 from time import perf_counter
 from typing import Any, Protocol, Self
@@ -16,6 +17,7 @@ DERIVING, EMITTING, COMPILING = "deriving the equations", "emitting the module",
 
 PATIENCE = 1.0  # seconds without a bar
 TOLD = 0.1  # seconds between two messages to a notebook
+FIRST, OFTEN = 10.0, 300.0  # seconds before the first line of progress; between two, at most
 
 Tell = Callable[[str], None]  # is told by name what is begun
 
@@ -80,24 +82,56 @@ def running(what: str, start: float, end: float) -> Iterator[Callable[[float], N
 
 
 @contextmanager
-def counting(what: str, total: int, before: int = 0) -> Iterator[Callable[[int, int], None]]:
+def counting(
+    what: str, total: int, before: int = 0, said: Tell | None = None
+) -> Iterator[Callable[[int, int], None]]:
     """A callback that is given how many points were computed, and how many of them failed; it shows
     how many there are of the total, so many of which were there before, how fast they come, and
-    what time is left."""
-    begun, done, failed = perf_counter(), 0, 0
+    what time is left: in a bar, or where there is none in lines, now and then, to ``said``."""
+    begun, done, failed, next_one = perf_counter(), 0, 0, FIRST
 
-    def step(count: int, bad: int) -> None:
+    def told(count: int, bad: int) -> tuple[str, float]:
+        """What is said after so many more, and how many come in a second."""
         nonlocal done, failed
         done, failed = done + count, failed + bad
         rate = done / max(perf_counter() - begun, 1e-9)
         lost = f", {failed} failed" if failed else ""
-        bar.show(before + done, f"{before + done} of {total} points, {rate:.3g} 1/s{lost}")
+        return f"{before + done} of {total} points, {rate:.3g} 1/s{lost}", rate
+
+    def step(count: int, bad: int) -> None:
+        bar.show(before + done + count, told(count, bad)[0])
+
+    def line(count: int, bad: int) -> None:
+        nonlocal next_one
+        (text, rate), passed = told(count, bad), perf_counter() - begun
+        if said is not None and passed >= next_one:
+            next_one = passed + min(passed, OFTEN)
+            said(f"{what}: {text}, {duration((total - before - done) / rate)} left")
 
     if not _shows():
-        yield lambda *_: None
+        yield (lambda *_: None) if said is None or _told.get() is not None else line
         return
     with _Bar(what, total, remaining=True) as bar, telling(lambda stage: bar.show(before, stage)):
         yield step
+
+
+def announce(what: str, said: Tell) -> None:
+    """Say what will be done where no bar shows it."""
+    if not _shows() and _told.get() is None:
+        said(what)
+
+
+def duration(seconds: float) -> str:
+    """Seconds, in the unit that suits them."""
+    if not isfinite(seconds):
+        return "-"
+    for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
+        if abs(seconds) >= 2 * size:
+            return f"{seconds / size:.3g} {unit}"
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)):
+        if abs(seconds) >= size or size == 1e-9:
+            return f"{seconds / size:.3g} {unit}"
+    raise AssertionError
 
 
 def _shows() -> bool:

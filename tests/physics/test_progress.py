@@ -18,6 +18,7 @@ from rodgen.integrate import simulate as simulate_function
 from rodgen.progress import COMPILING, DERIVING, EMITTING, telling
 from rodgen.scene import Structure
 from tests.sets import Make
+from tests.told import numbers
 
 
 class _Terminal(io.StringIO):
@@ -133,6 +134,32 @@ def test_no_bar_where_it_is_not_wanted(make_scene: Make) -> None:
         vary = {"initial.phi": [0.1, 0.2]}
         rodgen.study(scene, vary, what="static", workers=1, progress=False)
     assert not terminal.getvalue()
+
+
+def test_lines_where_there_is_no_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Now and then, of what was done and what is left; none to whoever is told already."""
+    monkeypatch.setattr(progress, "FIRST", 0.0)
+    lines: list[str] = []
+    with progress.counting("map", 10, 2, lines.append) as count:
+        count(3, 1)
+    progress.announce("a map", lines.append)
+    assert len(lines) == 2
+    assert numbers(lines[0])[:2] == [5, 10]
+    with telling(lambda _: None), progress.counting("map", 10, 2, lines.append) as count:
+        count(3, 1)
+        progress.announce("a map", lines.append)
+    with _looked_at(), progress.counting("map", 10, 2, lines.append) as count:
+        count(3, 1)
+        progress.announce("a map", lines.append)
+    assert len(lines) == 2
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(3e-9, "3 ns"), (0.0421, "42.1 ms"), (90.0, "90 s"), (150.0, "2.5 min"), (9000.0, "2.5 h")],
+)
+def test_a_time_in_the_unit_that_suits_it(seconds: float, text: str) -> None:
+    assert progress.duration(seconds) == text
 
 
 def test_a_bar_within_another_speaks_in_that() -> None:

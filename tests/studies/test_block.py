@@ -175,13 +175,30 @@ def test_events_sections_peaks_and_functions() -> None:
     same(found, computed(study, [1]), [1])
 
 
-def test_auto_is_one_method_for_points_that_share_the_rest(grid: Study) -> None:
-    """So that a point has the same bits with and without its neighbours."""
+def test_auto_finds_the_method_of_every_point(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One for all where the ends of the axes agree, else what `choose` finds of each; a point has
+    the same bits with and without its neighbours."""
     table = scene(PENDULUM, integrate={"method": "auto"})
-    study = Study.of(table, {"initial.phi": [0.1, 0.2, 0.3, 0.4, 0.5]}, keep=["last(tip_x)"])
-    every = computed(study)
+    alike = Study.of(table, {"initial.phi": [0.1, 0.2, 0.3, 0.4, 0.5]}, keep=["last(tip_x)"])
+    asked: list[Any] = []
+    monkeypatch.setattr(runs, "choose_from", lambda *given: asked.append(given))
+    every = computed(alike)
+    assert set(every["method"]) == {"dop853"}
+    assert not asked
+    monkeypatch.undo()
     runs._method.cache_clear()
-    same(every, computed(study, [3]), [3])
+    same(every, computed(alike, [3]), [3])
+    stiff = Scene.from_dict(DAMPED | {"integrate": {"span": [0.0, 400.0]}})
+    apart = Study.of(stiff, {TIME: [0.0, 1e-3, 0.1, 3.0]}, keep=["last(tip_y)"])
+    due = [
+        rodgen.choose(one := apart.scene_at(point), rodgen.build(one)).method
+        for point in points(apart, range(apart.count))
+    ]
+    every = computed(apart)
+    assert every["method"].tolist() == due
+    assert len(set(due)) > 1
+    runs._method.cache_clear()
+    same(every, computed(apart, [3, 1]), [3, 1])
 
 
 # Analyses ----------------------------------------------------------------------------------------

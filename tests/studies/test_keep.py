@@ -33,6 +33,7 @@ def test_variables_of_a_run() -> None:
         "peak(omega_0).frequency": ((), (), "f8", "Hz"),
         "peak(omega_0).amplitude": ((), (), "f8", "rad/s"),
         "mine": ((), (), "f8", ""),
+        "method": ((), (), "U16", ""),
         "status": ((), (), "U8", ""),
         "message": ((), (), "U200", ""),
         "energy_error": ((), (), "f8", "J"),

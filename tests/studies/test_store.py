@@ -20,7 +20,7 @@ from rodgen.studies.engine import run
 from rodgen.studies.store import Store, read
 from rodgen.studies.tally import reason, tally
 from tests.studies.conftest import PENDULUM, assert_same, scene, study_file
-from tests.told import refused
+from tests.told import numbers, refused
 
 pytestmark = pytest.mark.compiler
 KEEP = ["last(tip_x)", "max(phi_2)", "section(tip_y, where='phi_0', rising=0)"]
@@ -168,6 +168,7 @@ def test_failures_are_counted_by_reason(tmp_path: Path, rodgen: Any) -> None:
     file = study_file(tmp_path / "study.toml", "masses", {**PENDULUM, "integrate": few}, vary)
     done = rodgen("study", file, "--out", tmp_path, "--workers", 1, "--no-pictures")
     assert done.returncode == 0, done.stderr
+    assert numbers(done.stdout)[0] == 8  # what will be done, first of all
     path = tmp_path / "masses" / "study.zarr"
     found = tally(path)
     assert (found.points, found.computed, found.failed) == (8, 8, 6)

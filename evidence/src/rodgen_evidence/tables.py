@@ -7,7 +7,8 @@ from functools import partial
 from typing import NamedTuple
 
 from rodgen.analyse.precision.contestant import Row, Value
-from rodgen.analyse.precision.rows import duration, short
+from rodgen.analyse.precision.rows import short
+from rodgen.progress import duration
 
 NONE = "-"
 Show = Callable[[Value], str]

@@ -52,7 +52,8 @@ def precision(
 
 def _table(found: WorkPrecision) -> Table:
     """A line for every method: its cheapest settings, least error and largest stable step."""
-    from rodgen.analyse.precision.rows import duration, grouped, number, setting, short
+    from rodgen.analyse.precision.rows import grouped, number, setting, short
+    from rodgen.progress import duration
 
     measure, unit = found.measure, UNITS[found.measure]
     of = {"error_phi": "the angles at the end", "error_tail": "the tail over time"}[measure]

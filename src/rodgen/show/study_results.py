@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from rodgen.integrate.endings import FINISHED
 from rodgen.model.terms import axis_label
+from rodgen.studies.variable import ALWAYS, METHOD
 
 EVEN = 1e-6  # of the spacing in which an axis is linear or logarithmic
-ALWAYS = "status", "message", "energy_error", "seconds"
+BESIDE = {one.name for one in (*ALWAYS, METHOD)}  # what a study keeps without being asked
 MOST_SHOWN = 2 * 10**5  # points of a picture
 NAMES = {"stable": {1: "stable", 0: "unstable", -1: "not known"}}
 
@@ -62,7 +63,7 @@ class Results:
     @cached_property
     def kept(self) -> list[str]:
         """Names of what is kept, numbers of every point not among them."""
-        return [str(name) for name in self.dataset.data_vars if name not in ALWAYS]
+        return [str(name) for name in self.dataset.data_vars if name not in BESIDE]
 
     @property
     def title(self) -> str:

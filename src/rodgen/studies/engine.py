@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from rodgen.integrate.endings import FAILED
-from rodgen.progress import counting, telling, working
+from rodgen.progress import announce, counting, duration, telling, working
 from rodgen.scene import Scene, SceneError
 from rodgen.studies.adaptive import Rounds
 from rodgen.studies.adaptive import rounds as rounds_of
@@ -199,11 +199,22 @@ def run(
             with working(f"{study.name}: timing a point"):
                 seconds, texts = pool.timed(study)
         size = size_of(study, seconds, pool.count)
+        announce(_plan(study, seconds if there is None else None, pool.count, adaptive), said)
         store = there or Store.make(path, study, size, how)
         if rounds is None:
-            _compute(pool, store, texts)
+            _compute(pool, store, texts, said)
         else:
-            _refine(pool, store, rounds, first, max(1, int(PIECE / seconds)), texts)
+            _refine(pool, store, rounds, first, max(1, int(PIECE / seconds)), texts, said)
+
+
+def _plan(study: Study, seconds: float | None, workers: int, adaptive: float | None) -> str:
+    """What will be done; seconds: of a point, where that is known."""
+    most = "" if adaptive is None else "at most "
+    plan = f"{study.name}: {most}{study.count} points, {workers} at once"
+    if seconds is None:
+        return f"{plan}, of which those that are there are kept"
+    whole = duration(seconds * study.count / workers)
+    return f"{plan}: about {most}{whole}, by the time of points in the middle"
 
 
 def check_extra(scheduled: bool = True) -> None:
@@ -273,7 +284,7 @@ def _workers(
     return stack.enter_context(Cluster(workers or CPU_COUNT, scheduler, said))
 
 
-def _compute(pool: Workers, store: Store, texts: Texts) -> None:
+def _compute(pool: Workers, store: Store, texts: Texts, said: Callable[[str], None]) -> None:
     """Compute all blocks that are not marked. Raises StudyError where some are left."""
     done = store.done()
     layout, study = store.layout, store.study
@@ -282,7 +293,7 @@ def _compute(pool: Workers, store: Store, texts: Texts) -> None:
     order = (at % layout.count for at in range(start, start + layout.count))
     left = (block for block in order if not done[block] and not store.is_done(block))
     before = sum(layout.points(int(block)) for block in done.nonzero()[0])
-    with counting(study.name, study.count, before) as count:
+    with counting(study.name, study.count, before, said) as count:
         for one in pool.compute(store, left, texts):
             count(one.points, one.failed)
     missing = int((~store.done()).sum())
@@ -291,7 +302,13 @@ def _compute(pool: Workers, store: Store, texts: Texts) -> None:
 
 
 def _refine(
-    pool: Workers, store: Store, rounds: Rounds, wanted: list[int], size: int, texts: Texts
+    pool: Workers,
+    store: Store,
+    rounds: Rounds,
+    wanted: list[int],
+    size: int,
+    texts: Texts,
+    said: Callable[[str], None],
 ) -> None:
     """Compute the points that are asked for round by round, in pieces of a size, but those that the
     store has; wanted: those of the first round."""
@@ -299,7 +316,7 @@ def _refine(
     from rodgen.studies.task import joined
 
     known = np.asarray(store.arrays[MARK][...]).ravel() != ""
-    with counting(store.study.name, store.study.count, int(known.sum())) as count:
+    with counting(store.study.name, store.study.count, int(known.sum()), said) as count:
         while True:
             new = [index for index in wanted if not known[index]]
             pieces = (new[at : at + size] for at in range(0, len(new), size))

@@ -25,7 +25,7 @@ from rodgen.scene.errors import meant
 from rodgen.studies.findings import FINDINGS, Finding
 from rodgen.studies.measures import EVERY, MOST_POINTS, Count, Kept, Own, Peak, Sampled, Section
 from rodgen.studies.reference import reference
-from rodgen.studies.variable import ALWAYS, Variable
+from rodgen.studies.variable import ALWAYS, METHOD, Variable
 
 if TYPE_CHECKING:
     from rodgen.studies.specification import Study
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 RUN = "run"
 PARTS = ("rhs", "flow", "power", "lanes")  # of a module, that runs ask for
 LIMIT = 10**6  # of these
-METHOD = Variable("method", dtype="U16", fill="")  # by which a run was computed
 SUMMED = "total_work", "energy_balance"  # beside the work of each load
 
 _CALL = re.compile(r"\s*(\w+)\s*(?:\((.*)\))?\s*", re.DOTALL)

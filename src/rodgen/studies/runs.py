@@ -25,10 +25,11 @@ from rodgen.loading import build_fastest
 from rodgen.scene import Scene, SceneError
 from rodgen.studies.axis import Axis
 from rodgen.studies.block_arrays import Made
-from rodgen.studies.keep import METHOD, PARTS, check_numbers, kept
+from rodgen.studies.keep import PARTS, check_numbers, kept
 from rodgen.studies.measures import Count, Kept, Own, Peak, Sampled, Section, crossing_of
 from rodgen.studies.points import Point
 from rodgen.studies.reference import reference
+from rodgen.studies.variable import METHOD
 from rodgen.studies.vectors import Copying, copied, copying, groups, packed
 
 if TYPE_CHECKING:

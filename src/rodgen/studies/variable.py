@@ -29,3 +29,4 @@ ALWAYS = (
     Variable("energy_error", units="J"),
     Variable("seconds", units="s"),
 )
+METHOD = Variable("method", dtype="U16", fill="")  # of every run: by which it was computed

@@ -9,7 +9,7 @@ from importlib.metadata import version
 from rich.console import Console
 from rich.table import Table
 
-from rodgen.analyse.precision.rows import duration
+from rodgen.progress import duration
 
 
 class Times:

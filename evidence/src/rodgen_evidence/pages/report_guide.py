@@ -14,8 +14,9 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from rodgen.analyse.precision.contestant import Row
-from rodgen.analyse.precision.rows import duration, fine, number, short, text
+from rodgen.analyse.precision.rows import fine, number, short, text
 from rodgen.loading.cache import write_whole
+from rodgen.progress import duration
 from rodgen.show.precision_pictures import work_precision
 from rodgen_evidence.pages import report_curves as curves
 from rodgen_evidence.pages.report_matrix import legend

@@ -6,7 +6,8 @@ import math
 from statistics import median
 
 from rodgen.analyse.precision.contestant import Row
-from rodgen.analyse.precision.rows import cheapest, duration, fine, label, number, setting, short
+from rodgen.analyse.precision.rows import cheapest, fine, label, number, setting, short
+from rodgen.progress import duration
 from rodgen_evidence.report.contents import (
     FAILED,
     Contents,

@@ -63,16 +63,6 @@ def setting(row: Row) -> str:
     return f"{text(row, 'kind')} {shown}".strip()
 
 
-def duration(seconds: float) -> str:
-    """Seconds, in the unit that suits them."""
-    if not math.isfinite(seconds):
-        return "-"
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)):
-        if abs(seconds) >= size or size == 1e-9:
-            return f"{seconds / size:.3g} {unit}"
-    raise AssertionError
-
-
 def families(rows: Iterable[Row]) -> Iterator[list[Row]]:
     """Rows by scene, who, method, target and kind of setting, in the order of settings: loose to
     tight."""
