@@ -13,6 +13,7 @@ from rodgen.cli.curves import followed
 from rodgen.cli.options import (
     AsJson,
     AtTime,
+    CheckMesh,
     LongestStep,
     MostPoints,
     OutFolder,
@@ -70,6 +71,7 @@ def branch(
     step: LongestStep = 0.02,
     most: MostPoints = 2000,
     t: AtTime = None,
+    check_mesh: CheckMesh = False,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
@@ -94,6 +96,7 @@ def branch(
         "step": step,
         "most": most,
         "t": t,
+        "check_mesh": check_mesh,
     }
     with promised(None if as_json else out_folder / scene.name) as folder:
 

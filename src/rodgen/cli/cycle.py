@@ -11,6 +11,7 @@ from rodgen.cli.console import out, print_json, print_values, warn, working, wri
 from rodgen.cli.curves import followed, numbers
 from rodgen.cli.options import (
     AsJson,
+    CheckMesh,
     LongestStep,
     MostPoints,
     OutFolder,
@@ -103,6 +104,7 @@ def cycle(
         float | None,
         typer.Option(metavar="JOULES", help="With --mode: energy above that of rest."),
     ] = None,
+    check_mesh: CheckMesh = False,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
@@ -123,7 +125,8 @@ def cycle(
         name, other = ("--mode", "--energy") if energy is None else ("--energy", "--mode")
         raise SceneError(name, energy if mode is None else mode, f"given with {other}")
     if mode is not None:
-        for option, value in (("--vary", vary), ("--from", branch_file)):
+        others = {"--vary": vary, "--from": branch_file, "--check-mesh": check_mesh or None}
+        for option, value in others.items():
             if value is not None:
                 raise SceneError(option, str(value), "absent beside --mode")
     if vary is not None:
@@ -139,6 +142,7 @@ def cycle(
         elif branch_file:
             begin = {"start": equilibria(branch_file), "at": at}
         how = {"switch": switch, "segments": segments or SEGMENTS, "step": step, "most": most}
+        how["check_mesh"] = check_mesh
         _branch(scene, vary, between, as_json, out_folder, **begin, **how)
         return
     with promised(None if as_json else out_folder / scene.name) as folder:
@@ -146,9 +150,10 @@ def cycle(
             if mode is not None and energy is not None:
                 found = _of_mode(scene, mode, energy, segments or SEGMENTS)
             else:
-                found = _found(
-                    scene, branch_file, at, by=by, segments=segments, multipliers=multipliers
-                )
+                how = {"by": by, "segments": segments, "multipliers": multipliers}
+                found = _found(scene, branch_file, at, check_mesh=check_mesh, **how)
+        for note in found.notes:
+            warn(note)
         if not found.stable:
             warn(f"this cycle is unstable: {found.unstable} multipliers are larger than 1")
         double = not (found.work or found.forced)  # energy is kept
@@ -282,4 +287,5 @@ def _object(found: Cycle) -> dict[str, object]:
         "multipliers": [[mu.real, mu.imag] for mu in found.multipliers.tolist()],
         "energy": found.energy,
         "y0": found.y0.tolist(),
+        "notes": list(found.notes),
     }

@@ -16,6 +16,12 @@ AtTime = Annotated[
         help="Time within the span at which loads are taken [s]. Default: the start of the span.",
     ),
 ]
+CheckMesh = Annotated[
+    bool,
+    typer.Option(
+        "--check-mesh", help="Also compute with twice as many links, and say what changes by 1 %."
+    ),
+]
 Speed = Annotated[
     float | None,
     typer.Option(

@@ -24,6 +24,7 @@ from rodgen.analyse.curves.curve import (
 from rodgen.analyse.curves.datasets import extended, kept
 from rodgen.analyse.curves.special_points import branch_point
 from rodgen.analyse.curves.switching import chosen, switched
+from rodgen.analyse.curves.twice import compared, twice
 from rodgen.analyse.errors import guarded
 from rodgen.analyse.settle import settle
 from rodgen.analyse.small_motions import MOST_DENSE
@@ -74,6 +75,7 @@ def continue_equilibria(
     step: float = STEP,
     most: int = MOST,
     t: float | None = None,
+    check_mesh: bool = False,
     watch: Callable[[float], None] = lambda value: None,
 ) -> xarray.Dataset:
     """Follow a branch of equilibria, or of steady motions, while one number of a scene changes.
@@ -108,6 +110,9 @@ def continue_equilibria(
         Largest number of points.
     t
         Time whose loads are taken [s].
+    check_mesh
+        Also compute the same with twice as many links, and say in the notes what changes by more
+        than 1 %.
     watch
         A function that is called with every value, in SI units.
 
@@ -139,6 +144,10 @@ def continue_equilibria(
     """
     from rodgen.analyse.branches.branch_data import dataset, recorded
 
+    if check_mesh:
+        if resume is not None:
+            raise SceneError("check_mesh", True, "absent beside resume")
+        beside = twice(scene, key)
     low, high = _range(key, ends)
     begin = low if start is None else _inside("start", start, ends)
     before = None if resume is None else recorded(resume, scene, key, at)
@@ -182,7 +191,16 @@ def continue_equilibria(
         found = dataset(replace(branch, problem=problem, curve=curve))
         return found if resume is None else extended(resume, at, found)
 
-    return kept(curve, whole)
+    found = kept(curve, whole)
+    if not check_mesh:
+        return found
+
+    def follow_twice() -> xarray.Dataset:
+        given: dict[str, Any] = {"start": start, "switch": switch, "imperfection": imperfection}
+        given |= {"motion": motion, "step": step, "most": most, "t": t}
+        return continue_equilibria(beside, key, ends, **given)
+
+    return compared(found, scene.rod.links, follow_twice)
 
 
 def _prepared(

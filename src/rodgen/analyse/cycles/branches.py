@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rodgen.analyse.curves.continuation import Steps, continued, started, taken_up
 from rodgen.analyse.curves.curve import Curve, Point, Special, both_ways, corrected, point_at
 from rodgen.analyse.curves.datasets import extended, kept
+from rodgen.analyse.curves.twice import compared, twice
 from rodgen.analyse.cycles.closing import Orbit
 from rodgen.analyse.cycles.cycle import Cycle
 from rodgen.analyse.cycles.family import Cycles, Variation
@@ -67,6 +68,7 @@ def continue_cycles(
     step: float = STEP,
     most: int = MOST,
     target: str | None = None,
+    check_mesh: bool = False,
     watch: Callable[[float], None] = lambda value: None,
 ) -> xarray.Dataset:
     """Follow a branch of limit cycles, stable or not, while one number of a scene changes.
@@ -97,6 +99,9 @@ def continue_cycles(
         Largest number of points, each way.
     target
         "c" or "numpy"; if not given, C where it can be built.
+    check_mesh
+        Also follow the branch of twice as many links from a Hopf point or a run, and say
+        in the notes what changes by more than 1 %.
     watch
         A function that is called with every value, in SI units.
 
@@ -134,6 +139,10 @@ def continue_cycles(
     from rodgen.analyse.cycles.branch_data import dataset, recorded
 
     check_scene(scene)
+    if check_mesh:
+        if resume is not None or not isinstance(start, str):
+            raise SceneError("check_mesh", True, "absent beside resume, and a start that is given")
+        beside = twice(scene, key)
     ends = _ends(key, ends)
     count = segments_of(segments)
     steps = Steps.of(step, most, 10, LEAST)
@@ -158,7 +167,16 @@ def continue_cycles(
         branch = _both_ways(variation, cycle, value, count, steps, watch)
     if switch is not None and not branch.curve.interrupted:
         branch = _switched(branch, switch, steps, watch)
-    return kept(branch.curve, lambda: dataset(branch))
+    found = kept(branch.curve, lambda: dataset(branch))
+    if not check_mesh:
+        return found
+
+    def follow_twice() -> xarray.Dataset:
+        given: dict[str, Any] = {"start": start, "switch": switch, "segments": segments}
+        given |= {"step": step, "most": most, "target": target}
+        return continue_cycles(beside, key, ends, **given)
+
+    return compared(found, scene.rod.links, follow_twice)
 
 
 def _ends(key: str, ends: tuple[float, float]) -> tuple[float, float]:

@@ -35,8 +35,8 @@ class Cycle(Shown):
     its size, dimensionless; iterations: number of Newton's corrections; by: "collocation",
     "shooting" or "picard"; error: of the period and the larger multipliers, relative,
     dimensionless, from two meshes of collocation; after: length of the run that led to the cycle
-    [s]; model: the generated module, if it is there already; orbit: the mesh of the motion, from
-    which branches go on.
+    [s]; notes: what changes with twice as many links, if that was asked for; model: the generated
+    module, if it is there already; orbit: the mesh of the motion, from which branches go on.
 
     Examples
     --------
@@ -62,6 +62,7 @@ class Cycle(Shown):
     by: str
     error: float = 0.0
     after: float = 0.0
+    notes: tuple[str, ...] = ()
     model: ModuleType | None = field(default=None, repr=False, compare=False)
     orbit: Orbit | None = field(default=None, repr=False, compare=False)
 

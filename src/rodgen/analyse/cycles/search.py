@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from types import ModuleType
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
 
+from rodgen.analyse.curves.twice import cycle_notes, twice
 from rodgen.analyse.cycles import settling
 from rodgen.analyse.cycles.closing import Closing, Lap, O, Orbit
 from rodgen.analyse.cycles.collocation import Collocation
@@ -59,6 +60,7 @@ def find_cycle(
     y0: ArrayLike | None = None,
     period: float | None = None,
     target: str | None = None,
+    check_mesh: bool = False,
 ) -> Cycle:
     """Return the periodic motion that a scene settles on, with its Floquet multipliers.
 
@@ -88,6 +90,9 @@ def find_cycle(
         method then begins there, without a run.
     target
         "c" or "numpy"; if not given, C where it can be built.
+    check_mesh
+        Also find the cycle of twice as many links, and say in the notes what changes by more
+        than 1 %.
 
     Returns
     -------
@@ -109,6 +114,13 @@ def find_cycle(
     (0.8395, True, True)
     """
     check_scene(scene)
+    if check_mesh:
+        if y0 is not None:
+            raise SceneError("check_mesh", True, "absent beside y0")
+        given: dict[str, Any] = {"by": by, "segments": segments, "multipliers": multipliers}
+        found, beside = find_cycle(scene, **given, target=target), twice(scene)
+        found_twice = partial(find_cycle, beside, **given, target=target)
+        return replace(found, notes=cycle_notes(found, scene.rod.links, found_twice))
     if by not in (None, *WAYS.values()):
         raise SceneError("by", by, " or ".join(map(repr, WAYS.values())))
     for name, value, way in (
