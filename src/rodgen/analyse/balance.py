@@ -88,7 +88,15 @@ class WholeBalance:
 
     @cached_property
     def _mass(self) -> Array:
-        return np.asarray(self.system.model.mass_matrix(self.y, self.p))
+        return self._felt(np.asarray(self.system.model.mass_matrix(self.y, self.p)))
+
+    def _felt(self, mass: Array) -> Array:
+        """The inertia of all other motions of a rod that moves as it may where nothing holds it."""
+        base = self.system.base
+        if not len(self.free):
+            return mass
+        moved = mass[:, :base] @ self.free.T
+        return mass - moved @ np.linalg.solve(self.free @ moved[:base], moved.T)
 
     def _forced(self, rates: Array) -> Array:
         """Rows of accelerations as generalised forces."""
@@ -119,7 +127,7 @@ class WholeBalance:
             for at in range(base, half):
                 y = self.y.copy()
                 y[at] += NUDGE
-                change = self.system.model.mass_matrix(y, self.p) - self._mass
+                change = self._felt(self.system.model.mass_matrix(y, self.p)) - self._mass
                 slope[:half, at] += change @ self.rates[:half] / NUDGE
         return slope
 
@@ -170,7 +178,8 @@ class WholeBalance:
 
     def push(self) -> Array:
         """Force of all loads on the whole rod in the directions that are free (k,) [N]."""
-        return np.asarray(self.free @ self.residual[: self.system.base])
+        mass = self.system.model.mass_matrix(self.y, self.p)[: self.system.base]
+        return np.asarray(self.free @ (mass @ self.rates[: self._half]))
 
     def hold(self) -> float:
         """How the whole rod is held against being moved by its own length [N]."""

@@ -259,6 +259,8 @@ class Family:
 
     def each(self, forces: Array, modes: int = BASIS, elastic: bool = False) -> Iterator[Motions]:
         """The same motions under one load after the other, each when it is asked for."""
+        if not self.straight:  # beyond a load without an equilibrium nothing is known
+            return (one for P in forces for one in self.motions(P[None], modes, elastic).each())
         if self.dragged:
             return self.motions(forces, modes, elastic).each()
         return self._modal(forces, modes, self.neutral).each()

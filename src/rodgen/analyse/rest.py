@@ -22,8 +22,11 @@ ITERATIONS = 40  # of Newton's method for one load
 FARTHEST = 0.2  # rad of a correction that is taken, else the step is halved
 SMALL = 1e-4  # of the way: what changes its stability over it does so on this branch
 LEAST = 1e-6  # of the way, the smallest step
+BENT = 0.5  # of a step, that a branch may bend away from its tangent in it
+ASIDE = 2.0**-10  # of the way: a difference, of what is linear in it
 FOLDED = 0.02  # of the stiffness at the start: a branch that turns back after LEAST more of the way
 OTHERS = "`rodgen static --all` finds those of other branches, a damped run the one it rests in"
+CONTRACTED = 0.75  # of a correction, that the next one may be: else it leads elsewhere
 NOISE = 1e-9  # rad: a correction below it that no longer shrinks is rounding
 FLUTTER, DIVERGENCE = "flutter", "divergence"
 # Shares of the largest eigenvalue down to which a matrix and its inverse have the others well:
@@ -44,6 +47,10 @@ class Rest:
     change: float = np.inf
 
 
+class Folded(AnalysisError):
+    """A branch turns back before the whole load."""
+
+
 class Loading(NamedTuple):
     """Parameters of the module, and what the residual of rest is to be instead of zero: moments,
     or accelerations and rates, that keep their value however the rod moves."""
@@ -62,27 +69,32 @@ def follow(
     """The equilibrium at the end of the branch that begins with ``rest``, and the fractions of the
     way that were stepped through; at: the loading at every fraction; way: what they are of.
 
-    A step is taken where Newton's method converges without a large correction from the tangent,
-    and where no motion has become unstable or stable on the way: else it is halved, so that no
-    other branch is jumped to. A change that remains over the smallest step is one of this branch.
+    A step is taken where Newton's method converges from the tangent without a large correction,
+    where the branch turns by no more than it should, and where no motion has become unstable or
+    stable on the way: else it is halved, so that no other branch is jumped to. A change that
+    remains over the smallest step is one of this branch.
     Raises AnalysisError where the branch ends.
     """
     done, step, first = 0.0, 1.0, rest
     stages: list[float] = []
     signature = at(0.0).balance(system, rest).signature()
-    slope = None
+    slope = _tangent(system, rest, at, done)
     while done < 1:
         fraction = min(done + step, 1.0)
         trial = Rest(rest.at, rest.iterations)
         if slope is not None:
             trial.at = trial.at.moved(slope, fraction - done)
+        guess = trial.at
         taken = newton(system, trial, at(fraction))
+        tangent = _tangent(system, trial, at, fraction) if taken else None
+        if slope is not None and tangent is not None:
+            # Where branches meet, the other one is next to the tangent, but leads elsewhere.
+            ahead = BENT * max(_apart(guess, rest.at), FARTHEST * (fraction - done))
+            aside, turned = _apart(trial.at, guess), _apart(tangent, slope) * (fraction - done)
+            taken = (aside <= ahead and turned <= 2 * ahead) or 1 - done < SMALL
         found = at(fraction).balance(system, trial).signature() if taken else signature
         if taken and (found == signature or step < SMALL):
-            change = Unknowns(*(np.zeros_like(part) for part in rest.at))
-            change = change.moved(trial.at).moved(rest.at, -1.0)
-            slope = Unknowns(*(part / (fraction - done) for part in change))
-            rest, done, signature = trial, fraction, found
+            rest, done, signature, slope = trial, fraction, found, tangent
             stages.append(fraction)
             step *= 2
         else:
@@ -93,7 +105,7 @@ def follow(
                 _stiffness(at(f).balance(system, r)) for f, r in ((done, rest), (0.0, first))
             )
             if stiff < FOLDED * stiff_first:
-                raise AnalysisError(
+                raise Folded(
                     f"no equilibrium beyond {done:.6g} of {way} on the branch of the unloaded rod, "
                     f"which turns back there: {OTHERS}"
                 )
@@ -106,7 +118,7 @@ def follow(
 
 def newton(system: System, rest: Rest, loading: Loading) -> bool:
     """Iterate in place, with corrections below FARTHEST that shrink; whether it converged."""
-    before = FARTHEST
+    before = FARTHEST / CONTRACTED
     for _ in range(ITERATIONS):
         try:
             here = loading.balance(system, rest)
@@ -116,7 +128,7 @@ def newton(system: System, rest: Rest, loading: Loading) -> bool:
         change = max(_largest(by.phi), _largest(by.position) / system.scene.rod.length)
         rest.iterations += 1
         settled = change <= 4 * np.finfo(float).eps or (change < NOISE and change >= before / 2)
-        if not (settled or change < before):
+        if not (settled or change < CONTRACTED * before):
             return False
         # What no load follows may come to rest later than the rod.
         settled = settled and _largest(by.added) <= NOISE * (1 + _largest(rest.at.added))
@@ -126,6 +138,22 @@ def newton(system: System, rest: Rest, loading: Loading) -> bool:
             return True
         before = change
     return False
+
+
+def _tangent(
+    system: System, rest: Rest, at: Callable[[float], Loading], done: float
+) -> Unknowns | None:
+    """How an equilibrium changes along the way, None where that is not known."""
+    here = at(done).balance(system, rest)
+    further = at(done + ASIDE).balance(system, rest)
+    try:
+        return here.solved((here.residual - further.residual) / ASIDE)
+    except AnalysisError:
+        return None
+
+
+def _apart(one: Unknowns, other: Unknowns) -> float:
+    return _largest(one.phi - other.phi)
 
 
 def _stiffness(here: Balance) -> float:

@@ -9,10 +9,10 @@ import numpy as np
 from rodgen.analyse.balance import WholeBalance, balance
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import forces
-from rodgen.analyse.rest import ITERATIONS, Loading, Rest, follow, newton
+from rodgen.analyse.rest import ITERATIONS, Folded, Loading, Rest, follow, newton
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
-from rodgen.model.term import FORCE, WEIGHT, Term
+from rodgen.model.term import DRAG, FORCE, WEIGHT, Term
 from rodgen.model.terms import TERMS
 
 NEAR_END = 1e-4  # rad
@@ -56,13 +56,15 @@ def start_of(system: System, phi: Array) -> Unknowns:
 def _settled(
     system: System, given: dict[str, float], bend: float
 ) -> tuple[Rest, tuple[float, ...]]:
-    if not (system.clamped or system.anchored):
+    if not (system.clamped or system.anchored or system.steered):
         return _hang(system, given), (1.0,)
     try:
         return _load(system, given, bend)
+    except Folded:
+        raise
     except AnalysisError:
-        acting = [term for name, term in _sizes(system) if np.any(given.get(name, 0.0))]
-        if not acting or any(term.follows for term in acting):
+        acting = [term for name, term in _grown(system) if np.any(given.get(name, 0.0))]
+        if not acting or any(term.follows or term.kind == DRAG for term in acting):
             raise
         # Springs too soft to keep the rod near its straight shape: it hangs like a chain.
         with suppress(AnalysisError):
@@ -70,10 +72,10 @@ def _settled(
         raise
 
 
-def _sizes(system: System) -> list[tuple[str, Term]]:
+def _grown(system: System) -> list[tuple[str, Term]]:
     """Parameters that grow from zero as the rod is loaded, with their loads."""
     terms = [TERMS[name] for name in system.scene.structure.loads]
-    return [(one.name, term) for term in terms for one in term.sizes]
+    return [(one.name, term) for term in terms for one in term.proportions]
 
 
 def _check_rest(system: System, rest: Rest, p: Array) -> None:
@@ -96,19 +98,21 @@ def _load(system: System, given: dict[str, float], bend: float) -> tuple[Rest, t
     """The branch that begins with the unloaded rod: straight, or bent, by moments that keep it so
     (of springs at rest none, where it is straight) and their value while the load grows; they are
     taken away under the whole load."""
-    terms = [TERMS[name] for name in system.scene.structure.loads]
-    names = [one.name for term in terms for one in term.proportions]
-    loads = {name: np.asarray(given[name]) for name in names if name in given}
+    loads = {name: np.asarray(given[name]) for name, _ in _grown(system) if name in given}
 
     def p(fraction: float) -> Array:
         return system.parameters(**given | {k: fraction * value for k, value in loads.items()})
 
     rest = Rest(_bent(system, start_of(system, system.straight), p(0.0), bend))
     moments = Loading(p(0.0)).balance(system, rest).residual
-    rest, stages = follow(system, rest, lambda done: Loading(p(done), moments))
-    if moments.any():
-        way = "the way back to a rod that is straight without load"
+    if not moments.any():
+        return follow(system, rest, lambda done: Loading(p(done)))
+    way = "the way back to a rod that is straight without load"
+    try:
+        rest, stages = follow(system, rest, lambda done: Loading(p(done), moments))
         rest, _ = follow(system, rest, lambda done: Loading(p(1.0), (1 - done) * moments), way)
+    except Folded as error:  # of a rod that these moments bend, not of the rod itself
+        raise AnalysisError(str(error)) from None
     return rest, stages
 
 

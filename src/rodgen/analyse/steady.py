@@ -177,6 +177,13 @@ class Steady:
             # At any speed across the rod, however small, that has the same derivative.
             moving[half : 2 * half] = AT_REST * (across[:, 0] if base else 1.0)
         J[:, half : 2 * half] = system.model.jac(system.t, moving, self.p)[:, half : 2 * half]
+        if base and has_drag(system) and not (system.speed or smooth):
+            # Along the straight rod the share is none.
+            axis = np.array([np.cos(self.phi[0]), np.sin(self.phi[0])])
+            moving[half : 2 * half] = 0.0
+            moving[half : half + 2] = AT_REST * axis
+            along = system.model.jac(system.t, moving, self.p)[:, half : half + 2] @ axis
+            J[:, half : half + 2] += np.outer(along - J[:, half : half + 2] @ axis, axis)
         whole = whole or system.anchored
         if not system.anchored and (has_drag(system) or not system.steered):
             ways = across

@@ -189,9 +189,10 @@ class _Walk:
             curve.end, curve.complete = "the branch closes in itself", True
 
     def _returns(self, point: Point, start: Point, h: float) -> bool:
-        """Whether a point lies beside the start, and goes its way."""
-        near = self.problem.length(point.u - start.u) < h
-        return near and self._cosine(point.tangent, start.tangent) > TURNED
+        """Whether a point lies beside the start, which was ahead until then, and goes its way."""
+        near, before = self.problem.length(point.u - start.u) < h, self.curve.points[-2]
+        ahead = self._cosine(before.tangent, start.u - before.u) > 0
+        return near and ahead and self._cosine(point.tangent, start.tangent) > TURNED
 
     def _cosine(self, a: Array, b: Array) -> float:
         return float(a @ (self.problem.weights * b))
