@@ -23,6 +23,7 @@ from rodgen.integrate.stepper import Array
 Scales = tuple[Array, Array]
 NUDGE = 2.0**-52  # of the largest entry: a rounding
 ASIDE = 2.0**-45  # of the speed, to either side of straight ahead: more than a rounding
+NO_DRAG = 1e-24  # of the root of stiffness times inertia: damping that is none
 SMALL = 200  # unknowns up to which full matrices take less time than sparse ones
 SINGULAR = "the linearised equations are singular"
 
@@ -206,8 +207,10 @@ class Dense:
 
     @property
     def damped(self) -> bool:
-        """Whether rates have an effect."""
-        return bool(self.C.any())
+        """Whether rates have an effect, beyond the rounding of one that has none."""
+        sizes = (np.abs(part).max(initial=0.0) for part in self.parts)
+        stiff, drag, inertia = map(float, sizes)
+        return drag > NO_DRAG * (stiff * inertia) ** 0.5
 
     def at(self, s: complex) -> Matrix:
         """K + s C + s^2 M."""

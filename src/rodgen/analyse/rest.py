@@ -47,7 +47,7 @@ class Rest:
     change: float = np.inf
 
 
-class Folded(AnalysisError):
+class FoldError(AnalysisError):
     """A branch turns back before the whole load."""
 
 
@@ -105,7 +105,7 @@ def follow(
                 _stiffness(at(f).balance(system, r)) for f, r in ((done, rest), (0.0, first))
             )
             if stiff < FOLDED * stiff_first:
-                raise Folded(
+                raise FoldError(
                     f"no equilibrium beyond {done:.6g} of {way} on the branch of the unloaded rod, "
                     f"which turns back there: {OTHERS}"
                 )

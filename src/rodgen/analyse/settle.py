@@ -9,7 +9,7 @@ import numpy as np
 from rodgen.analyse.balance import WholeBalance, balance
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import forces
-from rodgen.analyse.rest import ITERATIONS, Folded, Loading, Rest, follow, newton
+from rodgen.analyse.rest import ITERATIONS, FoldError, Loading, Rest, follow, newton
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
 from rodgen.model.term import DRAG, FORCE, WEIGHT, Term
@@ -60,7 +60,7 @@ def _settled(
         return _hang(system, given), (1.0,)
     try:
         return _load(system, given, bend)
-    except Folded:
+    except FoldError:
         raise
     except AnalysisError:
         acting = [term for name, term in _grown(system) if np.any(given.get(name, 0.0))]
@@ -111,7 +111,7 @@ def _load(system: System, given: dict[str, float], bend: float) -> tuple[Rest, t
     try:
         rest, stages = follow(system, rest, lambda done: Loading(p(done), moments))
         rest, _ = follow(system, rest, lambda done: Loading(p(1.0), (1 - done) * moments), way)
-    except Folded as error:  # of a rod that these moments bend, not of the rod itself
+    except FoldError as error:  # of a rod that these moments bend, not of the rod itself
         raise AnalysisError(str(error)) from None
     return rest, stages
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rodgen.analyse.branches.equilibria import Equilibria
 
 HOPF = "hopf"
+SLOWEST = 1e-3  # of the rate beside it, over 2 pi: a motion that is slower there has none
 CLOSE = 1e-5  # of the way between two points, to which a crossing is narrowed
 
 
@@ -39,7 +40,9 @@ def crossing(problem: Equilibria, a: Point, b: Point) -> list[Special]:
         beside = low if left == share else on_chord(problem, a, b, left)
         s = _crosses(problem, beside, upper)
         if s.imag > 0 or free:
-            found.append(problem.crossed(beside, upper, s))
+            special = problem.crossed(beside, upper, s)
+            if special.kind != HOPF or special.frequency > SLOWEST * abs(s):
+                found.append(special)
         low, share = upper, right
     return found
 

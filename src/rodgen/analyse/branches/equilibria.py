@@ -33,7 +33,14 @@ class Equilibria(Problem):
         self.growing = self._growing(start, all_modes)
 
     def _growing(self, start: Steady, all_modes: bool) -> Growing | None:
-        """What grows about its states, in modes of the first, where it is counted so."""
+        """What grows about its states, in modes of the first, where it is counted so; where that
+        turns freely, in those of one that does not, if there is one."""
+        values = [value for value in self.variable.ends if start.turns_freely]
+        for value in values:
+            p = self.variable.parameters(value)
+            state, _ = straight_state(self.variable.system(value), p)
+            if state is not None and not state.turns_freely:
+                start = state
         try:
             return Growing(start, all_modes)
         except AnalysisError as error:  # of a bent rod that drag brakes, stability is not known
@@ -189,16 +196,6 @@ class Flight(Equilibria):
     def __init__(self, variable: Variable, start: Steady, all_modes: bool = False):
         super().__init__(variable, start, all_modes)
         self.weights = np.ones(1)
-
-    def _growing(self, start: Steady, all_modes: bool) -> Growing | None:
-        # Without load any rod turns freely: what its turning does is told by one that does not.
-        values = [value for value in self.variable.ends if start.turns_freely]
-        for value in values:
-            p = self.variable.parameters(value)
-            state, _ = straight_state(self.variable.system(value), p)
-            if state is not None and not state.turns_freely:
-                start = state
-        return super()._growing(start, all_modes)
 
     def packed(self, state: Steady, value: float) -> Array:
         return np.array([self.scaled(value)])

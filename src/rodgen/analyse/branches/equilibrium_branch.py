@@ -25,7 +25,7 @@ from rodgen.analyse.curves.datasets import extended, kept
 from rodgen.analyse.curves.special_points import branch_point
 from rodgen.analyse.curves.switching import chosen, switched
 from rodgen.analyse.curves.twice import compared, twice
-from rodgen.analyse.errors import guarded
+from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.settle import settle
 from rodgen.analyse.small_motions import MOST_DENSE
 from rodgen.analyse.steady import Steady, linearised, steady
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 
 STEP = 0.02  # of the range, or rad: the longest along a branch
 MOST = 2000  # points
+BESIDE = 1e-6  # of the range: next to a start in which no direction is known
 CHECKED = 5  # points of a branch of which all eigenvalues are looked at
 DOUBTED = "what was counted is not what the eigenvalues of the linearised equations say"
 
@@ -170,7 +171,12 @@ def continue_equilibria(
         onward = float(np.sign(high - low))
 
         def follow(way: float) -> Curve:
-            return continued(problem, started(problem, u, way * onward), *bounds, steps, watch=seen)
+            try:
+                point = started(problem, u, way * onward)
+            except AnalysisError:  # nothing gives the unloaded rod its direction
+                aside = way * onward * BESIDE * (bounds[1] - bounds[0])
+                point = started(problem, np.append(u[:-1], u[-1] + aside), way * onward)
+            return continued(problem, point, *bounds, steps, watch=seen)
 
         return follow(1.0) if start is None or begin in (low, high) else both_ways(follow)
 
