@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 
 from rodgen.analyse.eigen import Complex, all_shapes, lowest_shapes
+from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.modal import Modal, Motions
 from rodgen.analyse.neutral import NONE, Neutral
 from rodgen.analyse.pencil import Dense, Parts, Pencil
@@ -314,8 +316,11 @@ class Family:
         """What has no rate under any load."""
         if not self.dragged:
             return NONE
-        forces = self.unit * np.array(SOME)
-        return Neutral.of(self._modal(forces, self.whole, NONE).by_rates())
+        found: list[Array] = []
+        for size in SOME:
+            with suppress(AnalysisError):  # where the load is more than the rod bears
+                found.extend(self._modal(np.array([size * self.unit]), self.whole, NONE).by_rates())
+        return Neutral.of(found)
 
     def without_neutral(self, force: float) -> Array:
         """The matrix of first order in all modes, without what has no rate under any load."""

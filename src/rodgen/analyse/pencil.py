@@ -208,9 +208,8 @@ class Dense:
     @property
     def damped(self) -> bool:
         """Whether rates have an effect, beyond the rounding of one that has none."""
-        sizes = (np.abs(part).max(initial=0.0) for part in self.parts)
-        stiff, drag, inertia = map(float, sizes)
-        return drag > NO_DRAG * (stiff * inertia) ** 0.5
+        stiff, drag, inertia = (float(np.abs(part).max(initial=0.0)) for part in self.parts)
+        return bool(drag > NO_DRAG * np.sqrt(stiff * inertia))
 
     def at(self, s: complex) -> Matrix:
         """K + s C + s^2 M."""

@@ -150,8 +150,9 @@ def cycle(
             if mode is not None and energy is not None:
                 found = _of_mode(scene, mode, energy, segments or SEGMENTS)
             else:
-                how = {"by": by, "segments": segments, "multipliers": multipliers}
-                found = _found(scene, branch_file, at, check_mesh=check_mesh, **how)
+                more: dict[str, Any] = {"by": by, "segments": segments}
+                more["multipliers"] = multipliers
+                found = _found(scene, branch_file, at, check_mesh=check_mesh, **more)
         for note in found.notes:
             warn(note)
         if not found.stable:

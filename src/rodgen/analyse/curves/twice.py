@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from rodgen.analyse.cycles.cycle import Cycle
 
 MOVED = 0.01  # of a number: a change that is said
-TURN = {0: "subcritical", 1: "supercritical"}
 
 
 def twice(scene: Scene, key: str = "") -> Scene:
@@ -44,9 +43,10 @@ def _notes(data: xarray.Dataset, links: int, follow: Callable[[], xarray.Dataset
     except AnalysisError as error:
         yield f"{many} links there is none ({error})"
         return
-    turns = [TURN.get(one.attrs.get("supercritical")) for one in (data, other)]
-    if turns[0] != turns[1]:
-        yield f"{turns[0]} {few}, {turns[1]} {many}"
+    above = [one.attrs.get("supercritical") for one in (data, other)]
+    if above[0] != above[1]:
+        words = ["supercritical" if one else "subcritical" for one in above]
+        yield f"{words[0]} {few}, {words[1]} {many}"
     kinds = [one["special_kind"].values.tolist() for one in (data, other)]
     if kinds[0] != kinds[1]:
         shown = [", ".join(one) or "none" for one in kinds]

@@ -1,0 +1,42 @@
+"""The tables of a scene with other sizes of its loads."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rodgen_evidence.verdicts.link_chain import Table
+
+SIZES = "force", "force_per_length", "g", "x", "y", "normal", "tangential"
+
+
+def with_load(table: Table, load: str, size: float, others: float = 1.0) -> Table:
+    """The tables of a scene with another size of one load, and a share of the others."""
+    loads = {name: _shared(one, others) for name, one in table["loads"].items()}
+    if load == "follower":
+        one = table["loads"][load]
+        several = _shared(one, others) if isinstance(one, list) else [one]
+        several = [several[0] | {"force": size}, *several[1:]]
+        loads[load] = several if isinstance(one, list) else several[0]
+    elif load == "distributed_follower":
+        loads[load] = {"force_per_length": size / table["rod"]["length"]}
+    elif load == "gravity":
+        loads[load] = {"g": size}
+    elif load == "tip":
+        x, y = (table["loads"][load].get(axis, 0.0) for axis in "xy")
+        length = float(np.hypot(x, y))
+        loads[load] = {"x": size * x / length, "y": size * y / length}
+    return table | {"loads": loads}
+
+
+def _shared(load: Any, share: float) -> Any:
+    """A load with a share of its sizes."""
+    if share == 1.0:
+        return load
+    if isinstance(load, list):
+        return [_shared(one, share) for one in load]
+    return {
+        key: (f"{share!r}*({v})" if isinstance(v, str) else share * v) if key in SIZES else v
+        for key, v in load.items()
+    }
