@@ -15,6 +15,7 @@
 # make report [QUICK=1] [RESUME=1]    error against run time, stability, extremes, beside peers
 # make bench, bench-rhs, bench-many, bench-heyoka, bench-study, bench-engine, bench-workers, bench-load, bench-kills
 # make bench-analyse, bench-exponents, bench-cycles, bench-live
+# make verdicts [SCENES=200]    stability of random rods against 50 digits, their rests in a wind against plain continuation
 
 PYTHON ?= python3
 VENV ?= .venv
@@ -45,7 +46,7 @@ SCENE ?= scenes/missile.toml
 
 .PHONY: demo view derive test test-times check check-clean check-all check-newest check-lowest check-package check-joints \
 	faults lint types pages nightly lock bench bench-rhs bench-many bench-heyoka bench-study bench-engine bench-workers bench-load \
-	bench-kills bench-analyse bench-exponents bench-cycles bench-live docs reference figures screenshot thesis audit report guide clean
+	bench-kills bench-analyse bench-exponents bench-cycles bench-live verdicts docs reference figures screenshot thesis audit report guide clean
 
 demo: $(VENV)/installed
 	@$(BIN)/rodgen derive 20 --out generated
@@ -170,6 +171,10 @@ bench-load: $(VENV)/developing $(VENV)/evidence
 
 bench-kills: $(VENV)/developing $(VENV)/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.study_kills $(STUDIES)
+
+verdicts: $(VENV)/evidence
+	@$(BIN)/python -m rodgen_evidence.verdicts --scenes $(or $(SCENES),200)
+	@$(BIN)/python -m rodgen_evidence.verdicts.wind
 
 bench-live: $(VENV)/developing $(VENV)/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.live $(or $(SECONDS),20) $(LINKS) $(if $(AGAINST),--against $(AGAINST))

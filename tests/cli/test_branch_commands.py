@@ -151,7 +151,7 @@ def flutter(column: Write) -> Path:
 def test_a_cycle_as_json_and_as_a_table(works: Run, flutter: Path, tmp_path: Path) -> None:
     """It comes back to where it began, which is a multiplier of 1; and pictures beside a table."""
     found = json.loads(works("cycle", flutter, "--json").stdout)
-    assert list(found) == ["period", "multipliers", "energy", "y0"]
+    assert list(found) == ["period", "multipliers", "energy", "y0", "notes"]
     scene = Scene.from_toml(flutter)
     run = simulate(scene, y0=found["y0"], span=[0, found["period"]], rtol=1e-10, atol=1e-12)
     np.testing.assert_allclose(run.y[-1], found["y0"], atol=1e-7)
