@@ -104,7 +104,7 @@ def counting(
     def line(count: int, bad: int) -> None:
         nonlocal next_one
         (text, rate), passed = told(count, bad), perf_counter() - begun
-        if said is not None and passed >= next_one:
+        if said is not None and rate and passed >= next_one:
             next_one = passed + min(passed, OFTEN)
             said(f"{what}: {text}, {duration((total - before - done) / rate)} left")
 

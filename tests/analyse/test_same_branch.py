@@ -52,7 +52,7 @@ def test_a_rest_in_the_wind_beside_a_weight_turns_back_as_well() -> None:
 
 def test_a_line_does_not_close_in_itself() -> None:
     """Whose longest steps reach back to its start."""
-    loads = {"follower": {"force": 0.0, "angle": "-0.06*phi(0.5)"}}
+    loads = {"follower": {"force": 0.0, "angle": "-0.06*(0.37*omega(0.44) + phi(0.5))"}}
     branch = continue_equilibria(rod(5, "clamped", loads, **ONES), FORCE, (0.0, 60.0))
     assert branch["value"].values[-1] == 60.0
 
@@ -116,3 +116,48 @@ def test_flutter_before_a_fold_is_found() -> None:
     table["rod"] |= {"boundary": "pinned", "inertia": "lumped"}
     found = rodgen.critical_force(Scene.from_dict(table), highest=100.0)
     assert found.kind == "flutter"
+
+
+def test_a_branch_of_a_free_steered_rod_begins_without_load() -> None:
+    """Where no load gives it a direction; that of a gimbal which follows rates alone gives none."""
+    loads = {"follower": {"force": 0.0, "angle": "gimbal"}}
+    states = {"gimbal": {"rate": "20*(0.05*omega(0.3) - gimbal)"}}
+    branch = continue_equilibria(rod(2, "free", loads, states=states, **ONES), FORCE, (0.0, 60.0))
+    assert branch["value"].values[-1] == 60.0
+    hopf = branch["special_value"].values[branch["special_kind"].values == "hopf"].tolist()
+    s = eigenvalues(rod(2, "free", loads, states=states, **ONES).replace({FORCE: hopf[-1]}))
+    assert np.abs(s[s.imag > 0.1].real).min() < 1e-9
+
+
+def test_a_tiny_force_across_leads_an_upright_column_to_its_side() -> None:
+    """Around a sharp bend at Euler's load, to where the branch leads."""
+    loads = {"tip": {"x": 1e-6, "y": -30.0}}
+    scene = rod(10, "clamped", loads, clamp_angle=np.pi / 2, **ONES)
+    found = static_equilibrium(scene)
+    branch = continue_equilibria(scene, "loads.tip.y", (0.0, -30.0))
+    assert found.stable
+    np.testing.assert_allclose(found.phi, branch["phi"].values[-1], atol=1e-9)
+
+
+def test_a_kink_of_the_springs_is_passed() -> None:
+    spring = "k*max(-0.05, min(0.05, d)) + 0.2*k*d"
+    loads = {"gravity": {"g": 4.0}, "follower": {"force": 0.5}}
+    scene = rod(2, "clamped", loads, spring=spring, **ONES)
+    found = static_equilibrium(scene)
+    assert np.abs(np.diff(found.phi, prepend=0.0)).max() > 0.05
+    rates = rodgen.build(scene, "numpy").rhs(0.0, found.y, scene_parameters(scene))
+    np.testing.assert_allclose(rates, 0.0, atol=1e-9)
+
+
+def scene_parameters(scene: Scene) -> np.ndarray:
+    """p of a module."""
+    return rodgen.build(scene, "numpy").parameters(**scene.parameters)
+
+
+def test_roundings_of_a_neutral_motion_are_no_growth() -> None:
+    """External damping moves no divergence."""
+    loads = {"follower": {"force": 1.0, "angle": "0.02*phi(0.47)"}}
+    damped = loads | {"external_damping": {"coefficient": 0.5}}
+    bare, found = (rodgen.critical_force(rod(10, "pinned", x, **ONES)) for x in (loads, damped))
+    assert (bare.kind, found.growth) == (found.kind, 0.0)
+    assert found.force == pytest.approx(bare.force, rel=1e-6)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rodgen.analyse.confirm import doubt, doubt_of_onset
+from rodgen.analyse.confirm import ALIKE, doubt, doubt_of_onset, eigenvalues
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.family import (
     BASIS,
@@ -19,6 +19,7 @@ from rodgen.analyse.family import (
     scaled,
     unit_of,
 )
+from rodgen.analyse.modal import slight
 from rodgen.analyse.onset import At, Onset, digits, onset
 from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.rest import DIVERGENCE, FLUTTER
@@ -188,6 +189,8 @@ def critical_force(
     forces = grid(low, high, family.unit)
     search = Search(family, forces, BASIS, elastic)
     growth = float(search.first.growth.max(initial=0.0))
+    if 0 < growth <= ALIKE * slight(0.0, family.lowest) and not eigenvalues(family, low).count:
+        growth = 0.0  # the rounding of a motion that nothing resists
     if growth and lowest is None and end == UPPER and not windows:
         raise AnalysisError(_unstable(search, growth))
     found = _first(search, end, growth)
@@ -348,7 +351,7 @@ def _onset(search: Search, near: Onset) -> Onset:
         found = zero_onset(family.without_neutral, near, family.unit)
     else:
         found = onset(_equations(family, near), near, family.unit, family.straight)
-    if found.force < lowest + AT_ONCE * family.unit:
+    if found.force - found.error < lowest + AT_ONCE * family.unit:
         return replace(found, force=lowest)
     if found.error > KNOWN * abs(found.force) and family.whole <= BASIS:
         raise AnalysisError(

@@ -1,4 +1,4 @@
-"""The equilibrium at the end of a branch: Newton's method, the way to it, and which motions grow.
+"""The equilibrium at the end of a branch: Newton's method, and the way to it.
 
 What is asked for is one state under the whole load, which one to three runs of Newton's method
 find, through changes of stability too: `follow` steps in the load and locates nothing on its way.
@@ -20,21 +20,17 @@ from rodgen.integrate.stepper import Array
 
 ITERATIONS = 40  # of Newton's method for one load
 FARTHEST = 0.2  # rad of a correction that is taken, else the step is halved
-SMALL = 1e-4  # of the way: what changes its stability over it does so on this branch
-LEAST = 1e-6  # of the way, the smallest step
+SMALL = 1e-8  # of the way: what changes its stability over it does so on this branch
+LEAST = 1e-10  # of the way, the smallest step
+SMOOTH = 0.02  # of a step, on which a motion may become unstable
+KINKED = 16.0  # times that, in the smallest steps
 BENT = 0.5  # of a step, that a branch may bend away from its tangent in it
 ASIDE = 2.0**-10  # of the way: a difference, of what is linear in it
-FOLDED = 0.02  # of the stiffness at the start: a branch that turns back after LEAST more of the way
+FOLDED = 1e-3  # of the stiffness at the start: a branch that turns back after LEAST more of the way
 OTHERS = "`rodgen static --all` finds those of other branches, a damped run the one it rests in"
 CONTRACTED = 0.75  # of a correction, that the next one may be: else it leads elsewhere
 NOISE = 1e-9  # rad: a correction below it that no longer shrinks is rounding
 FLUTTER, DIVERGENCE = "flutter", "divergence"
-# Shares of the largest eigenvalue down to which a matrix and its inverse have the others well:
-# together they reach over twelve decades, of which 200 links take ten.
-OF_MATRIX, OF_INVERSE = 1e-8, 1e-4
-ROUNDING = 1e-13  # times links squared, of the other squared rates: the slowest is zero
-GROWTH, SLOWEST = 1e-7, 1e-12  # of a rate, and of the largest: less growth may be rounding
-DOUBLE = 1e-7  # times links, of a squared rate: imaginary parts that a double root may show
 
 
 @dataclass
@@ -69,10 +65,9 @@ def follow(
     """The equilibrium at the end of the branch that begins with ``rest``, and the fractions of the
     way that were stepped through; at: the loading at every fraction; way: what they are of.
 
-    A step is taken where Newton's method converges from the tangent without a large correction,
-    where the branch turns by no more than it should, and where no motion has become unstable or
-    stable on the way: else it is halved, so that no other branch is jumped to. A change that
-    remains over the smallest step is one of this branch.
+    A step is taken where Newton's method converges from the tangent without a large correction and
+    the branch turns by no more than it should; where a motion has become unstable or stable on the
+    way, it is to be next to straight. Else it is halved, so that no other branch is jumped to.
     Raises AnalysisError where the branch ends.
     """
     done, step, first = 0.0, 1.0, rest
@@ -87,13 +82,19 @@ def follow(
         guess = trial.at
         taken = newton(system, trial, at(fraction))
         tangent = _tangent(system, trial, at, fraction) if taken else None
+        bent, smooth = False, step < SMALL
         if slope is not None and tangent is not None:
             # Where branches meet, the other one is next to the tangent, but leads elsewhere.
-            ahead = BENT * max(_apart(guess, rest.at), FARTHEST * (fraction - done))
+            way_on = _apart(guess, rest.at)
             aside, turned = _apart(trial.at, guess), _apart(tangent, slope) * (fraction - done)
-            taken = (aside <= ahead and turned <= 2 * ahead) or 1 - done < SMALL
+            away, least = max(aside, turned / 2), FARTHEST * (fraction - done)
+            smooth = smooth or away <= SMOOTH * way_on + NOISE
+            # At a kink the tangent jumps, by no more in shorter steps; between branches by more.
+            ahead = BENT * max(way_on, least) * (KINKED if step < SMALL else 1.0)
+            bent = taken and away > ahead and 1 - done >= SMALL
+            taken = taken and not bent
         found = at(fraction).balance(system, trial).signature() if taken else signature
-        if taken and (found == signature or step < SMALL):
+        if taken and (found == signature or smooth):
             rest, done, signature, slope = trial, fraction, found, tangent
             stages.append(fraction)
             step *= 2
@@ -109,9 +110,10 @@ def follow(
                     f"no equilibrium beyond {done:.6g} of {way} on the branch of the unloaded rod, "
                     f"which turns back there: {OTHERS}"
                 )
+            why = "the branch bends too sharply" if bent else "Newton's method failed"
             raise AnalysisError(
-                f"no equilibrium found beyond {done:.6g} of {way}: Newton's method failed from "
-                f"there for every step down to {LEAST:g} of it ({rest.iterations} iterations)"
+                f"no equilibrium found beyond {done:.6g} of {way}: {why} from there for every "
+                f"step down to {LEAST:g} of it ({rest.iterations} iterations)"
             )
     return rest, tuple(stages)
 

@@ -63,6 +63,8 @@ def _settled(
     except FoldError:
         raise
     except AnalysisError:
+        if bend:  # which says to which side
+            raise
         acting = [term for name, term in _grown(system) if np.any(given.get(name, 0.0))]
         if not acting or any(term.follows or term.kind == DRAG for term in acting):
             raise

@@ -76,19 +76,21 @@ def grown(found: Motions) -> Complex:
 def instability(state: Steady) -> str | None:
     """What small motions about a steady state do: "divergence" if that which grows most does not
     oscillate, "flutter" if it does, "" if none grows. None where that was not looked at, beyond 200
-    links, or is not known: where none grows, some do not die away, and external damping, which has
-    no linear part about a bent rod, acts beside loads that can do work around a loop."""
+    links, or is not known: external damping, which has no linear part about a bent rod, may heal or
+    harm where loads can do work around a loop."""
     system = state.system
     if system.cells > MOST_DENSE:
         return None
     smooth = is_kinked(system) and not state.straight
     found = Growing(state, every=True, smooth=smooth).motions(state)
-    if (found.growth > 0).any():
-        s = found.s[np.argmax(found.growth)]
-        return FLUTTER if abs(s.imag) > REAL * abs(s) else DIVERGENCE
-    known = found.s[np.isfinite(found.s)]
-    lasting = (known.real > -REAL * np.abs(known)).any()
-    return None if smooth and lasting and not _conservative(state.dense(smooth=True)) else ""
+    grows = found.s[found.growth > 0]
+    real = np.abs(grows.imag) <= REAL * np.abs(grows)
+    # More damping heals no odd number of motions that diverge, nor harms without a loop.
+    if smooth and not (real.sum() % 2 or _conservative(state.dense(smooth=True))):
+        return None
+    if not len(grows):
+        return ""
+    return DIVERGENCE if real[np.argmax(grows.real)] or smooth else FLUTTER
 
 
 def _conservative(linear: Dense) -> bool:

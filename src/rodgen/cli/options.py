@@ -19,7 +19,8 @@ AtTime = Annotated[
 CheckMesh = Annotated[
     bool,
     typer.Option(
-        "--check-mesh", help="Also compute with twice as many links, and say what changes by 1 %."
+        "--check-mesh",
+        help="Also compute with twice as many links, and say what changes by more than 1 %.",
     ),
 ]
 Speed = Annotated[

@@ -21,6 +21,7 @@ from rodgen.scene.grammar import MOST_KNOTS, TABLE, parse
 LARGEST = 1_000_000  # bytes
 KINDS = (".csv", ".eng", ".rse")
 MOTORS = (".eng", ".rse")
+DECLARED = re.compile(r"^\s*<\?xml[^>]*\?>")  # an encoding, of what is text already
 BETWEEN = re.compile(r"[,;\s]+")
 MOTOR_FIELDS = 7  # of a RASP header: name, diameter, length, delays, two masses, maker
 
@@ -56,11 +57,17 @@ class _Reader(ast.NodeTransformer):
                 columns = zip(*rows, strict=True)
                 lists = [ast.parse(repr(list(column)), mode="eval").body for column in columns]
                 table = ast.Call(node.func, [x, *lists, *kind], [])
-                end, last = rows[-1]
-                if last == 0 or Path(name).suffix.lower() not in MOTORS:
+                (begin, first), (end, last) = rows[0], rows[-1]
+                if Path(name).suffix.lower() not in MOTORS:
                     return table
-                burns = ast.Compare(x, [ast.LtE()], [ast.Constant(end)])
-                return ast.IfExp(burns, table, ast.Constant(0.0))
+                burns: ast.expr = table
+                if last:
+                    until = ast.Compare(x, [ast.LtE()], [ast.Constant(end)])
+                    burns = ast.IfExp(until, burns, ast.Constant(0.0))
+                if first:
+                    from_then = ast.Compare(x, [ast.GtE()], [ast.Constant(begin)])
+                    burns = ast.IfExp(from_then, burns, ast.Constant(0.0))
+                return burns
         return node
 
     def _rows(self, name: str) -> list[tuple[float, float]]:
@@ -127,8 +134,8 @@ def _rocksim(lines: list[str], refused: Any) -> list[tuple[float, float]]:
     if "<!DOCTYPE" in text or "<!ENTITY" in text:  # which could name other files, or grow
         raise refused("a RockSim file without definitions of its own")
     try:
-        motors = ElementTree.fromstring(text.encode()).findall(".//engine")
-    except ElementTree.ParseError as error:
+        motors = ElementTree.fromstring(DECLARED.sub("", text)).findall(".//engine")
+    except (ElementTree.ParseError, ValueError) as error:
         raise refused(f"a RockSim file, in XML ({error})") from None
     if len(motors) != 1:
         raise refused(f"a RockSim file of one motor (this has {len(motors)})")

@@ -46,7 +46,7 @@ class PerLink:
         return ".".join(self.key)
 
 
-def per_link(scene: Scene) -> Iterator[PerLink]:
+def per_link(scene: Scene, everything: bool = False) -> Iterator[PerLink]:
     """The damping of a scene that its number of links is part of.
 
     A joint has the moment c_int M/n times the difference of two rates, which is l = L/n times the
@@ -54,7 +54,7 @@ def per_link(scene: Scene) -> Iterator[PerLink]:
     the mass M/2n of an end: what it has beyond the body's factor, which is spread, grows as n.
     """
     for term in map(TERMS.__getitem__, scene.loads.terms):
-        if not scene.loads.value(term.parameters[0].name):
+        if not (everything or scene.loads.value(term.parameters[0].name)):
             continue  # the load does nothing
         for one in term.parameters:
             value, key = scene.loads.value(one.name), scene.place(one.name)

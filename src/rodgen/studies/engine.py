@@ -210,11 +210,13 @@ def run(
 def _plan(study: Study, seconds: float | None, workers: int, adaptive: float | None) -> str:
     """What will be done; seconds: of a point, where that is known."""
     most = "" if adaptive is None else "at most "
-    plan = f"{study.name}: {most}{study.count} points, {workers} at once"
+    where = "1 processor" if workers == 1 else f"{workers} processors"
+    plan = f"{study.name}: {most}{study.count} points on {where}"
     if seconds is None:
         return f"{plan}, of which those that are there are kept"
-    whole = duration(seconds * study.count / workers)
-    return f"{plan}: about {most}{whole}, by the time of points in the middle"
+    return (
+        f"{plan}: about {duration(seconds * study.count / workers)}, as points in the middle take"
+    )
 
 
 def check_extra(scheduled: bool = True) -> None:

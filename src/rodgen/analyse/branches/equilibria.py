@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 
 import numpy as np
+from scipy.linalg import null_space
 from scipy.sparse import csc_array, diags_array, hstack
 
 from rodgen.analyse.balance import WholeBalance
@@ -20,6 +21,7 @@ from rodgen.analyse.steady import Steady, straight_state
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
 
+NEUTRAL = 1e-9  # of the stiffness: none
 SMALL = 90  # unknowns up to which full matrices take less time than sparse ones
 
 
@@ -152,7 +154,7 @@ class Whole(Equilibria):
         super().__init__(variable, start, all_modes)
         system = start.system
         here = WholeBalance(system, system.at_rest(start.at), start.p, 0.0)
-        self.basis, self.origin = here.basis, self._coordinates(start.at)
+        self.basis, self.origin = self._held(here.basis), self._coordinates(start.at)
         sizes = np.ones(len(self.basis))
         sizes[: system.base] = system.scene.rod.length
         added = slice(system.base + system.cells, None)
@@ -163,6 +165,19 @@ class Whole(Equilibria):
         self.weights = np.append(np.abs(self.basis).T @ angles, 1.0)
         slope = np.abs(self.basis.T @ here.slope @ self.basis) @ self.columns
         self.rows = 1 / np.where(slope > 0, slope, 1.0)
+
+    def _held(self, basis: Array) -> Array:
+        """Without turning the whole rod, where that has no effect under any load."""
+        start, ways = self.start, np.zeros(len(basis))
+        ways[start.system.base : start.system.base + start.system.cells] = 1.0
+        turning = basis.T @ ways
+        for value in self.variable.ends:
+            system, p = self.variable.system(value), self.variable.parameters(value)
+            slope = WholeBalance(system, system.at_rest(start.at), p, 0.0).slope
+            reduced = basis.T @ slope @ basis
+            if np.abs(reduced @ turning).max() > NEUTRAL * np.abs(reduced).max():
+                return basis
+        return np.asarray(basis @ null_space(turning[None]))
 
     @staticmethod
     def _coordinates(at: Unknowns) -> Array:

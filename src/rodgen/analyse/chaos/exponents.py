@@ -86,7 +86,7 @@ class Exponents(Shown):
     @property
     def chaotic(self) -> bool | None:
         """Whether neighbours come apart exponentially; None where that cannot be told. An exponent
-        within three errors of zero is judged by the 0-1 test where that is decisive."""
+        one to three errors above zero is judged by the 0-1 test where that is decisive."""
         largest, error = float(self.exponents[0]), float(self.errors[0])
         if largest > 3 * error or (largest > error and self.zero_one > CHAOTIC):
             return True

@@ -118,8 +118,8 @@ def find_cycle(
         if y0 is not None:
             raise SceneError("check_mesh", True, "absent beside y0")
         given: dict[str, Any] = {"by": by, "segments": segments, "multipliers": multipliers}
-        found, beside = find_cycle(scene, **given, target=target), twice(scene)
-        found_twice = partial(find_cycle, beside, **given, target=target)
+        found_twice = partial(find_cycle, twice(scene), **given, target=target)
+        found = find_cycle(scene, **given, target=target)
         return replace(found, notes=cycle_notes(found, scene.rod.links, found_twice))
     if by not in (None, *WAYS.values()):
         raise SceneError("by", by, " or ".join(map(repr, WAYS.values())))
