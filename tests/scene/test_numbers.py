@@ -161,9 +161,7 @@ def test_the_thrust_of_a_motor_ends_with_its_curve(tmp_path: Path) -> None:
     early = MOTOR.replace("0.031 0.946", "0 9.46\n0.031 0.946")
     force = _from_file(tmp_path, "e.eng", early).expression("follower_force")
     assert force is not None
-    np.testing.assert_allclose(
-        force(np.array([-1e-6, 0.0])), [0.0, 18.92]
-    )  # and does not burn before
+    np.testing.assert_allclose(force(np.array([-1e-6, 0.0])), [0.0, 18.92])
     force = _from_file(tmp_path, "kept.csv", "0 0\n1 3.5").expression("follower_force")
     assert force is not None
     assert force(9.0) == 7.0

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rodgen.analyse.balance import free_ways
 from rodgen.analyse.eigen import MOST_DENSE, Values, all_values, lowest_values, refined
 from rodgen.analyse.errors import guarded
+from rodgen.analyse.modal import CRUDE, ROUNDING
 from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System, flown
@@ -142,8 +143,10 @@ def modes_about(state: Steady, count: int) -> Modes:
     moves, kept = _oscillating(s, count)
     phi, moved = _shapes(state, s[kept], vectors[:, kept].T)
     growth = s.real[kept]
-    if not pencil.damped:
-        growth = np.where(np.abs(growth) > STILL * np.abs(s[kept]), growth, 0.0)
+    least = 0.0 if pencil.damped else STILL * np.abs(s[kept])
+    rounded = CRUDE * ROUNDING * np.abs(s).max(initial=0.0)
+    real = (np.abs(growth) > least) & ((growth < 0) | (growth > rounded))
+    growth = np.where(real, growth, 0.0)
     return Modes(
         frequencies=s[kept].imag / (2 * np.pi),
         growth=growth,
