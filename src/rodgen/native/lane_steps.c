@@ -225,6 +225,8 @@ static void choose(struct many *m, double *going, double *h, double *next)
 static void try_dop853(struct many *m, const double *going, const double *h, const double *next, double *kept)
 {
     double t[LANES], zeros[LANES] = {0.0}, five[LANES] = {0.0}, three[LANES] = {0.0};
+    double last[LANES] = {0.0}, sampled[LANES];
+    int any = 0;
     for (int stage = 0; stage < STEPS; ++stage) {
         move(m->y, h, &dop853.stages[stage].sum, m->k, 0, m->all, m->trial);
         SIDE_BY_SIDE
@@ -240,11 +242,21 @@ static void try_dop853(struct many *m, const double *going, const double *h, con
     add_zeros(m->on, m->all, zeros);
     add_zeros(m->k[AFTER], m->all, zeros);
     SIDE_BY_SIDE {
+        sampled[w] = going[w] > 0.0 && next_sample(m, m->lane + w) < next[w] ? 1.0 : 0.0;
+        any |= sampled[w] > 0.0;
+    }
+    if (any) {
+        rodgen_prepare_dense(m, sampled, h);
+        add_squares(m, m->k[SUMS + 3], m->y, m->on, last);
+    }
+    SIDE_BY_SIDE {
         struct lane *const lane = m->lane + w;
         kept[w] = 0.0;
         if (!(going[w] > 0.0))
             continue;
-        const double error = error_of_both(five[w], three[w], h[w], (double)m->states);
+        double error = error_of_both(five[w], three[w], h[w], (double)m->states);
+        if (sampled[w] > 0.0)
+            error = fmax(error, error_between(last[w], h[w], (double)m->states));
         if (is_kept(&lane->is, h[w], error, zeros[w] == 0.0, (int)lane->again, lane->cut))
             kept[w] = 1.0;
         else
