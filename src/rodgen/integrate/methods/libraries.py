@@ -16,6 +16,10 @@ from rodgen.model.methods import METHODS
 from rodgen.scene import SceneError
 
 LOOKS = 500  # steps between two looks at the stability limit, which cost as much as 30
+# Error of DOP853's dense output over its last coefficient, as in native/control.h, and what it may
+# be over what is tolerated.
+LAST, BETWEEN = 0.15 * 0.0083928, 4.0
+MOST_PARTS = 64  # of a step
 PATIENCE = 1000  # evaluations in a row that are not finite, before a method is stopped
 PACKAGE = "sksundae.cvode"
 
@@ -93,9 +97,31 @@ class ScipyStep:
         return StepError(f"the method gave up ({reason})")
 
     def interpolant(self) -> Interpolant:
-        """Dense output of the last step."""
-        dense = self._solver.dense_output()
+        """Dense output of the last step; of DOP853, where its error is larger than that of the step
+        should be, that of shorter steps from the same start."""
+        dense, parts = self._solver.dense_output(), 1
+        if not isinstance(self._solver, scipy.integrate.DOP853):
+            return lambda times: dense(times).T
+        t0, t1, y0 = self._solver.t_old, self._solver.t, dense.y_old
+        settings, pieces = self._problem.settings, [dense]
+        while parts < MOST_PARTS and any(map(self._is_off, pieces)):
+            parts *= 2
+            given = {"rtol": settings.rtol, "atol": settings.atol, "max_step": (t1 - t0) / parts}
+            made = scipy.integrate.solve_ivp(
+                self._problem.rhs, (t0, t1), y0, "DOP853", dense_output=True, **given
+            )
+            if not made.success:
+                break
+            dense, pieces = made.sol, made.sol.interpolants
         return lambda times: dense(times).T
+
+    def _is_off(self, dense: Any) -> bool:
+        """Whether states inside a step are off by more than BETWEEN times what is tolerated."""
+        settings = self._problem.settings
+        ends = np.abs(dense.y_old), np.abs(dense(dense.t))
+        scale = settings.atol + settings.rtol * np.maximum(*ends)
+        share = np.abs(dense.F[-1]) / scale
+        return bool(LAST * np.sqrt(np.mean(share**2)) > BETWEEN)
 
 
 class CvodeStep:
