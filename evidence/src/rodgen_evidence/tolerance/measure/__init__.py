@@ -1,0 +1,1 @@
+"""What is measured of a random scene: errors and times of methods, against two tight runs."""

@@ -1,0 +1,102 @@
+"""Random loads of a rod: forces in time and with feedback, drag, and damping of every size."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rodgen.model.rod import BOUNDARIES, INERTIAS
+
+Tables = dict[str, Any]
+
+MOST, LONG = 20, 30  # links; those of one structure in ten
+FORCES = (
+    "{P}",
+    "{P}",
+    "{P}*(1 + {a}*sin({w}*t))",
+    "{P}*min(t/{r}, 1)",
+    "{P} if t < {r} else {Q}",
+    "{P}*(1 + {a}*{sensed})",
+)
+ANGLES = ("", "", "{a}*{sensed}", "max(-{a}, min({a}, {b}*{sensed}))", "gimbal", "{a}*sin({w}*t)")
+
+
+class Loads:
+    """shape: draws what belongs to the structure; sizes: draws numbers."""
+
+    def __init__(self, structure: int, shape: Any, sizes: Any):
+        self.shape, self.sizes = shape, sizes
+        self.boundary = list(BOUNDARIES)[structure % len(BOUNDARIES)]
+        self.inertia = str(shape.choice(list(INERTIAS)))
+        self.n = LONG if self.chance(0.1) else int(shape.integers(2, MOST + 1))
+        self.L, self.M = self.size(0.5, 3), self.size(0.5, 5)
+        self.EI = self.size(0.5, 100)
+        self.F = self.EI / self.L**2
+        self.T = float(np.sqrt(self.M * self.L**3 / self.EI))
+
+    def chance(self, share: float) -> bool:
+        return bool(self.shape.random() < share)
+
+    def size(self, low: float, high: float) -> float:
+        return float(f"{10 ** self.sizes.uniform(np.log10(low), np.log10(high)):.6g}")
+
+    def signed(self, low: float, high: float) -> float:
+        return float(self.sizes.choice([-1, 1])) * self.size(low, high)
+
+    def spot(self) -> float:
+        return round(float(self.shape.random()), 2)
+
+    def sensed(self) -> str:
+        """An angle, or a rate over T, of a point of the rod."""
+        sign = "-" if self.chance(0.5) else ""
+        if self.chance(0.5):
+            return f"({sign}phi({self.spot()}))"
+        return f"({sign}{self.T!r}*omega({self.spot()}))"
+
+    def law(self, texts: tuple[str, ...], low: float, high: float) -> str:
+        """A force or an angle; its own size is between low and high."""
+        text = str(self.shape.choice(texts))
+        given = {"P": self.size(low, high), "Q": self.size(low, high), "a": self.size(0.01, 0.5)}
+        given |= {"w": self.size(0.3, 20) / self.T, "r": self.size(0.1, 10) * self.T}
+        numbers = {name: repr(value) for name, value in given.items()}
+        return text.format(sensed=self.sensed(), b=repr(self.size(0.05, 1)), **numbers)
+
+    def loads(self) -> Tables:
+        """Loads of all kinds, each with its chance."""
+        F, T, found = self.F, self.T, dict[str, Any]()
+        if self.chance(0.6):
+            found["follower"] = [self.follower(1.0)]
+            if self.chance(0.2):
+                found["follower"].append(self.follower(self.spot()))
+        if self.chance(0.15):
+            found["distributed_follower"] = {"force_per_length": self.size(0.1, 15) * F / self.L}
+        if self.chance(0.2):
+            found["tip"] = {"x": self.signed(0.05, 3) * F, "y": self.law(FORCES, 0.05 * F, 2 * F)}
+        if self.chance(0.35):
+            found["gravity"] = {"g": self.size(0.1, 30) * F / self.M}
+        return found | self.damping(T)
+
+    def follower(self, at: float) -> Tables:
+        found: Tables = {"force": self.law(FORCES, 0.2 * self.F, 20 * self.F), "at": at}
+        angle = self.law(ANGLES, 0.01, 0.5)
+        return found | ({"angle": angle} if angle else {})
+
+    def damping(self, T: float) -> Tables:
+        """From next to none to many times the critical one."""
+        found: Tables = {}
+        if self.chance(0.55):
+            found["material_damping"] = {"time": self.size(1e-6, 0.1) * T}
+        if self.chance(0.25):
+            found["internal_damping"] = {"coefficient": self.size(1e-5, 0.3) * self.L**2 / T}
+        if self.chance(0.2):
+            found["external_damping"] = {"coefficient": self.size(1e-3, 10) / T}
+        if self.chance(0.25):
+            medium, speed = self.M / self.L**2, self.L / T
+            found["drag"] = {"normal": self.size(0.05, 3) * medium}
+            found["drag"]["tangential"] = self.size(0.01, 0.3) * medium
+            wind: list[Any] = [self.signed(0.1, 3) * speed for _ in range(2)]
+            if self.chance(0.3):
+                wind[0] = f"{self.size(0.1, 3) * speed!r}*sin({self.size(0.3, 10) / T!r}*t)"
+            found["drag"]["wind"] = wind
+        return found
