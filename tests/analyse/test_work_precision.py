@@ -274,6 +274,12 @@ def test_a_rod_that_does_not_turn_is_held_by_its_tail() -> None:
     assert found["error_tail"] == pytest.approx(1e-3)
     off[-1, 3] += 1e-4  # of the last link, before the velocities
     assert measures.errors(off)["error_phi"] == pytest.approx(1e-4)
+    off[1, 2] += 2e-4  # an angle on the way
+    off[3, 7] -= 3e-2  # the last rate, before the states that are added
+    found = measures.errors(off)
+    assert found["error_phi"] == pytest.approx(1e-4)
+    assert found["error_angles"] == pytest.approx(2e-4)
+    assert found["error_rates"] == pytest.approx(3e-2)
     turned = exact.copy()
     turned[:, 2:4] += 0.1 * t[:, None]
     assert Measures(job, turned).main == "error_phi"

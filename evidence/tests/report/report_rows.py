@@ -44,6 +44,8 @@ def setting(scene: str, who: str, method: str, target: str, order: int, at: int)
         "rounds": 5,
         "inside": None,
         "error_phi": error,
+        "error_angles": 1.1 * error,
+        "error_rates": 20 * error,
         "error_tail": 1.3 * error,
         "error_modes": 0.4 * error,
         "error_energy": 0.1 * error**1.1,

@@ -67,8 +67,8 @@ def test_page_has_all_parts_and_needs_no_network(written):
     assert page.tags & {"script", "link", "iframe", "object", "embed"} == set()
     assert "@import" not in text
     assert "url(" not in text
-    # Five pictures of a scene; growth, savings; two costs; two dampings.
-    assert len(page.alts) == 2 * 5 + 2 + 2 + 2
+    # Seven pictures of a scene; growth, savings; two costs; two dampings.
+    assert len(page.alts) == 2 * 7 + 2 + 2 + 2
     assert all(page.alts)
     assert {path.name for path in folder.glob("*.svg")} <= set(page.asked)
     for svg in folder.glob("*.svg"):

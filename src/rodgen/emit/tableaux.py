@@ -15,6 +15,7 @@ from scipy.integrate import DOP853
 
 from rodgen.model.method import Collocation, Tableau, stability_polynomial
 from rodgen.model.methods import COLLOCATION, COMPILED, TABLEAUX
+from rodgen.model.methods.dop853 import LARGEST_LAST
 
 DIGITS = 40
 DIRECTIONS = 33
@@ -42,6 +43,7 @@ def _tableaux() -> str:
         "struct sum error3": _sum(dop853["error3"]),
         f"struct stage more[{len(dop853['more'])}]": map(_stage, dop853["more"]),
         f"struct sum dense[{len(dop853['dense'])}]": map(_sum, dop853["dense"]),
+        "double largest_last": LARGEST_LAST,
         f"double limits[{DIRECTIONS}]": map(repr, dop853["limits"]),
     }
     lines = [
@@ -50,8 +52,9 @@ def _tableaux() -> str:
         *(f"    [RODGEN_{name.upper()}] = {_fixed(of)}," for name, of in TABLEAUX.items()),
         "};",
         "",
-        "/* limits: largest stable step times the modulus of an eigenvalue, in directions from the",
-        "   imaginary to the negative real axis. */",
+        "/* largest_last: up to which dense output is taken, as the method says; limits: largest stable",
+        "   step times the modulus of an eigenvalue, in directions from the imaginary to the negative",
+        "   real axis. */",
         "static const struct {",
         *(f"    {part};" for part in parts),
         "} dop853 = {",

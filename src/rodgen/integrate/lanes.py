@@ -187,12 +187,13 @@ def run(
 ) -> Block:
     """Runs of rods in some ranges, each of the course of its number; times: of the samples [s]; p,
     y: of each or of all."""
+    rtol, atol = settings.per_step
     fields = {
         "method": COMPILED.index(settings.method),
         "start": settings.span[0],
         "step": (settings.step or 0.0) if settings.fixed else 0.0,
-        "rtol": settings.rtol,
-        "atol": settings.atol,
+        "rtol": rtol,
+        "atol": atol,
         "budget": settings.budget,
         "stride": STRIDE,
         "creep": CREEP,

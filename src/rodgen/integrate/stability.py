@@ -19,7 +19,6 @@ from rodgen.integrate.stepper import Array, StepError
 from rodgen.model.method import Tableau, stability_polynomial
 from rodgen.model.methods import METHODS
 from rodgen.model.rod import BOUNDARIES
-from rodgen.model.sight import SEEN, unseen
 
 Complex = NDArray[np.complex128]
 
@@ -35,7 +34,6 @@ Growth = Callable[[Complex, Complex], Array]
 UNDAMPED = 1e-5  # a damping ratio below this may be an error of the differences
 SLACK = 1e-9  # of the spectral radius, where a method neither damps nor drives
 GROWN = 2.0  # times that a motion may be made larger by the method in a run
-SEEING = "dop853"  # whose estimate has a zero inside the region of stability
 FARTHEST = 12.0  # |h lambda|, beyond the regions of all methods here
 
 
@@ -228,8 +226,7 @@ LIMITS = dict(_limits())
 
 
 def limit(method: str, value: complex, partner: complex | None = None) -> float:
-    """The largest step [s] up to which a method lets no motion of rate lambda [1/s] grow, and sees
-    its errors.
+    """The largest step [s] up to which a method lets no motion of rate lambda [1/s] grow.
 
     partner as in Dominant; not given, the conjugate. A motion that grows by itself is taken as
     one that does not: its growth is not the method's. Infinite where nothing moves. For euler
@@ -246,11 +243,7 @@ def limit(method: str, value: complex, partner: complex | None = None) -> float:
 
     def excess(r: Array | float) -> Array:
         at = [np.asarray(r * (root / size), dtype=complex) for root in (z, other)]
-        grown = LIMITS[method](*at) - 1 - SLACK
-        if method != SEEING:
-            return grown
-        far = np.abs(at[0]) > 1  # below, there is nothing but rounding to see
-        return np.where(far, np.maximum(grown, unseen(np.where(far, at[0], 1)) / SEEN - 1), grown)
+        return LIMITS[method](*at) - 1 - SLACK
 
     grid = np.linspace(0.0, FARTHEST, 2401)
     beyond = int(np.argmax(excess(grid) > 0))

@@ -53,7 +53,7 @@ class Steps:
         method = settings.method if settings.method in METHODS else "dop853"
         stretches = Stretches.of(scene.course, settings.fixed)
         step = settings.step if settings.step is not None and method == settings.method else 0.0
-        tolerances = settings.rtol, settings.atol
+        tolerances = settings.model_copy(update={"method": method}).per_step
         return cls(method, step, *tolerances, stretches.ends, stretches.swing)
 
 

@@ -60,7 +60,8 @@ class Method:
     in a few words; citation: where it is from. Its steps follow from the tableau or the
     collocation, or are those of a class of scipy.integrate; other libraries have a file of their
     own in integrate/. compiled: whether the C target has a loop of its own for it, beside the one
-    for every tableau.
+    for every tableau. per_step: share of the tolerance that the estimated error of one step may
+    be, so that what steps add up to, and what the estimate does not see, is some tolerances.
     """
 
     name: str = ""
@@ -75,6 +76,7 @@ class Method:
     collocation: Collocation | None = None
     scipy: str = ""
     compiled: bool = False
+    per_step: float = 1.0
 
     @property
     def in_c(self) -> bool:

@@ -30,9 +30,6 @@ static inline double hermite(double y, double on, double f_before, double f, dou
     return rest * y + x * on - x * rest * bend;
 }
 
-/* Times what is tolerated at the end of a step, that samples inside may be off. */
-#define BETWEEN 4.0
-
 /* Steps between two looks at the largest eigenvalue; how often it is looked at first. */
 enum { LOOK = 32, FIRST_LOOK = 8 };
 
@@ -104,12 +101,14 @@ static inline double error_of_both(double five, double three, double h, double s
     return five > 0.0 ? h * five / sqrt((five + 0.01 * three) * states) : five;
 }
 
-/* The error between both ends of a step h over what is tolerated there, from the squares of the last part of the dense
-   output over what is tolerated, summed. Whatever lambda and the forces, the error is a seventh of what that part adds at
-   most, (4/7)^4 (3/7)^3 of it: of y' = lambda y + t^q by h |lambda| = 0.5 to 6 and q = 0 to 8 a tenth to a sixth. */
-static inline double error_between(double last, double h, double states)
+/* What states between the ends of a step are from: nothing is known, dense output, or a shorter step from its start,
+   which has no larger error than the whole. Then which of both, of a step h, from the squares of the last part of the
+   dense output over what is tolerated, summed. */
+enum { UNKNOWN = 0, DENSE, SHORTER };
+
+static inline int source_between(double last, double h, double states)
 {
-    return h * sqrt(last / states) * (0.15 * 0.0083928 / BETWEEN);
+    return h * sqrt(last / states) < dop853.largest_last ? DENSE : SHORTER;
 }
 
 /* Whether a step of that error is kept, and the length of the next; whole: all of it is finite; again: it was tried
@@ -137,7 +136,7 @@ static inline void arrive(rodgen_run *is, double next, double lag)
     is->lag_before = is->lag;
     is->t = next;
     is->lag = lag;
-    is->dense = 0;
+    is->dense = UNKNOWN;
     ++is->looked;
 }
 

@@ -126,6 +126,14 @@ static double stable_step_of_states(struct run *r)
     return most;
 }
 
+/* Stages of DOP853 behind the first; those and sums of dense output. */
+enum {
+    STEPS = sizeof dop853.stages / sizeof *dop853.stages,
+    MORE = sizeof dop853.more / sizeof *dop853.more,
+    FIRST = STEPS + 2,
+    SUMS = FIRST + MORE
+};
+
 /* Squares of the two estimates of the error over what is tolerated, summed. */
 static void errors(struct run *r, double *five, double *three)
 {
@@ -146,33 +154,13 @@ static void errors(struct run *r, double *five, double *three)
     *three = total(error3, r->states);
 }
 
-/* What dense output needs of a step h from t: three more stages, then four sums of all. */
-enum { MORE = sizeof dop853.more / sizeof *dop853.more, FIRST = 13, SUMS = FIRST + MORE };
-
-static void prepare_dense(struct run *r, double t, double h)
+/* Rates of the stages of a step of DOP853, h from t, behind the first. */
+static void stages(struct run *r, double t, double h)
 {
-    double *const *const k = r->k;
-    for (int stage = 0; stage < MORE; ++stage) {
-        move(r->before, h, &dop853.more[stage].sum, k, 0, r->all, r->trial);
-        flow_at(r, t + dop853.more[stage].at * h, r->trial, k[FIRST + stage]);
+    for (int stage = 0; stage < STEPS; ++stage) {
+        move(r->before, h, &dop853.stages[stage].sum, r->k, 0, r->all, r->trial);
+        flow_at(r, t + dop853.stages[stage].at * h, r->trial, r->k[stage + 1]);
     }
-    for (int sum = 0; sum < 4; ++sum)
-        add(&dop853.dense[sum], k, r->all, k[SUMS + sum]);
-}
-
-/* Squares of the last part of the dense output over what is tolerated, summed. */
-static double last_part(struct run *r)
-{
-    double *const restrict error = r->error;
-    const double *const restrict y = r->before, *const restrict on = r->y, *const restrict last = r->k[SUMS + 3];
-    for (int number = 0; number < GROUPS; ++number) {
-        const struct group group = group_of(r, number);
-        for (ptrdiff_t i = group.low; i < group.high; ++i) {
-            const double u = fabs(y[i]), v = fabs(on[i]);
-            error[i] = square(last[i] / tolerated(r->is, u > v ? u : v, group.limit));
-        }
-    }
-    return total(error, r->states);
 }
 
 /* A step of Dormand and Prince's method of order 8 (Hairer, Norsett, Wanner: Solving Ordinary
@@ -180,7 +168,6 @@ static double last_part(struct run *r)
    estimated error says nothing of it until it is left. */
 int rodgen_dop853_step(struct run *r)
 {
-    enum { STEPS = sizeof dop853.stages / sizeof *dop853.stages };
     rodgen_run *const is = r->is;
     double *const *const k = r->k;
     const double t = is->t, *const y = r->before;
@@ -200,20 +187,12 @@ int rodgen_dop853_step(struct run *r)
         if (!(h > 0.0))
             return again ? (int)is->broken : TOO_SMALL;
         next = later(is, h, &lag);
-        for (int stage = 0; stage < STEPS; ++stage) {
-            move(y, h, &dop853.stages[stage].sum, k, 0, r->all, r->trial);
-            flow_at(r, t + dop853.stages[stage].at * h, r->trial, k[stage + 1]);
-        }
+        stages(r, t, h);
         move(y, h, &dop853.weights, k, 0, r->all, r->y);
         flow_at(r, next, r->y, k[STEPS + 1]);
         double five, three;
         errors(r, &five, &three);
-        double error = error_of_both(five, three, h, (double)r->states);
-        const int sampled = r->sample < next && error < 1.0;
-        if (sampled) {
-            prepare_dense(r, t, h);
-            error = fmax(error, error_between(last_part(r), h, (double)r->states));
-        }
+        const double error = error_of_both(five, three, h, (double)r->states);
         const int whole = all_finite(k[STEPS + 1], r->all) && all_finite(r->y, r->all);
         if (is_kept(is, h, error, whole, again, cut))
             break;
@@ -221,18 +200,40 @@ int rodgen_dop853_step(struct run *r)
     }
     copy(r, r->f, k[STEPS + 1]);
     arrive(is, next, lag);
-    is->dense = r->sample < next;
     return PAUSED;
 }
 
-/* Dense output of order 7 (the same book, II.6): three more stages, then four sums of all. */
+/* What dense output of order 7 needs (the same book, II.6): three more stages, then four sums of all. */
+static void prepare_dense(struct run *r, double h)
+{
+    double *const *const k = r->k, *const restrict error = r->error;
+    const double *const restrict y = r->before, *const restrict on = r->y, *const restrict last = k[SUMS + 3];
+    for (int stage = 0; stage < MORE; ++stage) {
+        move(y, h, &dop853.more[stage].sum, k, 0, r->all, r->trial);
+        flow_at(r, r->is->before + dop853.more[stage].at * h, r->trial, k[FIRST + stage]);
+    }
+    for (int sum = 0; sum < 4; ++sum)
+        add(&dop853.dense[sum], k, r->all, k[SUMS + sum]);
+    for (int number = 0; number < GROUPS; ++number) {
+        const struct group group = group_of(r, number);
+        for (ptrdiff_t i = group.low; i < group.high; ++i) {
+            const double u = fabs(y[i]), v = fabs(on[i]);
+            error[i] = square(last[i] / tolerated(r->is, u > v ? u : v, group.limit));
+        }
+    }
+    r->is->dense = source_between(total(error, r->states), h, (double)r->states);
+}
+
 void rodgen_dop853_dense(struct run *r, double h, double x, double *out)
 {
     double *const *const k = r->k;
     const double *const y = r->before;
-    if (!r->is->dense) {
-        prepare_dense(r, r->is->before, h);
-        r->is->dense = 1;
+    if (r->is->dense == UNKNOWN)
+        prepare_dense(r, h);
+    if (r->is->dense == SHORTER) {
+        stages(r, r->is->before, x * h);
+        move(y, x * h, &dop853.weights, k, 0, r->all, out);
+        return;
     }
     const double *const f3 = k[SUMS], *const f4 = k[SUMS + 1], *const f5 = k[SUMS + 2], *const f6 = k[SUMS + 3];
     EACH {

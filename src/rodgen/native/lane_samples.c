@@ -61,7 +61,7 @@ void rodgen_inside_steps(struct many *m, const double *kept, double *next)
     SIDE_BY_SIDE {
         const int sampled = kept[w] > 0.0 && next_sample(m, m->lane + w) < next[w];
         inner[w] = sampled || crossed[w] > 0.0 ? 1.0 : 0.0;
-        dense |= crossed[w] > 0.0; /* with samples alone, it is there since their error was looked at */
+        dense |= inner[w] > 0.0;
     }
     if (dense && m->job->method == DOP853)
         rodgen_prepare_dense(m, inner, h);

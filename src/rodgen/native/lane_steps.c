@@ -221,18 +221,23 @@ static void choose(struct many *m, double *going, double *h, double *next)
     }
 }
 
-/* A step of DOP853 of every lane that goes, and which are kept. */
-static void try_dop853(struct many *m, const double *going, const double *h, const double *next, double *kept)
+/* Rates of the stages of steps of DOP853, behind the first. */
+static void stages(struct many *m, const double *mask, const double *h)
 {
-    double t[LANES], zeros[LANES] = {0.0}, five[LANES] = {0.0}, three[LANES] = {0.0};
-    double last[LANES] = {0.0}, sampled[LANES];
-    int any = 0;
+    double t[LANES];
     for (int stage = 0; stage < STEPS; ++stage) {
         move(m->y, h, &dop853.stages[stage].sum, m->k, 0, m->all, m->trial);
         SIDE_BY_SIDE
             t[w] = m->lane[w].is.t + dop853.stages[stage].at * h[w];
-        rates(m, t, going, m->trial, m->k[stage + 1]);
+        rates(m, t, mask, m->trial, m->k[stage + 1]);
     }
+}
+
+/* A step of DOP853 of every lane that goes, and which are kept. */
+static void try_dop853(struct many *m, const double *going, const double *h, const double *next, double *kept)
+{
+    double zeros[LANES] = {0.0}, five[LANES] = {0.0}, three[LANES] = {0.0};
+    stages(m, going, h);
     move(m->y, h, &dop853.weights, m->k, 0, m->all, m->on);
     rates(m, next, going, m->on, m->k[AFTER]);
     add(&dop853.error5, m->k, m->states, m->trial);
@@ -242,21 +247,11 @@ static void try_dop853(struct many *m, const double *going, const double *h, con
     add_zeros(m->on, m->all, zeros);
     add_zeros(m->k[AFTER], m->all, zeros);
     SIDE_BY_SIDE {
-        sampled[w] = going[w] > 0.0 && next_sample(m, m->lane + w) < next[w] ? 1.0 : 0.0;
-        any |= sampled[w] > 0.0;
-    }
-    if (any) {
-        rodgen_prepare_dense(m, sampled, h);
-        add_squares(m, m->k[SUMS + 3], m->y, m->on, last);
-    }
-    SIDE_BY_SIDE {
         struct lane *const lane = m->lane + w;
         kept[w] = 0.0;
         if (!(going[w] > 0.0))
             continue;
-        double error = error_of_both(five[w], three[w], h[w], (double)m->states);
-        if (sampled[w] > 0.0)
-            error = fmax(error, error_between(last[w], h[w], (double)m->states));
+        const double error = error_of_both(five[w], three[w], h[w], (double)m->states);
         if (is_kept(&lane->is, h[w], error, zeros[w] == 0.0, (int)lane->again, lane->cut))
             kept[w] = 1.0;
         else
@@ -291,7 +286,7 @@ static void try_fixed(struct many *m, const double *going, const double *h, cons
 
 void rodgen_prepare_dense(struct many *m, const double *mask, const double *h)
 {
-    double t[LANES];
+    double t[LANES], last[LANES] = {0.0};
     for (int stage = 0; stage < MORE; ++stage) {
         move(m->y, h, &dop853.more[stage].sum, m->k, 0, m->all, m->trial);
         SIDE_BY_SIDE
@@ -300,6 +295,9 @@ void rodgen_prepare_dense(struct many *m, const double *mask, const double *h)
     }
     for (int sum = 0; sum < 4; ++sum)
         add(&dop853.dense[sum], m->k, m->all, m->k[SUMS + sum]);
+    add_squares(m, m->k[SUMS + 3], m->y, m->on, last);
+    SIDE_BY_SIDE
+        m->lane[w].is.dense = source_between(last[w], h[w], (double)m->states);
 }
 
 /* States at shares x of the steps that are kept. */
@@ -326,16 +324,25 @@ static void between(const struct many *m, const double *h, const double *x, doub
 
 void rodgen_between(struct many *m, const double *mask, const double *h, const double *next, const double *t, double *out)
 {
-    double ends[LANES], x[LANES];
-    int dense = 0;
+    double ends[LANES], x[LANES], direct[LANES], parts[LANES];
+    int dense = 0, shorter = 0;
     SIDE_BY_SIDE {
         const int inner = mask[w] > 0.0 && t[w] < next[w];
+        const int of_dop853 = m->job->method == DOP853 && m->lane[w].is.dense == SHORTER;
         ends[w] = inner ? 0.0 : 1.0;
         x[w] = inner ? ((t[w] - m->lane[w].is.t) - m->lane[w].is.lag) / h[w] : 1.0;
+        direct[w] = inner && of_dop853 ? 1.0 : 0.0;
+        parts[w] = direct[w] * x[w] * h[w];
         dense |= inner;
+        shorter |= inner && of_dop853;
     }
     if (dense)
         between(m, h, x, out);
+    if (shorter) {
+        stages(m, direct, parts);
+        move(m->y, parts, &dop853.weights, m->k, 0, m->all, m->trial);
+        blend(direct, m->trial, m->all, out);
+    }
     blend(ends, m->on, m->all, out);
     SIDE_BY_SIDE
         out[(m->all - 1) * LANES + w] += ends[w] * m->come[w];

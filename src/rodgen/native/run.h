@@ -46,7 +46,6 @@ struct run {
     double *before, *f_before; /* at its start */
     double *trial, *error;
     double *k[STAGES];
-    double sample;     /* time of the next sample, infinity where there is none */
     double *direction; /* of the highest mode, in the positions */
     double *shifted;
     void *flow, *newton; /* memory of the equations */

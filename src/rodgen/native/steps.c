@@ -54,7 +54,6 @@ static struct run run_of(const struct rodgen_system *system, rodgen_run *run, co
         .all = (ptrdiff_t)(states + system->works + directions * states),
         .width = (ptrdiff_t)width_of(system),
         .directions = directions,
-        .sample = INFINITY,
         .base = (ptrdiff_t)system->base,
         .y = rows[0],
         .f = rows[1],
@@ -194,7 +193,6 @@ int rodgen_run_on(const struct rodgen_system *system, rodgen_run *run, const dou
             return REACHED;
         if (quota <= 0)
             return PAUSED;
-        r->sample = *sampled < count ? times[*sampled] : INFINITY;
         const int status = step(r);
         if (status < 0)
             return status;

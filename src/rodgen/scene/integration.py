@@ -93,6 +93,12 @@ class Integrate(Table):
         it."""
         return self.method in FIXED_STEP or (self.method in EITHER and self.step is not None)
 
+    @property
+    def per_step(self) -> tuple[float, float]:
+        """What is tolerated of the estimated error of one step: relative, and absolute."""
+        share = METHODS[self.method].per_step if self.method in METHODS else 1.0
+        return min(self.rtol, max(share * self.rtol, LEAST_RTOL)), share * self.atol
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         st.choose("integrate.method", self.method, (AUTO, *METHODS))

@@ -50,6 +50,8 @@ RAISED = str.maketrans(
 )
 MEASURES = {
     "error_phi": "error of the angles at the end [rad]",
+    "error_angles": "largest error of the angles over time [rad]",
+    "error_rates": "largest error of the rates over time [rad/s]",
     "error_tail": "largest error of the tail over time [m]",
     "error_modes": "largest error of the lowest modes [rad]",
     "error_energy": "largest error of the energy [of its scale]",

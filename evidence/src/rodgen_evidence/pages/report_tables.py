@@ -44,7 +44,9 @@ TITLES: dict[Callable[[Value], str], dict[str, str]] = {
         "ulps_input": "unavoidable [ulp]",
     },
     error: {
-        "error_phi": "angles [rad]",
+        "error_phi": "angles at the end [rad]",
+        "error_angles": "angles [rad]",
+        "error_rates": "rates [rad/s]",
         "error_tail": "tail [m]",
         "error_energy": "energy",
         "error_modes": "lowest modes [rad]",
@@ -52,7 +54,9 @@ TITLES: dict[Callable[[Value], str], dict[str, str]] = {
         "agreed": "rates agree to",
         "tolerance": "tolerance",
         "asked": "error asked [rad]",
-        "estimate_phi": "estimate: angles [rad]",
+        "estimate_phi": "estimate: angles at the end [rad]",
+        "estimate_angles": "estimate: angles [rad]",
+        "estimate_rates": "estimate: rates [rad/s]",
         "estimate_tail": "estimate: tail [m]",
         "estimate_modes": "estimate: modes [rad]",
         "estimate_energy": "estimate: energy",
@@ -103,16 +107,16 @@ def columns(keys: str, **titles: str) -> tuple[Column, ...]:
 
 
 SETTINGS = columns(
-    "label shown seconds inside rounds error_phi error_tail error_modes error_energy balance "
-    "steps rejected rhs jacobian factorisations agreed failed",
+    "label shown seconds inside rounds error_phi error_angles error_rates error_tail error_modes "
+    "error_energy balance steps rejected rhs jacobian factorisations agreed failed",
     seconds="run time",
 )
 SETUP = columns("label setup_generate setup_compile")
 ORDERS = columns("label order observed points finest why", points="steps used")
 SLOPES = columns("label against exponent order points why", points="settings used")
 REFERENCE = columns(
-    "method order tolerance estimate_phi estimate_tail estimate_modes estimate_energy checked_by "
-    "check_phi rhs seconds failed",
+    "method order tolerance estimate_phi estimate_angles estimate_rates estimate_tail "
+    "estimate_modes estimate_energy checked_by check_phi rhs seconds failed",
     order="order",
     seconds="run time",
 )

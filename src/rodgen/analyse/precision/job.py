@@ -25,7 +25,9 @@ SAME = 1e-12  # of the span: times closer than that are one
 EDGE = 1e-12  # by which a time is held inside a stretch [s]: at its ends loads may jump
 MODES = 3  # the lowest, whose amplitudes are compared
 STILL = 1e-9  # rad, by which the angles of a rod change that stays as it is
-MEASURES = ("error_phi", "error_tail", "error_modes", "error_energy")
+MEASURES = (
+    *("error_phi", "error_angles", "error_rates", "error_tail", "error_modes", "error_energy"),
+)
 
 Errors = dict[str, float | None]
 
@@ -175,13 +177,15 @@ class Measures:
     def errors(self, y: Array) -> Errors:
         """All measures of states (samples, states); infinite where they are not finite.
 
-        error_phi: largest difference of an angle at the end [rad]; error_tail: largest distance of
-        the tail over the samples [m]; error_modes: largest difference over the samples of an
+        error_phi: largest difference of an angle at the end [rad]; error_angles, error_rates: of
+        an angle and of a rate over the samples [rad, rad/s]; error_tail: largest distance of the
+        tail over the samples [m]; error_modes: largest difference over the samples of an
         amplitude of the lowest modes [rad], None where the rod has none; error_energy: largest
         difference of the energy over the samples, relative to the largest energy.
         """
         modes = None if self.job.shapes is None else self.modes(y)
-        found = (self.over_time(y)[-1], self.tail(y), modes, self.energy(y))
+        angles, rates = self.over_time(y), np.abs(self._rates(y) - self._rates(self.exact)).max()
+        found = (angles[-1], angles.max(), rates, self.tail(y), modes, self.energy(y))
         return {
             name: value if value is None or np.isfinite(value) else np.inf
             for name, value in zip(MEASURES, map(_number, found), strict=True)
@@ -222,8 +226,15 @@ class Measures:
         return float((kinetic + spring + np.abs(gravity - gravity[0])).max()) or 1.0
 
     def _angles(self, y: Array) -> Array:
-        scene = self.job.scene
-        return y[:, 2 * scene.hold.translates : (y.shape[1] - len(scene.states)) // 2]
+        return y[:, 2 * self.job.scene.hold.translates : self._half(y)]
+
+    def _rates(self, y: Array) -> Array:
+        half = self._half(y)
+        return y[:, half + 2 * self.job.scene.hold.translates : 2 * half]
+
+    def _half(self, y: Array) -> int:
+        """How many positions states have."""
+        return (y.shape[1] - len(self.job.scene.states)) // 2
 
     def _tail(self, y: Array) -> Array:
         joints: Array = self.job.model.joints(y, self.job.p)

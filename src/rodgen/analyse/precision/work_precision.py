@@ -139,8 +139,9 @@ class WorkPrecision(Shown):
     """Errors and run times of methods and settings on a scene.
 
     scene: the scene; rows: one for each setting, loose to tight by method, with `who`, `method`,
-    `kind` ("step" or "rtol") and `setting`, `seconds`, `error_phi` [rad], `error_tail` [m],
-    `error_modes` [rad], `error_energy`, counts, and `failed`, why a setting came to nothing;
+    `kind` ("step" or "rtol") and `setting`, `seconds`, `error_phi` [rad],
+    `error_angles` [rad], `error_rates` [rad/s], `error_tail` [m], `error_modes` [rad],
+    `error_energy`, counts, and `failed`, why a setting came to nothing;
     reference: method, order and tolerance of the reference solution, and the method that checks it;
     trusted: error of the reference in every measure, in its unit [rad or m], below which errors
     mean nothing; limits: largest stable step of every explicit method at the start of the scene

@@ -47,7 +47,7 @@ class Compiled:
         step = settings.step if settings.fixed else 0.0
         equal = settings.method in EITHER and settings.fixed
         method = f"{settings.method}_equal_steps" if equal else settings.method
-        self._run = model.Run(method, t, y, p, step, settings.rtol, settings.atol)
+        self._run = model.Run(method, t, y, p, step, *settings.per_step)
         self._numbers = self._run.numbers
         self._states, self._quota, self._block = len(y), FIRST, BLOCK
         self._stretch, self._switch = (-np.inf, np.inf, np.inf), Switching()

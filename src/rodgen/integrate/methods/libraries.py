@@ -8,18 +8,15 @@ from typing import Any
 
 import numpy as np
 import scipy.integrate
-from scipy.integrate import OdeSolver
+from scipy.integrate import DOP853, OdeSolver
 
 from rodgen.extras import how_to_have
 from rodgen.integrate.stepper import Array, Counts, Interpolant, Problem, StepError
 from rodgen.model.methods import METHODS
+from rodgen.model.methods.dop853 import LARGEST_LAST
 from rodgen.scene import SceneError
 
 LOOKS = 500  # steps between two looks at the stability limit, which cost as much as 30
-# Error of DOP853's dense output over its last coefficient, as in native/control.h, and what it may
-# be over what is tolerated.
-LAST, BETWEEN = 0.15 * 0.0083928, 4.0
-MOST_PARTS = 64  # of a step
 PATIENCE = 1000  # evaluations in a row that are not finite, before a method is stopped
 PACKAGE = "sksundae.cvode"
 
@@ -45,8 +42,9 @@ class ScipyStep:
         self._watched(t, y)
         if self._broken:  # SciPy would look for a first step for ever
             raise self._failure("")
+        self._rtol, self._atol = settings.per_step
         # A first step into infinity is judged by the run, not by a warning.
-        given = {"rtol": settings.rtol, "atol": settings.atol, "max_step": problem.longest(t, y)}
+        given = {"rtol": self._rtol, "atol": self._atol, "max_step": problem.longest(t, y)}
         exact = {"jac": problem.jac} if method.implicit else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -97,31 +95,28 @@ class ScipyStep:
         return StepError(f"the method gave up ({reason})")
 
     def interpolant(self) -> Interpolant:
-        """Dense output of the last step; of DOP853, where its error is larger than that of the step
-        should be, that of shorter steps from the same start."""
-        dense, parts = self._solver.dense_output(), 1
-        if not isinstance(self._solver, scipy.integrate.DOP853):
-            return lambda times: dense(times).T
-        t0, t1, y0 = self._solver.t_old, self._solver.t, dense.y_old
-        settings, pieces = self._problem.settings, [dense]
-        while parts < MOST_PARTS and any(map(self._is_off, pieces)):
-            parts *= 2
-            given = {"rtol": settings.rtol, "atol": settings.atol, "max_step": (t1 - t0) / parts}
-            made = scipy.integrate.solve_ivp(
-                self._problem.rhs, (t0, t1), y0, "DOP853", dense_output=True, **given
-            )
-            if not made.success:
-                break
-            dense, pieces = made.sol, made.sol.interpolants
+        """Dense output of the last step; of DOP853, where it is off, shorter steps from the same
+        start."""
+        dense = self._solver.dense_output()
+        if self._is_off(dense):
+            return lambda times: np.stack([self._shorter(dense.y_old, t) for t in times])
         return lambda times: dense(times).T
 
     def _is_off(self, dense: Any) -> bool:
-        """Whether states inside a step are off by more than BETWEEN times what is tolerated."""
-        settings = self._problem.settings
-        ends = np.abs(dense.y_old), np.abs(dense(dense.t))
-        scale = settings.atol + settings.rtol * np.maximum(*ends)
-        share = np.abs(dense.F[-1]) / scale
-        return bool(LAST * np.sqrt(np.mean(share**2)) > BETWEEN)
+        """Whether states inside a step are off by much more than what is tolerated of it."""
+        if not isinstance(self._solver, DOP853):
+            return False
+        tolerated = self._atol + self._rtol * np.maximum(np.abs(dense.y_old), np.abs(self.y))
+        return bool(np.sqrt(np.mean((dense.F[-1] / tolerated) ** 2)) > LARGEST_LAST)
+
+    def _shorter(self, y: Array, t: float) -> Array:
+        """A step of DOP853 from the start of the last one, at y, to a time within."""
+        start = self._solver.t_old
+        h = t - start
+        k = [self._solver.fun(start, y)]
+        for weights, share in zip(DOP853.A[1:], DOP853.C[1:], strict=True):
+            k.append(self._solver.fun(start + share * h, y + h * (weights[: len(k)] @ k)))
+        return np.asarray(y + h * (DOP853.B @ k))
 
 
 class CvodeStep:

@@ -9,4 +9,5 @@ METHOD = Method(
     about="explicit, error control",
     citation="P. Bogacki, L. F. Shampine 1989",
     scipy="RK23",
+    per_step=1 / 10,
 )

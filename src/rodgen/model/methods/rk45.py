@@ -9,4 +9,5 @@ METHOD = Method(
     about="explicit, error control",
     citation="J. R. Dormand, P. J. Prince 1980",
     scipy="RK45",
+    per_step=1 / 10,
 )

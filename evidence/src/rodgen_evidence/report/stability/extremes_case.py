@@ -16,7 +16,7 @@ import rodgen
 Array = NDArray[np.float64]
 Tables = dict[str, Any]
 
-SAMPLES = 8  # intervals between the states that are compared
+SAMPLES = 40  # intervals between the states that are compared, mostly inside steps
 TURN = 2 * np.pi
 EPS = float(np.finfo(float).eps)
 KINDS = ("angles", "rates", "places", "speeds")
@@ -55,7 +55,7 @@ class Extreme:
 
     @cached_property
     def scene(self) -> rodgen.Scene:
-        """Checked, with eight samples."""
+        """Checked, with its samples."""
         first, last = self.tables["integrate"]["span"]
         every = {"output_every": (last - first) / SAMPLES}
         tables = {**self.tables, "integrate": {**self.tables["integrate"], **every}}
