@@ -16,6 +16,7 @@
 # make bench, bench-rhs, bench-many, bench-heyoka, bench-study, bench-engine, bench-workers, bench-load, bench-kills
 # make bench-analyse, bench-exponents, bench-cycles, bench-live
 # make verdicts [SCENES=200]    stability of random rods against 50 digits, their rests in a wind against plain continuation
+# make tolerance [SCENES=300]   errors of runs over their tolerances, and what methods cost at equal error, on random rods
 
 PYTHON ?= python3
 VENV ?= .venv
@@ -46,7 +47,7 @@ SCENE ?= scenes/missile.toml
 
 .PHONY: demo view derive test test-times check check-clean check-all check-newest check-lowest check-package check-joints \
 	faults lint types pages nightly lock bench bench-rhs bench-many bench-heyoka bench-study bench-engine bench-workers bench-load \
-	bench-kills bench-analyse bench-exponents bench-cycles bench-live verdicts docs reference figures screenshot thesis audit report guide clean
+	bench-kills bench-analyse bench-exponents bench-cycles bench-live verdicts tolerance docs reference figures screenshot thesis audit report guide clean
 
 demo: $(VENV)/installed
 	@$(BIN)/rodgen derive 20 --out generated
@@ -175,6 +176,9 @@ bench-kills: $(VENV)/developing $(VENV)/evidence
 verdicts: $(VENV)/evidence
 	@$(BIN)/python -m rodgen_evidence.verdicts --scenes $(or $(SCENES),200)
 	@$(BIN)/python -m rodgen_evidence.verdicts.wind
+
+tolerance: $(VENV)/evidence
+	@$(BIN)/python -m rodgen_evidence.tolerance --scenes $(or $(SCENES),300)
 
 bench-live: $(VENV)/developing $(VENV)/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.live $(or $(SECONDS),20) $(LINKS) $(if $(AGAINST),--against $(AGAINST))

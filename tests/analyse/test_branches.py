@@ -166,3 +166,30 @@ def test_a_scene_at_a_point_of_a_branch_is_at_rest() -> None:
         assert there.loads.value("tip_force_x") == float(found["value"][at])
     with pytest.raises(SceneError, match=r"^at = "):
         branch_data.scene_at(found, found.sizes["point"])
+
+
+@pytest.mark.slow
+def test_no_point_is_known_next_to_a_branch_point() -> None:
+    """Where an eigenvalue crosses zero at a branch point, Newton's method fails beside it, and the
+    crossing cannot be narrowed: the branch goes on all the same."""
+    table = {
+        "name": "steered",
+        "rod": {"links": 5, "length": 0.52835, "mass": 1.12378, "bending_stiffness": 41.7227},
+        "loads": {
+            "follower": {"force": 1.0, "angle": "0.269629*phi(0.43)"},
+            "tip": {"x": -87.6483368965284, "y": -23.630142762649353},
+            "material_damping": {"time": 7.682481593816146e-05},
+            "internal_damping": {"coefficient": 0.05338902719863722},
+        },
+        "supports": [
+            {"at": 0.0, "stiffness": [45839.53726540958, 1119.3945750387522]},
+            {"at": 1.0, "stiffness": [9946.996278232271, 1581.5777547328112]},
+        ],
+    }
+    table["supports"][0]["damping"] = [0.04346740708615853, 0.08506198141310836]
+    table["supports"][1]["damping"] = [3.3829378941472137, 5.1611662110447885]
+    scene = rodgen.Scene.from_dict(table)
+    found = continue_equilibria(scene, FORCE, (0.0, 2300.0))
+    assert found.attrs["complete"]
+    assert found["special_kind"].values.tolist() == ["hopf", "branch"]
+    assert found["unstable"].values[-1] == 3

@@ -32,6 +32,8 @@ def test_rule() -> None:
         (2000j, None, 1e4, 1e-3, "gauss"),  # rates are not worth the time
         (2000j, None, 1e6, 1e-8, "gauss"),  # more steps than there may be
         (-1500 + 1300j, None, 100.0, 1e-8, "radau"),  # dies out
+        (-200 + 1990j, None, 100.0, 1e-8, "dop853"),
+        (-200 + 1990j, None, 1e3, 1e-8, "radau"),  # is gone long before the end
         (-1e6 + 0j, -1.0 + 0j, 1.0, 1e-8, "radau"),
         (-2000 + 0j, 2000 + 0j, 100.0, 1e-8, "dop853"),  # one of the pair grows
     ):

@@ -10,9 +10,9 @@ static const struct tableau fixed_tableaux[] = {
     [RODGEN_THESIS_RUNGE_KUTTA] = {4, 1, {0.0, 0.0, 0.0, 0.0}, {{1, {0}, {0.5}}, {1, {1}, {0.5}}, {1, {2}, {1.0}}, {4, {0, 1, 2, 3}, {0.16666666666666666, 0.3333333333333333, 0.3333333333333333, 0.16666666666666666}}}},
 };
 
-/* largest_last: up to which dense output is taken, as the method says; limits: largest stable
-   step times the modulus of an eigenvalue, in directions from the imaginary to the negative
-   real axis. */
+/* largest_last: of the last part of the dense output, up to which it is taken; limits:
+   largest stable step times the modulus of an eigenvalue, in directions from the
+   imaginary to the negative real axis. */
 static const struct {
     struct stage stages[11];
     struct sum weights;

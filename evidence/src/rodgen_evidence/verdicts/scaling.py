@@ -12,7 +12,8 @@ SIZES = "force", "force_per_length", "g", "x", "y", "normal", "tangential"
 
 
 def with_load(table: Table, load: str, size: float, others: float = 1.0) -> Table:
-    """The tables of a scene with another size of one load, and a share of the others."""
+    """The tables of a scene with another size of one load, and a share of the others; forces by
+    feedback act in full."""
     loads = {name: _shared(one, others) for name, one in table["loads"].items()}
     if load == "follower":
         one = table["loads"][load]
@@ -36,7 +37,5 @@ def _shared(load: Any, share: float) -> Any:
         return load
     if isinstance(load, list):
         return [_shared(one, share) for one in load]
-    return {
-        key: (f"{share!r}*({v})" if isinstance(v, str) else share * v) if key in SIZES else v
-        for key, v in load.items()
-    }
+    sizes = {key: v for key, v in load.items() if key in SIZES and not isinstance(v, str)}
+    return load | {key: share * v for key, v in sizes.items()}

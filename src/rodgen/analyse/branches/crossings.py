@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 HOPF = "hopf"
 SLOWEST = 1e-3  # of the rate beside it, over 2 pi: a motion that is slower there has none
+PARTS = 1 / 2, 1 / 4, 3 / 4  # of what is left, of which one is tried after the other
 CLOSE = 1e-5  # of the way between two points, to which a crossing is narrowed
 
 
@@ -29,15 +31,13 @@ def crossing(problem: Equilibria, a: Point, b: Point) -> list[Special]:
     found: list[Special] = []
     low, share = a, 0.0
     while low.unstable != b.unstable and share < 1 and len(found) < 8:
-        left, right, upper = share, 1.0, b
-        while right - left > CLOSE:
-            middle = (left + right) / 2
-            point = on_chord(problem, a, b, middle)
+        left, right, beside, upper = share, 1.0, low, b
+        while right - left > CLOSE and (inner := _inner(problem, a, b, left, right)):
+            middle, point = inner
             if point.unstable == low.unstable:
-                left = middle
+                left, beside = middle, point
             else:
                 right, upper = middle, point
-        beside = low if left == share else on_chord(problem, a, b, left)
         s = _crosses(problem, beside, upper)
         if s.imag > 0 or free:
             special = problem.crossed(beside, upper, s)
@@ -45,6 +45,18 @@ def crossing(problem: Equilibria, a: Point, b: Point) -> list[Special]:
                 found.append(special)
         low, share = upper, right
     return found
+
+
+def _inner(
+    problem: Equilibria, a: Point, b: Point, left: float, right: float
+) -> tuple[float, Point] | None:
+    """A share of the way between two, and the point there; None where there is none, next to a
+    branch point."""
+    for part in PARTS:
+        share = left + part * (right - left)
+        with suppress(AnalysisError):
+            return share, on_chord(problem, a, b, share)
+    return None
 
 
 def _crosses(problem: Equilibria, a: Point, b: Point) -> complex:

@@ -17,6 +17,7 @@ from rodgen.scene.integration import AUTO, MOST_ADAPTIVE, Integrate
 FEW = 4e3  # radians or decays, at FEW_AT, of a fastest motion that explicit steps follow in no time
 FEW_AT, FEW_POWER = 1e-4, 1 / 8  # a tolerance; radau's steps shrink more with it than dop853's
 DECAYS = 0.6  # damping ratio from which the fastest motion dies out instead of going on
+LONG, GONE = 100.0, 1e3  # times FEW, and e-folds, after which one with less damping is gone too
 GROWS = 1e-3  # share of the rate from which a motion is taken to grow by itself
 MANY = 1e6  # radians beyond which following an oscillation takes long
 LOOSE = 1e-4  # tolerance from which on it is then taken for noise
@@ -79,7 +80,8 @@ def by_rule(fastest: Dominant, span: float, rtol: float, budget: int = MOST_ADAP
     if cycles < _few(rtol):
         return Choice("dop853", f"{motion}, few enough to follow")
     grows = max(fastest.value.real, fastest.partner.real) > GROWS * fastest.rate
-    if fastest.damping > DECAYS and not grows:
+    gone = cycles > LONG * _few(rtol) and fastest.damping * cycles > GONE
+    if (fastest.damping > DECAYS or gone) and not grows:
         return Choice("radau", f"{motion}; it decays, and need not be followed")
     if rtol >= LOOSE and cycles > MANY:
         return Choice("gauss", f"{motion}, too many to follow for rates at rtol {rtol:g}")
@@ -109,10 +111,10 @@ def warn_of_tolerance(scene: Scene, model: ModuleType) -> str | None:
     if fastest.rate * span < _few(rtol):
         return None
     better = by_rule(fastest, span, rtol, settings.budget).method
-    help_ = f"; take {better} for rates" if better != method else ""
+    advice = f"; take {better} for rates" if better != method else ""
     return (
-        f"gauss keeps angles and positions to rtol {rtol:g}, but does not follow the fastest motion "
-        f"({described(fastest)}): rates may be off by more{help_}"
+        f"gauss keeps angles and positions to rtol {rtol:g}, but does not follow the fastest "
+        f"motion ({described(fastest)}): rates may be off by more{advice}"
     )
 
 

@@ -16,7 +16,7 @@ import rodgen
 Array = NDArray[np.float64]
 Tables = dict[str, Any]
 
-SAMPLES = 40  # intervals between the states that are compared, mostly inside steps
+SAMPLES = 32  # intervals between the states that are compared: exact shares of a span, inside steps
 TURN = 2 * np.pi
 EPS = float(np.finfo(float).eps)
 KINDS = ("angles", "rates", "places", "speeds")
