@@ -18,9 +18,10 @@ from rodgen.integrate.stepper import Array
 
 ALIKE = 2.0  # times: growths by two routes that differ by less are one
 NOISE = 1024 * ROUNDING  # of a matrix: roundings of what it was made of
-ASIDE = 1e-4, 1e-2  # of an onset, to either side of it: the second where the first tells nothing
+ASIDE = 1e-3, 1e-4, 1e-2  # of an onset, to either side of it: the next where one tells nothing
 NEXT = 1e-6  # of EI/L^2: no closer than that
 BESIDE = 1e-3  # of the lowest frequency: away from what is singular
+MANY = 40  # links beyond which eigenvalues next to a rate cost less than all of them
 NEAREST = 4  # eigenvalues next to an onset, of a rod of many links
 
 
@@ -93,11 +94,12 @@ def _errors(matrix: Array, z: Complex) -> Array:
     return NOISE * float(np.linalg.norm(matrix)) * conditions(matrix, z.real + 1j * np.abs(z.imag))
 
 
-def eigenvalues(family: Family, load: float, near: complex = 0j) -> Eigenvalues:
-    """Of the linearised equations under a load; of many links those next to a rate."""
-    many = family.system.cells > MOST_DENSE
-    if many and isinstance(family.at(load), Pencil):
-        return Eigenvalues.beside(family, load, near)
+def eigenvalues(family: Family, load: float, near: complex | None = None) -> Eigenvalues:
+    """Of the linearised equations under a load; of many links those next to a rate, which is zero
+    where none is given."""
+    most = MOST_DENSE if near is None else MANY
+    if family.system.cells > most and isinstance(family.at(load), Pencil):
+        return Eigenvalues.beside(family, load, near or 0j)
     return Eigenvalues.of(family.equations(load), family.lowest)
 
 
