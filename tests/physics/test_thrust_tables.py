@@ -27,7 +27,9 @@ def told(force: str, field: str = "force") -> list[str]:
     ("force", "numbers"),
     [
         ("interp(t, [0, 1, 2], [0, 5, 3])", ("2 to 4 s", "3 N")),
-        ("2*interp(t, [0.5, 1, 2], [-4, 5, 0])", ("0.5 to 0 s", "-8 N")),
+        ("2*interp(t, [0.5, 1, 2], [-4, 5, 0])", ("0 to 0.5 s", "-8 N")),
+        ("interp(t - 1, [0, 1, 2], [0, 5, 3])", ("3 to 4 s", "3 N")),
+        ("interp(2*t, [1, 2, 3], [2, 5, 0])", ("0 to 0.5 s", "2 N")),
     ],
 )
 def test_what_a_table_keeps_is_warned_of(force: str, numbers: tuple[str, str]) -> None:
@@ -41,6 +43,7 @@ def test_nothing_is_said_of_what_ends_or_goes_on() -> None:
         "interp(t, [0, 1, 2], [0, 5, 0])",
         "interp(t, [0, 1, 2], [0, 5, 3]) if t <= 2 else 0",
         "interp(t, [0, 4], [1, 3])",
+        "interp(t - 1, [0, 1, 2], [0, 5, 0])",
         "interp(t, [0, 1, 2], [0, 5, 3])*t",
         "3*min(t, 1)",
     ):

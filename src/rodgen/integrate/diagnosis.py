@@ -69,6 +69,8 @@ def _held(scene: Scene) -> Iterator[str]:
     for name in sorted(thrusts & scene.timed.keys()):
         thrust = scene.timed[name]
         knots = thrust.knots()
+        if thrust.tabulated and not knots:  # of a table of something else than the time itself
+            knots = thrust.breaks(start, end)
         pairs = (
             ((knots[0], min(start, knots[0])), (knots[-1], max(end, knots[-1]))) if knots else ()
         )
@@ -77,7 +79,7 @@ def _held(scene: Scene) -> Iterator[str]:
             if at != beyond and value and value == float(thrust((at + beyond) / 2)):
                 yield (
                     f"{scene.field(name)} = {short(thrust.text)}: the table has no value from "
-                    f"{at:g} to {beyond:g} s, where the thrust keeps {value:g} N"
+                    f"{min(at, beyond):g} to {max(at, beyond):g} s, where the thrust keeps {value:g} N"
                 )
 
 
