@@ -10,11 +10,11 @@ from scipy.sparse.linalg import splu
 
 from rodgen.analyse.curves.bordered import sign_of
 from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.modal import MOST_DENSE
 from rodgen.analyse.pencil import SINGULAR, Cells, Dense, sparse
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
 
-MOST_DENSE = 200  # links up to which all eigenvalues are looked at for stability
 NUDGE = 1e-7  # rad, of differences of the mass matrix: Newton's method corrects their error
 LOOSE = 1e-12  # of the largest effect of a shift of the rod: one that has none, but for rounding
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rodgen.analyse.eigen import Complex, nearest_values, roots
-from rodgen.analyse.family import MOST_DENSE, Family
-from rodgen.analyse.modal import ROUNDING, Modal, Motions, conditions, slight
+from rodgen.analyse.family import Family
+from rodgen.analyse.modal import MOST_DENSE, ROUNDING, Modal, Motions, conditions, slight
 from rodgen.analyse.onset import Onset
 from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.search import Search

@@ -12,17 +12,15 @@ from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.family import (
     BASIS,
     FOLLOWER,
-    MOST_DENSE,
     Family,
     ScaledLoad,
     default_load,
     scaled,
     unit_of,
 )
-from rodgen.analyse.modal import slight
+from rodgen.analyse.modal import DIVERGENCE, FLUTTER, MOST_DENSE, slight
 from rodgen.analyse.onset import At, Onset, digits, onset
 from rodgen.analyse.pencil import Dense, Pencil
-from rodgen.analyse.rest import DIVERGENCE, FLUTTER
 from rodgen.analyse.search import Event, Search, grid
 from rodgen.analyse.system import System, flown
 from rodgen.analyse.zero_onset import zero_onset

@@ -14,7 +14,7 @@ from scipy.linalg import null_space
 
 from rodgen.analyse.eigen import Complex, all_shapes, lowest_shapes
 from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.modal import Modal, Motions
+from rodgen.analyse.modal import MOST_DENSE, Modal, Motions
 from rodgen.analyse.neutral import NONE, Neutral
 from rodgen.analyse.pencil import Dense, Parts, Pencil
 from rodgen.analyse.steady import Steady, linearised, steady
@@ -32,7 +32,6 @@ GROUPS = {FOLLOWERS: "factor of all follower forces", ALL: "factor of all loads"
 SCALABLE = (*(term.table for term in TERMS.values() if term.sizes), *GROUPS)
 Flags = NDArray[np.bool_]
 BASIS = 16  # modes of the unloaded rod in which a range of forces is searched
-MOST_DENSE = 200  # links up to which all modes are looked at
 RIGID = 1e-6  # of the lowest frequency: less is a rigid-body motion
 RIGID_DENSE, ROUNDED = 1e-4, 1e-7  # the same, of the lowest and of the largest, in dense matrices
 # Sizes of a load, over the one that matters, at which S is taken: a line through points that lie

@@ -16,6 +16,8 @@ from rodgen.analyse.neutral import NONE, Neutral
 from rodgen.analyse.pencil import first_order
 from rodgen.integrate.stepper import Array
 
+FLUTTER, DIVERGENCE = "flutter", "divergence"  # growing with a frequency, and without one
+MOST_DENSE = 200  # links up to which all motions are looked at
 WEAK = 1e-6  # share of critical damping below which its effect is of first order
 ROUNDING = 2.0**-52
 CRUDE, SAFE = 64.0, 32.0  # roundings of the whole matrix: before, after eigenvectors are known
@@ -212,3 +214,14 @@ def _inverse(stack: NDArray[Any]) -> NDArray[Any]:
 def slight(s: Complex | complex, lowest: float) -> Array:
     """Growth [1/s] of eigenvalues that may be rounding; lowest: the lowest frequency [rad/s]."""
     return np.asarray(GROWS * lowest + MET * np.abs(s))
+
+
+def arising(grown: Complex, other: Complex) -> complex:
+    """Of the eigenvalues that grow at one place and those that do at another, the one that does at
+    the first alone: zero, or imaginary where it has a frequency."""
+    if not len(grown):
+        return 0j
+    near = np.abs(grown[:, None] - other[None, :]).min(axis=1, initial=np.inf)
+    s = grown[np.argmax(near / np.abs(grown))]
+    # Just beyond divergence a rate is real; with damping flutter has an imaginary part.
+    return 0j if abs(s.imag) <= abs(s.real) else complex(1j * abs(s.imag))

@@ -30,7 +30,6 @@ FOLDED = 1e-3  # of the stiffness at the start: a branch that turns back after L
 OTHERS = "`rodgen static --all` finds those of other branches, a damped run the one it rests in"
 CONTRACTED = 0.75  # of a correction, that the next one may be: else it leads elsewhere
 NOISE = 1e-9  # rad: a correction below it that no longer shrinks is rounding
-FLUTTER, DIVERGENCE = "flutter", "divergence"
 
 
 @dataclass

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.analyse.family import Family
-from rodgen.analyse.modal import Motions
+from rodgen.analyse.modal import Motions, arising
 from rodgen.analyse.onset import Onset
 from rodgen.integrate.stepper import Array
 
@@ -91,7 +91,8 @@ class Search:
                     high, ends[1] = force, found
                 elif not beyond and force > low:
                     low, ends[0] = force, found
-        return Onset(high, _crosses(ends[not rises], ends[rises]), high - low)
+        grown, other = (one.s[one.growth > 0] for one in (ends[rises], ends[not rises]))
+        return Onset(high, arising(grown, other), high - low)
 
     def _looked(self, forces: Array) -> Iterator[Motions]:
         """The motions under every load, one after the other."""
@@ -104,17 +105,6 @@ def _crossing(low: Motions, high: Motions, rank: int) -> float:
         float(np.sort(np.nan_to_num(one.s.real, nan=-np.inf))[::-1][rank]) for one in (low, high)
     )
     return a / (a - b) if a * b < 0 else 0.5
-
-
-def _crosses(other: Motions, grown: Motions) -> complex:
-    """The eigenvalue that grows under one load and not under the other: zero or imaginary."""
-    here, there = (one.s[one.growth > 0] for one in (grown, other))
-    if not len(here):
-        return 0j
-    near = np.abs(here[:, None] - there[None, :]).min(axis=1, initial=np.inf)
-    s = here[np.argmax(near / np.abs(here))]
-    # Just beyond divergence a rate is real; with damping flutter has an imaginary part.
-    return 0j if abs(s.imag) <= abs(s.real) else complex(1j * abs(s.imag))
 
 
 @lru_cache(maxsize=64)

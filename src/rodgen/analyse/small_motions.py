@@ -9,15 +9,13 @@ import numpy as np
 from rodgen.analyse.eigen import Complex, all_shapes, lowest_shapes
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import RIGID
-from rodgen.analyse.modal import Modal, Motions
+from rodgen.analyse.modal import DIVERGENCE, FLUTTER, MOST_DENSE, Modal, Motions
 from rodgen.analyse.neutral import Neutral
 from rodgen.analyse.pencil import Dense, Pencil
-from rodgen.analyse.rest import DIVERGENCE, FLUTTER
 from rodgen.analyse.steady import Steady, is_kinked, linearised
 from rodgen.integrate.stepper import Array
 
 MODES = 24  # of the rod at the start of a branch, in which its motions are counted
-MOST_DENSE = 200  # links up to which all modes may be looked at
 REAL = 1e-6  # of the modulus: an imaginary part below it is rounding
 
 

@@ -94,7 +94,7 @@ def _stability(rest: Equilibrium) -> str:
 
 def _warning(instability: str, imperfection: float | None) -> str:
     """That the state is unstable, and how a stable one beside it is found."""
-    from rodgen.analyse.rest import DIVERGENCE
+    from rodgen.analyse.modal import DIVERGENCE
 
     words = f"this equilibrium is unstable ({instability}): small motions about it grow"
     if instability != DIVERGENCE:

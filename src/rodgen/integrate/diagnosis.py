@@ -77,9 +77,10 @@ def _held(scene: Scene) -> Iterator[str]:
         for at, beyond in pairs:
             value = float(thrust(beyond))
             if at != beyond and value and value == float(thrust((at + beyond) / 2)):
+                low, high = sorted((at, beyond))
                 yield (
                     f"{scene.field(name)} = {short(thrust.text)}: the table has no value from "
-                    f"{min(at, beyond):g} to {max(at, beyond):g} s, where the thrust keeps {value:g} N"
+                    f"{low:g} to {high:g} s, where the thrust keeps {value:g} N"
                 )
 
 

@@ -16,6 +16,7 @@ from rodgen.analyse.curves.continuation import Steps
 from rodgen.analyse.curves.curve import Curve
 from rodgen.analyse.curves.datasets import attributes, extended, kept, to_go_on
 from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.modal import DIVERGENCE, FLUTTER
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.keys import key_place, with_value
@@ -32,7 +33,6 @@ LARGEST = 400.0  # units of other numbers, a hundred times what they are
 SAME = 1e-12  # of matrices: a change that is rounding
 GRID, NARROW = 200, 1e-9  # values along a number; width to which a change is narrowed
 FORMAT = "rodgen boundary 1"
-FLUTTER, DIVERGENCE = "flutter", "divergence"
 
 
 @guarded

@@ -10,6 +10,7 @@ import numpy as np
 from rodgen.analyse.curves.curve import BRANCH, Point, Special, corrected
 from rodgen.analyse.curves.special_points import on_chord
 from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.modal import arising
 from rodgen.analyse.onset import Onset, onset
 from rodgen.analyse.pencil import Linear, Parts, Pencil
 from rodgen.analyse.steady import linearised
@@ -38,7 +39,8 @@ def crossing(problem: Equilibria, a: Point, b: Point) -> list[Special]:
                 left, beside = middle, point
             else:
                 right, upper = middle, point
-        s = _crosses(problem, beside, upper)
+        one, two = (problem.grown(point.u) for point in (beside, upper))
+        s = arising(one, two) if len(one) > len(two) else arising(two, one)
         if s.imag > 0 or free:
             special = problem.crossed(beside, upper, s)
             if special.kind != HOPF or special.frequency > SLOWEST * abs(s):
@@ -57,17 +59,6 @@ def _inner(
         with suppress(AnalysisError):
             return share, on_chord(problem, a, b, share)
     return None
-
-
-def _crosses(problem: Equilibria, a: Point, b: Point) -> complex:
-    """The eigenvalue that grows beside one point and not beside the other."""
-    one, two = (problem.grown(point.u) for point in (a, b))
-    here, there = (one, two) if len(one) > len(two) else (two, one)
-    if not len(here):
-        return 0j
-    near = np.abs(here[:, None] - there[None, :]).min(axis=1, initial=np.inf)
-    s = here[np.argmax(near / np.abs(here))]
-    return 0j if abs(s.imag) <= abs(s.real) else complex(1j * abs(s.imag))
 
 
 def solved(problem: Equilibria, near: Point, s: complex) -> Special:

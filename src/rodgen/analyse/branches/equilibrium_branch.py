@@ -26,8 +26,8 @@ from rodgen.analyse.curves.special_points import branch_point
 from rodgen.analyse.curves.switching import chosen, switched
 from rodgen.analyse.curves.twice import compared, twice
 from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.modal import MOST_DENSE
 from rodgen.analyse.settle import settle
-from rodgen.analyse.small_motions import MOST_DENSE
 from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System
 from rodgen.scene import Scene, SceneError

@@ -234,7 +234,7 @@ class Measures:
 
     def _half(self, y: Array) -> int:
         """How many positions states have."""
-        return (y.shape[1] - len(self.job.scene.states)) // 2
+        return int(y.shape[1] - len(self.job.scene.states)) // 2
 
     def _tail(self, y: Array) -> Array:
         joints: Array = self.job.model.joints(y, self.job.p)

@@ -120,7 +120,7 @@ def warn_of_tolerance(scene: Scene, model: ModuleType) -> str | None:
 
 def _few(rtol: float) -> float:
     """Radians or decays of a fastest motion that explicit steps follow in no time."""
-    return FEW * (FEW_AT / rtol) ** FEW_POWER
+    return float(FEW * (FEW_AT / rtol) ** FEW_POWER)
 
 
 def described(fastest: Dominant) -> str:

@@ -115,7 +115,7 @@ class ScipyStep:
         h = t - start
         k = [self._solver.fun(start, y)]
         for weights, share in zip(DOP853.A[1:], DOP853.C[1:], strict=True):
-            k.append(self._solver.fun(start + share * h, y + h * (weights[: len(k)] @ k)))
+            k.append(self._solver.fun(start + h * share, y + h * (weights[: len(k)] @ k)))
         return np.asarray(y + h * (DOP853.B @ k))
 
 
