@@ -31,7 +31,7 @@ def known(seed: int) -> Record:
     return {"seed": seed, "seconds": 0.0} | measured(seed, FEW)
 
 
-def shown(lines: list[Record]) -> tuple[int, str]:
+def shown(lines: list[Record]) -> tuple[tuple[int, int], str]:
     text = io.StringIO()
     console = Console(file=text, width=240)
     wrong = show_errors(lines, console)
@@ -60,17 +60,17 @@ def test_auto_is_the_method_that_it_takes() -> None:
 
 def test_a_falsified_run_is_reported() -> None:
     lines = [known(seed) for seed in CALM]
-    assert shown(lines)[0] == 0
+    assert shown(lines)[0] == (0, 0)
     false = copy.deepcopy(lines)
     rows = [row for row in false[1]["runs"] if (row["method"], row["rtol"]) == (AUTO, 1e-6)]
     largest = false[1]["reference"]["size"]["rates"]
     allowed = next(over_tolerance(false[1])).allowed
     rows[0]["errors"] = rows[0]["errors"] | {"rates": [1.1 * allowed * 1e-6 * largest, 0.0]}
     wrong, text = shown(false)
-    assert wrong == 1
+    assert wrong == (1, 0)
     assert f"{CALM[1]}: rates off by" in text
     rows[0]["warned"] = "it was said"
-    assert shown(false)[0] == 0
+    assert shown(false)[0] == (0, 0)
 
 
 def test_a_dear_choice_is_reported() -> None:

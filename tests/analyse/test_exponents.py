@@ -45,6 +45,7 @@ def test_exponents_without_damping(pendulum: Scene) -> None:
     assert found.chaotic
     assert found.zero_one > 0.95
     assert abs(one + four) < found.errors[0]
+    # In 200 s zeros come to within some hundredths of the largest: growth rates there drift.
     for zero, error in ((two, found.errors[1]), (three, found.errors[2])):
         assert abs(zero) < 2 * error < 0.2 * one
     assert found.zeros == {"time": 1, "energy": 1}

@@ -36,7 +36,10 @@ def precision(
     ] = 40.0,
     of: Annotated[
         str | None,
-        typer.Option(help=f"Errors to hold methods by: {', '.join(MEASURES)} [default: end]."),
+        typer.Option(
+            help=f"Errors to hold methods by: {', '.join(MEASURES)} [default: end; of a rod that "
+            "does not turn: tail]."
+        ),
     ] = None,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,

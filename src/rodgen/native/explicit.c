@@ -207,7 +207,7 @@ int rodgen_dop853_step(struct run *r)
 static void prepare_dense(struct run *r, double h)
 {
     double *const *const k = r->k, *const restrict error = r->error;
-    const double *const restrict y = r->before, *const restrict on = r->y, *const restrict last = k[SUMS + 3];
+    const double *const y = r->before, *const on = r->y, *const last = k[SUMS + 3];
     for (int stage = 0; stage < MORE; ++stage) {
         move(y, h, &dop853.more[stage].sum, k, 0, r->all, r->trial);
         flow_at(r, r->is->before + dop853.more[stage].at * h, r->trial, k[FIRST + stage]);

@@ -155,7 +155,9 @@ class Run:
         rtol: float = 1e-8,
         atol: float = 1e-10,
     ):
-        """At the state y at time t [s]; step [s]: a fixed one, or the first to try (0: any)."""
+        """At the state y at time t [s]; step [s]: a fixed one, or the first to try (0: any); rtol,
+        atol: what the estimated error of one step may be, of dop853 a sixtieth of what
+        rodgen.simulate keeps to."""
         if method not in METHODS:
             raise ValueError(f"method is {method!r}: must be one of {', '.join(METHODS)}")
         equations = self.equations

@@ -53,7 +53,8 @@ typedef struct {
     double start, end;       /* of the stretch: from break point to break point */
     double low, high;        /* at what times loads may be asked for their values */
     double longest;          /* step that is taken where methods choose it (0: any) */
-    double step, rtol, atol; /* a fixed step, or the next one to try (0: to be found) */
+    double step; /* a fixed one, or the next to try (0: to be found) */
+    double rtol, atol; /* what the estimated error of one step may be */
     double most, modulus;    /* largest stable step; modulus of the eigenvalue that it is for */
     double last_step, last_reach, factored;
     long long method, steps, rejected, rhs, jacobian, factorisations;

@@ -35,11 +35,11 @@ def main() -> int:
     numbers = range(asked.first, asked.first + asked.scenes)
     console = Console() if sys.stdout.isatty() else Console(width=WIDTH)
     lines = list(track(records(numbers, asked.out), "scenes", total=asked.scenes))
-    wrong = show_errors(lines, console)
+    wrong, far = show_errors(lines, console)
     show_costs(lines, console)
     seconds = sum(line["seconds"] for line in lines)
     console.print(f"{len(lines)} scenes took {seconds:.0f} s")
-    return int(wrong > ALLOWED * len(lines))
+    return int(wrong > ALLOWED * len(lines) or far > 0)
 
 
 if __name__ == "__main__":

@@ -21,9 +21,9 @@ WEAK = 0.01  # of critical damping: of a fastest motion with less, errors of man
 KINKS = "drag", "external_damping"  # whose forces are not smooth where a joint turns back
 
 
-def show_errors(lines: list[Record], console: Console) -> int:
+def show_errors(lines: list[Record], console: Console) -> tuple[int, int]:
     """Print the distribution of errors, and every run of auto that exceeds what is allowed; the
-    number of such scenes by angles and rates."""
+    number of such scenes by angles and rates, and of those that are far off."""
     found = [over for line in lines for over in over_tolerance(line)]
     for place in ("samples", "end"):
         console.print(_distribution(found, place, len(lines)))
@@ -51,7 +51,7 @@ def _cell(values: list[float]) -> str:
     return " / ".join(f"{part:.2g}" for part in parts) + f" ({len(values)})"
 
 
-def _exceeding(found: list[Over], lines: list[Record], console: Console) -> int:
+def _exceeding(found: list[Over], lines: list[Record], console: Console) -> tuple[int, int]:
     """Print the runs of auto that exceed what is allowed."""
     mine = [over for over in found if over.method == AUTO]
     beyond = sorted((over for over in mine if over.exceeds), key=lambda over: -over.samples)
@@ -72,7 +72,7 @@ def _exceeding(found: list[Over], lines: list[Record], console: Console) -> int:
         f"more than {FAR:g} times. Without a reference: {len(lines) - len(judged)}.",
         soft_wrap=True,
     )
-    return len(wrong)
+    return len(wrong), len(far)
 
 
 def _group(features: Record) -> str:

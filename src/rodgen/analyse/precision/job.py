@@ -26,7 +26,12 @@ EDGE = 1e-12  # by which a time is held inside a stretch [s]: at its ends loads 
 MODES = 3  # the lowest, whose amplitudes are compared
 STILL = 1e-9  # rad, by which the angles of a rod change that stays as it is
 MEASURES = (
-    *("error_phi", "error_angles", "error_rates", "error_tail", "error_modes", "error_energy"),
+    "error_phi",
+    "error_angles",
+    "error_rates",
+    "error_tail",
+    "error_modes",
+    "error_energy",
 )
 
 Errors = dict[str, float | None]

@@ -99,7 +99,8 @@ class ScipyStep:
         start."""
         dense = self._solver.dense_output()
         if self._is_off(dense):
-            return lambda times: np.stack([self._shorter(dense.y_old, t) for t in times])
+            start, y, rate = dense.t_old, dense.y_old, self._solver.K[0].copy()
+            return lambda times: np.array([self._shorter(start, y, rate, t) for t in times])
         return lambda times: dense(times).T
 
     def _is_off(self, dense: Any) -> bool:
@@ -109,11 +110,10 @@ class ScipyStep:
         tolerated = self._atol + self._rtol * np.maximum(np.abs(dense.y_old), np.abs(self.y))
         return bool(np.sqrt(np.mean((dense.F[-1] / tolerated) ** 2)) > LARGEST_LAST)
 
-    def _shorter(self, y: Array, t: float) -> Array:
-        """A step of DOP853 from the start of the last one, at y, to a time within."""
-        start = self._solver.t_old
-        h = t - start
-        k = [self._solver.fun(start, y)]
+    def _shorter(self, start: float, y: Array, rate: Array, t: float) -> Array:
+        """A step of DOP853 from the start of the last one, its state and its rate, to a time
+        within."""
+        h, k = t - start, [rate]
         for weights, share in zip(DOP853.A[1:], DOP853.C[1:], strict=True):
             k.append(self._solver.fun(start + h * share, y + h * (weights[: len(k)] @ k)))
         return np.asarray(y + h * (DOP853.B @ k))

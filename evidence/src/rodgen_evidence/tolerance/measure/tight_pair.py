@@ -25,7 +25,10 @@ FIRST = ("dop853", 1e-13), ("gauss", 1e-13)
 THIRD = "radau", 1e-12
 GOOD = 1e-12  # of the largest value: a pair that is closer needs no third run
 PATIENCE = 4.0  # seconds of a run
-BESIDE = 1e-12  # of the largest value: between two starts
+# Of the largest value, between two starts: what the first has become is seen above the errors of the
+# runs, the second does not end as far apart as motions can be.
+BESIDE = 1e-8, 1e-12
+SATURATED = 1e4  # times that the first grows, from which it is the second that tells
 
 
 @dataclass(frozen=True)
@@ -53,12 +56,16 @@ def tight_pair(scene: rodgen.Scene, model: ModuleType) -> TightPair | None:
         return None
     a, b = min(combinations(runs, 2), key=lambda two: _distance(runs[two[0]], runs[two[1]]))
     rtol = dict((*FIRST, THIRD))[a]
-    size, beside = sizes(runs[a]), _beside(scene, runs[a])
-    parted = timed(scene, model, a, rtol, 2 * PATIENCE, 1, y0=beside).solution
-    if parted is None:
-        return None
-    grown = apart(runs[a], quantities(parted))
-    growth = max(grown[k][0] / (BESIDE * size[k]) for k in grown if size[k])
+    size, growth = sizes(runs[a]), 0.0
+    for shift in BESIDE:
+        beside = _beside(scene, runs[a], shift)
+        parted = timed(scene, model, a, rtol, 2 * PATIENCE, 1, y0=beside).solution
+        if parted is None:
+            return None
+        grown = apart(runs[a], quantities(parted))
+        growth = max(growth, *(grown[k][0] / (shift * size[k]) for k in grown if size[k]))
+        if growth < SATURATED:
+            break
     return TightPair(runs[a], size, (a, b), apart(runs[a], runs[b]), growth)
 
 
@@ -72,15 +79,15 @@ def _distance(a: dict[str, Array], b: dict[str, Array]) -> float:
     return relative(differences, sizes(a))
 
 
-def _beside(scene: rodgen.Scene, values: dict[str, Array]) -> Array:
-    """The start with angles and rates shifted smoothly along the rod: errors of its fastest modes
-    would count as those of a chaotic motion."""
+def _beside(scene: rodgen.Scene, values: dict[str, Array], shift: float) -> Array:
+    """The start with angles and rates shifted smoothly along the rod, by a share of their largest
+    values: errors of its fastest modes would count as those of a chaotic motion."""
     y = scene.initial_state()
     size = sizes(values)
     count = values["angles"].shape[1]
     half = (len(y) - len(scene.states)) // 2
     s = (np.arange(count) + 0.5) / count
     smooth = s**3 * (10 - 15 * s + 6 * s**2)
-    y[half - count : half] += BESIDE * size["angles"] * smooth
-    y[2 * half - count : 2 * half] += BESIDE * size["rates"] * smooth
+    y[half - count : half] += shift * size["angles"] * smooth
+    y[2 * half - count : 2 * half] += shift * size["rates"] * smooth
     return y
