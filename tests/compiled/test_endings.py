@@ -91,7 +91,7 @@ def test_step_that_becomes_too_small(missile: Scene, built: ModuleType) -> None:
         assert status in (-2, -3)  # the step is too small, or Newton's method has no solution
 
 
-@pytest.mark.filterwarnings("ignore:gauss keeps")
+@pytest.mark.filterwarnings("ignore:gauss passes")
 def test_newton_that_finds_no_solution(missile: Scene) -> None:
     """Changes of coordinates that are zero are asked for to 1e-300 under a force of 1e12 N: below
     the rounding of the rates, and no step is small enough."""

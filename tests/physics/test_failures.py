@@ -133,7 +133,7 @@ def test_too_many_links_for_the_dense_form_are_refused(make_scene: Make) -> None
         rodgen.build(make_scene(100_000), form="dense")
 
 
-@pytest.mark.filterwarnings("ignore:gauss keeps")
+@pytest.mark.filterwarnings("ignore:gauss passes")
 @pytest.mark.parametrize(
     ("method", "target"),
     sets(

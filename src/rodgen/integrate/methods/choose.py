@@ -117,9 +117,9 @@ def warn_of_tolerance(scene: Scene, model: ModuleType) -> str | None:
     better = by_rule(fastest, span, rtol, settings.budget).method
     advice = f"; take {better}" if better != method else ""
     return (
-        f"gauss passes over the fastest motion ({described(fastest)}), in steps that keep positions "
-        f"alone to rtol {rtol:g}: rates may be off by hundreds of tolerances, and angles by "
-        f"tens{advice}"
+        f"gauss passes over the fastest motion ({described(fastest)}), in steps that keep "
+        f"positions alone to rtol {rtol:g}: rates may be off by hundreds of tolerances, and angles "
+        f"by tens{advice}"
     )
 
 

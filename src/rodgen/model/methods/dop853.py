@@ -5,9 +5,9 @@ from rodgen.model.method import Method
 # Of the last part of the dense output over what is tolerated of a step, times its length: the root
 # mean square up to which states inside the step are by dense output. Their error is about a seventh
 # of what that part adds at most, (4/7)^4 (3/7)^3 of it: of y' = lambda y + t^q, by h |lambda| = 0.5
-# to 6 and q = 0 to 8, less than 0.17 of it at 95 of 100 places, and more only where the part is next
-# to zero. Close to the limit of stability it is a hundred times that of the step, of a motion that
-# dies out.
+# to 6 and q = 0 to 8, less than 0.17 of it at 95 of 100 places, and more only where the part is
+# next to zero. Close to the limit of stability it is a hundred times that of the step, of a motion
+# that dies out.
 BETWEEN = 30.0  # times what is tolerated of a step
 LARGEST_LAST = BETWEEN / (0.15 * (4 / 7) ** 4 * (3 / 7) ** 3)
 

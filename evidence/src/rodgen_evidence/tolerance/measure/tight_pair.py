@@ -25,8 +25,8 @@ FIRST = ("dop853", 1e-13), ("gauss", 1e-13)
 THIRD = "radau", 1e-12
 GOOD = 1e-12  # of the largest value: a pair that is closer needs no third run
 PATIENCE = 4.0  # seconds of a run
-# Of the largest value, between two starts: what the first has become is seen above the errors of the
-# runs, the second does not end as far apart as motions can be.
+# Of the largest value, between two starts: what the first has become is seen above the errors of
+# the runs, the second does not end as far apart as motions can be.
 BESIDE = 1e-8, 1e-12
 SATURATED = 1e4  # times that the first grows, from which it is the second that tells
 
