@@ -69,6 +69,7 @@ def test_break_points_are_stepped_onto(missile: Scene, method: str) -> None:
     assert np.abs(whole.phi - exact.phi).max() < 1e-7
 
 
+@pytest.mark.filterwarnings("ignore:gauss passes")
 def test_a_run_of_nothing_that_moves(smooth: Scene, model: ModuleType) -> None:
     """Straight, at rest, without loads: no size to choose a step by, and exact zeros."""
     span = {"integrate": {"span": [0.0, 100.0], "output_every": 10.0}}

@@ -101,14 +101,17 @@ static inline double error_of_both(double five, double three, double h, double s
     return five > 0.0 ? h * five / sqrt((five + 0.01 * three) * states) : five;
 }
 
-/* What states between the ends of a step are from: nothing is known, dense output, or a shorter step from its start,
-   which has no larger error than the whole. Then which of both, of a step h, from the squares of the last part of the
-   dense output over what is tolerated, summed. */
-enum { UNKNOWN = 0, DENSE, SHORTER };
+/* In how many parts of a step h its dense output is good enough, from the squares of the last part of the dense output
+   over what is tolerated, summed: that falls with the seventh power of a length at least. */
+enum { MOST_PARTS = 64 };
 
-static inline int source_between(double last, double h, double states)
+static inline int parts_of(double last, double h, double states)
 {
-    return h * sqrt(last / states) < dop853.largest_last ? DENSE : SHORTER;
+    const double over = h * sqrt(last / states) / dop853.largest_last;
+    int parts = 1;
+    for (double left = over; !(left < 1.0) && parts < MOST_PARTS; left /= 128.0)
+        parts *= 2;
+    return parts;
 }
 
 /* Whether a step of that error is kept, and the length of the next; whole: all of it is finite; again: it was tried
@@ -136,7 +139,7 @@ static inline void arrive(rodgen_run *is, double next, double lag)
     is->lag_before = is->lag;
     is->t = next;
     is->lag = lag;
-    is->dense = UNKNOWN;
+    is->dense = is->part = 0;
     ++is->looked;
 }
 

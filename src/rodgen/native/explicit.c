@@ -126,13 +126,15 @@ static double stable_step_of_states(struct run *r)
     return most;
 }
 
-/* Stages of DOP853 behind the first; those and sums of dense output. */
+/* Stages of DOP853 behind the first; those and sums of dense output; states at both ends of a part of a step. */
 enum {
     STEPS = sizeof dop853.stages / sizeof *dop853.stages,
     MORE = sizeof dop853.more / sizeof *dop853.more,
     FIRST = STEPS + 2,
-    SUMS = FIRST + MORE
+    SUMS = FIRST + MORE,
+    PART = SUMS + 4
 };
+typedef char room_for_parts[PART + 2 <= STAGES ? 1 : -1];
 
 /* Squares of the two estimates of the error over what is tolerated, summed. */
 static void errors(struct run *r, double *five, double *three)
@@ -154,11 +156,11 @@ static void errors(struct run *r, double *five, double *three)
     *three = total(error3, r->states);
 }
 
-/* Rates of the stages of a step of DOP853, h from t, behind the first. */
-static void stages(struct run *r, double t, double h)
+/* Rates of the stages of a step of DOP853, h from t and y, behind the first. */
+static void stages(struct run *r, const double *y, double t, double h)
 {
     for (int stage = 0; stage < STEPS; ++stage) {
-        move(r->before, h, &dop853.stages[stage].sum, r->k, 0, r->all, r->trial);
+        move(y, h, &dop853.stages[stage].sum, r->k, 0, r->all, r->trial);
         flow_at(r, t + dop853.stages[stage].at * h, r->trial, r->k[stage + 1]);
     }
 }
@@ -187,7 +189,7 @@ int rodgen_dop853_step(struct run *r)
         if (!(h > 0.0))
             return again ? (int)is->broken : TOO_SMALL;
         next = later(is, h, &lag);
-        stages(r, t, h);
+        stages(r, y, t, h);
         move(y, h, &dop853.weights, k, 0, r->all, r->y);
         flow_at(r, next, r->y, k[STEPS + 1]);
         double five, three;
@@ -203,17 +205,24 @@ int rodgen_dop853_step(struct run *r)
     return PAUSED;
 }
 
-/* What dense output of order 7 needs (the same book, II.6): three more stages, then four sums of all. */
-static void prepare_dense(struct run *r, double h)
+/* What dense output of order 7 needs of a step h from t and y (the same book, II.6): three more stages, then four sums
+   of all. */
+static void prepare_dense(struct run *r, const double *y, double t, double h)
 {
-    double *const *const k = r->k, *const restrict error = r->error;
-    const double *const y = r->before, *const on = r->y, *const last = k[SUMS + 3];
+    double *const *const k = r->k;
     for (int stage = 0; stage < MORE; ++stage) {
         move(y, h, &dop853.more[stage].sum, k, 0, r->all, r->trial);
-        flow_at(r, r->is->before + dop853.more[stage].at * h, r->trial, k[FIRST + stage]);
+        flow_at(r, t + dop853.more[stage].at * h, r->trial, k[FIRST + stage]);
     }
     for (int sum = 0; sum < 4; ++sum)
         add(&dop853.dense[sum], k, r->all, k[SUMS + sum]);
+}
+
+/* In how many parts the last step, of length h, has a dense output that is good enough. */
+static int parts(struct run *r, double h)
+{
+    double *const error = r->error;
+    const double *const y = r->before, *const on = r->y, *const last = r->k[SUMS + 3];
     for (int number = 0; number < GROUPS; ++number) {
         const struct group group = group_of(r, number);
         for (ptrdiff_t i = group.low; i < group.high; ++i) {
@@ -221,23 +230,50 @@ static void prepare_dense(struct run *r, double h)
             error[i] = square(last[i] / tolerated(r->is, u > v ? u : v, group.limit));
         }
     }
-    r->is->dense = source_between(total(error, r->states), h, (double)r->states);
+    return parts_of(total(error, r->states), h, (double)r->states);
+}
+
+/* Step from part to part of the last step, each of length h, as far as a part that is counted from 1. */
+static void reach(struct run *r, double h, int part)
+{
+    rodgen_run *const is = r->is;
+    double *const *const k = r->k, *const y = k[PART], *const on = k[PART + 1], *const after = k[STEPS + 1];
+    if (is->part == part)
+        return;
+    if (is->part > part)
+        is->part = 0;
+    while (is->part < part) {
+        const double t = is->before + (double)is->part * h;
+        copy(r, y, is->part == 0 ? r->before : on);
+        copy(r, k[0], is->part == 0 ? r->f_before : after);
+        stages(r, y, t, h);
+        move(y, h, &dop853.weights, k, 0, r->all, on);
+        flow_at(r, t + h, on, after);
+        ++is->part;
+    }
+    prepare_dense(r, y, is->before + (double)(part - 1) * h, h);
 }
 
 void rodgen_dop853_dense(struct run *r, double h, double x, double *out)
 {
+    rodgen_run *const is = r->is;
     double *const *const k = r->k;
-    const double *const y = r->before;
-    if (r->is->dense == UNKNOWN)
-        prepare_dense(r, h);
-    if (r->is->dense == SHORTER) {
-        stages(r, r->is->before, x * h);
-        move(y, x * h, &dop853.weights, k, 0, r->all, out);
-        return;
+    const double *y = r->before, *on = r->y, *f = r->f_before, *after = r->f;
+    if (is->dense == 0) {
+        prepare_dense(r, y, is->before, h);
+        is->dense = parts(r, h);
+    }
+    if (is->dense > 1) {
+        const double many = (double)is->dense;
+        const int within = (int)(x * many), part = within < is->dense ? within : (int)is->dense - 1;
+        h /= many;
+        x = x * many - part;
+        reach(r, h, part + 1);
+        y = k[PART], on = k[PART + 1], f = k[0], after = k[STEPS + 1];
     }
     const double *const f3 = k[SUMS], *const f4 = k[SUMS + 1], *const f5 = k[SUMS + 2], *const f6 = k[SUMS + 3];
     EACH {
         const double inner = dop853_inner(f3[i], f4[i], f5[i], f6[i], h, x);
-        out[i] = dop853_between(y[i], r->y[i], r->f_before[i], r->f[i], h, x, inner);
+        out[i] = dop853_between(y[i], on[i], f[i], after[i], h, x, inner);
     }
 }

@@ -36,8 +36,10 @@ struct block {
 };
 
 /* The parts of the memory: rows of all states and works are (states + works, LANES). Stages are followed by the rates at
-   the end of a step, and these by what dense output needs. */
-enum { AFTER = 12, MORE = 3, SUMS = AFTER + 1 + MORE, ROWS = SUMS + 4 };
+   the end of a step, and these by what dense output needs; then, of a part of a step, states and rates at both ends, and
+   sums of its dense output. */
+enum { AFTER = 12, MORE = 3, SUMS = AFTER + 1 + MORE, PART = SUMS + 4, PART_RATES = PART + 2, PART_SUMS = PART + 4 };
+enum { ROWS = PART_SUMS + 4 };
 struct many {
     const struct rodgen_lanes *of;
     struct rodgen_many *job;

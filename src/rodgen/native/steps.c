@@ -156,7 +156,7 @@ int rodgen_run_start(const struct rodgen_system *system, rodgen_run *run, const 
     run->lag = run->lag_before = 0.0;
     if (!(run->longest > 0.0))
         run->longest = INFINITY;
-    run->taken = run->dense = run->predicts = run->smooth = run->blocks = run->broken = 0;
+    run->taken = run->dense = run->part = run->predicts = run->smooth = run->blocks = run->broken = 0;
     run->factored = run->last_step = run->last_reach = 0.0;
     run->looked = -1;
     for (ptrdiff_t i = 0; i < r->half; ++i)

@@ -58,7 +58,8 @@ typedef struct {
     double most, modulus;    /* largest stable step; modulus of the eigenvalue that it is for */
     double last_step, last_reach, factored;
     long long method, steps, rejected, rhs, jacobian, factorisations;
-    long long taken, looked, dense, predicts, smooth, blocks, broken;
+    long long taken, looked, predicts, smooth, blocks, broken;
+    long long dense, part; /* what dense output is known: 0, or in how many parts of the last step, up to which of them */
 } rodgen_run;
 
 /* Memory of a run, all zero at first and aligned as malloc's, without pointers: whoever copies it

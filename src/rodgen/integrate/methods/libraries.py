@@ -17,6 +17,7 @@ from rodgen.model.methods.dop853 import LARGEST_LAST
 from rodgen.scene import SceneError
 
 LOOKS = 500  # steps between two looks at the stability limit, which cost as much as 30
+MOST_PARTS = 64  # of a step
 PATIENCE = 1000  # evaluations in a row that are not finite, before a method is stopped
 PACKAGE = "sksundae.cvode"
 
@@ -95,28 +96,40 @@ class ScipyStep:
         return StepError(f"the method gave up ({reason})")
 
     def interpolant(self) -> Interpolant:
-        """Dense output of the last step; of DOP853, where it is off, shorter steps from the same
-        start."""
+        """Dense output of the last step; of DOP853, where it is off, that of steps over parts of
+        it."""
         dense = self._solver.dense_output()
-        if self._is_off(dense):
-            start, y, rate = dense.t_old, dense.y_old, self._solver.K[0].copy()
-            return lambda times: np.array([self._shorter(start, y, rate, t) for t in times])
+        if isinstance(self._solver, DOP853) and (parts := self._parts(dense)) > 1:
+            dense = self._in_parts(dense.t_old, dense.y_old, parts) or dense
         return lambda times: dense(times).T
 
-    def _is_off(self, dense: Any) -> bool:
-        """Whether states inside a step are off by much more than what is tolerated of it."""
-        if not isinstance(self._solver, DOP853):
-            return False
+    def _parts(self, dense: Any) -> int:
+        """In how many parts of the last step its dense output is good enough (as parts_of in
+        native/control.h)."""
         tolerated = self._atol + self._rtol * np.maximum(np.abs(dense.y_old), np.abs(self.y))
-        return bool(np.sqrt(np.mean((dense.F[-1] / tolerated) ** 2)) > LARGEST_LAST)
+        over = np.sqrt(np.mean((dense.F[-1] / tolerated) ** 2)) / LARGEST_LAST
+        parts = 1
+        while not over < 1 and parts < MOST_PARTS:
+            parts, over = 2 * parts, over / 128
+        return parts
 
-    def _shorter(self, start: float, y: Array, rate: Array, t: float) -> Array:
-        """A step of DOP853 from the start of the last one, its state and its rate, to a time
-        within."""
-        h, k = t - start, [rate]
-        for weights, share in zip(DOP853.A[1:], DOP853.C[1:], strict=True):
-            k.append(self._solver.fun(start + h * share, y + h * (weights[: len(k)] @ k)))
-        return np.asarray(y + h * (DOP853.B @ k))
+    def _in_parts(self, start: float, y: Array, parts: int) -> Any:
+        """Dense output of so many equal steps from the start of the last one, if they succeed."""
+        length = (self.t - start) / parts
+        whatever = {"rtol": np.inf, "atol": np.inf}  # their length is known
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            made = scipy.integrate.solve_ivp(
+                self._solver.fun,
+                (start, self.t),
+                y,
+                "DOP853",
+                dense_output=True,
+                first_step=length,
+                max_step=length,
+                **whatever,
+            )
+        return made.sol if made.success else None
 
 
 class CvodeStep:
