@@ -276,6 +276,7 @@ def test_a_rod_that_does_not_turn_is_held_by_its_tail() -> None:
     assert measures.errors(off)["error_phi"] == pytest.approx(1e-4)
     off[1, 2] += 2e-4  # an angle on the way
     off[3, 7] -= 3e-2  # the last rate, before the states that are added
+    off[2, 9] += 1.0
     found = measures.errors(off)
     assert found["error_phi"] == pytest.approx(1e-4)
     assert found["error_angles"] == pytest.approx(2e-4)

@@ -55,15 +55,17 @@ def test_rates_of_damped_rods_side_by_side() -> None:
     times = np.linspace(0.01, 0.06, 9)
     p[:, model.PARAMETERS.index("material_damping_time")] = times
     given = {"span": [0.0, 1.0], "output_every": 0.01, "rtol": 1e-8, "atol": 1e-10}
+    # The least rate of this link comes when those beside it have died out.
     made = rodgen.simulate_many(
-        model, p, DAMPED.initial_state(), keep=["min(omega_3)", "rms(omega_3)"], **given
+        model, p, DAMPED.initial_state(), keep=["min(omega_2)", "rms(omega_3)"], **given
     )
-    for at in (0, 4, 8):
-        scene = DAMPED.replace({"loads.material_damping.time": times[at]})
+    for at, time in enumerate(times):
+        scene = DAMPED.replace({"loads.material_damping.time": float(time)})
         exact = rodgen.simulate(scene, method="radau", rtol=1e-12, atol=1e-14)
-        tip, most = exact.omega[:, 3], MOST * 1e-8 * np.abs(exact.omega).max()
-        assert made["min(omega_3)"][at] == pytest.approx(tip.min(), abs=most)
-        assert made["rms(omega_3)"][at] == pytest.approx(np.sqrt(np.mean(tip**2)), abs=most)
+        most = MOST * 1e-8 * np.abs(exact.omega).max()
+        assert made["min(omega_2)"][at] == pytest.approx(exact.omega[:, 2].min(), abs=most)
+        rms = np.sqrt(np.mean(exact.omega[:, 3] ** 2))
+        assert made["rms(omega_3)"][at] == pytest.approx(rms, abs=most)
 
 
 @pytest.mark.compiler

@@ -30,7 +30,7 @@ int main(void)
     run->end = 10.0;
     run->low = -INFINITY; /* no load of this rod breaks off */
     run->high = INFINITY;
-    run->rtol = 1e-8;
+    run->rtol = 1e-8; /* of one step: errors of many add up */
     run->atol = 1e-10;
     status = ROD(run_start)(run, p);
     while (status == AT(PAUSED)) /* a thousand steps at a time: here a program looks at its clock */

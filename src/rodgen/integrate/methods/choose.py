@@ -15,7 +15,7 @@ from rodgen.scene.integration import AUTO, MOST_ADAPTIVE, Integrate
 
 # Measured at equal error on random scenes, see docs/methods.md.
 FEW = 4e3  # radians or decays, at FEW_AT, of a fastest motion that explicit steps follow in no time
-FEW_AT, FEW_POWER = 1e-4, 1 / 8  # a tolerance; radau's steps shrink more with it than dop853's
+FEW_AT, FEW_POWER = 1e-4, 0.11  # a tolerance; radau's steps shrink more with it than dop853's
 DECAYS = 0.6  # damping ratio from which the fastest motion dies out instead of going on
 LONG, GONE = 100.0, 1e3  # times FEW, and e-folds, after which one with less damping is gone too
 GROWS = 1e-3  # share of the rate from which a motion is taken to grow by itself
