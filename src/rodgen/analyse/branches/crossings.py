@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -52,13 +51,21 @@ def crossing(problem: Equilibria, a: Point, b: Point) -> list[Special]:
 def _inner(
     problem: Equilibria, a: Point, b: Point, left: float, right: float
 ) -> tuple[float, Point] | None:
-    """A share of the way between two, and the point there; None where there is none, next to a
-    branch point."""
+    """A share of the way between two, and the point there; None next to a branch point between
+    them, where none can be told. Raises AnalysisError where none is there for another reason, as
+    between points of two branches."""
+    failed: AnalysisError | None = None
     for part in PARTS:
         share = left + part * (right - left)
-        with suppress(AnalysisError):
+        try:
             return share, on_chord(problem, a, b, share)
-    return None
+        except AnalysisError as error:
+            failed = failed or error
+            if a.sign * b.sign > 0:
+                break
+    if a.sign * b.sign < 0 or failed is None:
+        return None
+    raise failed
 
 
 def solved(problem: Equilibria, near: Point, s: complex) -> Special:

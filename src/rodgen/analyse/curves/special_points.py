@@ -27,7 +27,7 @@ CLOSE = 1e-12  # of the way between two points: a special point is known
 ROUNDED = 1e-6  # of u: a correction that may be rounding, of long rods
 NUDGE = 1e-5  # of u, of differences of the derivatives: their error slows Newton's method alone
 WAYS = 3  # steps of inverse iteration
-IMPERFECT = 1e-8  # of what is not in balance in a branch point: there is none
+IMPERFECT = 1e-11  # of what is not in balance in a branch point: there is none
 FAR = 2.0  # times the way between two points, from either
 
 

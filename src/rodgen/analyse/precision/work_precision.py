@@ -143,7 +143,8 @@ class WorkPrecision(Shown):
     `error_angles` [rad], `error_rates` [rad/s], `error_tail` [m], `error_modes` [rad],
     `error_energy`, counts, and `failed`, why a setting came to nothing;
     reference: method, order and tolerance of the reference solution, and the method that checks it;
-    trusted: error of the reference in every measure, in its unit, below which errors mean nothing;
+    trusted: error of the reference in every measure, in its unit [rad, rad/s or m], below
+    which errors mean nothing;
     limits: largest stable step of every explicit method at the start of the scene [s], 0 if no step
     is stable, infinite if any is; measure: of errors, that `front` and `cheapest` take if they are
     given none: `error_phi`, or `error_tail` for a rod that does not turn.
