@@ -12,7 +12,10 @@ from rodgen.loading.cache import source_hash
 from rodgen_evidence.tolerance.measure.scene_record import measured
 
 FILE = "tolerance.jsonl"
-SOURCES = "rodgen", "rodgen.derive", "rodgen.templates", "rodgen_evidence.tolerance.measure"
+SOURCES = (
+    *("rodgen", "rodgen.derive", "rodgen.templates"),
+    *("rodgen_evidence.tolerance.measure", "rodgen_evidence.verdicts"),
+)
 Record = dict[str, Any]
 
 

@@ -4,41 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen_evidence.verdicts.link_chain import Table
+from rodgen_evidence.verdicts.random_rod import RandomRod
 
 SHARED = 2  # scenes in a row that have one structure, so that its module is made once
 
 
-class Draws:
-    """shape: draws what belongs to the structure; sizes: draws numbers."""
+class Draws(RandomRod):
+    """A random rod, and parts of a scene for it; seed: number of the scene."""
 
     def __init__(self, seed: int, shape: Any, sizes: Any):
-        self.seed, self.shape, self.sizes = seed, shape, sizes
-        self.boundary = list(BOUNDARIES)[seed // SHARED % len(BOUNDARIES)]
-        self.inertia = str(shape.choice(list(INERTIAS)))
-        self.n = int(shape.integers(2, 6))
-        self.L, self.M = self.size(0.5, 3), self.size(0.5, 5)
-        self.EI = self.size(0.5, 100)
-        self.F = self.EI / self.L**2
-        self.T = float(np.sqrt(self.M * self.L**3 / self.EI))
+        super().__init__(seed // SHARED, shape, sizes)
+        self.seed = seed
         self.tied = self.chance({"free": 0.5, "pinned": 0.8}.get(self.boundary, 0.3))
         held = self.boundary in ("clamped", "cantilever") or self.tied
         self.bent = self.chance(0.4) and held
-
-    def chance(self, share: float) -> bool:
-        return bool(self.shape.random() < share)
-
-    def size(self, low: float, high: float) -> float:
-        return float(f"{10 ** self.sizes.uniform(np.log10(low), np.log10(high)):.6g}")
-
-    def signed(self, low: float, high: float) -> float:
-        return float(self.sizes.choice([-1, 1])) * self.size(low, high)
-
-    def spot(self) -> float:
-        return round(float(self.shape.random()), 2)
 
     def law(self, texts: tuple[str, ...]) -> str:
         text = str(self.shape.choice(texts))

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen_evidence.verdicts.random_rod import RandomRod
 
 Tables = dict[str, Any]
 
@@ -22,30 +20,11 @@ FORCES = (
 ANGLES = ("", "", "{a}*{sensed}", "max(-{a}, min({a}, {b}*{sensed}))", "gimbal", "{a}*sin({w}*t)")
 
 
-class Loads:
-    """shape: draws what belongs to the structure; sizes: draws numbers."""
+class Loads(RandomRod):
+    """A random rod with its loads."""
 
-    def __init__(self, structure: int, shape: Any, sizes: Any):
-        self.shape, self.sizes = shape, sizes
-        self.boundary = list(BOUNDARIES)[structure % len(BOUNDARIES)]
-        self.inertia = str(shape.choice(list(INERTIAS)))
-        self.n = LONG if self.chance(0.1) else int(shape.integers(2, MOST + 1))
-        self.L, self.M = self.size(0.5, 3), self.size(0.5, 5)
-        self.EI = self.size(0.5, 100)
-        self.F = self.EI / self.L**2
-        self.T = float(np.sqrt(self.M * self.L**3 / self.EI))
-
-    def chance(self, share: float) -> bool:
-        return bool(self.shape.random() < share)
-
-    def size(self, low: float, high: float) -> float:
-        return float(f"{10 ** self.sizes.uniform(np.log10(low), np.log10(high)):.6g}")
-
-    def signed(self, low: float, high: float) -> float:
-        return float(self.sizes.choice([-1, 1])) * self.size(low, high)
-
-    def spot(self) -> float:
-        return round(float(self.shape.random()), 2)
+    def links(self) -> int:
+        return LONG if self.chance(0.1) else int(self.shape.integers(2, MOST + 1))
 
     def sensed(self) -> str:
         """An angle, or a rate over T, of a point of the rod."""
