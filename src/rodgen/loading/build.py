@@ -207,4 +207,7 @@ def _structure(scene: Scene | Structure) -> Structure:
 
 def _recall(text: str | None) -> dict[str, str] | None:
     """Texts as they were stored, or None where there are none."""
-    return {str(name): str(value) for name, value in json.loads(text).items()} if text else None
+    found = json.loads(text) if text else None
+    if not isinstance(found, dict):
+        return None
+    return {str(name): str(value) for name, value in found.items()}

@@ -1,13 +1,15 @@
 """The user's cache: generated modules and records of proofs, by content hash.
 
 Everything in it can be made again; whatever cannot be read is a miss, and a cache that cannot be
-written only costs time.
+written only costs time. Texts of it are run as Python: a file or folder that another user owns, or
+that others can write, is no entry.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,6 +18,8 @@ from functools import lru_cache
 from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
+
+from rodgen.native.library import is_ours
 
 # What a generated module follows from.
 PACKAGES = (
@@ -80,9 +84,10 @@ def _note(text: str, *parts: str) -> None:
 
 
 def read_text(*parts: str) -> str | None:
-    """Text of an entry, or None where there is none or it is not what was stored."""
+    """Text of an entry, or None where there is none, or it is not what was stored, or others may
+    have written it."""
     try:
-        stored = cache_root().joinpath(*parts).read_text(encoding="utf-8")
+        stored = _own_text(cache_root(), parts)
     except (OSError, UnicodeDecodeError):
         return None
     digest, _, text = stored.partition("\n")
@@ -92,11 +97,33 @@ def read_text(*parts: str) -> str | None:
     return text
 
 
+def _own_text(root: Path, parts: tuple[str, ...]) -> str:
+    """Text of a file below a folder. Raises OSError where another user may have written it, and
+    for what is no plain file."""
+    path = root.joinpath(*parts)
+    folders = [folder for folder in path.parents if folder.is_relative_to(root)]
+    if not (is_ours(root.stat(), 0o002) and all(is_ours(one.stat()) for one in folders[:-1])):
+        raise PermissionError(path)
+    # A pipe is not to be waited for, nor a link to be followed.
+    asked = (getattr(os, flag, 0) for flag in ("O_NOFOLLOW", "O_NONBLOCK"))
+    with open(os.open(path, os.O_RDONLY | sum(asked)), encoding="utf-8") as file:
+        status = os.fstat(file.fileno())
+        if not (stat.S_ISREG(status.st_mode) and is_ours(status)):
+            raise PermissionError(path)
+        return file.read()
+
+
 def store_text(text: str, *parts: str) -> bool:
-    """Write an entry whole or not at all; False if the cache cannot be written."""
+    """Write an entry whole or not at all, for this user alone; False if the cache cannot be
+    written."""
     _note(text, *parts)
+    root = cache_root()
+    path = root.joinpath(*parts)
     try:
-        write_whole(cache_root().joinpath(*parts), f"{_digest(text)}\n{text}")
+        root.parent.mkdir(parents=True, exist_ok=True)
+        for folder in reversed([one for one in path.parents if one.is_relative_to(root)]):
+            folder.mkdir(mode=0o700, exist_ok=True)
+        write_whole(path, f"{_digest(text)}\n{text}", 0o600)
     except OSError:
         return False
     return True
@@ -106,14 +133,14 @@ def _digest(text: str) -> str:
     return "# sha256 " + hashlib.sha256(text.encode()).hexdigest()
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Write a file so that it is never seen half written."""
+def write_whole(path: Path, text: str, mode: int = 0o666) -> None:
+    """Write a file so that it is never seen half written; mode: less what the user's mask takes."""
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
     try:
         with os.fdopen(descriptor, "w", encoding="utf-8", newline="\n") as file:
             file.write(text)
-        os.chmod(name, 0o666 & ~_umask())
+        os.chmod(name, mode & ~_umask())
         os.replace(name, path)
     except BaseException:
         os.unlink(name)

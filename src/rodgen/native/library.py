@@ -189,7 +189,8 @@ def _cache() -> Path | None:
         root.mkdir(mode=0o700, parents=True, exist_ok=True)
         (root / "c").mkdir(mode=0o700, exist_ok=True)
         # A group may write into the root, where modules lie, but not where libraries do.
-        return root / "c" if _is_ours(root, 0o002) and _is_ours(root / "c") else None
+        ours = is_ours(root.stat(), 0o002) and is_ours((root / "c").stat())
+        return root / "c" if ours else None
     except (OSError, RuntimeError):  # RuntimeError: a user without a home.
         return None
 
@@ -203,11 +204,10 @@ def _root() -> Path:
     return (Path(base) if base and Path(base).is_absolute() else Path.home() / ".cache") / "rodgen"
 
 
-def _is_ours(folder: Path, others: int = 0o022) -> bool:
-    """Whether nobody else can have put a library there."""
+def is_ours(status: os.stat_result, others: int = 0o022) -> bool:
+    """Whether a file or folder is this user's, and others cannot write it."""
     if not hasattr(os, "getuid"):
         return True
-    status = folder.stat()
     return status.st_uid == os.getuid() and not status.st_mode & others
 
 
@@ -222,9 +222,12 @@ def _stored(ffi: Any, library: Path) -> Any | None:
 
 
 def _is_whole(library: Path) -> bool:
+    sums = library.with_suffix(".sha256")
     try:
-        kept = library.with_suffix(".sha256").read_text(encoding="utf-8", errors="replace")
-        return _is_ours(library.parent) and kept == _checksum(library)
+        if not (library.is_file() and sums.is_file()):  # A pipe would be waited for.
+            return False
+        kept = sums.read_text(encoding="utf-8", errors="replace")
+        return is_ours(library.parent.stat()) and kept == _checksum(library)
     except OSError:
         return False
 

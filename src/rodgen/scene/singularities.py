@@ -54,7 +54,7 @@ def poles(e: Expression, start: float, end: float) -> tuple[float, ...]:
 
     def grows(x: float, side: int) -> bool:
         points = x + side * scale * NEARER
-        sizes = np.abs(e(points))
+        sizes = np.abs(np.broadcast_to(e(points), points.shape))  # of what does not change, one
         larger = bool((sizes[1:] > LARGER * sizes[:-1]).all()) or np.isinf(sizes[-1])
         return bool(start <= points[0] <= end and larger)
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import ast
+import re
 import warnings
 from collections.abc import Iterable
 
 from rodgen.scene.errors import meant, short
 from rodgen.scene.grammar.vocabulary import FUNCTIONS, SENSORS, TABLE
 
+LINE_END = re.compile("\r\n|\r|\n")  # as Python counts lines
 SHOWN = 20  # characters of a text from its mistake on
 
 
@@ -21,7 +23,8 @@ def mistake(text: str) -> str:
     except SyntaxError as error:
         said = error.msg.partition(".")[0]  # then Python guesses at statements, which none here is
         line, column = error.lineno or 1, error.offset or 0
-        rest = text.strip().split("\n")[line - 1][column - 1 :] if column and text.strip() else ""
+        lines = LINE_END.split(text.strip())
+        rest = lines[line - 1][column - 1 :] if column and line <= len(lines) else ""
         if not rest:
             return f"{said}, at the end"
         at = f"character {column}" + f" of line {line}" * (line > 1)
