@@ -1,8 +1,7 @@
 """Stores of studies: Zarr arrays in which a block of points is a chunk, written whole, then marked.
 
-The mark of a block is its chunk of `status`, which is written last. Zarr writes every chunk whole
-or not at all, and leaves out none, as no point that was computed has the empty status that is the
-array's fill value.
+The mark of a block is its chunk of `status`, which is written last; a block that lacks a chunk is
+not done. Zarr writes every chunk whole or not at all, and leaves out none.
 """
 
 from __future__ import annotations
@@ -36,7 +35,8 @@ if TYPE_CHECKING:
     from rodgen.studies.specification import Study
 
 MARK = "status"
-FORMAT = "1"
+CHUNKS = "c"  # the folder of an array in which Zarr has its chunks
+FORMAT = "2"
 LARGE = 2 * 10**7  # bytes beyond which a store is read as it is asked for
 # What the numbers of a point follow from, to the bit.
 SOURCES = (*PACKAGES, "rodgen.integrate", "rodgen.analyse", "rodgen.studies")
@@ -96,16 +96,26 @@ class Store:
                 allowed = f"at least {mark.shape[0]}, which the store {path} has"
                 raise SceneError("sample.count", study.count, allowed)
             _extend(path, arrays, study.count, mark.shape[0])
+            group = _group(path)
+            arrays = {name: _array(group, name) for name in arrays}
         return cls(path, study, Layout(study.shape, mark.chunks), arrays, str(group.attrs["token"]))
 
     def is_done(self, block: int) -> bool:
-        """Whether a block is marked."""
-        return _mark(self.path, self.layout.place(block)).exists()
+        """Whether a block is marked, and whole."""
+        return self._whole(self.layout.place(block))
+
+    def _whole(self, place: tuple[int, ...]) -> bool:
+        """Whether all chunks of the block at a place are there."""
+        chunks = (
+            self.path.joinpath(name, CHUNKS, *map(str, place), *"0" * (array.ndim - len(place)))
+            for name, array in reversed(self.arrays.items())
+        )
+        return all(chunk.exists() for chunk in chunks)
 
     def done(self) -> NDArray[np.bool_]:
-        """Which blocks are marked, (blocks,)."""
+        """Which blocks are marked, and whole, (blocks,)."""
         marked = np.zeros(self.layout.grid, dtype=bool)
-        root, depth = self.path / MARK / "c", marked.ndim
+        root, depth = self.path / MARK / CHUNKS, marked.ndim
         for folder, _, files in os.walk(root):
             outer = Path(folder).relative_to(root).parts
             if len(outer) == depth - 1:
@@ -113,7 +123,7 @@ class Store:
                 outer_at = tuple(map(int, outer))
                 for at in within:
                     if all(a < n for a, n in zip((*outer_at, at), marked.shape, strict=True)):
-                        marked[(*outer_at, at)] = True
+                        marked[(*outer_at, at)] = self._whole((*outer_at, at))
         return marked.ravel()
 
     def write(
@@ -158,12 +168,16 @@ def read(path: str | Path) -> xr.Dataset:
     """
     import xarray as xr
 
+    from rodgen.studies.integrity import OWN, SUMS
+
     show_datasets()
     path = Path(path)
     group = _group(path)
     if "digest" not in group.attrs:
         raise SceneError("store", str(path), "the store of a study")
-    data = xr.open_zarr(path, consolidated=False, chunks=None)
+    data = xr.open_zarr(group.store, consolidated=False, chunks=None)
+    for name in (SUMS, OWN):
+        data.attrs.pop(name, None)
     drawn = data.attrs.get("coordinates", "").split()
     data = data.set_coords(drawn)[json.loads(data.attrs["variables"])]
     return _plain(data.load()) if data.nbytes <= LARGE else data
@@ -186,11 +200,22 @@ def arrays_of(path: str | Path) -> dict[str, zarr.Array[Any]]:
 
 
 def _group(path: Path) -> zarr.Group:
+    """The group of a store. Raises SceneError where there is none, or it is damaged."""
     import zarr
 
+    from rodgen.studies.integrity import DESCRIPTION, WholeStore, damaged
+
     try:
-        return zarr.open_group(path, mode="r+", zarr_format=3)
+        store = WholeStore(path)
+        group = zarr.open_group(store, mode="r+", zarr_format=3)
+        if "digest" in group.attrs and group.attrs.get("format") != "1":
+            store.marks, store.dims = MARK, _array(group, MARK).ndim
+        return group
+    except SceneError:
+        raise
     except (OSError, ValueError, KeyError) as error:
+        if isinstance(error, ValueError) and (path / DESCRIPTION).exists():
+            raise damaged(path, DESCRIPTION) from None
         why = error.strerror if isinstance(error, OSError) and error.strerror else "there is none"
         raise SceneError("store", str(path), f"the store of a study ({why})") from None
 
@@ -198,14 +223,16 @@ def _group(path: Path) -> zarr.Group:
 def _array(group: zarr.Group, name: str) -> zarr.Array[Any]:
     import zarr
 
-    found = group[name]
+    # A chunk that is not there was lost, not left out.
+    with zarr.config.set({"array.write_empty_chunks": True}):
+        found = group[name]
     assert isinstance(found, zarr.Array)
     return found
 
 
 def _mark(path: Path, place: tuple[int, ...]) -> Path:
     """The file of the chunk that marks a block, as Zarr names it."""
-    return path.joinpath(MARK, "c", *map(str, place))
+    return path.joinpath(MARK, CHUNKS, *map(str, place))
 
 
 def text_or(name: str) -> Any:
@@ -218,10 +245,13 @@ def _create(folder: Path, study: Study, layout: Layout, adaptive: str) -> None:
     import xarray as xr
     import zarr
 
+    from rodgen.studies.integrity import CODECS, sealed
+
     sampled = study.sample is not None
     along = {} if sampled else {a.name: (a.name, np.array(a.values)) for a in study.axes}
     coordinates = xr.Dataset(coords={k: (d, _text(v)) for k, (d, v) in along.items()})
-    coordinates.to_zarr(folder, mode="w", zarr_format=3, consolidated=False)
+    coded = {str(name): {"compressors": CODECS} for name in coordinates.variables}
+    coordinates.to_zarr(folder, mode="w", zarr_format=3, consolidated=False, encoding=coded)
     group = zarr.open_group(folder, mode="r+", zarr_format=3)
     drawn = [_of_axis(axis) for axis in study.axes] if sampled else []
     for one in [*drawn, *variables(study)]:
@@ -231,6 +261,7 @@ def _create(folder: Path, study: Study, layout: Layout, adaptive: str) -> None:
             chunks=layout.chunk + tuple(max(1, n) for n in one.shape),
             dtype=text_or(one.dtype),
             fill_value=one.fill,
+            compressors=CODECS,
             dimension_names=(*study.dims, *one.dims),
             attributes={"units": one.units} if one.units else {},
         )
@@ -240,6 +271,7 @@ def _create(folder: Path, study: Study, layout: Layout, adaptive: str) -> None:
     group.attrs.update({**named, **study.contents, "adaptive": adaptive, **identity()})
     if drawn:
         group.attrs["coordinates"] = " ".join(one.name for one in drawn)
+    sealed(folder)
 
 
 def _of_axis(axis: Any) -> Variable:
@@ -279,11 +311,21 @@ def _names(study: Study) -> list[str]:
 def _extend(path: Path, arrays: Mapping[str, zarr.Array[Any]], count: int, before: int) -> None:
     """Make room for more points. A last block that was not full is computed anew, with the same
     results."""
+    import zarr
+
+    from rodgen.studies.integrity import sealed
+
     (chunk,) = arrays[MARK].chunks
     if before % chunk:
         _mark(path, (before // chunk,)).unlink(missing_ok=True)
-    for array in arrays.values():
-        array.resize((count, *array.shape[1:]))
+
+    def longer(folder: Path) -> None:
+        group = zarr.open_group(folder, mode="r+", zarr_format=3)
+        for name in arrays:
+            array = _array(group, name)
+            array.resize((count, *array.shape[1:]))
+
+    sealed(path, longer)
 
 
 def _umask() -> int:
