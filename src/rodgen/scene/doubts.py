@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from rodgen.model.rod import CLAMP_ANGLE
 from rodgen.model.terms import PARAMETERS
+from rodgen.scene.errors import short
 from rodgen.scene.keys import NUMBERS, named_numbers
 from rodgen.scene.scene import Scene
 
@@ -26,3 +29,13 @@ def doubts(scene: Scene) -> Iterator[str]:
             given = parameters[name]
             turns = f"{abs(given) / TURN:.1f} turns"
             yield f"{scene.field(name)} = {given:g} is {turns}: angles are in radians"
+    if (most := _largest_angle(scene)) > TURN:
+        text = short(scene.initial.phi)
+        yield f"initial.phi = {text} turns a link by {most / TURN:.1f} turns: angles are in radians"
+
+
+def _largest_angle(scene: Scene) -> float:
+    """Of a link at the start [rad]."""
+    y = scene.initial_state()
+    half = (len(y) - len(scene.states)) // 2
+    return float(np.abs(y[2 * scene.hold.translates : half]).max(initial=0.0))
