@@ -15,7 +15,7 @@ from scipy.integrate import DOP853
 
 from rodgen.model.method import Collocation, Tableau, stability_polynomial
 from rodgen.model.methods import COLLOCATION, COMPILED, TABLEAUX
-from rodgen.model.methods.dop853 import LARGEST_LAST
+from rodgen.model.methods.dop853 import HALVED, LARGEST_LAST, MOST_PARTS
 
 DIGITS = 40
 DIRECTIONS = 33
@@ -44,6 +44,8 @@ def _tableaux() -> str:
         f"struct stage more[{len(dop853['more'])}]": map(_stage, dop853["more"]),
         f"struct sum dense[{len(dop853['dense'])}]": map(_sum, dop853["dense"]),
         "double largest_last": LARGEST_LAST,
+        "double halved": HALVED,
+        "int most_parts": str(MOST_PARTS),
         f"double limits[{DIRECTIONS}]": map(repr, dop853["limits"]),
     }
     lines = [
@@ -52,9 +54,10 @@ def _tableaux() -> str:
         *(f"    [RODGEN_{name.upper()}] = {_fixed(of)}," for name, of in TABLEAUX.items()),
         "};",
         "",
-        "/* largest_last: of the last part of the dense output, up to which it is taken; limits:",
-        "   largest stable step times the modulus of an eigenvalue, in directions from the",
-        "   imaginary to the negative real axis. */",
+        "/* largest_last: of the last part of the dense output, up to which it is taken; halved:",
+        "   by what half a step divides it; most_parts: of a step; limits: largest stable step",
+        "   times the modulus of an eigenvalue, in directions from the imaginary to the negative",
+        "   real axis. */",
         "static const struct {",
         *(f"    {part};" for part in parts),
         "} dop853 = {",

@@ -102,14 +102,12 @@ static inline double error_of_both(double five, double three, double h, double s
 }
 
 /* In how many parts of a step h its dense output is good enough, from the squares of the last part of the dense output
-   over what is tolerated, summed: that falls with the seventh power of a length at least. */
-enum { MOST_PARTS = 64 };
-
+   over what is tolerated, summed. */
 static inline int parts_of(double last, double h, double states)
 {
     const double over = h * sqrt(last / states) / dop853.largest_last;
     int parts = 1;
-    for (double left = over; !(left < 1.0) && parts < MOST_PARTS; left /= 128.0)
+    for (double left = over; !(left < 1.0) && parts < dop853.most_parts; left /= dop853.halved)
         parts *= 2;
     return parts;
 }

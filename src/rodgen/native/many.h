@@ -95,7 +95,7 @@ void rodgen_lanes_step(struct many *m, double *kept);
 /* What lies within the steps that are kept: lane_samples.c. Where a run is stopped in one, that is where it ends. */
 void rodgen_inside_steps(struct many *m, const double *kept, double *next);
 
-/* Sums of DOP853's dense output in the steps of lengths h, for the lanes of a mask that have asked for it. */
+/* States inside steps: lane_dense.c. Sums of DOP853's dense output in the steps of lengths h, for the lanes of a mask that have asked for it. */
 void rodgen_prepare_dense(struct many *m, const double *mask, const double *h);
 
 /* States at times of each within the steps that are kept, in the lanes of a mask; in the others, at their ends. */

@@ -24,8 +24,8 @@ STOPPED = NUMBERS["STOPPED"]
 # What is made of the samples of a number, by name.
 KEEPS = {name[5:].lower(): at for name, at in NUMBERS.items() if name.startswith("KEEP_")}
 FILES = (
-    *("lanes.c", "lane_steps.c", "lane_samples.c", "crossings.c", "reductions.c"),
-    *("lanes.h", "many.h", *HEADERS),
+    *("lanes.c", "lane_steps.c", "lane_dense.c", "lane_samples.c", "crossings.c", "reductions.c"),
+    *("lanes.h", "lane_moves.h", "many.h", *HEADERS),
 )
 ROUNDS = 64  # steps of all lanes between two looks at whether to stop
 

@@ -13,11 +13,10 @@ from scipy.integrate import DOP853, OdeSolver
 from rodgen.extras import how_to_have
 from rodgen.integrate.stepper import Array, Counts, Interpolant, Problem, StepError
 from rodgen.model.methods import METHODS
-from rodgen.model.methods.dop853 import LARGEST_LAST
+from rodgen.model.methods.dop853 import HALVED, LARGEST_LAST, MOST_PARTS
 from rodgen.scene import SceneError
 
 LOOKS = 500  # steps between two looks at the stability limit, which cost as much as 30
-MOST_PARTS = 64  # of a step
 PATIENCE = 1000  # evaluations in a row that are not finite, before a method is stopped
 PACKAGE = "sksundae.cvode"
 
@@ -110,7 +109,7 @@ class ScipyStep:
         over = np.sqrt(np.mean((dense.F[-1] / tolerated) ** 2)) / LARGEST_LAST
         parts = 1
         while not over < 1 and parts < MOST_PARTS:
-            parts, over = 2 * parts, over / 128
+            parts, over = 2 * parts, over / HALVED
         return parts
 
     def _in_parts(self, start: float, y: Array, parts: int) -> Any:

@@ -10,6 +10,8 @@ from rodgen.model.method import Method
 # that dies out.
 BETWEEN = 30.0  # times what is tolerated of a step
 LARGEST_LAST = BETWEEN / (0.15 * (4 / 7) ** 4 * (3 / 7) ** 3)
+HALVED = 2.0**7  # That part falls with the seventh power of a length at least.
+MOST_PARTS = 64  # of a step, by each of which there is dense output
 
 METHOD = Method(
     place=5,
