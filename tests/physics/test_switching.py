@@ -13,11 +13,13 @@ import rodgen
 from rodgen.integrate.events import Switching
 from rodgen.integrate.files import checkpoint
 from rodgen.integrate.files.saver import Saver
+from rodgen.integrate.stepper import ChatterError
 from rodgen.scene import Scene
 from rodgen.scene import course as course_of
 from tests.palette import cases
 from tests.physics.live_runs import bar
 from tests.sets import sets
+from tests.told import numbers
 
 # A rod that turns evenly, phi = t, and integrals of what has corners and jumps, known exactly.
 STATES: dict[str, Any] = {
@@ -162,17 +164,73 @@ def test_too_many_fronts_are_warned_of(monkeypatch: pytest.MonkeyPatch) -> None:
         rodgen.simulate(_burning(), target="numpy")
 
 
+# Chattering -------------------------------------------------------------------------------------
+
+
+@pytest.mark.compiler
+@cases("method, target", ["dop853", "gauss", "radau", "rk45"], ["numpy", "c"])
+def test_a_law_that_drives_back_onto_where_it_switches_ends_the_run(
+    method: str, target: str
+) -> None:
+    """At 0.01 s, where the relay has brought its state to zero and holds it there."""
+    states = {"relay": {"rate": "-1 if relay > 0 else 1", "initial": 0.01}}
+    table = {"name": "relay", "rod": ROD, "states": states, "integrate": {"span": [0.0, 0.05]}}
+    with pytest.raises(rodgen.RunError, match=r"states\.relay\.rate") as caught:
+        rodgen.simulate(Scene.from_dict(table), target=target, method=method)
+    assert caught.value.solution.status == "chatters"
+    # The dense output of a step across it has told the time: within a thousandth.
+    assert numbers(caught.value)[0] == pytest.approx(0.01, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "rate",
+    [
+        "-1 if relay > 0 else -2",  # passes
+        "-1 if relay > 0 else 0",  # comes to rest
+        "-1 if relay > 0.001*cos(9000*t) else -0.5",  # passes often
+        "-abs(relay)",  # has a corner there
+    ],
+)
+def test_what_passes_a_switch_or_rests_on_it_is_no_chatter(rate: str) -> None:
+    states = {"relay": {"rate": rate, "initial": 0.01}}
+    table = {"name": "relay", "rod": ROD, "states": states, "integrate": {"span": [0.0, 0.05]}}
+    assert rodgen.simulate(Scene.from_dict(table), target="numpy").status == "finished"
+
+
+class Crossing:
+    """A law that switches in every step; cause: its text, if it may jump there."""
+
+    def __init__(self, cause: str):
+        self._cause = cause
+
+    def crossings(self, t: np.ndarray, *_: Any) -> list[Any]:
+        return [(0, 0, (float(t[0]), float(t[1])))]
+
+    def switching(self, number: int) -> bool:
+        return number == 0
+
+    def cause(self, number: int) -> str:
+        return self._cause
+
+
+def test_a_law_that_jumps_a_thousand_times_on_a_thousandth_of_the_way_ends_the_run() -> None:
+    watch: Any = Crossing("a law")
+    switching = Switching(10.0, 0.0)
+
+    def look(at: float) -> None:
+        switching.seen(watch, np.array([at, at + 1e-3]), np.empty((2, 0)), None)
+        switching.head_for({0: 1.0})
+
+    for cut in range(1000):
+        look(1e-9 * cut)
+    with pytest.raises(ChatterError):
+        look(1e-6)
+
+
 def test_cuts_that_bring_nothing_pause_for_ever_longer() -> None:
     """Late in a stretch too, where what has been gone says nothing of how it goes on."""
 
-    class Chattering:
-        def crossings(self, t: np.ndarray, *_: Any) -> list[Any]:
-            return [(0, 0, (float(t[0]), float(t[1])))]
-
-        def switching(self, number: int) -> bool:
-            return number == 0
-
-    watch: Any = Chattering()
+    watch: Any = Crossing("")
     switching, t, cuts, calm = Switching(10.0, 0.0, since=5.0), 5.0, 0, []
     while t < 10.0:
         step = np.array([t, t + 1e-3])

@@ -149,6 +149,8 @@ def _turned(scene: Scene, machine: Machine) -> str:
 
 def advice(reason: str, settings: Integrate, load: bool) -> str:
     """What to try, for a reason why a run stopped; load: a load was the cause."""
+    if "chatters" in reason:
+        return "give the law a slope there, as of max(-1, min(1, x/0.01)), or a hysteresis"
     if load:
         return "end the span before that time, or give the load another expression"
     if "budget" in reason:

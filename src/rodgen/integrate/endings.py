@@ -5,8 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from rodgen.integrate.solution import Solution
+from rodgen.integrate.stepper import ChatterError, StepError
 
-FINISHED, FAILED, INTERRUPTED = "finished", "failed", "interrupted"
+FINISHED, FAILED, INTERRUPTED = "finished", StepError.status, "interrupted"
+CHATTERS = ChatterError.status
+ENDED = (FINISHED, FAILED, CHATTERS)  # and cannot be gone on with
 
 
 def ended_by(t: float, name: str) -> str:

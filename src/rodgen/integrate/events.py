@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from rodgen.integrate.catalogue import Piece
-from rodgen.integrate.stepper import Array, Interpolant
+from rodgen.integrate.stepper import Array, ChatterError, Interpolant
 from rodgen.loading.module import structure_of
 from rodgen.model.quantities import place
 from rodgen.scene.course import BENDS, Switch
@@ -39,6 +39,8 @@ CUBIC = np.hstack(
 ALONG = np.unique([i / whole for whole in range(1, 9) for i in range(whole + 1)])
 OFTEN, SHORT = 1000, 1e-6  # cuts, and the share of the way that each is to bring
 PAUSE = 1e-3  # share of the way that is not cut when they bring less; doubled every time
+ALONG_RATES = 1e-9  # share of the way on which rates are held against what is switched by
+NEARER = 1 - 2.0**-10  # share of the way to a switch that a run goes to stay before it
 TRIES, STEP = 5, 2.0**-20  # to pass what is switched at; share of a step in a difference
 EARLY = 1e-9  # share of a step, before what is switched at
 NEXT = 64  # roundings of the time within which laws switch at once
@@ -86,6 +88,10 @@ class Watch:
     def switching(self, number: int) -> bool:
         """Whether what has a number is where a law switches, not an event of the scene."""
         return number >= self._first
+
+    def cause(self, number: int) -> str:
+        """The law that switches by what has a number, and where, if it may jump there."""
+        return self._switches[self._places[number][1][0]].cause if self.switching(number) else ""
 
     def in_order(self, located: Iterable[tuple[float, int]]) -> list[tuple[float, int]]:
         """Times and numbers of those that are there (not not-a-number), by time; at one and the
@@ -228,6 +234,29 @@ class Watch:
                 most = max(most, least - 2 * value / slope)
         return most
 
+    def slides(self, number: int, t: float, y: Array, way: float) -> float:
+        """Time [s] to where a law switches, next to which a run is, if the rates on both sides of
+        it drive the run back there, so that no motion follows (a sliding mode: A. F. Filippov,
+        Differential Equations with Discontinuous Righthand Sides, 1988); else infinity. way: length
+        of the stretch [s]."""
+
+        def rates(time: float, state: Array) -> tuple[Array, float, float]:
+            """Rates, the value that is switched by, and its slope."""
+            f: Array = self.model.rhs(time, state, self.p)
+            on = ALONG_RATES * way
+            states, times = np.stack((state, state + on * f)), np.array([time, time + on])
+            here, there = self._values(states, times, [number])[:, number]
+            return f, here, (there - here) / on
+
+        f, value, slope = rates(t, y)
+        if not value * slope < 0:
+            return math.inf
+        left = -value / slope
+        across = 2 * left + ALONG_RATES * way
+        _, beyond, slope_beyond = rates(t + across, y + across * f)
+        back = value * beyond < 0 and beyond * slope_beyond < 0
+        return left if back else math.inf
+
     def locate(self, number: int, t_low: float, t_high: float, at: Interpolant) -> float:
         """Time of the first crossing of an event from t_low to t_high along the dense output.
 
@@ -285,8 +314,8 @@ class Switching:
     goal: end of the stretch [s]; begun: its start; towards: what the run steps onto at present, by
     number, with its sign before; on, at: what it has passed last, and when [s]; cuts: how often it
     has since a time (since) [s]; tried: how often it went a little further. Where steps are cut
-    again and again on a tiny part of the way, as by a law that chatters or by springs that rest on
-    a corner, none is cut for a while (up to a time, calm), and so many times that was (pauses).
+    again and again on a tiny part of the way, by laws that have corners there, as of springs that
+    rest on one, none is cut for a while (up to a time, calm), and so many times that was (pauses).
     """
 
     goal: float = math.nan
@@ -306,11 +335,13 @@ class Switching:
 
     def seen(self, watch: Watch, t: Array, y: Array, f: Array | None) -> list[Found]:
         """Crossings in a block of steps, as Watch.crossings has them, without those that the run
-        is on its way to or has had too often."""
+        is on its way to or has had too often. Raises ChatterError where a law that jumps has."""
         found = watch.crossings(t, y, f, self.on if t[0] == self.at else ())
         if found and self.cuts >= OFTEN:
             way, now = self.goal - self.begun, float(t[0])
             if now - self.since < OFTEN * SHORT * way:
+                if cause := watch.cause(found[0][1]):
+                    raise ChatterError(cause)
                 self.calm, self.pauses = now + PAUSE * 2**self.pauses * way, self.pauses + 1
             self.since, self.cuts = max(now, self.calm), 0
         calm = t[0] < self.calm
@@ -326,8 +357,18 @@ class Switching:
 
     def further(self, watch: Watch, t: float, y: Array, f: Array, h: float) -> float:
         """When [s] the run has certainly passed what it was to step onto, as Watch.short_of has
-        it; t itself where it has, or where that was tried too often."""
+        it; t itself where it has, or where that was tried too often. Raises ChatterError where no
+        motion passes it."""
         self.tried += 1
+        way = self.goal - self.begun
+        for number in self.towards:
+            if not (cause := watch.cause(number)):
+                continue
+            left = watch.slides(number, t, y, way)
+            if left <= SHORT * way or (left < math.inf and self.tried > TRIES):
+                raise ChatterError(cause)
+            if left < math.inf:
+                return t + left * NEARER
         return t + (watch.short_of(self.towards, t, y, f, h) if self.tried <= TRIES else 0.0)
 
     def arrive(self, t: float) -> None:

@@ -242,7 +242,8 @@ class _Run:
                 message = self._walk()
         except (StepError, OverflowError) as error:
             message = failure(error, self.scene, self.machine, self.pole)
-            raise RunError(message, self.solution(FAILED, message)) from None
+            status = getattr(error, "status", FAILED)
+            raise RunError(message, self.solution(status, message)) from None
         except KeyboardInterrupt:
             message = f"interrupted at t = {self.machine.t:.9g} s"
             raise Interrupted(self.solution(INTERRUPTED, message)) from None

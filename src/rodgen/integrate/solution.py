@@ -129,8 +129,8 @@ class Solution(Motion, Shown):
     scene: what was run; t: times [s], (T,); y: states in SI units and the order of the module's
     STATE, (T, states); stats: numbers of steps and of calls, and the seconds; work: work done
     by each load without potential since the start [J], by term, each (T,); status: "finished",
-    "failed" or "interrupted"; message: how the run ended; model: the generated module, built when
-    it is first used if the solution comes from a file; events: events that happened; changes:
+    "failed", "chatters" or "interrupted"; message: how the run ended; model: the generated module,
+    built when it is first used if the solution comes from a file; events: that happened; changes:
     parameters at each sample of a live run whose values were changed, else None; errors: how fast
     errors grow, if that was asked for (a file does not keep it).
 

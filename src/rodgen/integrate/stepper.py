@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +63,24 @@ class Problem:
 
 
 class StepError(ArithmeticError):
-    """A method cannot go on; the message says why."""
+    """A method cannot go on; the message says why.
+
+    status: of the run that it ends.
+    """
+
+    status: ClassVar[str] = "failed"
+
+
+class ChatterError(StepError):
+    """A law of the motion switches to and fro so often that the run gets nowhere.
+
+    cause: the law, and where it switches.
+    """
+
+    status = "chatters"
+
+    def __init__(self, cause: str):
+        super().__init__(f"it chatters by {cause}")
 
 
 class Happened(Exception):  # noqa: N818, an event is no error

@@ -12,7 +12,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.scene.errors import SceneError
+from rodgen.scene.errors import SceneError, short
 from rodgen.scene.expression import Difference, Expression
 from rodgen.scene.law import points
 from rodgen.scene.spring import STIFFNESS
@@ -35,16 +35,18 @@ class Switch:
     """What a law of the motion switches by, in numbers that pass zero.
 
     law: of times (...) and of the values of sensors, states and the bends of the joints with a
-    spring, `bend`, by name: (..., count).
+    spring, `bend`, by name: (..., count); cause: the field that switches, and where, if it is one
+    that may jump there.
     """
 
     law: Callable[[NDArray[np.float64], Values], Any]
     count: int = 1
+    cause: str = ""
 
 
-def _signalled(difference: Difference) -> Switch:
+def _signalled(difference: Difference, cause: str) -> Switch:
     """Of what follows sensors and states."""
-    return Switch(lambda t, values: np.asarray(difference(t, values))[..., None])
+    return Switch(lambda t, values: np.asarray(difference(t, values))[..., None], cause=cause)
 
 
 def _sprung(difference: Difference, stiffness: tuple[float, ...]) -> Switch:
@@ -170,10 +172,13 @@ class Course:
     def switches(self) -> tuple[Switch, ...]:
         """What passes zero where a load, the rate of a state or the moment of a spring is not
         smooth as it follows the motion."""
-        found: dict[str, Difference] = {}
+        found, causes = dict[str, Difference](), dict[str, str]()
         for law in self.fed:
             found |= law.switches()
-        switches = [_signalled(one) for one in found.values()]
+            causes |= {
+                at: f"{law.field} = {short(law.text)} where {at} passes zero" for at in law.jumps()
+            }
+        switches = [_signalled(one, causes.get(at, "")) for at, one in found.items()]
         if self.spring is not None:
             law, stiffness = self.spring
             switches += (_sprung(one, stiffness) for one in law.corners().values())

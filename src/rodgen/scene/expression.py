@@ -264,6 +264,10 @@ class Expression:
         it follows these, by their text."""
         return self._differences(self._follows)
 
+    def jumps(self) -> frozenset[str]:
+        """Which of the switches are of conditions, by their text: the expression may jump there."""
+        return frozenset(_compared(*pair) for pair in grammar.conditions(self._tree))
+
     def corners(self) -> dict[str, Difference]:
         """All functions of the variable and of names without a value in whose zeros the expression
         is not smooth, by their text."""
@@ -271,7 +275,7 @@ class Expression:
 
     def _differences(self, taken: Callable[..., bool]) -> dict[str, Difference]:
         return {
-            " - ".join(ast.unparse(part) for part in (a, b) if part): partial(self._apart, a, b)
+            _compared(a, b): partial(self._apart, a, b)
             for a, b in grammar.kinks(self._tree, self.variable)
             if taken(a, b)
         }
@@ -339,6 +343,11 @@ class Expression:
 
 
 @lru_cache(maxsize=256)
+def _compared(a: ast.expr, b: ast.expr | None) -> str:
+    """Text of the difference of two expressions, or of the one alone."""
+    return " - ".join(ast.unparse(part) for part in (a, b) if part)
+
+
 def _constants(node: ast.expr, known: frozenset[str]) -> tuple[ast.AST, ...]:
     return tuple(grammar.constants(node, set(known)))
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import ModuleType
 
 from rodgen.integrate.catalogue import loads_at_work
-from rodgen.integrate.endings import FAILED, FINISHED
+from rodgen.integrate.endings import ENDED, FINISHED
 from rodgen.integrate.events import Watch
 from rodgen.integrate.files import checkpoint as files
 from rodgen.integrate.files.checksums import RUNNING, Run
@@ -77,7 +77,7 @@ class Saver:
         or of another module.
         """
         with ResultFile(path) as file:
-            if file.run.status in (FINISHED, FAILED):
+            if file.run.status in ENDED:
                 allowed = f"of a run to go on with; this one {_ended(file.run)}"
                 raise SceneError("file", str(path), allowed)
         at = files.beside(path)
@@ -159,11 +159,11 @@ class Saver:
         """The last samples, how the run ended, and the Solution, thinned if it is long."""
         assert self.stream is not None
         path = self.stream.path
-        if status not in (FINISHED, FAILED) and self._every is not None:
+        if status not in ENDED and self._every is not None:
             self._checkpoint()
         self._write()
         self.stream.finish(status, message, stats)
-        if status in (FINISHED, FAILED):
+        if status in ENDED:
             files.beside(path).unlink(missing_ok=True)
         with ResultFile(path) as file:
             records, good = file.just_written()

@@ -11,7 +11,7 @@ the list above, and the tree is walked to compute values, to find break points a
 
 from rodgen.scene.grammar.advice import advice, mistake
 from rodgen.scene.grammar.affine import core, scale_and_offset
-from rodgen.scene.grammar.calculus import derivative, divisors, kinks, knots
+from rodgen.scene.grammar.calculus import conditions, derivative, divisors, kinks, knots
 from rodgen.scene.grammar.code import NUMPY, Language, source_of
 from rodgen.scene.grammar.substitution import with_names, with_values
 from rodgen.scene.grammar.syntax import (
@@ -46,6 +46,7 @@ __all__ = [
     "advice",
     "check",
     "children",
+    "conditions",
     "constants",
     "core",
     "derivative",

@@ -119,6 +119,12 @@ def _kinks(node: ast.AST, variable: str) -> Iterator[Pair]:
         yield from kinks(child, variable)
 
 
+def conditions(node: ast.AST) -> frozenset[Pair]:
+    """Pairs that conditions compare: where their difference is zero, what is chosen may jump."""
+    found = (one for one in ast.walk(node) if isinstance(one, ast.Compare))
+    return frozenset((one.left, one.comparators[0]) for one in found)
+
+
 def knots(node: ast.AST, variable: str) -> Iterator[ast.expr]:
     """Knots of the tables of the variable itself."""
     for table in tables(node):
