@@ -18,12 +18,14 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from rodgen.analyse.critical import critical_force
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.onset import digits
+from rodgen.scene import Scene
 from tests.analyse.rods import ONES, rod
 from tests.told import numbers
 
@@ -314,3 +316,39 @@ def test_only_digits_that_hold_are_printed() -> None:
     assert digits(8.094074512345678, 1e-15) == "8.09407451235"
     assert digits(8.094074512345678, 1.0) == "8.09"
     assert digits(0.0, 0.1) == "0"
+
+
+def _flutter_of_two_bodies(n: int) -> float:
+    """Thrust [N] at which a clamped rod of n massless links, EI = L = 1, with bodies of 0.1 and
+    1 kg at its middle and its tail flutters: where both rates by its flexibility meet."""
+    l, ends = 1.0 / n, np.array([n // 2, n])
+    joints = np.arange(n)
+    # Moment about joint s of a lateral force at joint j, and of the places behind it.
+    B = np.maximum(ends - joints[:, None], 0.0) * l
+    places = (joints[None, :] < ends[:, None]) * l
+    springs = np.diag(np.full(n, 1.0 / l)) - np.diag(np.full(n - 1, 1.0 / l), -1)
+    springs[0, 0] *= 2
+
+    def discriminant(thrust: float) -> float:
+        # The thrust pushes forward along the last link: its place turns, its direction turns back.
+        behind = (joints[None, :] >= joints[:, None]) * l
+        pushed = thrust * behind
+        pushed[:, -1] -= thrust * (n - joints) * l
+        G = places @ np.linalg.solve(springs - pushed, B) * [0.1, 1.0]
+        return float(np.trace(G) ** 2 - 4 * np.linalg.det(G))
+
+    return float(brentq(discriminant, 10.0, 20.0, xtol=1e-13))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("n", [40, 60])
+def test_flutter_of_bodies_on_a_rod_without_weight(n: int) -> None:
+    """Rounding leaves six digits of a rate there, and Newton's method goes to and fro within it."""
+    bodies = [{"name": "a", "at": 0.5, "mass": 0.1}, {"name": "b", "at": 1.0, "mass": 1.0}]
+    table = {"links": n, "length": 1.0, "mass": 1e-6, "bending_stiffness": 1.0}
+    scene = Scene.from_dict(
+        {"name": "light", "rod": table | {"boundary": "clamped"}, "bodies": bodies}
+        | {"loads": THRUST, "integrate": {"span": [0.0, 1.0]}}
+    )
+    # The mass of the rod is a hundred-thousandth of the lighter body's.
+    assert critical_force(scene).force == pytest.approx(_flutter_of_two_bodies(n), rel=1e-5)

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import eigvalsh
 from scipy.sparse.linalg import splu
 
 from rodgen.analyse.curves.bordered import sign_of
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.modal import MOST_DENSE
 from rodgen.analyse.pencil import SINGULAR, Cells, Dense, sparse
+from rodgen.analyse.springs import Softened
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
 
@@ -21,8 +23,8 @@ LOOSE = 1e-12  # of the largest effect of a shift of the rod: one that has none,
 
 @dataclass(frozen=True)
 class ChainBalance:
-    """Of a rod whose joint 0 is held and whose loads follow no motion: joint forces are unknowns,
-    so that a correction costs O(n). residual (cells, 3)."""
+    """Of a rod that is held at joint 0 alone and whose loads follow no motion: joint forces are
+    unknowns, so that a correction costs O(n). residual (cells, 3)."""
 
     cells: Cells
     bend: Array | float
@@ -53,35 +55,48 @@ class ChainBalance:
         dense = self.cells.reduced()
         return Dense(dense.K, np.zeros_like(dense.K), dense.M)
 
+    def falls(self) -> float:
+        """Square of the fastest growth of a motion without damping [1/s^2]; 0 where none grows, and
+        beyond MOST_DENSE links."""
+        if len(self.residual) > MOST_DENSE:
+            return 0.0
+        return _fastest(self.cells.reduced())
+
     def signature(self) -> int:
         """How many motions are unstable without damping; beyond MOST_DENSE links the sign of the
         determinant of the stiffness, which tells odd changes alone."""
         if len(self.residual) <= MOST_DENSE:
             dense = self.cells.reduced()
             return int((np.linalg.eigvals(np.linalg.solve(dense.M, -dense.K)).real > 0).sum())
-        if self.cells.ways is not None:
-            return int(np.linalg.slogdet(self.cells.reduced().K)[0])
         return sign_of(splu(sparse(self.cells.statics)))
 
 
 @dataclass(frozen=True)
 class WholeBalance:
-    """Of a rod whose joint 0 is free, or whose loads follow the motion: generalised forces and the
-    rates of added states are to vanish, by the Jacobian of the module."""
+    """Of a rod whose joint 0 is free, that has supports, or whose loads follow the motion:
+    generalised forces and the rates of added states are to vanish, by the Jacobian of the module;
+    springs: of its supports, with the forces that were foretold."""
 
     system: System
     y: Array
     p: Array
     bend: Array | float
+    springs: Softened | None = None
 
     @cached_property
     def _half(self) -> int:
         return self.system.base + self.system.cells
 
+    @property
+    def _foretold(self) -> Array:
+        """p with which supports pull as foretold."""
+        return self.p if self.springs is None else self.springs.p
+
     @cached_property
     def rates(self) -> Array:
-        """Accelerations of joint 0 and of the angles, rates of added states."""
-        rates = self.system.model.rhs(self.system.t, self.y, self.p)[self._half :]
+        """Accelerations of joint 0 and of the angles, rates of added states, with the forces of
+        supports that were foretold."""
+        rates = self.system.model.rhs(self.system.t, self.y, self._foretold)[self._half :]
         if not np.isfinite(rates).all():
             raise AnalysisError("the equations of rest are not finite")
         return np.asarray(rates)
@@ -106,11 +121,16 @@ class WholeBalance:
     @cached_property
     def residual(self) -> Array:
         """Generalised forces and rates of added states, less what is to remain."""
-        return np.asarray(self._forced(self.rates) - self.bend)
+        forced = self._forced(self.rates)
+        if self.springs is not None:
+            forced[: self._half] += self.springs.force
+        return np.asarray(forced - self.bend)
 
     @cached_property
     def _jacobian(self) -> Array:
-        return np.asarray(self.system.model.jac(self.system.t, self.y, self.p)[self._half :])
+        return np.asarray(
+            self.system.model.jac(self.system.t, self.y, self._foretold)[self._half :]
+        )
 
     @cached_property
     def _by_place(self) -> Array:
@@ -122,13 +142,21 @@ class WholeBalance:
     def slope(self) -> Array:
         """Derivatives of the residual by position, angles and added states."""
         slope: Array = self._forced(self._by_place)
-        if np.any(self.bend):  # else what follows the mass vanishes with the rates
-            base, half = self.system.base, self._half
-            for at in range(base, half):
-                y = self.y.copy()
-                y[at] += NUDGE
-                change = self._felt(self.system.model.mass_matrix(y, self.p)) - self._mass
-                slope[:half, at] += change @ self.rates[:half] / NUDGE
+        if self.springs is not None:
+            slope[: self._half, : self._half] -= self.springs.stiffness
+        # Else what follows the mass vanishes with the rates.
+        return slope + self._by_mass if np.any(self.bend) else slope
+
+    @cached_property
+    def _by_mass(self) -> Array:
+        """Derivatives of generalised forces, as far as the mass matrix follows the angles."""
+        base, half, size = self.system.base, self._half, len(self.rates)
+        slope = np.zeros((size, size))
+        for at in range(base, half):
+            y = self.y.copy()
+            y[at] += NUDGE
+            change = self._felt(self.system.model.mass_matrix(y, self.p)) - self._mass
+            slope[:half, at] = change @ self.rates[:half] / NUDGE
         return slope
 
     @cached_property
@@ -154,7 +182,8 @@ class WholeBalance:
         """What changes the residual by so much; shift: 1/tau^2 of a step in time with inertia
         [1/s^2]."""
         slope = self.slope
-        if shift:
+        if shift:  # far from rest
+            slope = slope if np.any(self.bend) else slope + self._by_mass
             slope = slope - shift * self._forced(np.eye(len(slope)))
         matrix = slope @ self.basis
         try:
@@ -199,6 +228,13 @@ class WholeBalance:
         K, C, M = (self.basis.T @ part @ self.basis for part in parts)
         return Dense(K, C, M, size - half)
 
+    def falls(self) -> float:
+        """Square of the fastest growth of a motion without damping [1/s^2], as of ChainBalance."""
+        if self.system.cells > MOST_DENSE:
+            return 0.0
+        K, M = (-self.basis.T @ self.slope @ self.basis, self.basis.T @ self._mass @ self.basis)
+        return _fastest(Dense(K, np.zeros_like(K), M))
+
     def signature(self) -> int:
         """How many motions are unstable without damping; with added states, and beyond MOST_DENSE
         links, the sign of the determinant, which tells odd changes alone."""
@@ -209,13 +245,29 @@ class WholeBalance:
         return int((np.linalg.eigvals(np.linalg.solve(mass, slope)).real > 0).sum())
 
 
+def _fastest(small: Dense) -> float:
+    """Square of the fastest growth [1/s^2] of motions whose stiffness is as good as symmetric."""
+    K = (small.K + small.K.T) / 2
+    if not np.isfinite(K).all():
+        return 0.0
+    lowest = eigvalsh(K, (small.M + small.M.T) / 2, subset_by_index=[0, 0])[0]
+    return max(0.0, -float(lowest))
+
+
 Balance = ChainBalance | WholeBalance
 
 
-def balance(system: System, at: Unknowns, p: Array, bend: Array | float = 0.0) -> Balance:
-    """The equations of rest of a system; bend: what is to remain of them instead of zero."""
-    if system.base or system.steered:
-        return WholeBalance(system, system.at_rest(at), p, bend)
+def balance(
+    system: System,
+    at: Unknowns,
+    p: Array,
+    bend: Array | float = 0.0,
+    springs: Softened | None = None,
+) -> Balance:
+    """The equations of rest of a system; bend: what is to remain of them instead of zero; springs:
+    those of its supports, with the forces that were foretold."""
+    if not system.chain:
+        return WholeBalance(system, system.at_rest(at), p, bend, springs)
     return ChainBalance(Cells.at(system, at, p), bend)
 
 

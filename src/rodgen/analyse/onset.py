@@ -22,6 +22,7 @@ At = Callable[[float], Linear]  # the equations linearised at a load
 DIFFERENCE = 1e-4  # relative, of derivatives by the load: exact where S is linear in it
 ITERATIONS = 30
 SMALL = 1e-7  # relative change below which one that no longer shrinks is rounding
+ROUNDED = 8.0  # times what rounding makes, within which a change that no longer shrinks is rounding
 APART = 0.05  # by which an estimate may be wrong
 ENTRY = 16 * ROUNDING  # of an entry of the matrices, which a few operations make
 REAL = 1e-6  # of a vector whose imaginary part is left out of a border
@@ -121,7 +122,8 @@ class _Search:
             noise = np.abs(inverse) @ rounding + self.entry
             if (np.abs(residual) <= rounding).all():
                 return x.tolist(), (noise * scale).tolist()
-            if moved < SMALL and moved >= before / 4:
+            rounded = (np.abs(change) <= ROUNDED * noise).all()
+            if (moved < SMALL or rounded) and moved >= before / 4:
                 return x.tolist(), (np.maximum(noise, np.abs(change)) * scale).tolist()
             before = moved
         raise AnalysisError(unfound(self.near.force))

@@ -83,13 +83,7 @@ class Cells:
         """Changes of angles and joint forces (cells, 3) that change the residual by so much; shift:
         times which inertia is added to the stiffness [1/s^2]."""
         blocks = self.statics + shift * Pencil.of(self).S2 if shift else self.statics
-        if self.ways is None:
-            return solve(blocks, right.ravel()).reshape(-1, 3)
-        try:
-            found = np.linalg.solve(self.whole(blocks, self.by_position), right.ravel())
-        except np.linalg.LinAlgError:
-            raise AnalysisError(SINGULAR) from None
-        return np.asarray(found).reshape(-1, 3)
+        return solve(blocks, right.ravel()).reshape(-1, 3)
 
     def whole(self, blocks: Matrix, by_joints: Array | None) -> Array:
         """The matrix of blocks, with what follows the joints of an anchored rod."""

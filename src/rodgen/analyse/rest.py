@@ -15,6 +15,7 @@ import numpy as np
 
 from rodgen.analyse.balance import Balance, balance
 from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.springs import Softened, Springs
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
 
@@ -35,11 +36,22 @@ NOISE = 1e-9  # rad: a correction below it that no longer shrinks is rounding
 @dataclass
 class Rest:
     """A rod on its way to an equilibrium; change: the last correction of an angle [rad], or of the
-    position of joint 0 over the length."""
+    position of joint 0 over the length; pull: forces of supports that were foretold (k, 2) [N]."""
 
     at: Unknowns
     iterations: int = 0
     change: float = np.inf
+    pull: Array | None = None
+
+    def move(self, system: System, p: Array, by: Unknowns, times: float = 1.0) -> None:
+        """Change the rod, and foretell the forces of its supports with it."""
+        springs = Springs.of(system, p)
+        self.pull = springs.foretold(self.at, by, times) if len(springs.links) else None
+        self.at = self.at.moved(by, times)
+
+    def springs(self, system: System, p: Array) -> Softened | None:
+        """Those of its supports, that pull as foretold."""
+        return None if self.pull is None else Springs.of(system, p).softened(self.at, self.pull)
 
 
 class FoldError(AnalysisError):
@@ -55,7 +67,7 @@ class Loading(NamedTuple):
 
     def balance(self, system: System, rest: Rest) -> Balance:
         """The equations of rest, in which an equilibrium has no residual."""
-        return balance(system, rest.at, self.p, self.bend)
+        return balance(system, rest.at, self.p, self.bend, rest.springs(system, self.p))
 
 
 def follow(
@@ -75,9 +87,9 @@ def follow(
     slope = _tangent(system, rest, at, done)
     while done < 1:
         fraction = min(done + step, 1.0)
-        trial = Rest(rest.at, rest.iterations)
+        trial = Rest(rest.at, rest.iterations, pull=rest.pull)
         if slope is not None:
-            trial.at = trial.at.moved(slope, fraction - done)
+            trial.move(system, at(done).p, slope, fraction - done)
         guess = trial.at
         taken = newton(system, trial, at(fraction))
         tangent = _tangent(system, trial, at, fraction) if taken else None
@@ -133,7 +145,7 @@ def newton(system: System, rest: Rest, loading: Loading) -> bool:
             return False
         # What no load follows may come to rest later than the rod.
         settled = settled and _largest(by.added) <= NOISE * (1 + _largest(rest.at.added))
-        rest.at = rest.at.moved(by)
+        rest.move(system, loading.p, by)
         rest.change = change
         if settled:
             return True

@@ -10,12 +10,17 @@ from rodgen.analyse.balance import WholeBalance, balance
 from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import forces
 from rodgen.analyse.rest import ITERATIONS, FoldError, Loading, Rest, follow, newton
+from rodgen.analyse.springs import hanging_shape
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
 from rodgen.model.term import DRAG, FORCE, WEIGHT, Term
 from rodgen.model.terms import TERMS
 
 NEAR_END = 1e-4  # rad
+NEAR = 1e-3  # of the accelerations at the start
+FARTHEST = 0.5  # rad of a step
+SHORTER = 4.0  # times the inertia of a step that is too long
+CAUTION = 2.0  # times the square of the fastest growth: as a step in time has to be short
 UNBALANCED = 1e-12  # of the forces that hold a rod: rounding
 MOST_TURNED = 10.0  # of the tail: a rod that turns more elsewhere is not bent by it
 
@@ -56,8 +61,8 @@ def start_of(system: System, phi: Array) -> Unknowns:
 def _settled(
     system: System, given: dict[str, float], bend: float
 ) -> tuple[Rest, tuple[float, ...]]:
-    if not (system.clamped or system.anchored or system.steered):
-        return _hang(system, given), (1.0,)
+    if _hangs(system, given):
+        return _hung(system, given)
     try:
         return _load(system, given, bend)
     except FoldError:
@@ -66,12 +71,42 @@ def _settled(
         if bend:  # which says to which side
             raise
         acting = [term for name, term in _grown(system) if np.any(given.get(name, 0.0))]
-        if not acting or any(term.follows or term.kind == DRAG for term in acting):
+        if not acting or any(_steers(term) for term in acting):
             raise
         # Springs too soft to keep the rod near its straight shape: it hangs like a chain.
         with suppress(AnalysisError):
             return _hang(system, given), (1.0,)
         raise
+
+
+def _hangs(system: System, given: dict[str, float]) -> bool:
+    """Whether nothing keeps the unloaded rod straight: no clamp, or no stiffness."""
+    if system.steered:
+        return False
+    held = system.clamped or system.anchored
+    return not (held and np.any(given.get("bending_stiffness", 1.0)))
+
+
+def _steers(term: Term) -> bool:
+    """Whether a load turns with the rod, or is drag: no potential says where it comes to rest."""
+    return term.follows or term.kind == DRAG
+
+
+def _hung(system: System, given: dict[str, float]) -> tuple[Rest, tuple[float, ...]]:
+    """The rod as it hangs from its dead loads, and then as the others grow."""
+    steering = {
+        name: np.asarray(given[name])
+        for name, term in _grown(system)
+        if _steers(term) and np.any(given.get(name, 0.0))
+    }
+
+    def p(fraction: float) -> dict[str, float]:
+        return given | {name: fraction * value for name, value in steering.items()}
+
+    rest = _hang(system, p(0.0))
+    if not steering:
+        return rest, (1.0,)
+    return follow(system, rest, lambda done: Loading(system.parameters(**p(done))))
 
 
 def _grown(system: System) -> list[tuple[str, Term]]:
@@ -133,28 +168,36 @@ def _bent(system: System, at: Unknowns, p: Array, bend: float) -> Unknowns:
 
 
 def _hang(system: System, given: dict[str, float]) -> Rest:
-    """A rod that hangs: from the straight rod along its dead loads, by Newton's method on the
-    equations with inertia, M (phi - phi before) / tau^2, whose steps in a time that does not exist
-    lead to stable equilibria alone."""
+    """A rod that hangs: from its shape without weight, along its dead loads, by Newton's method on
+    the equations with inertia, M (phi - phi before) / tau^2, whose steps in a time that does not
+    exist lead to stable equilibria alone."""
     p = system.parameters(**given)
-    rest = Rest(start_of(system, _along(system, given)))
+    rest = Rest(start_of(system, hanging_shape(system, p, _pull(system, given))))
     first = 0.0
     while rest.iterations < 100 * ITERATIONS:
-        here = balance(system, rest.at, p)
+        here = Loading(p).balance(system, rest)
         residual = float(np.abs(here.rates).max())
-        first = first or residual
-        by = here.solved(-here.residual, residual**2 / first if first else 0.0)
-        rest.at = rest.at.moved(by)
+        first, falls = first or residual, here.falls()
+        shift = CAUTION * falls
+        if residual > NEAR * first:
+            shift += residual * min(1.0, residual / first)
+        by = here.solved(-here.residual, shift)
+        while np.abs(by.phi).max() > FARTHEST:
+            shift = SHORTER * max(shift, residual)
+            by = here.solved(-here.residual, shift)
+        rest.move(system, p, by)
         rest.iterations += 1
-        if np.abs(by.phi).max() < NEAR_END and newton(system, rest, Loading(p)):
+        near = not falls and np.abs(by.phi).max() < NEAR_END
+        if near and newton(system, rest, Loading(p)):
             return rest
     raise AnalysisError(
         f"no equilibrium found: the rod did not come to rest in {rest.iterations} iterations"
     )
 
 
-def _along(system: System, given: dict[str, float]) -> Array:
-    """Angles of the straight rod along its dead loads."""
+def _pull(system: System, given: dict[str, float]) -> Array:
+    """The dead loads of the straight rod, summed (2,) [N]. Raises AnalysisError where there are
+    none."""
     y = system.at_rest(start_of(system, system.straight))
     acting = system.model.forces(system.t, y, system.parameters(**given))
     pull = np.zeros(2)
@@ -167,4 +210,4 @@ def _along(system: System, given: dict[str, float]) -> Array:
         raise AnalysisError(
             "no equilibrium found: nothing gives a rod without gravity or tip load its direction"
         )
-    return np.full(system.cells, np.arctan2(pull[1], pull[0]))
+    return pull

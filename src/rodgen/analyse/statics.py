@@ -116,7 +116,10 @@ def static_equilibrium(
     if system.base:
         _check_held(system, p)
     rest, stages = settle(system, system.given, bend=bend)
-    rest.at = rest.at._replace(force=forces(system, rest.at, p)[1])
+    if not system.chain:  # Newton's method has found them too
+        springs = rest.springs(system, p)
+        known = p if springs is None else springs.p
+        rest.at = rest.at._replace(force=forces(system, rest.at, known)[1])
     y = system.at_rest(rest.at)
     return Equilibrium(
         y=y,

@@ -195,6 +195,12 @@ class System:
         return bool(self.scene.fed or self.scene.states)
 
     @property
+    def chain(self) -> bool:
+        """Whether joint forces are unknowns at rest: joint 0 is held, nothing else is, and no load
+        follows the motion."""
+        return not (self.base or self.steered or self.anchored)
+
+    @property
     def base(self) -> int:
         """Coordinates of joint 0, before the angles."""
         return 2 * self.scene.hold.translates

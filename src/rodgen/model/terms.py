@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
+from functools import lru_cache
 
 from rodgen.model.fixtures import BODY, FOUNDATION, SHARE, SUPPORT
 from rodgen.model.palette import pair
@@ -332,6 +333,7 @@ ROWS = (
 )
 
 
+@lru_cache(maxsize=1024)  # of the many that a scene may have, which are asked for often
 def _numbered_term(name: str, number: int, rest: str) -> Term | None:
     term = next((term for term in ROWS if term.name == name and term.placed), None)
     return None if term is None or rest else term.numbered(number)
@@ -364,6 +366,7 @@ def _ordered() -> tuple[Parameter, ...]:
     return tuple(sorted(every, key=lambda one: one.several))
 
 
+@lru_cache(maxsize=4096)
 def _parameter(name: str, number: int, rest: str) -> Parameter | None:
     term = _numbered_term(name, number, "")
     rows = term.parameters if term else ()

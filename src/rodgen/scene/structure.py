@@ -93,7 +93,7 @@ class Structure:
         said = (one for one in fields(self) if getattr(self, one.name) != one.default)
         return f"Structure({', '.join(f'{one.name}={getattr(self, one.name)!r}' for one in said)})"
 
-    @property
+    @cached_property
     def state_names(self) -> tuple[str, ...]:
         """Names of the states that are added, in the order in which y has them."""
         return tuple(name for name, _ in self.states)
@@ -103,12 +103,12 @@ class Structure:
         """How the start of the rod is held."""
         return BOUNDARIES[self.boundary]
 
-    @property
+    @cached_property
     def loads(self) -> tuple[str, ...]:
         """Names of the loads, in the order of the terms."""
         return tuple(named(self.terms))
 
-    @property
+    @cached_property
     def _own(self) -> list[str]:
         """Parameters of the rod, its boundary and its terms, whether functions of time or not;
         last those of loads that are not the first of their kind."""
@@ -124,24 +124,24 @@ class Structure:
         first = [name for name in PARAMETERS if name in known]
         return [*first, *(one.name for one in loads if one.name not in first)]
 
-    @property
+    @cached_property
     def open_expressions(self) -> dict[str, Expression]:
         """The expressions, by their parameters, with names in place of their numbers."""
         texts = ((name, text) for name, text in self.expressions if not PARAMETERS[name].several)
         return {name: self._open(text) for name, text in texts}
 
-    @property
+    @cached_property
     def open_along(self) -> dict[str, Expression]:
         """The expressions that are functions of s as well, of which every link has a mean."""
         texts = ((name, text) for name, text in self.expressions if PARAMETERS[name].several)
         return {name: open_expression(text, "t", ("s",)) for name, text in texts}
 
-    @property
+    @cached_property
     def open_rates(self) -> dict[str, Expression]:
         """The rates of the states that are added, with names in place of their numbers."""
         return {name: self._open(text) for name, text in self.states}
 
-    @property
+    @cached_property
     def open_masses(self) -> dict[str, Expression]:
         """The masses that are functions of time, by the names that modules have for them."""
         return {mass_of(name): open_expression(e, "t", ("s",)) for name, _, e in self.masses}
@@ -155,7 +155,7 @@ class Structure:
     def _open(self, text: str) -> Expression:
         return open_expression(text, "t", self.state_names)
 
-    @property
+    @cached_property
     def laws(self) -> dict[str, Expression]:
         """What a module computes from its state: expressions that follow states or sensors, by the
         name of their parameter, and the rates of states that are added, by theirs."""
@@ -167,17 +167,17 @@ class Structure:
         """Whether any law reads a sensor or a state."""
         return any(e.signals for e in self.laws.values())
 
-    @property
+    @cached_property
     def sensors(self) -> tuple[Sensor, ...]:
         """The sensors that laws read."""
         return tuple(dict.fromkeys(of for e in self.laws.values() for of in e.sensors))
 
-    @property
+    @cached_property
     def spring_law(self) -> Expression:
         """The law of the springs, without values of the numbers in it."""
         return open_expression(self.spring or spring.HOOKE, spring.BEND)
 
-    @property
+    @cached_property
     def numbers(self) -> dict[str, str]:
         """The numbers in expressions: which values are allowed, by name."""
         every = [*self.open_expressions.values(), *self.open_rates.values()]
@@ -186,7 +186,7 @@ class Structure:
         found |= dict.fromkeys(self.spring_law.names, NOT_NEGATIVE)
         return {name: rule for name, rule in found.items() if name != spring.STIFFNESS}
 
-    @property
+    @cached_property
     def rows(self) -> tuple[Parameter, ...]:
         """The parameters in the order in which p holds them; those of several numbers last."""
         timed = dict(self.expressions)
@@ -195,19 +195,19 @@ class Structure:
         own += (tank_row(name, what) for name in self.tanks for what in TANK)
         return tuple(sorted(own, key=lambda one: one.several))
 
-    @property
+    @cached_property
     def parameters(self) -> tuple[str, ...]:
         """Names of the parameters, in the order in which p holds them."""
         return tuple(one.name for one in self.rows)
 
-    @property
+    @cached_property
     def spans(self) -> dict[str, range]:
         """The joints or links that have a number each, of every parameter that is several."""
         found = {JOINTS: range(self.links + 1), LINKS: range(self.links)}
         found[SPRINGS] = self.hold.springs(self.links)
         return {one.name: found[one.each] for one in self.rows if one.several}
 
-    @property
+    @cached_property
     def places(self) -> dict[str, slice]:
         """Where in p the parameters lie."""
         found, start = {}, 0
@@ -217,12 +217,12 @@ class Structure:
             start = stop
         return found
 
-    @property
+    @cached_property
     def positions(self) -> dict[str, int]:
         """Where in p each parameter lies, by name; of several numbers the first."""
         return {name: place.start for name, place in self.places.items()}
 
-    @property
+    @cached_property
     def width(self) -> int:
         """How many numbers p holds."""
         return int(max(place.stop for place in self.places.values()))
@@ -249,7 +249,7 @@ class Structure:
         timed = f"_{self.hash[:6]}" if any((*coded, *named(self.terms).values())) else ""
         return f"rod_{self.boundary}_n{self.links}{terms}{inertia}{uneven}{how}{where}{timed}"
 
-    @property
+    @cached_property
     def hash(self) -> str:
         """Content hash: equal for scenes that need the same code."""
         content: list[object] = [self.links, self.boundary, self.inertia, self.terms]

@@ -1,0 +1,141 @@
+"""Forces of supports, as unknowns of Newton's method.
+
+The force of a stiff spring is its stiffness times what its point is off. A linear step leaves the
+square of a turn there, which the stiffness makes a force beyond all others; taken as a force, it
+spoils the next step. So each step is taken with the forces that the step before has foretold.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from rodgen.analyse.system import System, Unknowns
+from rodgen.integrate.stepper import Array
+
+AXES = ((1.0, 0.0), (0.0, 1.0))
+
+
+class Softened(NamedTuple):
+    """Parameters with soft springs of supports, that pull with forces which were foretold, and what
+    they lack beside the true ones: generalised force (base + cells,), in N and N m, and stiffness
+    (base + cells, base + cells)."""
+
+    p: Array
+    force: Array
+    stiffness: Array
+
+
+@dataclass(frozen=True)
+class Springs:
+    """The springs of the supports of a system with parameters p: links (k,) that they hold, share
+    (k,) of each before the point, stiffness (k, 2) [N/m] and fixed points (k, 2) [m]."""
+
+    system: System
+    p: Array
+    links: Array
+    share: Array
+    stiffness: Array
+    fixed: Array
+
+    @classmethod
+    def of(cls, system: System, p: Array) -> Springs:
+        """Those that pull; none of a rod without supports."""
+        share, *rest = (_of_links(system, p, name) for name in NAMES)
+        stiffness, fixed = (np.stack(pair, axis=-1) for pair in (rest[:2], rest[2:]))
+        pulling = np.flatnonzero(stiffness.any(axis=-1))
+        return cls(system, p, pulling, share[pulling], stiffness[pulling], fixed[pulling])
+
+    def points(self, at: Unknowns) -> Array:
+        """Where the rod is held (k, 2) [m]."""
+        joints = self.system.model.joints(self.system.at_rest(at), self.p)
+        share = self.share[:, None]
+        return np.asarray((1 - share) * joints[self.links] + share * joints[self.links + 1])
+
+    def forces(self, at: Unknowns) -> Array:
+        """On the rod (k, 2) [N]."""
+        return self.stiffness * (self.fixed - self.points(at))
+
+    def _ways(self, at: Unknowns) -> Array:
+        """How the points follow position and angles (k, 2, base + cells), by virtual work."""
+        y, work = self.system.at_rest(at), self.system.model.generalised_force
+        held = zip(self.links.tolist(), self.share.tolist(), strict=True)
+        rows = [[work(y, self.p, link, share, axis) for axis in AXES] for link, share in held]
+        return np.reshape(rows, (*self.fixed.shape, self.system.base + self.system.cells))
+
+    def foretold(self, at: Unknowns, by: Unknowns, times: float) -> Array:
+        """Forces (k, 2) [N] after so many times a change of the rod, to first order."""
+        change = times * np.concatenate((by.position, by.phi))
+        return self.forces(at) - self.stiffness * (self._ways(at) @ change)
+
+    def softened(self, at: Unknowns, forces: Array) -> Softened:
+        """Springs that pull with these forces (k, 2) [N] from points as far as the rod is long, so
+        that rounding of a place is none of a force."""
+        most = np.abs(forces).max(axis=-1, keepdims=True) / self.system.scene.rod.length
+        soft = np.where(most > 0, np.minimum(self.stiffness, most), self.stiffness)
+        off = np.divide(forces, soft, out=np.zeros_like(forces), where=soft > 0)
+        fixed = np.where(soft > 0, self.points(at) + off, self.fixed)
+        p, places = self.p.copy(), self.system.scene.structure.places
+        for name, values in zip(NAMES[1:], (*soft.T, *fixed.T), strict=True):
+            p[places[name]][self.links] = values
+        ways = self._ways(at)
+        force = np.einsum("ka,kai->i", self.forces(at) - forces, ways)
+        return Softened(p, force, np.einsum("ka,kai,kaj->ij", self.stiffness - soft, ways, ways))
+
+
+NAMES = (
+    "support_share",
+    *("support_stiffness_x", "support_stiffness_y"),
+    *("support_x", "support_y"),
+)
+
+
+def _of_links(system: System, p: Array, name: str) -> Array:
+    """A parameter of all links; zeros where the rod has no supports."""
+    places = system.scene.structure.places
+    return p[places[name]] if name in places else np.zeros(system.scene.rod.links)
+
+
+def hanging_shape(system: System, p: Array, pull: Array) -> Array:
+    """Angles of the moving links (cells,) [rad] of a rod that hangs from its supports: an arc from
+    each to the next, towards the pull (2,) [N], and straight along the pull at its ends."""
+    springs = Springs.of(system, p)
+    held = springs.stiffness.all(axis=-1)
+    at, points = (springs.links + springs.share)[held], springs.fixed[held]
+    if not system.base:  # held at its start too
+        start = system.model.joints(system.at_rest(system.unsettled(system.straight)), p)[0]
+        at, points = np.append(0.0, at), np.vstack((start, points))
+    order = np.argsort(at)
+    middles = np.arange(system.scene.rod.links) + 0.5
+    along = float(np.arctan2(pull[1], pull[0]))
+    phi = np.full(len(middles), along)
+    if len(at):
+        phi[middles < at.min()] = along + np.pi
+    link = system.scene.rod.length / len(middles)
+    for one, other in itertools.pairwise(order):
+        within = (middles >= at[one]) & (middles < at[other])
+        share = (middles[within] - at[one]) / (at[other] - at[one])
+        phi[within] = _arc(points[other] - points[one], link * (at[other] - at[one]), pull, share)
+    return phi[system.scene.held :]
+
+
+def _arc(chord: Array, length: float, pull: Array, share: Array) -> Array:
+    """Angles [rad], at these shares of its length [m], of an arc over a chord (2,) [m]; straight
+    where it is too short."""
+    distance = float(np.hypot(*chord))
+    left = chord[0] * pull[1] - chord[1] * pull[0] > 0
+    across, half = 1 - 2 * share, 0.0
+
+    def short(half: float) -> float:
+        """How much the links of such an arc reach beyond the chord, over the length."""
+        return float(np.cos(half * across).mean() - distance / length)
+
+    if distance < length:
+        half = brentq(short, 0.0, np.pi) if short(np.pi) < 0 else np.pi / 2
+    if not distance:
+        chord = np.array([pull[1], -pull[0]])
+    return np.arctan2(chord[1], chord[0]) + (1 if left else -1) * half * across
