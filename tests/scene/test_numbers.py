@@ -136,6 +136,49 @@ def test_a_table_in_a_file_is_in_the_scene_afterwards(tmp_path: Path) -> None:
         assert Scene.from_dict(made.model_dump(exclude_none=True)) == made
 
 
+KEPT = [(0.0, 0.5), (0.5, 12.25), (2.0, -1.0)]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t;F\ns;N\n0,0;0,5\n0,5;12,25\n2,0;-1,0\n",  # names, units, decimal commas
+        "0,0 0,5\r\n0,5\t12,25\r\n2,0 -1\r\n",
+        '"time (s)","thrust (N)"\n"0","0.5"\n"0.5","12.25"\n"2","-1"\n',
+        '"0,0","0,5"\n"0,5","12,25"\n"2,0","-1,0"\n',
+        "0.0, 0.5, 7, left\n0.5, 12.25, 8\n2.0, -1.0, 9, right\n",  # further columns
+        "0;0\n0;0.5\n.5;1225e-2\n2;-1\n2;0\n",  # jumps at its ends
+        "# gemessen \xfc\n\n0\t0.5\t\n0.5\t12.25\t\n2\t-1\t\n",
+    ],
+)
+@pytest.mark.parametrize("coding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+def test_tables_are_read_as_people_have_them(tmp_path: Path, text: str, coding: str) -> None:
+    (tmp_path / "a.csv").write_bytes(text.encode(coding))
+    force = _from_file(tmp_path, "a.csv", None).expression("follower_force")
+    assert force is not None
+    assert [(at, force(at) / 2) for at in force.knots()] == KEPT
+
+
+def test_a_column_by_its_name(tmp_path: Path) -> None:
+    text = "Time [s]; Thrust (N); mass\n; kN; kg\n0; 1; 5\n2; 3; 4\n"
+    (tmp_path / "a.csv").write_text(text, encoding="utf-8")
+    for more, values in (
+        ("", [1, 3]),
+        (", 'thrust'", [1, 3]),
+        (", 'mass', 'cubic'", [5, 4]),
+        (", 'linear'", [1, 3]),
+    ):
+        load = f"[loads.follower]\nforce = \"interp(t, 'a.csv'{more})\"\n"
+        (tmp_path / "scene.toml").write_text(TOML + load, encoding="utf-8")
+        force = Scene.from_toml(tmp_path / "scene.toml").expression("follower_force")
+        assert force is not None
+        assert [force(0.0), force(2.0)] == values
+    for more in ("'trust'", "'Time'", "''"):
+        load = f"[loads.follower]\nforce = \"interp(t, 'a.csv', {more})\"\n"
+        (tmp_path / "scene.toml").write_text(TOML + load, encoding="utf-8")
+        assert refused(Scene.from_toml, tmp_path / "scene.toml").field == "loads.follower.force"
+
+
 ROCKSIM = """<?xml version="1.0" encoding="UTF-8"?>
 <engine-database><engine-list><engine code="C6" mfg="Estes">
 <data><eng-data t="0.031" f="0.946" m="10"/><eng-data t="0.2" f="14.09" m="9"/>{}</data>
@@ -173,8 +216,9 @@ def test_a_file_that_is_no_table_is_refused(tmp_path: Path) -> None:
     for name, text in (
         *(("missing.csv", None), ("../secret.csv", "0 0\n1 1"), ("/etc/passwd", None)),
         *(("table.txt", "0 0\n1 1"), ("a.csv", "0 0\n0 1"), ("a.csv", "0 0\n1 x")),
-        *(("a.csv", "0 0\n1 inf"), ("a.csv", "x y\nx y\n0 0\n1 1"), ("a.csv", "0 0")),
-        ("a.csv", "0 0 0\n1 1 1"),
+        *(("a.csv", "0 0\n1 inf"), ("a.csv", "0 0\nx y\n1 1"), ("a.csv", "0 0")),
+        *(("a.csv", "x\n" * 11 + "0 0\n1 1"), ("a.csv", "0\n1"), ("a.csv", "0 0\n1 1\n1 2\n2 0")),
+        *(("a.csv", "0 1,234.5\n1 1"), ("a.csv", "0 1_0\n1 1"), ("a.csv", "0 0\n1 1\0")),
         ("a.csv", "\n".join(f"{i} 0" for i in range(1001))),
         *(("a.eng", "0 0\n1 1"), ("a.eng", MOTOR + MOTOR), ("a.rse", MOTOR)),
         ("a.rse", ROCKSIM.format("").replace("f=", "g=")),

@@ -1,8 +1,8 @@
 """Tables of numbers in files beside a scene: interp(t, 'thrust.csv') becomes a table of numbers.
 
-A file has two columns: CSV with commas, semicolons or blanks and lines of comment after #, or is
-the thrust curve of a rocket motor, RASP's (.eng) or RockSim's (.rse). A motor's curve begins at the
-origin, and where it ends the thrust does.
+A file has columns, of which interp(t, 'test.csv', 'thrust') takes one, or is the thrust curve of a
+rocket motor, RASP's (.eng) or RockSim's (.rse). A motor's curve begins at the origin, and where it
+ends the thrust does.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from rodgen.scene.columns import Rows, columns, decoded
 from rodgen.scene.errors import SceneError, short
-from rodgen.scene.grammar import MOST_KNOTS, TABLE, parse
+from rodgen.scene.grammar import CUBIC, LINEAR, MOST_KNOTS, TABLE, parse
 
 LARGEST = 1_000_000  # bytes
 KINDS = (".csv", ".eng", ".rse")
@@ -51,11 +52,12 @@ class _Reader(ast.NodeTransformer):
         self.generic_visit(node)
         match node:
             case ast.Call(
-                func=ast.Name(id="interp"), args=[x, ast.Constant(value=str() as name), *kind]
+                func=ast.Name(id="interp"), args=[x, ast.Constant(value=str() as name), *more]
             ):
-                rows = self._rows(name)
-                columns = zip(*rows, strict=True)
-                lists = [ast.parse(repr(list(column)), mode="eval").body for column in columns]
+                column, kind = _column(more)
+                rows = self._rows(name, column)
+                pair = zip(*rows, strict=True)
+                lists = [ast.parse(repr(list(column)), mode="eval").body for column in pair]
                 table = ast.Call(node.func, [x, *lists, *kind], [])
                 (begin, first), (end, last) = rows[0], rows[-1]
                 if Path(name).suffix.lower() not in MOTORS:
@@ -70,7 +72,7 @@ class _Reader(ast.NodeTransformer):
                 return burns
         return node
 
-    def _rows(self, name: str) -> list[tuple[float, float]]:
+    def _rows(self, name: str, column: str | None) -> Rows:
         def refused(allowed: str) -> SceneError:
             return SceneError(self._place, name, allowed)
 
@@ -82,35 +84,28 @@ class _Reader(ast.NodeTransformer):
                 raise refused("a file in the folder of the scene: there is none of this name")
             if path.stat().st_size > LARGEST:
                 raise refused(f"a file of at most {LARGEST} bytes")
-            lines = path.read_text(encoding="utf-8-sig").splitlines()
-        except (OSError, UnicodeDecodeError) as error:
+            text = decoded(path.read_bytes(), refused)
+        except OSError as error:
             raise refused(f"a file that can be read ({error})") from None
-        read = {".eng": _motor, ".rse": _rocksim}.get(path.suffix.lower(), _table)
-        return read(lines, refused)
+        kind = path.suffix.lower()
+        if kind not in MOTORS:
+            return _checked(columns(text, column, refused), refused)
+        if column is not None:
+            raise refused(f"a CSV file, to have a column {column!r}: a motor has one curve")
+        return (_motor if kind == ".eng" else _rocksim)(text.splitlines(), refused)
 
 
-def _table(lines: list[str], refused: Any) -> list[tuple[float, float]]:
-    """Rows of a CSV file, whose first line may be a header."""
-    rows: list[tuple[float, float]] = []
-    header = True
-    for number, line in enumerate(lines, start=1):
-        text = line.partition("#")[0].strip()
-        if not text:
-            continue
-        row = _numbers(text)
-        if row is None and not (header and not rows):
-            raise refused(
-                f"a table of two columns of numbers (not line {number}: {line.strip()!r})"
-            )
-        header = False
-        if row is not None:
-            rows.append(row)
-    return _checked(rows, refused)
+def _column(more: list[ast.expr]) -> tuple[str | None, list[ast.expr]]:
+    """The name of a column among what follows that of a file, and the rest."""
+    match more:
+        case [ast.Constant(value=str() as name), *kind] if name not in (LINEAR, CUBIC):
+            return name, kind
+    return None, more
 
 
-def _motor(lines: list[str], refused: Any) -> list[tuple[float, float]]:
+def _motor(lines: list[str], refused: Any) -> Rows:
     """Thrust [N] over time [s] of a RASP file of one motor, from the origin on."""
-    rows: list[tuple[float, float]] = []
+    rows = Rows()
     headers = 0
     for number, line in enumerate(lines, start=1):
         text = line.partition(";")[0].strip()
@@ -128,7 +123,7 @@ def _motor(lines: list[str], refused: Any) -> list[tuple[float, float]]:
     return _checked(_from_origin(rows), refused)
 
 
-def _rocksim(lines: list[str], refused: Any) -> list[tuple[float, float]]:
+def _rocksim(lines: list[str], refused: Any) -> Rows:
     """Thrust [N] over time [s] of a RockSim file of one motor, from the origin on."""
     text = "\n".join(lines)
     if "<!DOCTYPE" in text or "<!ENTITY" in text:  # which could name other files, or grow
@@ -148,7 +143,7 @@ def _rocksim(lines: list[str], refused: Any) -> list[tuple[float, float]]:
     return _checked(_from_origin(rows), refused)
 
 
-def _from_origin(rows: list[tuple[float, float]]) -> list[tuple[float, float]]:
+def _from_origin(rows: Rows) -> Rows:
     return rows if rows[:1] and rows[0][0] <= 0 else [(0.0, 0.0), *rows]
 
 
@@ -161,7 +156,7 @@ def _numbers(text: str) -> tuple[float, float] | None:
     return (x, y) if math.isfinite(x) and math.isfinite(y) else None
 
 
-def _checked(rows: list[tuple[float, float]], refused: Any) -> list[tuple[float, float]]:
+def _checked(rows: Rows, refused: Any) -> Rows:
     if not 2 <= len(rows) <= MOST_KNOTS:
         raise refused(f"a table of 2 to {MOST_KNOTS} rows (this has {len(rows)})")
     for (a, _), (b, _) in pairwise(rows):

@@ -1,0 +1,116 @@
+"""Two columns of numbers from text files as people have them.
+
+Columns lie between commas, semicolons, tabs or blanks; where these are no commas, decimals may have
+them. Lines before the first row of numbers are a header: names of the columns, units.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Callable, Sequence
+
+from rodgen.scene.errors import SceneError, meant, short
+
+Rows = list[tuple[float, float]]
+Refused = Callable[[str], SceneError]
+COMMENT = "#"
+DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(e[+-]?\d+)?", re.IGNORECASE)
+UNIT = re.compile(r"\s*(\[[^]]*\]|\([^)]*\))\s*$")  # behind the name of a column
+MOST_HEADER = 10  # lines
+
+
+def decoded(text: bytes, refused: Refused) -> str:
+    """The text of a file: UTF-8, UTF-16 with its mark, else Latin-1 as of older instruments."""
+    if text.startswith((b"\xff\xfe", b"\xfe\xff")):
+        coding = "utf-16"
+    elif b"\0" in text:
+        raise refused("a file of text")
+    else:
+        coding = "utf-8-sig"
+    try:
+        return text.decode(coding)
+    except UnicodeDecodeError:
+        return text.decode("latin-1")
+
+
+def columns(text: str, name: str | None, refused: Refused) -> Rows:
+    """Rows of the first column and of one with a name, by default the second.
+
+    Of two rows with the same first or last number the inner one counts, as where a curve jumps from
+    zero at its start. Raises SceneError.
+    """
+    header, rows, at = list[str](), Rows(), 1
+    between: str | None = None
+    for number, whole in enumerate(text.splitlines(), start=1):
+        line = whole.partition(COMMENT)[0].strip()
+        if not line:
+            continue
+        if between is None:
+            between = _separator(line)
+            if between is None and len(header) == MOST_HEADER:
+                break
+            if between is None:
+                header.append(line)
+                continue
+            at = 1 if name is None else _place(name, header, line, between, refused)
+        fields = _fields(line, between)
+        values = [_number(field) for field in (*fields[:1], *fields[at : at + 1])]
+        if len(values) < 2 or not all(map(math.isfinite, values)):
+            raise refused(f"a table of columns of numbers (not line {number}: {short(line)})")
+        rows.append((values[0], values[1]))
+    return _without_ends_twice(rows)
+
+
+def _separator(line: str) -> str | None:
+    """What is between the numbers of a row, "" for blanks; None of a line that is no row."""
+    for between in (";", "\t", "", ","):
+        first = _fields(line, between)[:2]
+        if len(first) == 2 and all(math.isfinite(_number(field)) for field in first):
+            return between
+    return None
+
+
+def _fields(line: str, between: str) -> list[str]:
+    """Fields of a line, without quotes and blanks around them."""
+    try:
+        found = next(csv.reader([line], delimiter=between)) if between else line.split()
+    except csv.Error:  # of a field without end
+        return []
+    return [field.strip().strip("\"'").strip() for field in found]
+
+
+def _number(field: str) -> float:
+    """The number of a field; not-a-number where it is none."""
+    if DECIMAL_COMMA.fullmatch(field):
+        field = field.replace(",", ".")
+    try:
+        return math.nan if "_" in field else float(field)
+    except ValueError:
+        return math.nan
+
+
+def _place(name: str, header: Sequence[str], row: str, between: str, refused: Refused) -> int:
+    """Where the column of a name is, from the second on; row: the first of numbers."""
+    known = [
+        [UNIT.sub("", field).casefold() for field in fields]
+        for fields in (_fields(line, between) for line in header)
+        if len(fields) == len(_fields(row, between))
+    ]
+    wanted = name.strip().casefold()
+    for names in known:
+        if wanted in names[1:]:
+            return names.index(wanted, 1)
+    there = [one for names in known[:1] for one in names[1:]]
+    allowed = f"of a file with the column {name!r} (there is {', '.join(there) or 'no header'})"
+    raise refused(allowed + meant(name, there))
+
+
+def _without_ends_twice(rows: Rows) -> Rows:
+    """Rows without the first or last where its number is there twice."""
+    if len(rows) > 2 and rows[0][0] == rows[1][0]:
+        rows = rows[1:]
+    if len(rows) > 2 and rows[-1][0] == rows[-2][0]:
+        rows = rows[:-1]
+    return rows
