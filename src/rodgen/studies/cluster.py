@@ -1,5 +1,8 @@
 """Workers of a study: a Dask cluster of processes that is started and closed, or one that is there.
 
+Whoever may talk to Dask may have it run Python, and every user of a machine may talk to its ports:
+processes that are started here talk to holders of a certificate alone, which is made for the run.
+
 What Dask reports of tasks is not believed: a block is done where the store has its mark. What Dask
 is asked for is small: to hold two tasks for every worker, and to say when one is over.
 """
@@ -10,6 +13,7 @@ import logging
 import math
 import queue
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
@@ -61,7 +65,9 @@ SETTINGS: dict[str, Any] = {
     "distributed.scheduler.allowed-failures": 0,
     "distributed.scheduler.work-stealing": False,
     "distributed.scheduler.worker-ttl": "1 hour",
-    "distributed.scheduler.dashboard.tasks.task-stream-length": 1000,
+    # No dashboard: it would ask nobody who they are.
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
     "distributed.deploy.lost-worker-timeout": "1 hour",
     "distributed.comm.timeouts.connect": "60s",
     "distributed.comm.timeouts.tcp": "120s",
@@ -74,7 +80,7 @@ SETTINGS: dict[str, Any] = {
     "distributed.admin.system-monitor.interval": "2s",
     "distributed.worker.memory.monitor-interval": "1s",
 }
-LOUD = ("distributed", "tornado", "asyncio", "bokeh")
+LOUD = ("distributed", "tornado", "asyncio")
 
 
 @dataclass
@@ -107,7 +113,6 @@ class Cluster:
             stack.enter_context(_as_no_script())
             stack.enter_context(dask.config.set(SETTINGS))
             self.client = stack.enter_context(self._connected())
-            self.said(f"dashboard: {self.client.dashboard_link}")
             self._seen = self._whole = monotonic()
             while True:
                 self._watch(wait=True)
@@ -126,17 +131,19 @@ class Cluster:
         """A client, of a cluster of its own unless there is an address."""
         if self.address is not None:
             client = _client(self.address)
+            self.said(f"dashboard: {client.dashboard_link}")
             try:
                 yield client
             finally:
                 client.close(timeout=5)
             return
-        self._cluster = cluster = _started(self.workers)
-        try:
-            with distributed.Client(cluster, timeout="60s") as client:
-                yield client
-        finally:
-            cluster.close(timeout=20)
+        with _own_folder():
+            self._cluster = cluster = _started(self.workers)
+            try:
+                with distributed.Client(cluster, timeout="60s") as client:
+                    yield client
+            finally:
+                cluster.close(timeout=20)
 
     @property
     def count(self) -> int:
@@ -303,16 +310,29 @@ class Cluster:
 def _started(workers: int) -> distributed.LocalCluster:
     """A cluster of so many processes, started again where one dies meanwhile. Raises StudyError
     where they do not start."""
+    security = distributed.Security.temporary()
     for _ in range(STARTS):
         with suppress(RuntimeError, OSError, TimeoutError):
             return distributed.LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
                 processes=True,
+                security=security,
                 dashboard_address="127.0.0.1:0",
+                scheduler_kwargs={"dashboard": False},
                 silence_logs=logging.CRITICAL + 1,
             )
     raise StudyError(f"{workers} worker processes could not be started, {STARTS} times")
+
+
+@contextmanager
+def _own_folder() -> Iterator[None]:
+    """Folders of workers, from which they import, lie in one that nobody else can write."""
+    with (
+        tempfile.TemporaryDirectory(prefix="rodgen-", ignore_cleanup_errors=True) as folder,
+        dask.config.set({"temporary-directory": folder}),
+    ):
+        yield
 
 
 def _client(address: str) -> distributed.Client:

@@ -221,7 +221,7 @@ def _plan(study: Study, seconds: float | None, workers: int, adaptive: float | N
 
 def check_extra(scheduled: bool = True) -> None:
     """Raise ImportError, in a line, where the extra is not installed; scheduled: with Dask."""
-    for name in ("zarr", "distributed", "cloudpickle") if scheduled else ("zarr",):
+    for name in ("zarr", "distributed", "cloudpickle", "cryptography") if scheduled else ("zarr",):
         if find_spec(name) is None:
             raise ImportError(f"{MISSING} (there is no {name})", name=name)
 
