@@ -72,6 +72,7 @@ def scheduler() -> Iterator[Any]:
             n_workers=2,
             threads_per_worker=1,
             dashboard_address="127.0.0.1:0",  # else that of another test process may be taken
+            scheduler_kwargs={"dashboard": False},
             silence_logs=logging.CRITICAL + 1,
         ) as cluster,
     ):

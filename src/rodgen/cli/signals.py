@@ -1,4 +1,4 @@
-"""Ctrl-C, and what a batch system sends to end a program, while there is something to lose."""
+"""Ctrl-C, and what a batch system or a closing terminal sends, while there is something to lose."""
 
 from __future__ import annotations
 
@@ -7,15 +7,20 @@ import sys
 from threading import Timer, main_thread
 
 SOON = 0.01  # s
+# What ends a program as Ctrl-C does, where the system has it: a program that is killed by one of
+# these leaves what it has started.
+ENDING = ("SIGTERM", "SIGHUP", "SIGQUIT")
 
 
 def end_as_by_ctrl_c() -> None:
-    """Let what a batch system sends to end a program do what Ctrl-C does, so that it loses and
-    leaves no more."""
+    """Let what a batch system or a terminal sends to end a program do what Ctrl-C does, so that it
+    loses and leaves no more. What is ignored from the start, as under nohup, stays so."""
     # In the background of a script, Ctrl-C is ignored from the start: the other would be, too.
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         let_ctrl_c_through()
-    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
+    for number in (getattr(signal, name) for name in ENDING if hasattr(signal, name)):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, lambda *_: signal.raise_signal(signal.SIGINT))
 
 
 def hold_back_ctrl_c() -> None:

@@ -12,12 +12,14 @@ from __future__ import annotations
 import logging
 import math
 import queue
+import signal
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
+from multiprocessing import resource_tracker
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any, Self
 from urllib.parse import urlsplit
@@ -26,6 +28,7 @@ import dask
 import distributed
 from distributed.comm import CommClosedError
 
+from rodgen.native.library import DeferredInterrupt
 from rodgen.scene import SceneError
 from rodgen.studies import task
 from rodgen.studies.errors import StudyError
@@ -137,13 +140,12 @@ class Cluster:
             finally:
                 client.close(timeout=5)
             return
-        with _own_folder():
-            self._cluster = cluster = _started(self.workers)
-            try:
-                with distributed.Client(cluster, timeout="60s") as client:
-                    yield client
-            finally:
-                cluster.close(timeout=20)
+        with ExitStack() as stack:
+            stack.enter_context(_own_folder())
+            with DeferredInterrupt(), _unheard():  # one that starts cannot be closed
+                self._cluster = cluster = _started(self.workers)
+                stack.callback(cluster.close, timeout=20)
+            yield stack.enter_context(distributed.Client(cluster, timeout="60s"))
 
     @property
     def count(self) -> int:
@@ -323,6 +325,24 @@ def _started(workers: int) -> distributed.LocalCluster:
                 silence_logs=logging.CRITICAL + 1,
             )
     raise StudyError(f"{workers} worker processes could not be started, {STARTS} times")
+
+
+@contextmanager
+def _unheard() -> Iterator[None]:
+    """What a terminal sends to all that run in it does not reach processes that are started here:
+    their client hears it, and ends them."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    # Dask's thread begins here, from which they inherit what is blocked, also those that come later;
+    # with the first of them Python would start its tracker, and block nothing any more.
+    resource_tracker.ensure_running()
+    sent = {signal.SIGINT, signal.SIGHUP, signal.SIGQUIT}
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, sent)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

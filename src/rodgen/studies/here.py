@@ -11,6 +11,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection
+from threading import Thread
 from typing import TYPE_CHECKING, Any, Self
 
 from rodgen.progress import telling
@@ -186,10 +187,19 @@ def _answer(study: Study, what: Any) -> Any:
     return task.timed(study) if what == TIMING else task.computed(study, what)
 
 
+def _end_with(other: Any) -> None:
+    """End when another process does, whatever is being computed: nobody asks for it any more."""
+    other.join()
+    os._exit(1)
+
+
 def _serve(study: Study, pipe: Connection, other: Connection) -> None:
     """Answer until nobody asks any more."""
     other.close()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # of Ctrl-C the process that asks hears
+    for number in (signal.SIGINT, signal.SIGHUP, signal.SIGQUIT):  # the process that asks hears
+        signal.signal(number, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    Thread(target=_end_with, args=(multiprocessing.parent_process(),), daemon=True).start()
     with telling(lambda _: None):
         while True:
             with suppress(OSError):  # of a pipe at whose other end there is nobody any more

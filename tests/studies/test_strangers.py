@@ -1,0 +1,95 @@
+"""Other users of the machine: what a study has open answers nobody who has no certificate of it."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+from rodgen.studies.cluster import Cluster
+
+pytestmark = pytest.mark.slow
+NOBODY = 65534
+# Asks every port, as that user, who it is: in plain text, with a certificate of its own, and for
+# pages. What is needed is imported first: that user may not be able to read it.
+STRANGER = """
+import asyncio, encodings.idna, http.client, json, os, sys, urllib.request
+import distributed
+from distributed.core import rpc
+
+ports, user = json.loads(sys.argv[1]), int(sys.argv[2])
+own = distributed.Security.temporary().get_connection_args("client")
+urllib.request.build_opener()
+if user:
+    os.setgroups([])
+    os.setgid(user)
+    os.setuid(user)
+
+async def ask(port, scheme, given):
+    try:
+        async with rpc(f"{scheme}://127.0.0.1:{port}", timeout=1, connection_args=given) as other:
+            await asyncio.wait_for(other.identity(), 5)
+    except (OSError, TimeoutError, ValueError):
+        return []
+    return [[port, scheme]]
+
+def pages(port):
+    for page in ("status", "json/counts.json", "health", "metrics"):
+        try:
+            urllib.request.urlopen(f"http://127.0.0.1:{port}/{page}", timeout=1)
+        except (OSError, http.client.HTTPException):
+            continue
+        yield [port, "http"]
+
+async def main():
+    asked = [ask(port, *how) for port in ports for how in (("tcp", None), ("tls", own))]
+    return sum(await asyncio.gather(*asked), [])
+
+print(json.dumps([os.getuid(), asyncio.run(main()) + [one for p in ports for one in pages(p)]]))
+"""
+
+
+def listening() -> list[int]:
+    """Ports at which this process and those that it has started listen."""
+    own = psutil.Process()
+    found = (c for one in (own, *own.children(True)) for c in one.net_connections("inet"))
+    return sorted({one.laddr.port for one in found if one.status == psutil.CONN_LISTEN})
+
+
+def answers(ports: list[int], user: int) -> set[str]:
+    """By which ways somebody else is answered at a port."""
+    command = [sys.executable, "-c", STRANGER, json.dumps(ports), str(user)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    uid, found = json.loads(done.stdout)
+    assert uid == (user or os.getuid())
+    return {way for _, way in found}
+
+
+@pytest.mark.parametrize("user", [0, NOBODY])
+def test_a_running_study_answers_no_stranger(user: int, scheduler: Any) -> None:
+    """At its scheduler, its workers and for pages; one without certificates answers everybody."""
+    if user and os.getuid() != 0:
+        pytest.skip("needs root, to ask as another user")
+    open_to_all = listening()
+    assert answers(open_to_all, user) == {"tcp"}  # its pages are among the settings of a study
+    with Cluster(2) as workers:
+        ports = sorted({*listening()} - {*open_to_all})
+        assert len(ports) >= 8  # scheduler, two workers and their nannies, and for pages
+        assert answers(ports, user) == set()
+        assert workers.client.submit(os.getuid).result() == os.getuid()
+
+
+def test_workers_import_from_no_folder_of_others(tmp_path: Path) -> None:
+    with Cluster(1) as workers:
+        for folder in workers.client.run(lambda dask_worker: dask_worker.local_directory).values():
+            above = [one for one in Path(folder).parents if one.name.startswith("rodgen-")]
+            assert above
+            assert above[0].stat().st_mode & 0o777 == 0o700
+    assert not above[0].exists()
