@@ -1,4 +1,4 @@
-"""Stores of studies that are as they were written, or say which file is not.
+"""Stores of studies that are as they were written, or name the file that is not.
 
 Chunks end with a checksum (Zarr's crc32c). The descriptions of the arrays have theirs among the
 attributes of the store, which have one of their own. A block that is marked has all its chunks:
@@ -23,7 +23,7 @@ from zarr.storage import LocalStore
 
 from rodgen.loading.cache import write_whole
 from rodgen.scene import SceneError
-from rodgen.studies.store import CHUNKS
+from rodgen.studies.store import CHUNKS, MARK
 
 SUMS, OWN = "checksums", "sha256"  # attributes: of the descriptions of arrays, and of the others
 DESCRIPTION = "zarr.json"
@@ -34,18 +34,19 @@ class WholeStore(LocalStore):
     """A folder of Zarr, of which whatever is read is what was written. Raises SceneError, which
     names the file, where it is not.
 
-    marks: name of the array of which a block's chunk is written last; dims: along how many
-    dimensions blocks are told apart.
+    blocked: names of the arrays that blocks are written to, once they are known; dims: along how
+    many dimensions blocks are told apart.
     """
 
     def __init__(self, root: Path | str, *, read_only: bool = False):
         super().__init__(root, read_only=read_only)
         self._sums = _sums(Path(root))
-        self.marks, self.dims = "", 0
+        self.blocked: set[str] = set()
+        self.dims = 0
 
     def with_read_only(self, read_only: bool = False) -> WholeStore:
         found = type(self)(self.root, read_only=read_only)
-        found.marks, found.dims = self.marks, self.dims
+        found.blocked, found.dims = self.blocked, self.dims
         return found
 
     async def get(
@@ -55,36 +56,42 @@ class WholeStore(LocalStore):
         byte_range: ByteRequest | None = None,
     ) -> Buffer | None:
         found = await super().get(key, prototype, byte_range)
+        if found is None and self._is_due(key):  # else it was written meanwhile
+            found = await super().get(key, prototype, byte_range)
         return found if byte_range else self._checked(key, found)
 
     def get_sync(self, key: str, **how: Any) -> Buffer | None:
         found = super().get_sync(key, **how)
+        if found is None and self._is_due(key):
+            found = super().get_sync(key, **how)
         return found if how.get("byte_range") else self._checked(key, found)
 
     def _checked(self, key: str, found: Buffer | None) -> Buffer | None:
-        parts = key.split("/")
-        if parts[-1] == DESCRIPTION:
-            known = self._sums.get(key)
-            if known and (found is None or _digest(found.to_bytes()) not in known):
-                self._refuse(key)
-        elif CHUNKS in parts[1:2]:
-            if found is None and self._marked(parts[2:]) and parts[0] in self._blocked:
-                self._refuse(key)
-            if found is not None and not _has_its_sum(found.to_bytes()):
-                self._refuse(key)
+        """A file that was read. Raises SceneError where it is not what was written."""
+        if found is None:
+            right = not self._is_due(key)
+        elif key in self._sums:
+            right = _digest(found.to_bytes()) in self._sums[key]
+        elif self._array(key):
+            right = _has_its_sum(found.to_bytes())
+        else:
+            right = True
+        if not right:
+            raise damaged(Path(self.root), key)
         return found
 
-    @property
-    def _blocked(self) -> set[str]:
-        """Arrays that blocks are written to."""
-        return {key.partition("/")[0] for key in self._sums} if self.marks else set()
+    def _is_due(self, key: str) -> bool:
+        """Whether there has to be a file: a description, or a chunk, of blocks that are marked."""
+        name = self._array(key)
+        if not (name and self.blocked):
+            return key in self._sums
+        place = key.split("/")[2 : 2 + self.dims]
+        return name not in self.blocked or self.root.joinpath(MARK, CHUNKS, *place).exists()
 
-    def _marked(self, place: list[str]) -> bool:
-        """Whether the block of a chunk is marked."""
-        return self.root.joinpath(self.marks, CHUNKS, *place[: self.dims]).exists()
-
-    def _refuse(self, key: str) -> None:
-        raise damaged(Path(self.root), key)
+    def _array(self, key: str) -> str:
+        """The array of a chunk, where it has checksums."""
+        name, folder, *_ = f"{key}/".split("/")
+        return name if folder == CHUNKS and f"{name}/{DESCRIPTION}" in self._sums else ""
 
 
 def damaged(root: Path, key: str) -> SceneError:
@@ -118,8 +125,9 @@ def _keep(folder: Path, sums: dict[str, list[str]]) -> None:
 
 
 def _sums(root: Path) -> dict[str, list[str]]:
-    """The checksums of a store, by file; none where there are none yet. Raises SceneError where
-    its attributes are not as they were written."""
+    """The checksums of the descriptions in a store, by file; none where there are none yet, or it
+    is of the first format, which had none. Raises SceneError where its attributes are not as they
+    were written, or a description is missing."""
     try:
         found = json.loads((root / DESCRIPTION).read_bytes())
         attributes = found["attributes"]
@@ -127,13 +135,17 @@ def _sums(root: Path) -> dict[str, list[str]]:
             return {}
         own = attributes.pop(OWN)
         sums: dict[str, list[str]] = attributes[SUMS]
-        if own == _digest_of(attributes):
-            return sums
+        whole = own == _digest_of(attributes)
     except FileNotFoundError:
         return {}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        pass
-    raise damaged(root, DESCRIPTION)
+        whole = False
+    if not whole:
+        raise damaged(root, DESCRIPTION)
+    for key in sums:
+        if not (root / key).is_file():
+            raise damaged(root, key)
+    return sums
 
 
 def _digest(content: bytes) -> str:

@@ -208,13 +208,15 @@ def _group(path: Path) -> zarr.Group:
     try:
         store = WholeStore(path)
         group = zarr.open_group(store, mode="r+", zarr_format=3)
-        if "digest" in group.attrs and group.attrs.get("format") != "1":
-            store.marks, store.dims = MARK, _array(group, MARK).ndim
+        if "digest" in group.attrs:
+            names = json.loads(str(group.attrs["variables"]))
+            store.blocked = {*names, *str(group.attrs.get("coordinates", "")).split()}
+            store.dims = _array(group, MARK).ndim
         return group
     except SceneError:
         raise
     except (OSError, ValueError, KeyError) as error:
-        if isinstance(error, ValueError) and (path / DESCRIPTION).exists():
+        if not isinstance(error, OSError) and (path / DESCRIPTION).exists():
             raise damaged(path, DESCRIPTION) from None
         why = error.strerror if isinstance(error, OSError) and error.strerror else "there is none"
         raise SceneError("store", str(path), f"the store of a study ({why})") from None

@@ -1,0 +1,178 @@
+"""Stores that are not as they were written: refused in a line that names the file, or right."""
+
+from __future__ import annotations
+
+import json
+import random
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rodgen import SceneError, Study, StudyError
+from rodgen.studies.engine import run
+from rodgen.studies.store import Store, read
+from rodgen.studies.tally import tally
+from tests.studies.conftest import PENDULUM, assert_same, scene
+from tests.told import refused
+
+pytestmark = pytest.mark.compiler
+SHORT = scene(PENDULUM, integrate={"span": [0.0, 0.2]})
+KEEP = ["last(tip_x)", "max(phi_2)"]
+GRID = Study.of(
+    SHORT,
+    {"parameters.A": np.linspace(0, 2, 10), "integrate.method": ["dop853", "rk45"]},
+    keep=KEEP,
+)
+SAMPLE = Study.of(
+    SHORT,
+    {"parameters.A": {"from": 0, "to": 2}, "rod.mass": {"from": 1, "to": 3}},
+    keep=KEEP,
+    sample={"method": "random", "count": 20, "seed": 1},
+)
+STUDIES = {"grid": GRID, "sample": SAMPLE}
+
+
+@pytest.fixture(scope="module", params=STUDIES)
+def computed(request: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, Path]:
+    """A study of five blocks, and its store."""
+    path = tmp_path_factory.mktemp("computed") / "a.zarr"
+    Store.make(path, STUDIES[request.param], 4)
+    run(STUDIES[request.param], path, workers=1, resume=True)
+    return STUDIES[request.param], path
+
+
+@pytest.fixture
+def copied(computed: tuple[Study, Path], tmp_path: Path) -> Callable[[], Path]:
+    """Makes a copy of the store, in place of the one before."""
+
+    def make() -> Path:
+        shutil.rmtree(tmp_path / "a.zarr", ignore_errors=True)
+        return Path(shutil.copytree(computed[1], tmp_path / "a.zarr"))
+
+    return make
+
+
+def flip(file: Path, at: float) -> None:
+    content = bytearray(file.read_bytes())
+    bit = int(at * 8 * len(content))
+    content[bit // 8] ^= 1 << bit % 8
+    file.write_bytes(content)
+
+
+DAMAGE: list[Callable[[Path, float], object]] = [
+    flip,
+    flip,
+    lambda file, at: file.write_bytes(file.read_bytes()[: int(at * file.stat().st_size)]),
+    lambda file, at: file.write_bytes(file.read_bytes() + b"x"),
+    lambda file, at: file.write_bytes(b""),
+    lambda file, at: file.unlink(),
+    lambda file, at: (file.unlink(), file.mkdir()),
+    lambda file, at: shutil.rmtree(file.parent) if file.name == "zarr.json" else file.unlink(),
+]
+
+
+def files(path: Path) -> list[Path]:
+    return sorted(one for one in path.rglob("*") if one.is_file())
+
+
+def damaged(copied: Callable[[], Path], count: int, seed: int) -> Iterator[tuple[Path, str]]:
+    """Stores with a damaged file, and its name below the store."""
+    chance = random.Random(seed)
+    for k in range(count):
+        path = copied()
+        file = chance.choice(files(path))
+        DAMAGE[k % len(DAMAGE)](file, chance.random())
+        yield path, file.relative_to(path).as_posix()
+
+
+def there(data: xr.Dataset, whole: xr.Dataset) -> int:
+    """How many points a store has, all of which are right."""
+    known = np.asarray(data.status != "")
+    for name in {*data.data_vars} - {"seconds"}:
+        np.testing.assert_array_equal(np.asarray(data[name])[known], np.asarray(whole[name])[known])
+    return int(known.sum())
+
+
+def held(copied: Callable[[], Path], whole: tuple[Study, Path], count: int, seed: int) -> int:
+    """How many damaged stores are refused when they are read, which is right where they are not;
+    they are gone on with to the same numbers, or refused."""
+    study, data = whole[0], read(whole[1])
+    told = 0
+    for path, name in damaged(copied, count, seed):
+        for again in (False, True):
+            try:
+                if again:
+                    run(study, path, workers=1, resume=True)
+                found = there(read(path), data)
+            except (SceneError, StudyError) as error:  # any other ends the test
+                assert "\n" not in str(error)
+                assert isinstance(error, StudyError) or error.value == str(path)
+                told += not again
+            else:
+                # Without its mark, a block is not there.
+                assert found == data.status.size or (name.startswith("status/c/") and not again)
+    return told
+
+
+def test_damage_is_refused_or_harmless(copied: Any, computed: Any) -> None:
+    assert held(copied, computed, len(DAMAGE), 1) >= len(DAMAGE) - 2
+
+
+@pytest.mark.nightly
+def test_much_damage_is_refused_or_harmless(copied: Any, computed: Any) -> None:
+    assert held(copied, computed, 150, 2) > 130
+
+
+@pytest.mark.slow
+def test_each_file_is_checked_and_named(copied: Callable[[], Path]) -> None:
+    """Whether a bit of it changes, or it is missing; by all that read stores."""
+    path = copied()
+    for file in files(path):
+        name, content = file.relative_to(path).as_posix(), file.read_bytes()
+        flip(file, 0.5)
+        assert f" ({name} " in refused(read, path).allowed
+        if name.startswith(("status/c/", "seconds/c/")):
+            assert f" ({name} " in refused(tally, path).allowed
+        file.unlink()
+        if name != "zarr.json" and not name.startswith("status/c/"):  # no store, a block not done
+            assert f" ({name} " in refused(read, path).allowed
+        file.write_bytes(content)
+
+
+@pytest.mark.parametrize("name", ["last(tip_x)", "message", "status"])
+def test_a_block_that_lacks_a_chunk_is_computed_again(
+    name: str, copied: Callable[[], Path], computed: Any
+) -> None:
+    """And no other."""
+    (study, whole), path = computed, copied()
+    sorted(one for one in (path / name / "c").rglob("*") if one.is_file())[1].unlink()
+    assert (~Store.of(path, study).done()).nonzero()[0].tolist() == [1]
+    run(study, path, workers=1, resume=True)
+    assert_same(read(path), read(whole))
+    same = read(path).seconds.values == read(whole).seconds.values
+    assert same.sum() == 16
+
+
+def test_stores_without_checksums_are_read(copied: Callable[[], Path], computed: Any) -> None:
+    """Those of the first format; they are not gone on with."""
+    path = copied()
+    group = json.loads((path / "zarr.json").read_bytes())
+    group["attributes"]["format"] = "1"
+    for name in ("checksums", "sha256"):
+        del group["attributes"][name]
+    (path / "zarr.json").write_text(json.dumps(group))
+    assert there(read(path), read(computed[1])) == 20
+    assert refused(run, computed[0], path, workers=1, resume=True).value == str(path)
+
+
+def test_an_axis_is_there_before_any_block(tmp_path: Path) -> None:
+    path = tmp_path / "a.zarr"
+    Store.make(path, GRID, 4)
+    assert (read(path).status == "").all()
+    (path / "parameters.A" / "c" / "0").unlink()
+    assert refused(read, path).value == str(path)
