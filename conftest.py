@@ -60,7 +60,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(autouse=True)
 def _signals() -> Iterator[None]:
     """Commands that are called within the process of the tests leave their answers to signals."""
-    before = {one: signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM)}
+    ends = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+    before = {one: signal.getsignal(one) for one in ends}
     yield
     for one, answer in before.items():
         signal.signal(one, answer)

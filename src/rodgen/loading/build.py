@@ -207,7 +207,8 @@ def _structure(scene: Scene | Structure) -> Structure:
 
 def _recall(text: str | None) -> dict[str, str] | None:
     """Texts as they were stored, or None where there are none."""
-    found = json.loads(text) if text else None
-    if not isinstance(found, dict):
+    try:
+        found = json.loads(text or "")
+        return {str(name): str(value) for name, value in found.items()}
+    except (ValueError, AttributeError, RecursionError):
         return None
-    return {str(name): str(value) for name, value in found.items()}

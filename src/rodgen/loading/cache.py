@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,22 +18,13 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 
-from rodgen.native.library import is_ours
+from rodgen.native.library import ROOT_OTHERS, cache_root, is_ours, read_own
 
 # What a generated module follows from.
 PACKAGES = (
     *("rodgen.model", "rodgen.scene", "rodgen.derive"),
     *("rodgen.templates", "rodgen.emit", "rodgen.native"),
 )
-
-
-def cache_root() -> Path:
-    """RODGEN_CACHE, else rodgen in XDG_CACHE_HOME, else ~/.cache/rodgen."""
-    override = os.environ.get("RODGEN_CACHE")
-    if override:
-        return Path(override)
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base and Path(base).is_absolute() else Path.home() / ".cache") / "rodgen"
 
 
 @lru_cache
@@ -88,7 +78,7 @@ def read_text(*parts: str) -> str | None:
     have written it."""
     try:
         stored = _own_text(cache_root(), parts)
-    except (OSError, UnicodeDecodeError):
+    except (OSError, RuntimeError, UnicodeDecodeError):  # RuntimeError: a user without a home
         return None
     digest, _, text = stored.partition("\n")
     if digest != _digest(text):
@@ -97,34 +87,38 @@ def read_text(*parts: str) -> str | None:
     return text
 
 
+def _folders(root: Path, path: Path) -> list[Path]:
+    """Those between the root of the cache and a file in it, the outer first. Raises OSError where
+    others can write into the root."""
+    if not is_ours(root.stat(), ROOT_OTHERS):
+        raise PermissionError(root)
+    return [one for one in reversed(path.parents) if one != root and one.is_relative_to(root)]
+
+
 def _own_text(root: Path, parts: tuple[str, ...]) -> str:
     """Text of a file below a folder. Raises OSError where another user may have written it, and
     for what is no plain file."""
     path = root.joinpath(*parts)
-    folders = [folder for folder in path.parents if folder.is_relative_to(root)]
-    if not (is_ours(root.stat(), 0o002) and all(is_ours(one.stat()) for one in folders[:-1])):
-        raise PermissionError(path)
-    # A pipe is not to be waited for, nor a link to be followed.
-    asked = (getattr(os, flag, 0) for flag in ("O_NOFOLLOW", "O_NONBLOCK"))
-    with open(os.open(path, os.O_RDONLY | sum(asked)), encoding="utf-8") as file:
-        status = os.fstat(file.fileno())
-        if not (stat.S_ISREG(status.st_mode) and is_ours(status)):
-            raise PermissionError(path)
-        return file.read()
+    for folder in _folders(root, path):
+        if not is_ours(folder.stat()):
+            raise PermissionError(folder)
+    return read_own(path).decode("utf-8")
 
 
 def store_text(text: str, *parts: str) -> bool:
     """Write an entry whole or not at all, for this user alone; False if the cache cannot be
     written."""
     _note(text, *parts)
-    root = cache_root()
-    path = root.joinpath(*parts)
     try:
-        root.parent.mkdir(parents=True, exist_ok=True)
-        for folder in reversed([one for one in path.parents if one.is_relative_to(root)]):
+        root = cache_root()
+        path = root.joinpath(*parts)
+        root.mkdir(mode=0o700, parents=True, exist_ok=True)
+        for folder in _folders(root, path):
             folder.mkdir(mode=0o700, exist_ok=True)
+            if not is_ours(folder.stat()):
+                folder.chmod(0o700)  # what others have put there stays theirs, and is no entry
         write_whole(path, f"{_digest(text)}\n{text}", 0o600)
-    except OSError:
+    except (OSError, RuntimeError):
         return False
     return True
 

@@ -12,6 +12,7 @@ import platform
 import shlex
 import shutil
 import signal
+import stat
 import subprocess
 import sysconfig
 import tempfile
@@ -35,6 +36,9 @@ _SHARED = ("-std=c99", "-fPIC", "-shared")
 # Seconds. A long chain at -O3 on a busy machine takes minutes; what takes longer hangs.
 _BUILD_LIMIT, _VERSION_LIMIT, _STALE = 600.0, 60.0, 86400.0
 _WORK = ".build-"
+# What others may not do to the root of the cache: a group may write into it, but not where texts
+# and libraries lie.
+ROOT_OTHERS = 0o002
 _FORMAT = "rodgen C cache 1"
 
 
@@ -185,17 +189,17 @@ def compiler_command() -> list[str]:
 def _cache() -> Path | None:
     """The cache's folder of C libraries; None where it cannot be used or trusted."""
     try:
-        root = _root().absolute()
+        root = cache_root().absolute()
         root.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if not is_ours(root.stat(), ROOT_OTHERS):
+            return None
         (root / "c").mkdir(mode=0o700, exist_ok=True)
-        # A group may write into the root, where modules lie, but not where libraries do.
-        ours = is_ours(root.stat(), 0o002) and is_ours((root / "c").stat())
-        return root / "c" if ours else None
+        return root / "c" if is_ours((root / "c").stat()) else None
     except (OSError, RuntimeError):  # RuntimeError: a user without a home.
         return None
 
 
-def _root() -> Path:
+def cache_root() -> Path:
     """RODGEN_CACHE, else rodgen in XDG_CACHE_HOME, else ~/.cache/rodgen."""
     override = os.environ.get("RODGEN_CACHE")
     if override:
@@ -211,6 +215,17 @@ def is_ours(status: os.stat_result, others: int = 0o022) -> bool:
     return status.st_uid == os.getuid() and not status.st_mode & others
 
 
+def read_own(path: Path) -> bytes:
+    """Content of a file that is this user's, and that others cannot write. Raises OSError for any
+    other, and for what is no plain file: a pipe is not waited for, nor a link followed."""
+    how = sum(getattr(os, flag, 0) for flag in ("O_NOFOLLOW", "O_NONBLOCK", "O_BINARY"))
+    with open(os.open(path, os.O_RDONLY | how), "rb") as file:
+        status = os.fstat(file.fileno())
+        if not (stat.S_ISREG(status.st_mode) and is_ours(status)):
+            raise PermissionError(path)
+        return file.read()
+
+
 def _stored(ffi: Any, library: Path) -> Any | None:
     """A library of the cache, or None: to load half a file can end the process."""
     try:
@@ -222,19 +237,16 @@ def _stored(ffi: Any, library: Path) -> Any | None:
 
 
 def _is_whole(library: Path) -> bool:
-    sums = library.with_suffix(".sha256")
     try:
-        if not (library.is_file() and sums.is_file()):  # A pipe would be waited for.
-            return False
-        kept = sums.read_text(encoding="utf-8", errors="replace")
-        return is_ours(library.parent.stat()) and kept == _checksum(library)
+        kept = read_own(library.with_suffix(".sha256"))
+        return is_ours(library.parent.stat()) and kept == _checksum(library).encode()
     except OSError:
         return False
 
 
 def _checksum(library: Path) -> str:
     """As sha256sum writes it."""
-    return f"{hashlib.sha256(library.read_bytes()).hexdigest()}  {library.name}\n"
+    return f"{hashlib.sha256(read_own(library)).hexdigest()}  {library.name}\n"
 
 
 def _store(library: Path, entry: Path) -> None:
@@ -248,7 +260,9 @@ def _store(library: Path, entry: Path) -> None:
         entry.mkdir(mode=0o700, exist_ok=True)
         if _is_whole(target):  # Another process was first, and others use its file.
             return
+        library.chmod(0o700)  # Whatever the user's mask lets others do.
         sums.write_text(_checksum(library), encoding="utf-8")
+        sums.chmod(0o600)
         os.replace(library, target)
         os.replace(sums, target.with_suffix(".sha256"))
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import shutil
+import subprocess
 import sysconfig
 import tempfile
 from collections.abc import Callable
@@ -12,11 +14,11 @@ from typing import Any
 
 import pytest
 
-from rodgen.loading.cache import cache_root
 from rodgen.native import library
+from rodgen.native.library import cache_root
 from tests.generated.library.conftest import ANSWERS, HEADER, REAL, SOURCE, Place
 
-ME = os.getuid()
+ME, NOBODY = os.getuid(), 65534
 
 
 def test_library_is_built_once(place: Place) -> None:
@@ -151,10 +153,31 @@ def test_library_that_cannot_be_loaded_from_the_cache(place: Place) -> None:
     assert not any(place.cache.iterdir())
 
 
+def _given(path: Path) -> None:
+    if ME:
+        pytest.skip("needs root, to give a file to another user")
+    os.chown(path, NOBODY, NOBODY)
+
+
+def _pipe(path: Path) -> None:
+    path.unlink()
+    os.mkfifo(path, 0o600)
+
+
 STRANGE: dict[str, Callable[[Place], Any]] = {
     "of another user": lambda place: place.patch.setattr(os, "getuid", lambda: ME + 1),
     "open to others": lambda place: next(place.cache.iterdir()).chmod(0o777),
+    "entry of another": lambda place: _given(next(place.cache.iterdir())),
+    "library of another": lambda place: _given(next(place.cache.glob("*/rod.so"))),
+    "open library": lambda place: next(place.cache.glob("*/rod.so")).chmod(0o707),
+    "sum of another": lambda place: _given(next(place.cache.glob("*/rod.sha256"))),
+    "pipe": lambda place: _pipe(next(place.cache.glob("*/rod.so"))),  # and is not waited for
+    "pipe of a sum": lambda place: _pipe(next(place.cache.glob("*/rod.sha256"))),
 }
+PLANTED = """
+#include <stdio.h>
+__attribute__((constructor)) static void planted(void) { fclose(fopen("%s", "w")); }
+"""
 
 
 @pytest.mark.parametrize("strange", STRANGE)
@@ -166,16 +189,39 @@ def test_library_that_others_may_have_written_is_not_loaded(strange: str, place:
     assert len(place.built()) == 2
 
 
+def test_library_planted_by_another_user_does_not_run(place: Place, tmp_path: Path) -> None:
+    """As the user's own it does."""
+    flag, other = tmp_path / "flag", tmp_path / "other.c"
+    assert place.works()
+    (library,) = place.cache.glob("*/rod.so")
+    other.write_text(SOURCE.replace("rod.h", str(place.folder / "rod.h")) + PLANTED % flag)
+    for owner in (ME, NOBODY):
+        library.unlink()
+        subprocess.run([REAL, "-fPIC", "-shared", other, "-o", library], check=True)
+        library.chmod(0o700)
+        sums = library.with_suffix(".sha256")
+        sums.write_text(f"{hashlib.sha256(library.read_bytes()).hexdigest()}  rod.so\n")
+        sums.chmod(0o600)
+        if owner != ME:
+            _given(library)
+        assert place.works()
+        assert flag.exists() == (owner == ME)
+        flag.unlink(missing_ok=True)
+
+
 def test_cache_root(tmp_path: Path, place: Place) -> None:
-    """The rules of loading.cache, of which the library's file must hold a copy."""
+    """A relative XDG_CACHE_HOME is none, as its specification says."""
+    place.patch.setattr(Path, "home", lambda: tmp_path)
+    home = tmp_path / ".cache" / "rodgen"
+    bases = {str(tmp_path / "xdg"): tmp_path / "xdg" / "rodgen", "relative": home, "": home}
     for override in (str(tmp_path), "relative", "", None):
-        for base in (str(tmp_path / "xdg"), "relative", "", None):
+        for base in (*bases, None):
             for variable, value in (("RODGEN_CACHE", override), ("XDG_CACHE_HOME", base)):
                 if value is None:
                     place.patch.delenv(variable, raising=False)
                 else:
                     place.patch.setenv(variable, value)
-            assert library._root() == cache_root()
+            assert cache_root() == (Path(override) if override else bases.get(base or "", home))
 
 
 def test_nowhere_to_build(place: Place) -> None:
