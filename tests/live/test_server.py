@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import logging
+import signal
 import socket
 import urllib.error
 import urllib.request
@@ -13,8 +16,11 @@ from urllib.parse import urlsplit
 import pytest
 
 from rodgen.live.page.guard import Guard
+from rodgen.live.page.misunderstood import Misunderstood
+from rodgen.scene import Scene
 from tests.live.conftest import SCENES, finished
 from tests.live.view import PATIENT
+from tests.told import numbers
 
 TOKEN, PORT = "s3cret-token", 8642
 HTTP, SOCKET = "http", "websocket"
@@ -53,8 +59,15 @@ def ask(
 
 
 # A stranger's DNS may give this machine a name, and its page would be of our origin.
-STRANGE = ("evil.example:8642", "10.0.0.1", "", "localhost.evil", "[::1")
-ORIGINS = ("http://evil.example", "null", "http://localhost:1", "x")
+STRANGE = (
+    *("evil.example:8642", "10.0.0.1", "", "localhost.evil", "[::1"),
+    *("evil.example@127.0.0.1", "a:b@localhost:8642", "localhost/", "localhost:8642?", "localhost:x"),
+    *("localhost,evil.example", "localhost evil.example", "localhost\n", "127.0.0.1#", "localhost:"),
+)
+ORIGINS = (
+    *("http://evil.example", "null", "http://localhost:1", "x", "https://localhost:8642"),
+    *("ftp://localhost:8642", "http://localhost:8642/", "http://x@localhost:8642", "localhost:8642"),
+)
 
 
 @pytest.mark.parametrize("kind", [HTTP, SOCKET])
@@ -111,6 +124,31 @@ def test_long_requests_are_refused() -> None:
     assert ask(**{"transfer-encoding": "chunked"})[0] == 403
 
 
+def log_record(error: BaseException | None = None, text: str = "") -> logging.LogRecord:
+    told = (type(error), error, error.__traceback__) if error else None
+    return logging.LogRecord("asyncio", logging.ERROR, "", 0, text, (), told)
+
+
+def raised(act: Callable[[], object]) -> BaseException:
+    with pytest.raises(ValueError) as caught:  # noqa: PT011  what was raised
+        act()
+    return caught.value
+
+
+def test_what_cannot_be_read_is_counted_and_errors_of_rodgen_are_told_once() -> None:
+    """A line of uvicorn's is of what it could not read, too; all others are told."""
+    log = Misunderstood()
+    unreadable = [log_record(raised(lambda: json.loads("{"))) for _ in range(3)]
+    unreadable.append(log_record(text="Invalid HTTP request received."))
+    assert [log.filter(one) for one in unreadable] == [False] * 4
+    assert log.count == 4
+    own = [log_record(raised(lambda: Scene.from_dict({"name": 3}))) for _ in range(2)]
+    own.append(log_record(raised(lambda: Scene.example("none"))))
+    assert [log.filter(one) for one in own] == [True, False, True]
+    assert log.filter(log_record(text="something else"))
+    assert log.count == 5
+
+
 def status(address: str, **headers: str) -> int:
     """Of a request for it."""
     request = urllib.request.Request(address, headers=headers)
@@ -155,3 +193,29 @@ def test_token_opens_the_page_elsewhere(serve: Callable[..., Any], folder: Path)
     assert status(place) == 403
     assert status(f"{place}?token=guess") == 403
     assert status(f"{place}?token={token}") == 200
+
+
+@pytest.mark.slow
+def test_malformed_messages_leave_a_line(serve: Callable[..., Any], folder: Path) -> None:
+    """With their number."""
+    from websockets.sync.client import connect
+
+    served = serve(folder / "dart.toml")
+    told = urlsplit(served.address)
+    channel = f"ws://{told.netloc}/_nicegui_ws/socket.io/?EIO=4&transport=websocket"
+    messages = ('42["event",{}]', '42["event",[1]]', '42["ack",null]', '42["log",1]', "42{", "49")
+    with connect(channel, origin=served.address.rstrip("/")) as page:
+        page.send("40")
+        for message in messages:
+            page.send(message)
+        page.send('421["handshake",{"client_id":"nobody"}]')  # is answered after all of these
+        while page.recv(PATIENT) != "431[false]":
+            pass
+    with socket.create_connection((told.hostname, told.port), timeout=PATIENT) as asking:
+        asking.sendall(b"no request\r\n\r\n")
+        assert asking.recv(100).startswith(b"HTTP/1.1 400")
+    served.process.send_signal(signal.SIGINT)
+    _, err = served.process.communicate(timeout=PATIENT)
+    assert served.process.returncode == 0
+    assert err.count("\n") == 1, err
+    assert numbers(err) == [len(messages) + 1]

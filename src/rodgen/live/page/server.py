@@ -7,6 +7,7 @@ import errno
 import mimetypes
 import secrets
 import socket
+import sys
 import webbrowser
 from collections.abc import Callable
 from contextlib import suppress
@@ -25,6 +26,7 @@ from rodgen.live.page.bar import SKETCH
 from rodgen.live.page.elements import STATIC
 from rodgen.live.page.guard import OWN, TOKEN, Guard
 from rodgen.live.page.lean import replacements
+from rodgen.live.page.misunderstood import Misunderstood
 from rodgen.live.page.module_process import Modules
 from rodgen.live.page.page import ADDRESS, Page
 from rodgen.live.page.runs import Sessions
@@ -74,8 +76,12 @@ def serve(settings: Settings) -> None:
             ws_per_message_deflate=False,
             timeout_graceful_shutdown=2,
         )
+        misunderstood = Misunderstood()
+        misunderstood.attach()
         with suppress(KeyboardInterrupt):  # Ctrl-C: it has ended by then
             Serving(config, modules).run(sockets=[listening])
+        if misunderstood.count:
+            print(f"rodgen: {misunderstood.count} messages could not be read", file=sys.stderr)
 
 
 class Serving(uvicorn.Server):
