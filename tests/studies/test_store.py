@@ -181,6 +181,19 @@ def test_failures_are_counted_by_reason(tmp_path: Path, rodgen: Any) -> None:
     assert told["reasons"] == dict(found.reasons)
 
 
+def test_a_study_of_which_every_point_failed_has_failed(tmp_path: Path, rodgen: Any) -> None:
+    """As a run has; what came out is kept, and shown as that of any other."""
+    vary = {"integrate.max_steps": {"values": [1, 2]}}
+    file = study_file(tmp_path / "study.toml", "masses", PENDULUM, vary)
+    done = rodgen("study", file, "--out", tmp_path, "--workers", 1, "--no-pictures", "--json")
+    assert done.returncode == 3
+    assert "max_steps" in done.stderr.splitlines()[-1]
+    assert json.loads(done.stdout)["failed"] == 2
+    path = tmp_path / "masses" / "study.zarr"
+    assert read(path).status.values.tolist() == ["failed"] * 2
+    assert rodgen("study", "show", path, "--no-pictures").returncode == 0
+
+
 def test_a_reason_has_no_numbers() -> None:
     assert reason("stopped at t = 0.25 s: x_2 beyond -1e-3") == "stopped at t = # s: x_2 beyond #"
 

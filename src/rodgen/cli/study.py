@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,6 +11,9 @@ from rodgen.cli.console import drawn, err, out, print_json, print_values, workin
 from rodgen.cli.errors import BAD_INPUT, FAILED_RUN, INTERRUPTED, fail
 from rodgen.cli.options import AsJson, OutFolder
 from rodgen.cli.signals import end_as_by_ctrl_c, hold_back_ctrl_c
+
+if TYPE_CHECKING:
+    from rodgen.studies.tally import Tally
 
 STORE = "study.zarr"
 SHOW = "show"
@@ -102,7 +105,10 @@ def study(
         why, status = "interrupted", INTERRUPTED
     if status:
         fail(f"{why}; {_kept(store)}", status)
-    _tell(made.name, store, as_json)
+    found = _tell(made.name, store, as_json)
+    if found.failed == found.computed:
+        ((why, _),) = found.reasons.most_common(1)
+        fail(f"all {found.failed} points failed; the most frequent reason: {why}", FAILED_RUN)
 
 
 def _kept(store: Path) -> str:
@@ -116,7 +122,7 @@ def _kept(store: Path) -> str:
     return f"{what}; --resume goes on with them"
 
 
-def _tell(name: str, store: Path, as_json: bool) -> None:
+def _tell(name: str, store: Path, as_json: bool) -> Tally:
     """Count the points of a store, and draw its pictures beside it."""
     from rodgen.studies.tally import tally
 
@@ -129,6 +135,7 @@ def _tell(name: str, store: Path, as_json: bool) -> None:
         print_json({"name": name, **vars(found), **files})
     else:
         out.print(f"Written: {', '.join(map(str, [store, *pictures]))}")
+    return found
 
 
 def _draw(store: Path) -> list[Path]:
