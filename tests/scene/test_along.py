@@ -96,6 +96,15 @@ def test_mass_per_length_is_mass() -> None:
         np.testing.assert_allclose(scene.parameters.get("link_mass", 0.6), 0.6, rtol=4e-16)
 
 
+def test_a_law_along_the_rod_may_change_in_time_alone() -> None:
+    """It has neither poles nor breaks along it; one that has them at a time is refused as others."""
+    scene = _scene(mass=None, mass_per_length="1 + t**2")
+    assert scene.mass == pytest.approx(2.0, rel=4e-16)  # at the start
+    load = {"distributed_follower": {"force_per_length": "1 + t**2"}}
+    assert Scene(name="along", rod=ROD, loads=load).structure.terms == ("distributed_follower",)
+    assert refused(_scene, mass=None, mass_per_length="1/(t - 0.5)").field == "rod.mass_per_length"
+
+
 def test_links_weigh_what_lies_on_them() -> None:
     """A polynomial of degree 9, whose total five Gauss points have exactly."""
     found = _scene(mass=None, mass_per_length="1 + 10*s**9").parameters["link_mass"]

@@ -16,6 +16,7 @@ from rodgen.model.parameter import JOINTS, POSITIVE
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import PARAMETERS, PLACES, TERMS
 from rodgen.scene import Scene, SceneError
+from rodgen.scene.doubts import doubts
 from rodgen.scene.errors import Missing
 from rodgen.scene.structure import MOST_LINKS
 from tests.scene.tables import ROD, put, scene_of, table_of
@@ -90,8 +91,22 @@ def test_what_is_meant_is_told() -> None:
         ("rod", {"boundary": "glued"}, "pinned"),
     ):
         assert near in refused(scene_of, **{key: value}).allowed
+    for end in ("\r", "\n", "\r\n"):  # of lines, as Python counts them
+        assert refused(scene_of, loads={"tip": {"x": f"t{end}+1"}}).numbers[:2] == [1, 2]
     place = refused(scene_of, loads={"tip": {"x": "2*min(t, 1"}})
     assert 6 in place.numbers  # the character at which a parenthesis is opened
+
+
+def test_angles_at_the_start_that_look_like_degrees_are_doubted() -> None:
+    """Those of links that turn more than once."""
+    for phi, turns in ((90, 14.3), ("45*s", 6.4), ([0.0, 0.0, 0.0, 0.0, -7.0], 1.1)):
+        (told,) = doubts(scene_of(initial={"phi": phi}))
+        assert told.startswith("initial.phi = ")
+        assert f" {turns} turns" in told
+    for phi in (0.0, 3.0, "6*s"):
+        assert not [*doubts(scene_of(initial={"phi": phi, "position": [90.0, 0.0]}))]
+    fast = {"omega": 90.0, "velocity": [90.0, 0.0]}
+    assert not [*doubts(scene_of(initial=fast))]
 
 
 def test_initial_state_is_in_the_order_of_the_contract() -> None:
