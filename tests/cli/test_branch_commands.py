@@ -107,6 +107,7 @@ main()
     [
         ("SIGINT", ("branch", "--vary", "loads.tip.x", "--from", 0, "--to", -30), "branch"),
         pytest.param("SIGTERM", FLUTTER, "boundary", marks=pytest.mark.nightly),
+        pytest.param("SIGHUP", FLUTTER, "boundary", marks=pytest.mark.nightly),
     ],
 )
 def test_ctrl_c_writes_what_was_found(

@@ -121,19 +121,29 @@ def test_the_death_of_a_scheduler_ends_in_one_line(file: Path, tmp_path: Path) -
     assert_same(read(path), rodgen.study(Study.from_toml(file), workers=1))
 
 
-def test_ctrl_c_keeps_what_is_marked_and_ends_the_workers(file: Path) -> None:
-    """With two workers of its own, in one process group as in a terminal."""
+@pytest.mark.parametrize(
+    ("sent", "workers"),
+    [("SIGINT", 2), ("SIGHUP", 2), ("SIGQUIT", 1), ("SIGTERM", 1), ("SIGKILL", 2), ("SIGKILL", 1)],
+)
+def test_a_signal_keeps_what_is_marked_and_ends_the_workers(
+    sent: str, workers: int, file: Path
+) -> None:
+    """In one process group as in a terminal, to which a terminal sends what it sends; workers of a
+    client that is killed end with it."""
     import psutil
 
-    process = command(file, "--workers", 2)
+    process, number = command(file, "--workers", workers), getattr(signal, sent)
     wait_for_marks(file, 3, process)
     children = psutil.Process(process.pid).children(recursive=True)
-    os.killpg(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=600)
-    assert process.returncode == 130, err
-    assert "http://127.0.0.1:" in out  # of the dashboard
-    assert err.count("\n") == 1
-    psutil.wait_procs(children, timeout=120)
+    if sent in ("SIGINT", "SIGHUP", "SIGQUIT"):
+        os.killpg(process.pid, number)
+    else:
+        process.send_signal(number)
+    _, err = process.communicate(timeout=600)
+    if sent != "SIGKILL":  # of which the tracker of Python's processes tells
+        assert process.returncode == 130, err
+        assert err.count("\n") == 1
+    psutil.wait_procs(children, timeout=20)
     assert not [one for one in children if one.is_running()]
     path = file.parent / "swings" / "study.zarr"
     assert 6 <= (read(path).status.values == "finished").sum() < 40

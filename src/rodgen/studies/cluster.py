@@ -334,11 +334,11 @@ def _unheard() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    # Dask's thread begins here, from which they inherit what is blocked, also those that come later;
-    # with the first of them Python would start its tracker, and block nothing any more.
-    resource_tracker.ensure_running()
+    # Dask's thread begins here, from which they inherit what is blocked, also those that come later.
     sent = {signal.SIGINT, signal.SIGHUP, signal.SIGQUIT}
     before = signal.pthread_sigmask(signal.SIG_BLOCK, sent)
+    resource_tracker.ensure_running()  # else with the first of them: it blocks SIGINT no longer
+    signal.pthread_sigmask(signal.SIG_BLOCK, sent)
     try:
         yield
     finally:

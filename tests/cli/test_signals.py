@@ -1,0 +1,26 @@
+"""Signals that end a program: as Ctrl-C does, so that it leaves nothing that it has started."""
+
+from __future__ import annotations
+
+import signal
+import time
+
+import pytest
+
+from rodgen.cli.signals import end_as_by_ctrl_c
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT"])
+def test_what_ends_a_program_interrupts_it(name: str) -> None:
+    end_as_by_ctrl_c()
+    with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(getattr(signal, name))
+        time.sleep(1.0)
+
+
+def test_what_is_ignored_from_the_start_stays_so() -> None:
+    """As under nohup."""
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    end_as_by_ctrl_c()
+    assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    signal.raise_signal(signal.SIGHUP)
