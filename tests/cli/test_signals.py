@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import time
 
 import pytest
 
@@ -15,7 +14,6 @@ def test_what_ends_a_program_interrupts_it(name: str) -> None:
     end_as_by_ctrl_c()
     with pytest.raises(KeyboardInterrupt):
         signal.raise_signal(getattr(signal, name))
-        time.sleep(1.0)
 
 
 def test_what_is_ignored_from_the_start_stays_so() -> None:

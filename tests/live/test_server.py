@@ -61,12 +61,29 @@ def ask(
 # A stranger's DNS may give this machine a name, and its page would be of our origin.
 STRANGE = (
     *("evil.example:8642", "10.0.0.1", "", "localhost.evil", "[::1"),
-    *("evil.example@127.0.0.1", "a:b@localhost:8642", "localhost/", "localhost:8642?", "localhost:x"),
-    *("localhost,evil.example", "localhost evil.example", "localhost\n", "127.0.0.1#", "localhost:"),
+    *(
+        "evil.example@127.0.0.1",
+        "a:b@localhost:8642",
+        "localhost/",
+        "localhost:8642?",
+        "localhost:x",
+    ),
+    *(
+        "localhost,evil.example",
+        "localhost evil.example",
+        "localhost\n",
+        "127.0.0.1#",
+        "localhost:",
+    ),
 )
 ORIGINS = (
     *("http://evil.example", "null", "http://localhost:1", "x", "https://localhost:8642"),
-    *("ftp://localhost:8642", "http://localhost:8642/", "http://x@localhost:8642", "localhost:8642"),
+    *(
+        "ftp://localhost:8642",
+        "http://localhost:8642/",
+        "http://x@localhost:8642",
+        "localhost:8642",
+    ),
 )
 
 

@@ -97,7 +97,7 @@ def test_mass_per_length_is_mass() -> None:
 
 
 def test_a_law_along_the_rod_may_change_in_time_alone() -> None:
-    """It has neither poles nor breaks along it; one that has them at a time is refused as others."""
+    """Along it, it has neither poles nor breaks; one that has them at a time is refused."""
     scene = _scene(mass=None, mass_per_length="1 + t**2")
     assert scene.mass == pytest.approx(2.0, rel=4e-16)  # at the start
     load = {"distributed_follower": {"force_per_length": "1 + t**2"}}

@@ -148,6 +148,6 @@ def test_a_signal_keeps_what_is_marked_and_ends_the_workers(
     path = file.parent / "swings" / "study.zarr"
     assert 6 <= (read(path).status.values == "finished").sum() < 40
     again = command(file, "--workers", 1)
-    out, err = again.communicate(timeout=600)
+    _out, err = again.communicate(timeout=600)
     assert again.returncode == 0, err
     assert_same(read(path), rodgen.study(Study.from_toml(file), workers=1))

@@ -108,7 +108,16 @@ def test_a_scheduler_that_does_not_answer_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("rodgen.studies.cluster.ANSWER", 1.0)
-    for address in ("127.0.0.1:9", "tcp://127.0.0.1:9", "nowhere", "tcp://", "http://x:y"):
+    nobody = "127.0.0.1:9"
+    # For the last, there are no certificates.
+    for address in (
+        nobody,
+        f"tcp://{nobody}",
+        "nowhere",
+        "tcp://",
+        "http://x:y",
+        f"tls://{nobody}",
+    ):
         told = refused(run, study_of(), tmp_path / "a.zarr", scheduler=address)
         assert told.field == "--scheduler"
     assert not list(tmp_path.iterdir())

@@ -334,7 +334,7 @@ def _unheard() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    # Dask's thread begins here, from which they inherit what is blocked, also those that come later.
+    # Dask's thread begins here: all that it starts, now and later, inherit what is blocked.
     sent = {signal.SIGINT, signal.SIGHUP, signal.SIGQUIT}
     before = signal.pthread_sigmask(signal.SIG_BLOCK, sent)
     resource_tracker.ensure_running()  # else with the first of them: it blocks SIGINT no longer
@@ -369,6 +369,9 @@ def _client(address: str) -> distributed.Client:
     except (OSError, TimeoutError, ValueError) as error:
         why = f"of a Dask scheduler that answers ({type(error).__name__})"
         raise SceneError(field, address, f"the address {why}") from None
+    except (TypeError, RuntimeError):  # certificates are missing, or this address asks for none
+        why = "tls:// with Dask's settings of certificates, or tcp:// without them"
+        raise SceneError(field, address, f"an address with {why}") from None
 
 
 @contextmanager

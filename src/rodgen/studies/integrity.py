@@ -158,4 +158,6 @@ def _digest_of(sums: Any) -> str:
 
 def _has_its_sum(chunk: bytes) -> bool:
     """Whether a chunk ends with its crc32c, in the order of bytes that Zarr has."""
-    return len(chunk) >= 4 and google_crc32c.value(chunk[:-4]) == int.from_bytes(chunk[-4:], "little")
+    return len(chunk) >= 4 and google_crc32c.value(chunk[:-4]) == int.from_bytes(
+        chunk[-4:], "little"
+    )
