@@ -153,13 +153,18 @@ def test_each_file_is_checked_and_named(copied: Callable[[], Path]) -> None:
 
 
 @pytest.mark.parametrize("name", ["last(tip_x)", "message", "status"])
-def test_a_block_that_lacks_a_chunk_is_computed_again(
-    name: str, copied: Callable[[], Path], computed: Any
+@pytest.mark.parametrize("is_missing", [True, False])
+def test_a_block_that_is_not_as_it_was_written_is_computed_again(
+    name: str, is_missing: bool, copied: Callable[[], Path], computed: Any
 ) -> None:
     """And no other."""
     (study, whole), path = computed, copied()
-    sorted(one for one in (path / name / "c").rglob("*") if one.is_file())[1].unlink()
-    assert (~Store.of(path, study).done()).nonzero()[0].tolist() == [1]
+    file = sorted(one for one in (path / name / "c").rglob("*") if one.is_file())[1]
+    if is_missing:
+        file.unlink()
+        assert (~Store.of(path, study).done()).nonzero()[0].tolist() == [1]
+    else:
+        flip(file, 0.3)
     run(study, path, workers=1, resume=True)
     assert_same(read(path), read(whole))
     same = read(path).seconds.values == read(whole).seconds.values

@@ -191,6 +191,7 @@ def run(
         there: Store | None = None
         if path.exists():
             there = Store.of(path, study, how)
+            there.drop_damaged()
             if rounds is None and there.done().all():
                 return
         pool = _workers(stack, study, workers, scheduler, said)

@@ -99,6 +99,11 @@ def damaged(root: Path, key: str) -> SceneError:
     return SceneError("store", str(root), f"as it was written ({key} is damaged or missing)")
 
 
+def is_intact(chunk: Path) -> bool:
+    """Whether the file of a chunk is as it was written."""
+    return chunk.is_file() and _has_its_sum(chunk.read_bytes())
+
+
 def sealed(folder: Path, change: Callable[[Path], None] = lambda _: None) -> None:
     """Write the checksums of the descriptions in a store, which a change of them keeps up with: at
     every moment, those that are there are among them."""

@@ -10,7 +10,7 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -106,11 +106,27 @@ class Store:
 
     def _whole(self, place: tuple[int, ...]) -> bool:
         """Whether all chunks of the block at a place are there."""
-        chunks = (
-            self.path.joinpath(name, CHUNKS, *map(str, place), *"0" * (array.ndim - len(place)))
-            for name, array in reversed(self.arrays.items())
-        )
-        return all(chunk.exists() for chunk in chunks)
+        return all(chunk.exists() for chunk in self._chunks(place))
+
+    def _chunks(self, place: tuple[int, ...]) -> Iterator[Path]:
+        """Files of the block at a place, the mark first."""
+        for name, array in reversed(self.arrays.items()):
+            inner = "0" * (array.ndim - len(place))
+            yield self.path.joinpath(name, CHUNKS, *map(str, place), *inner)
+
+    def drop_damaged(self) -> None:
+        """Remove blocks of which a chunk is not as it was written: they are computed again. Raises
+        SceneError where that cannot be done."""
+        from rodgen.studies.integrity import damaged, is_intact
+
+        for block in self.done().nonzero()[0]:
+            chunks = [*self._chunks(self.layout.place(int(block)))]
+            if not all(is_intact(chunk) for chunk in chunks):
+                for chunk in chunks:
+                    try:
+                        chunk.unlink(missing_ok=True)
+                    except OSError:  # a folder, say
+                        raise damaged(self.path, f"{chunk.relative_to(self.path)}") from None
 
     def done(self) -> NDArray[np.bool_]:
         """Which blocks are marked, and whole, (blocks,)."""
