@@ -117,6 +117,21 @@ def test_when_it_is_and_what_is_zero_then(rodgen: Run, column: Write) -> None:
             assert quiet & {*found["silent"]} == expected - apart
 
 
+def test_load_ratio_is_that_of_the_load_at_the_time(rodgen: Run, column: Write) -> None:
+    """Of a thrust, of a dead load in its direction, and of both; in words, and of the library."""
+    loads = '[loads.follower]\nforce = "10*t"\n[loads.tip]\nx = -2.0'
+    scene = column(f"{loads}\n[integrate]\nspan = [0.0, 8.0]")
+    for load, t, applied in (("follower", 4, 40), ("follower", 0, 0), ("tip", 4, 2), ("all", 4, 1)):
+        given = ("critical", scene, "--t", t, "--load", load, "--no-pictures")
+        found = json.loads(rodgen(*given, "--json").stdout)
+        assert found["applied"] == pytest.approx(applied, rel=1e-15)
+        assert found["load_ratio"] == found["applied"] / found["force"]
+        shown = numbers(rodgen(*given).stdout)
+        assert min(abs(one - found["load_ratio"]) for one in shown) <= 1e-5 * found["load_ratio"]
+    steered = package.Scene.from_toml(scene).replace({"loads.follower.force": "10*cos(phi(0.5))"})
+    assert np.isnan(package.critical_force(steered, t=4).load_ratio)
+
+
 def test_window_of_a_heavy_column(rodgen: Run, write: Write) -> None:
     """Upright, held up by thrust: too little of it, and it buckles."""
     scene = write(f"[loads.gravity]\ng = 1.8\n{PUSHED}", clamp_angle=np.pi / 2)

@@ -140,6 +140,25 @@ def test_show_tells_what_a_scene_is(works: Run, short: Path) -> None:
     assert sum("note: " in line for line in shown.splitlines()) == len(told["notes"])
 
 
+def test_show_weighs_the_rod_and_counts_the_knots_of_tables(works: Run, short: Path) -> None:
+    """A straight rod of 1 kg on the x axis with 3 kg at its tail, 0.1 m beside it; a table of ten
+    knots, which is nowhere written out."""
+    knots = ", ".join(f"0.0{at}" for at in range(10))
+    body = '[[bodies]]\nname = "engine"\nat = 1.0\nmass = 3.0\noffset = [0.0, 0.1]\n'
+    short.write_text(f"{short.read_text()}{body}")
+    force = f"loads.follower.force=interp(t, [{knots}], {[at + 0.625 for at in range(10)]})"
+    given = ("show", short, "--set", force, "--set", "initial.phi=0")
+    env = {"CC": "/nonexistent"}  # a module of its own need not be compiled
+    told = json.loads(works(*given, "--json", env=env).stdout)
+    assert told["mass"] == 4.0
+    assert told["centre_of_gravity"] == pytest.approx([(0.5 + 3) / 4, 0.3 / 4], rel=1e-14)
+    done = works(*given, env=env)
+    shown = numbers(done.stdout)
+    assert {4.0, 0.875, 0.075, 10.0} <= {*shown}
+    assert {1.625, 7.625}.isdisjoint(shown)
+    assert not any(f"knot_{at}" in done.stdout for at in range(2, 11))
+
+
 def test_show_lists_the_first_of_many_break_points_and_warns_of_a_method_that_drifts(
     works: Run, short: Path
 ) -> None:

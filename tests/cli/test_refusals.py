@@ -40,7 +40,7 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
         "--set": ("3 --set rod.mass=1",),
     },
     "run": {
-        "scene": ("", "missing.toml", "/dev/zero"),
+        "scene": ("", "missing.toml", "/dev/zero", f"{ROOT}/scenes/studies/tongues.toml"),
         "target": ("MISSILE --target fortran",),
         "--out": ("MISSILE --out MISSILE", "MISSILE --out /proc/rodgen"),
         "--step": ("missing.toml --step abc",),
@@ -118,7 +118,7 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
         "mode": ("DAMPED --mode 1 --energy 1",),
         "from = 'nothing.nc'": ("DAMPED --from nothing.nc",),
     },
-    "study": {"study": ("missing.toml",)},
+    "study": {"study": ("missing.toml", "MISSILE")},
 }
 # What is well asked for and has no answer.
 UNANSWERED = (

@@ -128,6 +128,15 @@ def test_header_is_one_of_c_plus_plus_too(whole: Whole, tmp_path: Path) -> None:
     assert [symbol for symbol in symbols if not symbol.startswith(f"{stem}_")] == []
 
 
+@pytest.mark.skipif(not shutil.which("g++"), reason="no g++ on PATH")
+@EACH
+def test_all_of_it_is_c_plus_plus_too(whole: Whole, tmp_path: Path, structure: Structure) -> None:
+    stem = write(whole(structure), tmp_path)
+    for source in (f"{stem}.c", *LOOPS):
+        done = ran("g++", "-std=gnu++17", "-x", "c++", "-fsyntax-only", source, cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (0, "")
+
+
 PAIR = """
 #include "@0.h"
 #include "@1.h"

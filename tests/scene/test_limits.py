@@ -67,6 +67,10 @@ def test_file_is_refused_at_once(tmp_path: Path) -> None:
         told = _at_once(Scene.from_toml, path)
         assert told[:2] == ("scene", str(path))
         assert number is None or number in told.numbers, (text[:200], told.allowed)
+    path.write_text(f"{HEAD}# a comment\nlinks == 4  # what is wrong\n")
+    assert "links == 4" in refused(Scene.from_toml, path).allowed
+    path.write_text(f"{HEAD}links = {' ' * 5000}= 4 {'#' * 5000}\n")  # a part of the line alone
+    assert "= 4" in refused(Scene.from_toml, path).allowed
     path.write_bytes(b"\xff\xfe\x00")  # no UTF-8
     assert refused(Scene.from_toml, path)[:2] == ("scene", str(path))
 

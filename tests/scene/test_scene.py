@@ -42,6 +42,7 @@ REFUSED: list[tuple[Any, ...]] = [
     ({"rod.clamp_angle": 0.1},),
     *(({"name": value},) for value in ("../x", "a/b", "", "a\n")),
     ({"colour": 1},),
+    ({"version": 9},),
     ({"loads.wind": {}},),
     ({"gravity": {"g": 9.81}},),
     ({"loads.follower": {}}, "loads.follower.force", Missing),

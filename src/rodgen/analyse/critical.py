@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
@@ -60,11 +61,13 @@ class Critical(Shown):
     those next to the onset in rate; t: time at which the other loads are taken [s].
 
     speed: of a free rod along its axis, nose first [m/s]; notes: what to know about this speed, and
-    about damping that depends on the number of links; load: the load that is scaled; unit: its
-    unit; end: "upper" or "lower"; growth: of the motion that grows at the lowest force already
-    [1/s], 0 if none does; elastic: whether turning of the whole rod was left out; stable: all
-    windows of stability in the range (low, high) [N], if they were asked for; frequency_error:
-    bound of the rounding error of the frequency [Hz]; scene: the scene of the steady state.
+    about damping that depends on the number of links; applied: size that this load has in the scene
+    itself at t [N], not-a-number where it follows the motion, 1 of all loads; load: the load that
+    is scaled; unit: its unit; end: "upper" or "lower"; growth: of the motion that grows at the
+    lowest force already [1/s], 0 if none does; elastic: whether turning of the whole rod was left
+    out; stable: all windows of stability in the range (low, high) [N], if they were asked for;
+    frequency_error: bound of the rounding error of the frequency [Hz]; scene: the scene of the
+    steady state.
 
     Examples
     --------
@@ -87,6 +90,7 @@ class Critical(Shown):
     t: float
     speed: float = 0.0
     notes: tuple[str, ...] = ()
+    applied: float = math.nan
     load: str = FOLLOWER
     unit: str = unit_of(FOLLOWER)
     end: str = UPPER
@@ -101,6 +105,11 @@ class Critical(Shown):
         """EI by which the factor is taken [N m^2]: of a rod along which it differs, the mean of the
         springs of the inner joints times the length of a link."""
         return self.scene.distribution.usual_stiffness
+
+    @property
+    def load_ratio(self) -> float:
+        """The load ratio: ``applied`` over ``force``; not-a-number where that is zero."""
+        return self.applied / self.force if self.force else math.nan
 
     def __repr__(self) -> str:
         at = f" at {digits(self.frequency, self.frequency_error)} Hz" * bool(self.frequency)
@@ -211,6 +220,7 @@ def critical_force(
         t=family.system.t,
         speed=family.system.speed,
         notes=state.notes + mesh_notes(scene),
+        applied=family.load.applied,
         load=family.load.name,
         unit=unit_of(family.load.name),
         end=end,
@@ -233,14 +243,19 @@ def family_of(
     check_scene(scene)
     scene, t = flown(scene, t, speed, after)
     load = default_load(scene) if load is None else load
-    term = scaled(load)
+    term, law = scaled(load), None
     if term and term.name in scene.loads.terms and term.has_size:
-        # Its size in the scene is not used; one that is a function of time is no parameter.
+        # Its size is not used by what follows; one that is a function of time is no parameter.
         name = term.sizes[0].name
-        if not is_number(scene.loads.value(name)):
+        law = scene.expression(name)
+        if law is not None:
             scene = with_parameters(scene, {name: 0.0})
     system = System.of(scene, t, speed)
-    return Family(system, ScaledLoad.of(load, system))
+    made = ScaledLoad.of(load, system)
+    if law is not None:
+        applied = math.nan if law.signals else float(law(system.t))
+        made = replace(made, applied=applied)
+    return Family(system, made)
 
 
 def _range(lowest: float | None, highest: float | None, unit: float) -> tuple[float, float]:

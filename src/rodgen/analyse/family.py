@@ -78,12 +78,14 @@ def default_load(scene: Scene) -> str:
 @dataclass(frozen=True)
 class ScaledLoad:
     """name: which load; direction: its parameters at the size one; unit: a size that matters, by
-    which a search steps; reference: the size whose multiple is the factor of a critical load."""
+    which a search steps; reference: the size whose multiple is the factor of a critical load;
+    applied: the size that the scene itself has."""
 
     name: str
     direction: dict[str, Any]
     unit: float
     reference: float
+    applied: float
 
     def parameters(self, size: float) -> dict[str, Any]:
         """Parameters of the module at a size."""
@@ -119,15 +121,17 @@ class ScaledLoad:
         force = along.usual_stiffness / scene.rod.length**2
         if term and term.has_size:
             unit = force / _per_size(term, scene)
-            return cls(name, dict.fromkeys(here, 1.0), unit, unit)
+            (own,) = (float(value) for value, _ in here.values())
+            return cls(name, dict.fromkeys(here, 1.0), unit, unit, own)
         forces = [np.abs(value).sum() * per_size for value, per_size in here.values()]
         if not any(forces):
             raise SceneError(place, 0.0, "not zero: its direction is that of the scene")
         direction = {key: value for key, (value, _) in here.items()}
         if term:
             size = float(np.hypot.reduce(forces))
-            return cls(name, {key: value / size for key, value in direction.items()}, force, force)
-        return cls(name, direction, force / float(sum(forces)), 1.0)
+            parts = {key: value / size for key, value in direction.items()}
+            return cls(name, parts, force, force, size)
+        return cls(name, direction, force / float(sum(forces)), 1.0, 1.0)
 
 
 def _per_size(term: Term, scene: Scene) -> float:

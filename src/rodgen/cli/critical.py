@@ -14,6 +14,7 @@ from rodgen.cli.completion import words
 from rodgen.cli.console import (
     err,
     finite,
+    finite_or_none,
     out,
     print_json,
     print_notes,
@@ -173,6 +174,7 @@ def _doubt(found: Critical, simulated: Simulated | None, family: Family) -> str 
 def _object(found: Critical, simulated: Simulated | None, doubted: str | None) -> dict[str, Any]:
     told = {one.name: getattr(found, one.name) for one in fields(found) if one.name != "scene"}
     told["stiffness"] = found.stiffness
+    told |= {name: finite_or_none(getattr(found, name)) for name in ("applied", "load_ratio")}
     if simulated is None:
         return told
     result = None if isinstance(simulated, AnalysisError) else asdict(simulated)

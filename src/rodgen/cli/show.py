@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from itertools import groupby
+from types import ModuleType
 from typing import Any
 
+import numpy as np
 from rich.table import Table
 
 from rodgen.cli.console import finite_or_none, out, print_json, print_notes, warn, working
 from rodgen.cli.options import AsJson
 from rodgen.integrate import choose
+from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.diagnosis import drift_warning
 from rodgen.integrate.methods.choose import Choice, described, fastest_motion
 from rodgen.integrate.stability import Dominant, limit
@@ -21,6 +27,7 @@ from rodgen.scene.doubts import doubts
 from rodgen.scene.mesh import mesh_notes
 
 MOST_LISTED = 10  # break points
+TABLED = re.compile(r"(_(?:knot|value))_\d+$")  # how the numbers of a table are called
 
 
 def show(scene: Scene, as_json: AsJson = False) -> None:
@@ -38,9 +45,12 @@ def show(scene: Scene, as_json: AsJson = False) -> None:
     out.print(table)
     print_notes((*mesh_notes(scene), *doubts(scene)))
     out.print(f"state y: {len(scene.initial_state())} values")
-    out.print(f"parameters p: {', '.join(structure.parameters)}")
+    out.print(f"parameters p: {', '.join(_in_tables(structure.parameters))}")
     breaks = _listed(scene.breaks())
-    choice, fastest, limits = _integrated(scene)
+    model, choice, fastest, limits = _integrated(scene)
+    x, y = _centre(scene, model)
+    x, y = (round(c, 12) + 0.0 for c in (x, y))  # without rounding, and without -0
+    out.print(f"at the start: mass {scene.mass:.9g} kg, centre of gravity ({x:.9g}, {y:.9g}) m")
     out.print(f"integrated by {choice.method}: {choice.reason}")
     drifts = drift_warning(scene)
     if drifts:
@@ -54,21 +64,37 @@ def show(scene: Scene, as_json: AsJson = False) -> None:
         out.print(f"event {event.name!r}: {event.quantity} {event.direction}, {event.action}")
 
 
-def _integrated(scene: Scene) -> tuple[Choice, Dominant | None, dict[str, float]]:
-    """By which method, and why; the fastest motion at the start, where its rate is finite, and the
-    largest steps [s] of methods that have fixed ones."""
+def _in_tables(names: Iterable[str]) -> Iterator[str]:
+    """Names of parameters, those of the numbers of a table as one."""
+    for stem, group in groupby(names, lambda name: TABLED.sub(r"\1", name)):
+        found = [*group]
+        yield found[0] if len(found) == 1 else f"{stem}_1 to {len(found)}"
+
+
+def _centre(scene: Scene, model: ModuleType) -> tuple[float, float]:
+    """The centre of gravity at the start [m]."""
+    t, p = np.array(scene.integrate.span[0]), model.parameters(**scene.parameters)
+    x, y = Piece(model, p, scene.initial_state(), t).values("centre_of_gravity")
+    return float(x), float(y)
+
+
+def _integrated(
+    scene: Scene,
+) -> tuple[ModuleType, Choice, Dominant | None, dict[str, float]]:
+    """The module; by which method, and why; the fastest motion at the start, where its rate is
+    finite, and the largest steps [s] of methods that have fixed ones."""
     with working("generating"):
         model = build_fastest(scene)
         choice = choose(scene, model)
     with suppress(ArithmeticError):  # the run will say so
         fastest = fastest_motion(scene, model)
         limits = {name: limit(name, fastest.value, fastest.partner) for name in FIXED_STEP}
-        return choice, fastest, limits
-    return choice, None, {}
+        return model, choice, fastest, limits
+    return model, choice, None, {}
 
 
 def _object(scene: Scene) -> dict[str, Any]:
-    structure, (choice, fastest, limits) = scene.structure, _integrated(scene)
+    structure, (model, choice, fastest, limits) = scene.structure, _integrated(scene)
     events = [one.model_dump() for one in scene.events]
     return {
         "module": structure.stem,
@@ -78,6 +104,8 @@ def _object(scene: Scene) -> dict[str, Any]:
             for row in contents(scene)
         ],
         "notes": [*mesh_notes(scene), *doubts(scene)],
+        "mass": scene.mass,
+        "centre_of_gravity": [finite_or_none(c) for c in _centre(scene, model)],
         "states": len(scene.initial_state()),
         "parameters": scene.parameters,
         "method": choice.method,

@@ -13,6 +13,11 @@
 #include <stdint.h>
 #include <string.h>
 
+/* Compilers of C++ take these files, too. */
+#ifdef __cplusplus
+#define restrict __restrict
+#endif
+
 /* Methods that are not alone in what they do, and what a step or a stretch of steps ends with. */
 enum {
     DOP853 = RODGEN_DOP853,

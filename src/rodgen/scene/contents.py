@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from rodgen.model.rod import INERTIAS
 from rodgen.model.term import DAMPER, Term
 from rodgen.model.terms import TERMS
+from rodgen.scene.grammar import in_brief
 from rodgen.scene.law import Along
 from rodgen.scene.places import point_of
 from rodgen.scene.plain import entry
@@ -63,7 +64,11 @@ def contents(scene: Scene) -> list[Piece]:
             f"boundary {rod.boundary}: "
             + ("2 EI/l at joint 0, against clamp_angle" if scene.hold.root else ROOTLESS),
         ),
-        Piece("law of springs", scene.spring_law is not None, scene.rod.spring or "k*d, Hooke's"),
+        Piece(
+            "law of springs",
+            scene.spring_law is not None,
+            in_brief(scene.rod.spring or "k*d, Hooke's"),
+        ),
         *(
             Piece("mass of links", True, f"mass_per_length{_each(law)}")
             for key, law in differing.items()
@@ -84,7 +89,7 @@ def contents(scene: Scene) -> list[Piece]:
         ),
     ]
     added = [
-        Piece(f"state {name}", True, f"its rate is part of the code: {rate.canonical}")
+        Piece(f"state {name}", True, f"its rate is part of the code: {in_brief(rate.canonical)}")
         for name, rate in scene.rates.items()
     ]
     loads = {term.name: term for term in TERMS.values()}
@@ -123,14 +128,15 @@ def _supports(scene: Scene) -> Iterator[Piece]:
 def _masses(scene: Scene) -> Iterator[tuple[Body, float, str]]:
     """Bodies with their masses, and what is said of one that changes."""
     for body, mass in zip(scene.bodies, scene.distribution.body_mass, strict=True):
-        yield body, mass, f" at the start, {body.mass}," * isinstance(body.mass, str)
+        changes = isinstance(body.mass, str)
+        yield body, mass, f" at the start, {in_brief(str(body.mass))}," * changes
 
 
 def _each(law: Along | None) -> str:
     """What is said of a value that differs along the rod."""
     if isinstance(law, list):
         law = f"{min(law):g} to {max(law):g}"
-    return "" if law is None else f", each its own: {law}"
+    return "" if law is None else f", each its own: {in_brief(str(law))}"
 
 
 def _term(scene: Scene, term: Term) -> Piece:
@@ -142,7 +148,7 @@ def _term(scene: Scene, term: Term) -> Piece:
     laws, fed = scene.expressions, scene.fed
     functions = [
         f"{one.key} {'follows the motion' if one.name in fed else 'is a function of t'}, "
-        f"part of the code: {laws[one.name].canonical}"
+        f"part of the code: {in_brief(laws[one.name].canonical)}"
         for one in term.parameters
         if one.name in laws
     ]

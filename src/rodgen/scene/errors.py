@@ -11,6 +11,8 @@ from typing import Any, get_origin
 from pydantic import BaseModel, ValidationError
 
 LONGEST = 200  # characters of a field in a message
+UNKNOWN = "absent: not a known key"  # how a key is refused
+VERSIONS = "version", "format", "schema"  # keys by which files tell of which version they are
 
 
 class SceneError(ValueError):
@@ -68,6 +70,15 @@ def short(value: object, longest: int = 80) -> str:
     except ValueError:  # Python does not write whole numbers of thousands of digits
         text = "(a number of thousands of digits)"
     return text if len(text) <= longest else text[: longest - 3] + "..."
+
+
+def unknown_key(key: object, known: Iterable[str], hint: str = "") -> str:
+    """What is said of a key that a table does not have; hint: where it may belong, else the known
+    key that is next to it."""
+    known = list(known)
+    if key in VERSIONS:
+        hint = "; is the file of a newer rodgen? Files of this one name no version"
+    return f"{UNKNOWN} (known: {', '.join(known)}){hint or meant(key, known)}"
 
 
 def meant(word: object, known: Iterable[str]) -> str:
@@ -139,11 +150,9 @@ def _unknown(
 ) -> SceneError:
     """The error for a key that its table does not have; another may have it."""
     key, known = location[-1], _known(scene, location)
-    hint = meant(key, known)
-    if not hint and (there := next(_places(scene, str(key)), "")):
-        hint = f"; did you mean {there}?"
-    allowed = f"absent: not a known key (known: {', '.join(known)}){hint}"
-    return SceneError(".".join(path), value, allowed)
+    there = "" if meant(key, known) else next(_places(scene, str(key)), "")
+    hint = f"; did you mean {there}?" if there else ""
+    return SceneError(".".join(path), value, unknown_key(key, known, hint))
 
 
 def _places(model: type[BaseModel], key: str) -> Iterator[str]:

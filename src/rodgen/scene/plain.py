@@ -21,7 +21,11 @@ PLAIN = float, int, str  # passed over in lists, which may hold a million of the
 DEEPEST = 50  # tables and lists, each in the one before
 MOST_KEYS = 10**5  # of all tables together, with what lists hold beside plain values
 LONGEST = 2 * 10**6  # values of a list
-LARGEST = 10_000_000  # bytes of a scene file
+LARGEST = 10_000_000  # bytes of a file
+AROUND = 40  # characters to either side of what the parser cannot read
+# Kinds of files: a key that each has, one that it lacks, and the command that takes it.
+SCENE, STUDY = "scene", "study"
+FILES = {SCENE: ("rod", "vary", "run"), STUDY: ("vary", "rod", "study")}
 # What brackets, dots and commas do not count in. No part of it is read twice, so that time grows
 # with the length of the text alone, whatever it is.
 TEXT = re.compile(
@@ -133,48 +137,66 @@ def _numbers(array: NDArray[Any] | np.generic, place: str) -> Any:
     raise SceneError(place, array, f"real numbers (not an array of {array.dtype})")
 
 
-def read_table(path: Path) -> dict[str, Any]:
-    """The tables of a TOML file; raises SceneError for what is none, or beyond the limits."""
+def read_table(path: Path, kind: str = SCENE) -> dict[str, Any]:
+    """The tables of a TOML file of a kind, of FILES; raises SceneError for what is none, or beyond
+    the limits."""
     try:
         mode = path.stat().st_mode
-        if kind := next((name for is_one, name in KINDS.items() if is_one(mode)), None):
-            raise SceneError("scene", str(path), f"a file (this is {kind})")  # it may never end
+        if other := next((name for is_one, name in KINDS.items() if is_one(mode)), None):
+            raise SceneError(kind, str(path), f"a file (this is {other})")  # it may never end
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except (OSError, ValueError) as error:
         if isinstance(error, SceneError):
             raise
         reason = getattr(error, "strerror", None) or str(error)
-        raise SceneError("scene", str(path), f"a file that can be read ({reason})") from None
-    return read_text(content, str(path))
+        raise SceneError(kind, str(path), f"a file that can be read ({reason})") from None
+    return read_text(content, str(path), kind)
 
 
-def read_text(content: bytes, shown: str) -> dict[str, Any]:
-    """The tables in the bytes of a TOML file; shown: what messages call it. Raises SceneError."""
+def read_text(content: bytes, shown: str, kind: str = SCENE) -> dict[str, Any]:
+    """The tables in the bytes of a TOML file of a kind, of FILES; shown: what messages call it.
+    Raises SceneError."""
     if len(content) > LARGEST:
-        raise SceneError("scene", shown, f"a file of at most {LARGEST // 10**6} MB")
+        raise SceneError(kind, shown, f"a file of at most {LARGEST // 10**6} MB")
     try:
         text = content.decode("utf-8")
     except UnicodeDecodeError:
-        raise SceneError("scene", shown, "a file that can be read (not UTF-8 text)") from None
-    _check_characters(text, shown)
-    _check_size(text, shown)
+        raise SceneError(kind, shown, "a file that can be read (not UTF-8 text)") from None
+    if allowed := _hidden(text) or _too_much(text):
+        raise SceneError(kind, shown, allowed)
     try:
-        return tomllib.loads(text)
+        table = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise SceneError("scene", shown, f"valid TOML ({error})") from None
+        allowed = f"valid TOML ({error}{_line_of(str(error), text)})"
+        raise SceneError(kind, shown, allowed) from None
+    for other, (has, lacks, command) in FILES.items():
+        if other != kind and has in table and lacks not in table:
+            raise SceneError(kind, shown, f"a {kind} (this is a {other}, for rodgen {command})")
+    return table
 
 
-def _check_characters(text: str, shown: str) -> None:
-    """Say what an editor does not show."""
+def _line_of(message: str, text: str) -> str:
+    """The text near the place that a message of the parser names."""
+    found = re.search(r"at line (\d+), column (\d+)", message)
+    if found is None:
+        return ""
+    line, column = text.split("\n")[int(found[1]) - 1].rstrip("\r"), int(found[2])
+    return f": {line[max(0, column - AROUND) : column + AROUND].strip()!r}"
+
+
+def _hidden(text: str) -> str:
+    """What is said of that which an editor does not show; else nothing."""
     if found := re.search("|".join(HIDDEN), text):
         what = next(name for pattern, name in HIDDEN.items() if re.match(pattern, found[0]))
         line = text.count("\n", 0, found.start()) + 1
-        raise SceneError("scene", shown, f"valid TOML (without {what}, as in line {line})")
+        return f"valid TOML (without {what}, as in line {line})"
+    return ""
 
 
-def _check_size(text: str, shown: str) -> None:
-    """Refuse what would take the parser minutes, or deeper than Python calls."""
+def _too_much(text: str) -> str:
+    """What is said of a text that would take the parser minutes, or deeper than Python calls; else
+    nothing."""
     bare = TEXT.sub("x", text)
     marks = np.frombuffer(bare.encode(), np.uint8)
 
@@ -183,7 +205,8 @@ def _check_size(text: str, shown: str) -> None:
 
     opened = at(b"[{")
     if max((at(b"=,") | opened).sum(), at(b".").sum()) > MOST_KEYS:
-        raise SceneError("scene", shown, f"a file of at most {MOST_KEYS} keys and values")
+        return f"a file of at most {MOST_KEYS} keys and values"
     depth = np.cumsum(opened.astype(np.int32) - at(b"]}"))
     if depth.max(initial=0) > DEEPEST or DOTTED.search(bare):
-        raise SceneError("scene", shown, f"a file of tables and lists at most {DEEPEST} deep")
+        return f"a file of tables and lists at most {DEEPEST} deep"
+    return ""

@@ -23,6 +23,7 @@ from rodgen.integrate.endings import FAILED
 from rodgen.integrate.ensemble import Ensemble
 from rodgen.scene import Scene
 from rodgen.scene.contents import in_words
+from rodgen.show.summary import along_in_words
 from rodgen.studies.specification import Study
 
 STABLE = {"": "yes", None: "not known (more than 200 links, or external damping of a bent rod)"}
@@ -112,6 +113,8 @@ def of_critical(found: Critical) -> dict[str, str]:
             found.factor, found.error * found.factor / (found.force or 1)
         ),
         **_stiffness(found),
+        "load of the scene": _applied(found),
+        "load ratio": "not known" if math.isnan(found.load_ratio) else f"{found.load_ratio:.6g}",
         "kind": found.kind + ", where stability is regained" * (found.end == "lower"),
         "frequency at onset": f"{digits(found.frequency, found.frequency_error)} Hz",
         "modes": f"{first} and {second}" if first != second else str(first),
@@ -128,6 +131,13 @@ def of_critical(found: Critical) -> dict[str, str]:
     if found.turning:
         rows["apart from that"] = f"the rod turns as a whole, with {found.turning:.4g} 1/s"
     return rows
+
+
+def _applied(found: Critical) -> str:
+    """The size that the load has in the scene itself."""
+    if math.isnan(found.applied):
+        return "follows the motion"
+    return f"{found.applied:.9g} {found.unit}"
 
 
 def _stiffness(found: Critical) -> dict[str, str]:
@@ -239,12 +249,11 @@ def of_ensemble(found: Ensemble) -> ResultTable:
 def of_scene(scene: Scene) -> dict[str, str]:
     """The rod, what acts on it, and how it is integrated."""
     rod, settings = scene.rod, scene.integrate
-    stiffness = rod.bending_stiffness
     rows = {
         "rod": f"{rod.boundary}, {rod.links} links, {rod.inertia} inertia",
         "length": f"{rod.length:g} m",
         "mass": f"{scene.mass:g} kg",
-        "EI": f"{stiffness:g} N m^2" if isinstance(stiffness, float | int) else str(stiffness),
+        "EI": f"{along_in_words(rod.bending_stiffness)} N m^2",
         "bodies": ", ".join(body.name for body in scene.bodies),
         "loads": ", ".join(in_words(scene)),
         "span": f"{settings.span[0]:g} to {settings.span[1]:g} s, by {settings.method}",

@@ -9,6 +9,7 @@ from rodgen.integrate.error_growth import visible
 from rodgen.integrate.solution import ErrorGrowth
 from rodgen.model.terms import words_of
 from rodgen.scene.contents import in_words
+from rodgen.scene.grammar import in_brief
 
 SHOWN = 10  # events
 ROUNDING = 1e-9  # of the largest energy: what changes by less has not changed
@@ -37,20 +38,20 @@ def _scene(solution: Solution) -> str:
     masses = zip(scene.bodies, scene.distribution.body_mass, strict=True)
     named = ", ".join(f"{body.name} {mass:g} kg" for body, mass in masses)
     bodies = f" ({named})" if named else ""
-    law = "" if scene.spring_law is None else f", springs of the moment {scene.rod.spring}"
+    law = f", springs of the moment {along_in_words(scene.rod.spring)}" if scene.spring_law else ""
     terms = ", ".join(in_words(scene)) or "no loads"
     return (
         f"{scene.name}: {scene.rod.boundary} rod of {links}, "
         f"{scene.rod.length:g} m, {scene.mass:g} kg{bodies}, "
-        f"EI = {_along(scene.rod.bending_stiffness)} N m^2{law}; {terms}."
+        f"EI = {along_in_words(scene.rod.bending_stiffness)} N m^2{law}; {terms}."
     )
 
 
-def _along(value: float | list[float] | str) -> str:
+def along_in_words(value: float | list[float] | str | None) -> str:
     """A number, an expression in s, or what values along the rod range over."""
     if isinstance(value, list):
         return f"{min(value):g} to {max(value):g}"
-    return value if isinstance(value, str) else f"{value:g}"
+    return in_brief(value) if isinstance(value, str) else f"{value or 0.0:g}"
 
 
 def _run(solution: Solution) -> str:

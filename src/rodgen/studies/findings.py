@@ -60,6 +60,7 @@ FINDINGS: Mapping[str, Mapping[str, Finding]] = {
         "frequency": Finding(_of_critical("frequency"), "Hz", usual=True),
         "error": Finding(_of_critical("error"), "N", usual=True),
         "frequency_error": Finding(_of_critical("frequency_error"), "Hz"),
+        "load_ratio": Finding(_of_critical("load_ratio")),
         "growth": Finding(_of_critical("growth"), "1/s"),
         "turning": Finding(_of_critical("turning"), "1/s"),
         "speed": Finding(_of_critical("speed"), "m/s"),

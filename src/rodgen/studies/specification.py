@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any, Self
 
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.errors import check_type, meant
+from rodgen.scene.errors import UNKNOWN, check_type, meant, unknown_key
 from rodgen.scene.exchange import with_values
 from rodgen.scene.keys import key_place
-from rodgen.scene.plain import plain, read_table
+from rodgen.scene.plain import STUDY, plain, read_table
 from rodgen.shown import Told
 from rodgen.studies.axis import EXTENDABLE, Axis, Sample, Value, axis
 from rodgen.studies.points import points
@@ -40,7 +40,6 @@ KEYS = {
 }
 MOST_TRIED = 1000  # points that are made to find one that the scene takes
 MANY = 10**8  # points, beyond which a study is asked for twice
-UNKNOWN = "absent: not a known key"  # how a scene refuses a key
 
 Kept = str | Callable[..., Any]
 
@@ -87,11 +86,7 @@ class Study(Told):
         path: of the file.
         """
         path = Path(path)
-        try:
-            table = read_table(path)
-        except SceneError as error:
-            field = "study" if error.field == "scene" else error.field
-            raise SceneError(field, error.value, error.allowed) from None
+        table = read_table(path, STUDY)
         _check_keys("", table)
         given = table.get("scene")
         if isinstance(given, str):
@@ -284,9 +279,7 @@ def _check_keys(table: str, given: Mapping[str, Any]) -> None:
     for key, value in given.items():
         if key not in known:
             name = f"{table}.{key}" if table else key
-            raise SceneError(
-                name, value, f"{UNKNOWN} (known: {', '.join(known)}){meant(key, known)}"
-            )
+            raise SceneError(name, value, unknown_key(key, known))
 
 
 def _is_of(error: SceneError, place: tuple[str, ...]) -> bool:

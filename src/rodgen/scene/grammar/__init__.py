@@ -13,7 +13,7 @@ from rodgen.scene.grammar.advice import advice, mistake
 from rodgen.scene.grammar.affine import core, scale_and_offset
 from rodgen.scene.grammar.calculus import conditions, derivative, divisors, kinks, knots
 from rodgen.scene.grammar.code import NUMPY, Language, source_of
-from rodgen.scene.grammar.substitution import with_names, with_values
+from rodgen.scene.grammar.substitution import in_brief, with_names, with_values
 from rodgen.scene.grammar.syntax import (
     MOST_KNOTS,
     Sensor,
@@ -51,6 +51,7 @@ __all__ = [
     "core",
     "derivative",
     "divisors",
+    "in_brief",
     "interpolated",
     "is_whole",
     "kinks",

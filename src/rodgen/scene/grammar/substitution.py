@@ -8,7 +8,9 @@ from collections.abc import Callable, Mapping
 
 from rodgen.scene.grammar.syntax import is_sensor, is_table, number_of, sensor_of, table_of
 from rodgen.scene.grammar.values import is_whole
+from rodgen.scene.grammar.vocabulary import TABLE
 
+FEW = 5  # knots of a table that is shown whole
 NUMBER, KNOT, VALUE = "", "knot_", "value_"  # what a number of an expression is called after
 Namer = Callable[[float, str], ast.expr]
 
@@ -47,6 +49,23 @@ def with_names(node: ast.expr, name: Namer) -> ast.expr:
             assert sensor is not None
             return ast.Call(func, [ast.Constant(sensor.at)], [])
     return node
+
+
+def in_brief(text: str) -> str:
+    """A text for readers: of a table that is long, how many knots it has, and of which kind."""
+    if TABLE not in text:
+        return text
+
+    class Brief(ast.NodeTransformer):
+        def visit_Call(self, node: ast.Call) -> ast.expr:
+            self.generic_visit(node)
+            if is_table(node) and len(table_of(node).knots) > FEW:
+                argument, knots, _, *kind = node.args
+                assert isinstance(knots, ast.List)
+                node.args = [argument, ast.Name(f"{len(knots.elts)} knots"), *kind]
+            return node
+
+    return ast.unparse(Brief().visit(ast.parse(text.strip(), mode="eval")))
 
 
 def _named(element: ast.expr, name: Namer, what: str) -> ast.expr:
