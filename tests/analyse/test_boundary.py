@@ -16,6 +16,7 @@ from rodgen.analyse.errors import AnalysisError
 from rodgen.scene.keys import with_value
 from tests.analyse.rods import FORCE, ONES, eigenvalues, rod
 from tests.sets import sets
+from tests.told import refused
 
 INTERNAL = "loads.internal_damping.coefficient"
 MATERIAL, EXTERNAL = "loads.material_damping.time", "loads.external_damping.coefficient"
@@ -191,3 +192,21 @@ def test_a_cusp_is_named() -> None:
     a, b = found["a"].values, found["b"].values
     before, after = (np.array([a[k + 1] - a[k], b[k + 1] - b[k]]) for k in (at - 1, at + 1))
     assert before @ after < 0
+
+
+def test_a_boundary_begins_in_its_range_or_not_at_all() -> None:
+    """Beck's column with a little damping flutters at some 11 EI/L^2: by the range of the force, of
+    the other number, and of one without width."""
+    scene = rod(3, "clamped", {"follower": {"force": 2.0}, "material_damping": {"time": 0.1}})
+    force = rodgen.critical_force(scene).force
+    for a in ((1.0, 2.0), (force + 1, force + 2)):
+        with pytest.raises(AnalysisError, match=r"loads\.follower\.force"):
+            stability_boundary(scene, (FORCE, MATERIAL), ranges=(a, (0.05, 0.2)))
+    narrow = (1.0, 1.0000000000000002)
+    for ranges in ((narrow, None), (None, narrow)):
+        told = refused(stability_boundary, scene, (FORCE, MATERIAL), ranges=ranges)
+        assert told.value == narrow[1]
+    whole = stability_boundary(scene, (FORCE, MATERIAL), ranges=((0.0, 2 * force), (0.05, 0.2)))
+    outside = {"resume": whole, "ranges": ((0.0, force / 4), (0.05, 0.2))}
+    with pytest.raises(AnalysisError, match=r"loads\.follower\.force"):
+        stability_boundary(scene, (FORCE, MATERIAL), **outside)

@@ -46,6 +46,21 @@ def test_a_closed_curve_is_gone_round_once_with_both_folds() -> None:
     assert angles[-1] - angles[0] == pytest.approx(2 * np.pi)
 
 
+def test_a_curve_ends_at_the_end_of_its_range_wherever_its_steps_lead() -> None:
+    """Also where a step is aimed at a point within, as the curve is bent, and found beyond."""
+
+    def bent(u: Array) -> tuple[list[float], list[list[float]]]:
+        return [u[1] - np.exp(u[0])], [[-np.exp(u[0]), 1.0]]
+
+    whole = followed(Known(bent, 2), [0.0, 1.0], 0.5, 2.0)
+    for point in whole.points[3:]:
+        high = point.value - 1e-5  # a step's bend is a hundred times that
+        found = followed(Known(bent, 2), [0.0, 1.0], 0.5, high)
+        assert found.complete
+        assert found.points[-1].value == high
+        assert max(point.value for point in found.points) == high
+
+
 def pitchfork(offset: float) -> Equations:
     """l x - x^3 = offset, with another unknown that bends the branch where nothing happens."""
 

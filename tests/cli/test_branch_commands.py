@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from rodgen.analyse.branches import branch_data
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
@@ -113,20 +114,26 @@ main()
 def test_ctrl_c_writes_what_was_found(
     works: Run, scene: Path, name: str, command: tuple[Any, ...], file: str
 ) -> None:
-    """And no picture; --resume goes on with it."""
+    """And no picture; --resume gives the whole, and nothing but it is left."""
     first, *rest = map(str, command)
     done = python(PROGRAM.format(name=name), first, scene, *rest)
     assert done.returncode == 130, done.stderr
     written = Path(f"results/rod/{file}.nc")
     assert done.stderr.count("\n") == 1
     assert f"--resume {written}" in done.stderr
-    assert [one.name for one in written.parent.iterdir()] == [written.name]
+    names = {written.name, f"{written.name}.steps"}
+    assert {one.name for one in written.parent.iterdir()} == names
     data = files.read(written, "file", "a curve", f"rodgen {file} 1")
     assert data.sizes["point"] in numbers(done.stderr)
     assert not data.attrs["complete"]
-    ways = ("--resume", written, *(("--at", 0) if file == "boundary" else ()))
-    works(first, scene, *rest, *ways)
-    assert files.read(written, "file", "a curve", f"rodgen {file} 1").attrs["complete"]
+    works(first, scene, *rest, "--resume", written, "--no-pictures")
+    assert [one.name for one in written.parent.iterdir()] == [written.name]
+    works(first, scene, *rest, "--out", "whole", "--no-pictures")
+    found, whole = (
+        files.read(path, "file", "a curve", f"rodgen {file} 1")
+        for path in (written, Path(f"whole/rod/{file}.nc"))
+    )
+    xr.testing.assert_identical(found, whole)
 
 
 # Cycles ------------------------------------------------------------------------------------------

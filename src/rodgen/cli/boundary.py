@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rodgen.cli.console import finite, print_json, print_values
-from rodgen.cli.curves import followed, numbers
+from rodgen.cli.curves import followed, going_on, numbers
 from rodgen.cli.options import (
     AsJson,
     AtTime,
@@ -17,7 +17,6 @@ from rodgen.cli.options import (
     OutFolder,
     PointNumber,
     ResumeFile,
-    point_of,
 )
 from rodgen.cli.results import promised
 from rodgen.scene import Scene
@@ -67,10 +66,12 @@ def boundary(
     if len(keys) != 2:
         raise SceneError("--vary", vary, "two numbers of the scene with a comma between them")
     finite("--t", t)
-    number = point_of(resume, at, "--resume")
     given = (("--a", first), ("--b", second))
     ranges = [(text and numbers(option, text, ":")) or None for option, text in given]
-    before = None if resume is None else read(resume)
+    file = None if as_json else out_folder / scene.name / f"{NAME}.nc"
+    command: dict[str, Any] = {"command": NAME, "scene": scene.to_dict(), "vary": vary}
+    command |= {"ranges": ranges, "step": step, "most": most, "t": t}
+    going = going_on(resume, at, read, file, command)
     with promised(None if as_json else out_folder / scene.name) as folder:
         made = followed(
             "the boundary",
@@ -81,21 +82,22 @@ def boundary(
                 step=step,
                 most=most,
                 t=t,
-                resume=before,
-                at=number,
+                resume=going.curve,
+                at=going.at,
                 watch=lambda point: said(f"{point[0]:.6g}, {point[1]:.6g}"),
             ),
+            going.journal,
         )
         found = made.data
         made.warn()
-        if as_json:
+        if file is None:
             print_json(_object(found))
         else:
             from rodgen.show.dataset_tables import of_boundary
 
             print_values(f"{scene.name}: boundary of stability", of_boundary(found))
             made.write(folder, NAME, lambda: _curve(found, scene))
-        made.stop(None if as_json else folder / f"{NAME}.nc")
+        made.stop(file)
 
 
 def _curve(found: xarray.Dataset, scene: Scene) -> Figure:

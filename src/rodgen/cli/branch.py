@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rodgen.cli.console import finite, print_json, print_values
-from rodgen.cli.curves import followed
+from rodgen.cli.curves import followed, going_on
 from rodgen.cli.options import (
     AsJson,
     AtTime,
@@ -20,7 +20,6 @@ from rodgen.cli.options import (
     PointNumber,
     ResumeFile,
     Vary,
-    point_of,
 )
 from rodgen.cli.results import promised
 from rodgen.scene import Scene
@@ -83,14 +82,10 @@ def branch(
     from rodgen.analyse.branches import branch_data
     from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 
-    number = point_of(resume, at, "--resume")
     for option, value in (("--from", first), ("--to", last), ("--t", t)):
         finite(option, value)
-    before = None if resume is None else branch_data.read(resume)
     given: dict[str, Any] = {
         "start": start,
-        "resume": before,
-        "at": number,
         "imperfection": imperfection,
         "motion": motion,
         "step": step,
@@ -98,6 +93,17 @@ def branch(
         "t": t,
         "check_mesh": check_mesh,
     }
+    file = None if as_json else out_folder / scene.name / f"{_name(switch)}.nc"
+    command = {
+        "command": "branch",
+        "scene": scene.to_dict(),
+        "vary": vary,
+        "switch": switch,
+        **given,
+    }
+    command |= {"from": first, "to": last}
+    going = going_on(resume, at, branch_data.read, file, command)
+    given |= {"resume": going.curve, "at": going.at}
     with promised(None if as_json else out_folder / scene.name) as folder:
 
         def follow(said: Callable[[str], None], switch: int | None) -> xarray.Dataset:
@@ -107,21 +113,23 @@ def branch(
             ends = (first, last)
             return continue_equilibria(scene, vary, ends, switch=switch, watch=watch, **given)
 
-        made = followed("the branch", lambda said: follow(said, switch))
+        made = followed("the branch", lambda said: follow(said, switch), going.journal)
         found = made.data
         made.warn()
-        file = None
-        if as_json:
+        name = _name(found.attrs["switch"])  # 0 where Ctrl-C came before
+        if file is None:
             print_json(_object(found))
         else:
-            reached = found.attrs["switch"]  # 0 where Ctrl-C came before
-            name = f"branch_{reached}" if reached else "branch"
-            file = folder / f"{name}.nc"
             from rodgen.show.dataset_tables import of_branch
 
             print_values(f"{scene.name}: branch along {vary}", of_branch(found))
             made.write(folder, name, lambda: _diagram(found, scene, follow))
-        made.stop(file)
+        made.stop(file and folder / f"{name}.nc", file)
+
+
+def _name(switch: int | None) -> str:
+    """What the files of a branch are called; switch: number of the branch point that it leaves."""
+    return f"branch_{switch}" if switch else "branch"
 
 
 def _diagram(

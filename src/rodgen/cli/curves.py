@@ -1,19 +1,98 @@
-"""What the commands that follow a curve share: what Ctrl-C leaves of it, and how it ends."""
+"""What the commands that follow a curve share: what they go on with, what Ctrl-C and a kill leave
+of it, and how it ends."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import hashlib
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rodgen.cli.console import finite, out, warn, working, write_picture
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
+from rodgen.cli.options import LAST, point_of
 from rodgen.cli.signals import end_as_by_ctrl_c, hold_back_ctrl_c
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
+
+    from rodgen.analyse.curves.journal import Journal
+    from rodgen.scene import SceneError
+
+
+@dataclass(frozen=True)
+class Going:
+    """What a command goes on with: its journal, which is None where it writes no file; the curve
+    of another file, and the number of its point."""
+
+    journal: Journal | None
+    curve: xarray.Dataset | None = None
+    at: int = LAST
+
+
+def going_on(
+    resume: Path | None,
+    at: int | None,
+    read: Callable[[Path], xarray.Dataset],
+    file: Path | None,
+    command: Mapping[str, Any],
+) -> Going:
+    """What a command that writes a file, or none, goes on with by --resume: its own steps, which a
+    kill has left beside the file, else the curve in the file of --resume.
+
+    command: all that its curve follows from. Raises SceneError; also without --resume where steps
+    were left, which would be lost.
+    """
+    from rodgen.analyse.curves.journal import Journal, beside, identity
+    from rodgen.scene import SceneError
+
+    number = point_of(resume, at, "--resume")
+    if file is None:
+        return Going(None, None if resume is None else read(resume), number)
+    path = beside(file)
+    left = Journal.read(path)
+    own = identity({**command, "resume": None})
+    if resume is None:
+        if left is not None:
+            raise _left(path, file, left)
+        return Going(Journal(path, own))
+    here = resume.absolute() == file.absolute()
+    if left is not None and here and at is None and left.command == own:
+        return Going(left)
+    if left is not None and here and not resume.exists():
+        changed = [name for name in own if own[name] != left.command.get(name)]
+        allowed = f"the file of the command that was stopped (changed: {', '.join(changed)})"
+        raise SceneError("--resume", str(resume), allowed)
+    curve = read(resume)
+    own |= {"resume": content_of(resume), "at": number}
+    if left is not None and left.command == own:
+        return Going(left, curve, number)
+    if left is not None and here:
+        warn(f"{path} held {left.steps} steps of a command with other options; it is replaced")
+    elif left is not None:
+        raise _left(path, file, left)
+    return Going(Journal(path, own), curve, number)
+
+
+def _left(path: Path, file: Path, left: Journal) -> SceneError:
+    """The error for steps that were left, and would be lost."""
+    from rodgen.scene import SceneError
+
+    what = f"{left.steps} steps of a command that was stopped"
+    allowed = f"given as {file}, with the options of then, or {path} away, which has {what}"
+    return SceneError("--resume", None, allowed)
+
+
+def content_of(file: Path) -> str:
+    """A hash of what is in a file; raises SceneError for one that cannot be read."""
+    from rodgen.scene import SceneError
+
+    try:
+        return hashlib.sha256(file.read_bytes()).hexdigest()
+    except OSError as error:
+        raise SceneError("file", str(file), f"one that can be read ({error.strerror})") from None
 
 
 @dataclass(frozen=True)
@@ -23,6 +102,7 @@ class Followed:
     what: str
     data: xarray.Dataset
     interrupted: bool = False
+    journal: Journal | None = None
 
     def write(self, folder: Path, name: str, draw: Callable[[], Figure]) -> None:
         """Write the file and, unless Ctrl-C came, the picture."""
@@ -31,6 +111,8 @@ class Followed:
         save(self.data, folder / f"{name}.nc")
         out.print(f"Written: {folder / name}.nc")
         if not self.interrupted:
+            if self.journal is not None:
+                self.journal.discard()
             write_picture(draw, folder, name)
 
     def warn(self) -> None:
@@ -38,9 +120,9 @@ class Followed:
         for note in filter(None, self.data.attrs["notes"].split("\n")):
             warn(note)
 
-    def stop(self, file: Path | None) -> None:
+    def stop(self, file: Path | None, resume: Path | None = None) -> None:
         """End with one line where Ctrl-C came, or where the curve ends too early. file: that was
-        written, if any."""
+        written, if any; resume: with which the command goes on, if not with that."""
         if not self.interrupted:
             if not self.data.attrs["complete"]:
                 why = f"{self.what} ends before it leaves the range: {self.data.attrs['end']}"
@@ -49,21 +131,31 @@ class Followed:
         count = self.data.sizes["point"]
         kept = f"{count} point{'s' * (count > 1)} printed"
         if file is not None:
-            kept = f"{count} point{'s' * (count > 1)} in {file}; --resume {file} goes on with it"
+            kept = f"{count} point{'s' * (count > 1)} in {file}; --resume {resume or file} goes on"
         fail(f"{self.what}: {self.data.attrs['end']}; {kept}", INTERRUPTED)
 
 
-def followed(what: str, follow: Callable[[Callable[[str], None]], xarray.Dataset]) -> Followed:
+def followed(
+    what: str,
+    follow: Callable[[Callable[[str], None]], xarray.Dataset],
+    journal: Journal | None = None,
+) -> Followed:
     """The curve that is followed by a function, which is given what to say of every point to."""
-    from rodgen.analyse.errors import BranchInterrupted
+    from rodgen.analyse.curves.journal import written
+    from rodgen.analyse.errors import AnalysisError, BranchInterrupted
+    from rodgen.scene import SceneError
 
     end_as_by_ctrl_c()
-    with working(f"following {what}") as said:
+    with working(f"following {what}") as said, written(journal):
         try:
-            return Followed(what, follow(said))
+            return Followed(what, follow(said), False, journal)
         except BranchInterrupted as error:
             hold_back_ctrl_c()
-            return Followed(what, error.found, True)
+            return Followed(what, error.found, True, journal)
+        except (AnalysisError, SceneError):  # as it would again
+            if journal is not None:
+                journal.discard()
+            raise
 
 
 def numbers(option: str, text: str, mark: str) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rodgen.cli.console import out, print_json, print_values, warn, working, write_picture
-from rodgen.cli.curves import followed, numbers
+from rodgen.cli.curves import content_of, followed, going_on, numbers
 from rodgen.cli.options import (
     AsJson,
     CheckMesh,
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.table import Table
 
+    from rodgen.analyse.curves.journal import Journal
     from rodgen.analyse.cycles.cycle import Cycle
 
 CYCLES = "cycles"  # files of a branch
@@ -120,7 +121,7 @@ def cycle(
         raise SceneError("--resume", str(resume), "given with --vary, the key that is varied")
     if vary is None and switch is not None:
         raise SceneError("--switch", switch, "given with --vary, the key that is varied")
-    number = point_of(branch_file or resume, at, "--from or --resume")
+    point_of(branch_file or resume, at, "--from or --resume")
     if (mode is None) != (energy is None):
         name, other = ("--mode", "--energy") if energy is None else ("--energy", "--mode")
         raise SceneError(name, energy if mode is None else mode, f"given with {other}")
@@ -136,14 +137,26 @@ def cycle(
         from rodgen.analyse.branches.branch_data import read as equilibria
         from rodgen.analyse.cycles.branch_data import read
 
-        begin: dict[str, Any] = {"start": start}
-        if resume:
-            begin = {"resume": read(resume), "at": number}
+        how: dict[str, Any] = {"switch": switch, "segments": segments or SEGMENTS}
+        how |= {"step": step, "most": most, "check_mesh": check_mesh}
+        name = CYCLES if switch is None else f"{CYCLES}_{switch}"
+        file = None if as_json else out_folder / scene.name / f"{name}.nc"
+        command: dict[str, Any] = {
+            "command": "cycle",
+            "scene": scene.to_dict(),
+            "vary": vary,
+            "between": between,
+        }
+        command |= {"start": content_of(branch_file) if branch_file else start, **how}
+        command |= {"start_at": at} if branch_file else {}
+        going = going_on(resume, None if branch_file else at, read, file, command)
+        if going.curve is not None:
+            how |= {"resume": going.curve, "at": going.at}
         elif branch_file:
-            begin = {"start": equilibria(branch_file), "at": at}
-        how = {"switch": switch, "segments": segments or SEGMENTS, "step": step, "most": most}
-        how["check_mesh"] = check_mesh
-        _branch(scene, vary, between, as_json, out_folder, **begin, **how)
+            how |= {"start": equilibria(branch_file), "at": at}
+        else:
+            how["start"] = start
+        _branch(scene, vary, between, file, going.journal, how)
         return
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("looking for a cycle"):
@@ -205,26 +218,32 @@ def _found(scene: Scene, branch_file: Path | None, at: int | None, **given: Any)
 
 
 def _branch(
-    scene: Scene, key: str, between: str | None, as_json: bool, out_folder: Path, **given: Any
+    scene: Scene,
+    key: str,
+    between: str | None,
+    file: Path | None,
+    journal: Journal | None,
+    given: dict[str, Any],
 ) -> None:
+    """Follow a branch; file: that is written, unless the curve is printed; given: to
+    `continue_cycles`."""
     from rodgen.analyse.cycles.branches import continue_cycles
     from rodgen.scene import SceneError
 
     if between is None:
         raise SceneError("--between", None, "two numbers A,B between which the key of --vary goes")
     ends = numbers("--between", between, ",")
-    switch = given["switch"]
-    name = CYCLES if switch is None else f"{CYCLES}_{switch}"
-    with promised(None if as_json else out_folder / scene.name) as folder:
+    with promised(file and file.parent) as folder:
         made = followed(
             "the branch of cycles",
             lambda said: continue_cycles(
                 scene, key, ends, watch=lambda value: said(f"{key} = {value:.6g}"), **given
             ),
+            journal,
         )
         data = made.data
         made.warn()
-        if as_json:
+        if file is None:
             print_json(_branch_object(data))
         else:
             out.print(_branch_table(data, scene.name, key))
@@ -234,8 +253,8 @@ def _branch(
                     f"The Hopf point is {kind}critical: first Lyapunov coefficient "
                     f"{data.attrs['lyapunov']:.6g} per rad^2."
                 )
-            made.write(folder, name, lambda: _amplitudes(data, scene))
-        made.stop(None if as_json else folder / f"{name}.nc")
+            made.write(folder, file.stem, lambda: _amplitudes(data, scene))
+        made.stop(file)
 
 
 def _amplitudes(data: xarray.Dataset, scene: Scene) -> Figure:

@@ -59,7 +59,8 @@ ResumeFile = Annotated[
     typer.Option(
         "--resume",
         metavar="FILE",
-        help="Continue the curve in this file of the same command from its last point.",
+        help="Continue the same command, which was stopped and writes FILE, where it was; or the "
+        "curve in FILE of such a command from its last point.",
     ),
 ]
 PointNumber = Annotated[

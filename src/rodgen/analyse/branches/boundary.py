@@ -17,6 +17,7 @@ from rodgen.analyse.curves.curve import Curve
 from rodgen.analyse.curves.datasets import attributes, extended, kept, to_go_on
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.modal import DIVERGENCE, FLUTTER
+from rodgen.integrate.stepper import Array
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.keys import key_place, with_value
@@ -30,6 +31,8 @@ MOST = 1000  # points to either side
 SHARE = 0.02  # of critical damping in the lowest motion: where a search begins
 HUGE = 1e8  # units of damping that are as good as no end
 LARGEST = 400.0  # units of other numbers, a hundred times what they are
+NARROWEST = 1e-6  # of a range, of its ends
+OUTSIDE = 1e-9  # of a coordinate, by which a point may lie outside its range
 SAME = 1e-12  # of matrices: a change that is rounding
 GRID, NARROW = 200, 1e-9  # values along a number; width to which a change is narrowed
 FORMAT = "rodgen boundary 1"
@@ -148,6 +151,7 @@ def stability_boundary(
     else:  # of which the limit of no damping is a point, too
         damped = bool(resume.attrs["damped"])
     boundary = Boundary(plane, (scales[0], scales[1]), omega, damped)
+    _check_inside(boundary, begin, limits)
     outline = Outline(limits, Steps.of(step, most, 4), watch)
     if rows:
         points = [
@@ -163,6 +167,23 @@ def stability_boundary(
         return made if resume is None else extended(resume, at, made)
 
     return kept(curve, whole)
+
+
+def _check_inside(boundary: Boundary, begin: Array, limits: list[Ends]) -> None:
+    """Raise AnalysisError for a boundary that begins outside the range of a number."""
+    plane = boundary.plane
+    for key, scale, value, (low, high) in zip(
+        plane.keys, boundary.scales, begin.tolist(), limits, strict=True
+    ):
+        if not low - OUTSIDE <= scale.coordinate(value) <= high + OUTSIDE:
+            ends = f"{scale.value(low):.6g} to {scale.value(high):.6g}"
+            where = ", ".join(
+                f"{k} = {x:.9g}" for k, x in zip(plane.keys, begin.tolist(), strict=True)
+            )
+            raise AnalysisError(
+                f"the boundary begins at {where}, outside the range of {key}, {ends}; give a wider "
+                "range, or another value of the other number in the scene"
+            )
 
 
 def _recorded(
@@ -297,8 +318,9 @@ def _own(scene: Scene, key: str, given: Ends | None) -> float:
         if not (is_number(value) and np.isfinite(value)):
             raise SceneError(f"vary.{key}", value, "a finite number")
     low, high = ends
-    if not low < high:
-        raise SceneError(f"vary.{key}", high, f"above {low:g}, where its range begins")
+    if not high - low > NARROWEST * max(abs(low), abs(high)):
+        least = f"by more than {NARROWEST:g} of it" if low < high else "where its range begins"
+        raise SceneError(f"vary.{key}", high, f"above {low:.9g}, {least}")
     return own if low <= own <= high else float((low + high) / 2)
 
 

@@ -22,6 +22,7 @@ from rodgen.analyse.curves.curve import (
     corrected,
     point_at,
 )
+from rodgen.analyse.curves.journal import Step, current
 from rodgen.analyse.curves.special_points import between
 from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.stepper import Array
@@ -142,28 +143,36 @@ class _Walk:
     def _walked(self, start: Point, first: float | None) -> None:
         steps, curve = self.steps, self.curve
         self.watch(start)
-        h = min(first or steps.first, steps.longest)
+        h, journal = min(first or steps.first, steps.longest), current()
+        if journal is not None:
+            journal.begin(self.problem, start)
         while not curve.end:
             here = curve.points[-1]
             if self._leaves(here):
                 break
-            made = self._step(here, h)
-            if made is None:
-                h /= 2
-                if h < steps.least:
+            step = None if journal is None else journal.next()
+            if step is None:
+                step = self._advanced(here, h)
+                if step is None:
                     why = self.why or "no solution"
                     curve.end = f"the step along the branch shrank to nothing ({why})"
-                continue
-            point, iterations, special = made
-            curve.special += special
-            curve.points.append(point)
-            self.watch(point)
-            turned = self._cosine(here.tangent, point.tangent)
-            if iterations <= QUICK and turned > STRAIGHT:
-                h = min(2 * h, steps.longest)
-            elif turned < STRAIGHT:
-                h = max(0.7 * h, steps.least)
-            self._finish(point, h)
+                    break
+                if journal is not None:
+                    journal.add(step)
+            h, self.before = step.h, step.before
+            curve.special += step.special
+            curve.notes += step.notes
+            curve.points.append(step.point)
+            self.watch(step.point)
+            self._finish(step.point, h)
+
+    def _advanced(self, here: Point, h: float) -> Step | None:
+        """A step from a point on, of this length or a shorter one; None where none is taken."""
+        while (step := self._step(here, h)) is None:
+            h /= 2
+            if h < self.steps.least:
+                return None
+        return step
 
     def _leaves(self, here: Point) -> bool:
         """Whether the curve ends at the start, as its tangent leads out of the range."""
@@ -197,9 +206,9 @@ class _Walk:
     def _cosine(self, a: Array, b: Array) -> float:
         return float(a @ (self.problem.weights * b))
 
-    def _step(self, here: Point, h: float) -> tuple[Point, int, list[Special]] | None:
+    def _step(self, here: Point, h: float) -> Step | None:
         """The next point, and what lies on the way; None where the step is too long."""
-        problem, t = self.problem, here.tangent
+        problem, steps, t = self.problem, self.steps, here.tangent
         guess, row = here.u + h * t, problem.weights * t
         bound = self.high if t[-1] > 0 else self.low
         beyond = (guess[-1] - bound) * np.sign(t[-1]) > 0
@@ -209,6 +218,10 @@ class _Walk:
             row = np.append(np.zeros(len(t) - 1), 1.0)
         try:
             found = corrected(problem, guess, row)
+            if not beyond and (found.u[-1] - bound) * (here.value - bound) < 0:  # not by its guess
+                beyond = True
+                guess = np.append(found.u[:-1], bound)
+                found = corrected(problem, guess, np.append(np.zeros(len(t) - 1), 1.0))
             if problem.length(found.u - guess) > ASTRAY * h:
                 self.why = "the next point lies off its tangent"
                 return None
@@ -218,22 +231,27 @@ class _Walk:
         except BROKEN as error:
             self.why = str(error)
             return None
-        if self._cosine(t, point.tangent) < TURNED:
+        turned = self._cosine(t, point.tangent)
+        if turned < TURNED:
             self.why = "its direction jumps"
             return None
         if not point.sign:
             self.why = "the equations are singular"
             return None
-        special, doubt, least = self._between(here, point)
-        if doubt and h > least * self.steps.longest:
+        special, doubt, least, before = self._between(here, point)
+        if doubt and h > least * steps.longest:
             return None
-        if doubt:
-            self.curve.notes.append(doubt)
-        return point, found.iterations, special
+        length = h
+        if found.iterations <= QUICK and turned > STRAIGHT:
+            length = min(2 * h, steps.longest)
+        elif turned < STRAIGHT:
+            length = max(0.7 * h, steps.least)
+        return Step(point, special, [doubt] * bool(doubt), length, before)
 
-    def _between(self, a: Point, b: Point) -> tuple[list[Special], str, float]:
-        """Special points between two points, in order, why the second may be of another branch, and
-        down to which share of the longest step that is a reason for a shorter one."""
+    def _between(self, a: Point, b: Point) -> tuple[list[Special], str, float, int]:
+        """Special points between two points, in order, why the second may be of another branch,
+        down to which share of the longest step that is a reason for a shorter one, and how many
+        wait for the change of stability that they explain."""
         after = len(self.curve.points) - 1
         try:
             found = between(self.problem, a, b)
@@ -242,19 +260,19 @@ class _Walk:
                 [],
                 f"next to {self.problem.value(b.u):.9g} another branch may be met: {error}",
                 PASSED,
+                self.before,
             )
         special = [one._replace(after=after) for one in found]
         if a.unstable is None or b.unstable is None:
-            return special, "", RESOLVED
+            return special, "", RESOLVED, self.before
         real = sum(one.kind in (FOLD, BRANCH) for one in special)
         changed = abs(b.unstable - a.unstable)
         explained = real + 2 * (len(special) - real)
         # What lies next to a point may be seen in its sign, and in its stability a step later.
         if changed <= explained + self.before:
-            self.before = max(explained - changed, 0)
-            return special, "", RESOLVED
+            return special, "", RESOLVED, max(explained - changed, 0)
         doubt = (
             f"next to {self.problem.value(b.u):.9g} the number of unstable directions changes from "
         )
         doubt += f"{a.unstable} to {b.unstable} where no special point was found"
-        return special, doubt, RESOLVED
+        return special, doubt, RESOLVED, self.before
