@@ -118,7 +118,10 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
         "mode": ("DAMPED --mode 1 --energy 1",),
         "from = 'nothing.nc'": ("DAMPED --from nothing.nc",),
     },
-    "study": {"study": ("missing.toml", "MISSILE")},
+    "study": {
+        "study": ("missing.toml", "MISSILE"),
+        "--time-limit = 0.0": (f"{ROOT}/scenes/studies/tongues.toml --time-limit 0",),
+    },
 }
 # What is well asked for and has no answer.
 UNANSWERED = (

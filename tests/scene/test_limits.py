@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 
 from rodgen.scene import Scene
+from rodgen.scene.grammar.syntax import BRACKETS, MOST_CHOICES
 from rodgen.scene.plain import DEEPEST, LARGEST, LONGEST, MOST_KEYS
-from tests.scene.tables import ROD, scene_of
+from rodgen.scene.tables import MOST_TABLES
+from tests.scene.tables import ROD, scene_of, table_of
 from tests.scene.tables import TOML as HEAD
 from tests.told import Refusal, refused
 
@@ -135,3 +137,31 @@ def test_parentheses_of_an_expression() -> None:
     told = refused(scene_of, loads={"tip": {"x": beyond}})
     assert told[:2] == ("loads.tip.x", beyond)
     assert DEEPEST in told.numbers
+
+
+def test_more_tables_and_choices_than_a_scene_has_are_refused_at_once() -> None:
+    """Ten thousand of them would take seconds each time that the scene is read."""
+    many = 10 * MOST_TABLES
+    tables: dict[str, Any] = {
+        "states": {f"q{at}": {"rate": f"-q{at}"} for at in range(many)},
+        "bodies": [{"name": f"b{at}", "at": at / many, "mass": 1.0} for at in range(many)],
+        "events": [{"quantity": "tip_y", "value": float(at)} for at in range(many)],
+        "supports": [{"at": at / many} for at in range(many)],
+    }
+    for key, given in tables.items():
+        told = _at_once(Scene.from_dict, table_of(**{key: given}))
+        assert (told.field, told.value) == (key, many)
+        assert MOST_TABLES in told.numbers
+    nested = "s + 1"
+    for at in range(BRACKETS - 2):
+        nested = f"min({nested}, {at + 2} + t*s)"
+    few = MOST_CHOICES // (BRACKETS - 2)
+    wide = f"max({', '.join(f'{at} - s' for at in range(MOST_CHOICES + 2))})"
+    chosen = " + ".join(f"(s + {at} if s < 0.5 else 2)" for at in range(MOST_CHOICES + 1))
+    for law in (" + ".join([nested] * (few + 1)), wide, chosen, f"abs({wide})"):
+        rod = {"mass_per_length": law, "mass": None}
+        told = _at_once(Scene.from_dict, table_of(rod=rod))
+        assert told.field == "rod.mass_per_length"
+        assert MOST_CHOICES in told.numbers
+    for law in (" + ".join([nested] * few), wide.replace("0 - s, 1 - s, ", "")):
+        scene_of(rod=ROD | {"mass_per_length": law, "mass": None})

@@ -23,13 +23,13 @@ from rodgen.analyse.modal import DIVERGENCE, FLUTTER, MOST_DENSE, slight
 from rodgen.analyse.onset import At, Onset, digits, onset
 from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.search import Event, Search, grid
+from rodgen.analyse.sizes import CRITICAL, check_size
 from rodgen.analyse.system import System, flown
 from rodgen.analyse.zero_onset import zero_onset
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.mesh import mesh_notes
 from rodgen.scene.overrides import with_parameters
 from rodgen.scene.plain import is_number, plain
-from rodgen.scene.scene import check_scene
 from rodgen.scene.tables import LARGEST
 from rodgen.shown import Shown
 
@@ -240,7 +240,7 @@ def family_of(
     load: str | None = None,
 ) -> Family:
     """The linearised scene for every size of a load. Raises SceneError, AnalysisError."""
-    check_scene(scene)
+    check_size(CRITICAL, scene)
     scene, t = flown(scene, t, speed, after)
     load = default_load(scene) if load is None else load
     term, law = scaled(load), None

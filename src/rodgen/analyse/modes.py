@@ -13,6 +13,7 @@ from rodgen.analyse.eigen import MOST_DENSE, Values, all_values, lowest_values, 
 from rodgen.analyse.errors import guarded
 from rodgen.analyse.modal import CRUDE, ROUNDING
 from rodgen.analyse.pencil import Dense, Pencil
+from rodgen.analyse.sizes import MODES, check_size
 from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System, flown
 from rodgen.integrate.stepper import Array
@@ -129,6 +130,7 @@ def natural_modes(
     count = plain(count, "count")
     if not isinstance(count, int) or count < 1:
         raise SceneError("count", count, "a whole number of at least 1")
+    check_size(MODES, scene, count=count, few=max(DENSE, 3 * count))
     scene, t = flown(scene, t, speed, after)
     system = System.of(scene, t, speed)
     return modes_about(steady(system), count)

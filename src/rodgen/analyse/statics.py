@@ -8,6 +8,7 @@ from rodgen.analyse.balance import free_ways
 from rodgen.analyse.errors import guarded
 from rodgen.analyse.pencil import forces
 from rodgen.analyse.settle import settle, start_of
+from rodgen.analyse.sizes import STATIC, check_size
 from rodgen.analyse.small_motions import instability
 from rodgen.analyse.steady import Steady
 from rodgen.analyse.system import System
@@ -111,6 +112,7 @@ def static_equilibrium(
     (True, 2)
     """
     bend = 0.0 if imperfection is None else checked_imperfection(imperfection)
+    check_size(STATIC, scene)
     system = System.of(scene, t)
     p = system.parameters()
     if system.base:

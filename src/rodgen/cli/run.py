@@ -33,6 +33,7 @@ from rodgen.integrate.error_growth import error_growth as growth_of
 from rodgen.integrate.files.checkpoint import beside
 from rodgen.integrate.files.saver import check_every
 from rodgen.integrate.methods.compiled import parts
+from rodgen.integrate.simulate import check_samples
 from rodgen.loading import build, companions, fastest, sources
 from rodgen.loading.cache import write_whole
 from rodgen.model.methods import METHODS
@@ -95,6 +96,7 @@ def run(
     }
     scene = scene.with_integrate(**overrides)
     check_used(scene.integrate, overrides, prefix="--")
+    check_samples(scene, to_file=True)
     for doubt in doubts(scene):
         warn(doubt)
     start, end = scene.integrate.span

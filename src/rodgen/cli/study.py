@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -59,6 +60,13 @@ def study(
             "'max(x) > 1'."
         ),
     ] = None,
+    time_limit: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS",
+            help="Time that a point may take. Default: that of FILE, or no limit.",
+        ),
+    ] = None,
     yes: Annotated[
         bool, typer.Option("--yes", help="Compute a study of more than 1e8 points.")
     ] = False,
@@ -71,6 +79,7 @@ def study(
     from rodgen.studies.engine import check_extra, run
     from rodgen.studies.errors import StudyError
     from rodgen.studies.specification import Study
+    from rodgen.studies.time_limit import checked_limit
 
     try:
         check_extra()
@@ -84,6 +93,8 @@ def study(
         fail("one study is computed at a time: rodgen study FILE, or rodgen study show STORE", 2)
     with working("checking"):
         made = Study.from_toml(given[0])
+        if time_limit is not None:
+            made = replace(made, time_limit=checked_limit(time_limit, "--time-limit"))
     store = out_folder / made.name / STORE
     end_as_by_ctrl_c()
     why, status = "", 0

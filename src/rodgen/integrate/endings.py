@@ -9,7 +9,9 @@ from rodgen.integrate.stepper import ChatterError, StepError
 
 FINISHED, FAILED, INTERRUPTED = "finished", StepError.status, "interrupted"
 CHATTERS = ChatterError.status
+TOO_LONG = "too long"  # of a point of a study
 ENDED = (FINISHED, FAILED, CHATTERS)  # and cannot be gone on with
+NO_RESULT = (FAILED, CHATTERS, TOO_LONG)
 
 
 def ended_by(t: float, name: str) -> str:

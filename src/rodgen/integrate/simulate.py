@@ -26,7 +26,7 @@ from rodgen.integrate.endings import (
 )
 from rodgen.integrate.error_growth import error_growth as growth_of
 from rodgen.integrate.events import Watch
-from rodgen.integrate.files.saver import Saver
+from rodgen.integrate.files.saver import IN_MEMORY, Saver
 from rodgen.integrate.methods.choose import choose, machine
 from rodgen.integrate.methods.compiled import parts
 from rodgen.integrate.samples import Recorder
@@ -34,6 +34,7 @@ from rodgen.integrate.solution import Event, Solution, Stats
 from rodgen.integrate.stepper import Happened, StepError
 from rodgen.integrate.stretches import UNBOUNDED, Stretches, inside, step_to
 from rodgen.loading import build, build_fastest
+from rodgen.memory import check_memory
 from rodgen.native.library import DeferredInterrupt
 from rodgen.progress import running, telling
 from rodgen.scene import Scene, SceneError
@@ -41,6 +42,7 @@ from rodgen.scene.integration import AUTO, Settings, spelt_out
 from rodgen.scene.overrides import check_used, with_parameters, with_state
 from rodgen.scene.scene import check_scene
 
+LINK, SAMPLE = 6e3, 24.0  # bytes for every link, and for every number of a sample
 TICK = 0.1  # seconds between two calls of the progress callback
 
 Progress = Callable[[float], None] | bool | None
@@ -131,6 +133,7 @@ def simulate(
         scene = with_state(scene, y0)
     scene = scene.with_integrate(**overrides)
     check_used(scene.integrate, overrides)
+    check_samples(scene, to_file=out is not None)
     scene.course.check_masses()
     with _making(progress):
         if model is None:
@@ -147,6 +150,18 @@ def simulate(
         if error_growth:
             solution.errors = growth_of(solution)
     return solution
+
+
+def check_samples(scene: Scene, to_file: bool) -> None:
+    """Raise SceneError for a run that needs more memory than it may take, with its samples; of one
+    to a file, some of these."""
+    count, states = len(scene.integrate.samples), len(scene.states)
+    held = min(count, IN_MEMORY) if to_file else count
+
+    def need(links: int) -> float:
+        return LINK * links + SAMPLE * held * (2 * links + states)
+
+    check_memory(f"a run of {count} samples", scene.rod.links, need)
 
 
 def resume(

@@ -47,6 +47,7 @@ from rodgen.scene.tables import (
     Support,
     Table,
     check_bodies,
+    check_count,
     tables_in,
 )
 from rodgen.shown import Shown
@@ -119,6 +120,14 @@ class Scene(Exchange, Shown):
         key = str(info.field_name)
         kinds: dict[str, type[Table]] = {"events": Event, "bodies": Body, "supports": Support}
         return tables_in(key, tables, kinds[key])
+
+    @field_validator("states", mode="before")
+    @classmethod
+    def _countable(cls, tables: Any) -> Any:
+        """Their number first, as each of them takes some time."""
+        if isinstance(tables, dict):
+            check_count("states", tables)
+        return tables
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

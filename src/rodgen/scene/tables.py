@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sized
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -24,6 +24,7 @@ from rodgen.scene.frozen import AGAIN, frozen
 from rodgen.scene.law import Law
 from rodgen.scene.places import point_of
 
+MOST_TABLES = 1000  # of a kind: bodies, supports, events, states
 LARGEST = 1e60  # of any value: products of several must still fit in a double
 
 
@@ -84,11 +85,18 @@ def one_of(vocabulary: Mapping[str, Any], describe: bool = False) -> str:
     return ("; " if describe else ", ").join(found)
 
 
+def check_count(key: str, tables: Sized) -> None:
+    """Raise SceneError for more tables of a kind than a scene can have."""
+    if len(tables) > MOST_TABLES:
+        raise SceneError(key, len(tables), f"at most {MOST_TABLES} tables")
+
+
 def tables_in(key: str, tables: Any, kind: type[Table]) -> list[Any]:
     """Those of an array of tables, [[key]], each by itself, so that what is wrong is named by its
     place. Raises SceneError."""
     if not isinstance(tables, list):
         raise SceneError(key, tables, f"an array of tables, [[{key}]]")
+    check_count(key, tables)
     made = []
     for i, table in enumerate(tables):
         if not isinstance(table, dict | kind):

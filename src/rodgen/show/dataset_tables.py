@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.analyse.branches.branch_data import UNKNOWN
-from rodgen.integrate.endings import FAILED
+from rodgen.integrate.endings import NO_RESULT
 from rodgen.show.result_tables import ResultTable
 from rodgen.show.study_results import Results
 
@@ -105,7 +105,7 @@ def of_study(data: xarray.Dataset) -> ResultTable:
     of = Results.thinned(data)
     rows = [(name, "varied", *_ends(*of.along(name))) for name in of.axes]
     rows += [(of.label(name), "kept", *_ends(*of.numbers(name))) for name in of.kept]
-    failed = np.count_nonzero(of.status == FAILED)
+    failed = np.count_nonzero(np.isin(of.status, NO_RESULT))
     rows += [("points that failed", "", str(failed), "")] * bool(failed)
     return ResultTable.of_rows(("", "", "least", "largest"), rows)
 

@@ -16,7 +16,7 @@ from rodgen.analyse.branches import branch_data as branches
 from rodgen.analyse.curves.datasets import scene_of
 from rodgen.analyse.cycles import branch_data as cycle_branches
 from rodgen.analyse.cycles import nonlinear_modes
-from rodgen.integrate.endings import FAILED
+from rodgen.integrate.endings import NO_RESULT
 from rodgen.scene import Scene, SceneError
 from rodgen.show import dataset_tables as tables
 from rodgen.show.appearance import drawn, page
@@ -97,7 +97,7 @@ def line(data: xarray.Dataset) -> str:
         return "<Dataset without pictures of rodgen>"
     if _is_study(data):
         of = Results.thinned(data)
-        failed = (of.status == FAILED).sum()
+        failed = sum((of.status == one).sum() for one in NO_RESULT)
         points = f"{data['status'].size} points of {', '.join(of.axes)}"
         return f"<Results of {of.title}: {points}" + f"; {failed} failed" * bool(failed) + ">"
     title = CURVES[data.attrs["format"]].title.format(name=scene_of(data).name, **data.attrs)

@@ -19,7 +19,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
-from rodgen.integrate.endings import FAILED, FINISHED
+from rodgen.integrate.endings import FINISHED, NO_RESULT
 from rodgen.show.canvas import BED, INK, LINE, PAPER, SERIES, SPECIAL, VALUES, canvas
 from rodgen.show.pictures import save_figures
 from rodgen.show.study_results import Results, logarithmic
@@ -108,14 +108,14 @@ def curve(of: Results, name: str) -> Figure:
         axes.set_yticks(range(len(classes)), classes)
     axes.set(ylabel=of.label(name), title=of.title)
     axes.grid(alpha=0.3)
-    if columns.shape[1] > 1 or (of.status == FAILED).any():
+    if columns.shape[1] > 1 or np.isin(of.status, NO_RESULT).any():
         axes.legend(fontsize="small")
     return figure
 
 
 def _mark_lost(axes: Axes, of: Results, x: NDArray[np.float64]) -> None:
     """Points that failed, along the lower edge."""
-    lost = x[of.status == FAILED]
+    lost = x[np.isin(of.status, NO_RESULT)]
     if len(lost):
         axes.plot(
             lost,
@@ -273,7 +273,7 @@ def _panel(
         axes.plot(X[computed], Y[computed], ".", color=INK, markersize=1.0, alpha=0.6)
     elif lines and computed.sum() <= MANY:
         axes.plot(X, Y, ".", color=INK, markersize=0.8, alpha=0.35)
-    lost = status == FAILED
+    lost = np.isin(status, NO_RESULT)
     size = float(np.clip(100 / np.sqrt(max(1, status.size)), 1.5, 4.0))
     axes.plot(X[lost], Y[lost], "x", color=SPECIAL, markersize=size)
     _set_axis(axes, of, names[1], "x")
@@ -314,7 +314,7 @@ def _legend(
         Line2D([], [], marker="s", linestyle="", color=scale[1](at), label=one)
         for at, one in enumerate(classes)
     ]
-    if (of.status == FAILED).any():
+    if np.isin(of.status, NO_RESULT).any():
         handles.append(Line2D([], [], marker="x", linestyle="", color=SPECIAL, label="failed"))
     if (of.status == "").any():
         handles.append(Line2D([], [], marker=".", linestyle="", color=INK, label="computed points"))
@@ -330,7 +330,7 @@ def _legend(
 def scatter_matrix(of: Results) -> Figure:
     """Every number of a sample over every other, and how often each value is met."""
     columns = [*_columns(of)]
-    lost = (of.status == FAILED).ravel()
+    lost = np.isin(of.status, NO_RESULT).ravel()
     count = len(columns)
     figure = canvas(1.7 * count + 0.6, 1.7 * count + 0.6)
     panels = figure.subplots(count, count, squeeze=False)

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.endings import FAILED
+from rodgen.integrate.endings import NO_RESULT
 from rodgen.scene import SceneError
 from rodgen.studies.keep import asked_for
 
@@ -71,7 +71,7 @@ class Classes:
         self, values: Mapping[str, NDArray[Any]], known: dict[Any, int]
     ) -> NDArray[np.int_]:
         """A class for every point, LOST for one that failed; known: those of values so far."""
-        found, failed = values[self.name], values["status"] == FAILED
+        found, failed = values[self.name], np.isin(values["status"], NO_RESULT)
         keys = found.tolist() if self.ordinal else (found > self.level).tolist()
         made = np.array([known.setdefault(key, len(known)) for key in keys], dtype=int)
         return np.where(failed, LOST, made)

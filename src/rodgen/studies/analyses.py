@@ -12,6 +12,7 @@ from rodgen.studies.block_arrays import Made
 from rodgen.studies.findings import analysed
 from rodgen.studies.keep import found
 from rodgen.studies.points import Point
+from rodgen.studies.time_limit import TooLong, time_limit
 
 if TYPE_CHECKING:
     from rodgen.studies.specification import Study
@@ -24,10 +25,14 @@ def compute(study: Study, points: list[Point], made: Made) -> None:
     for at, point in enumerate(points):
         start = time.process_time()
         try:
-            result = analysed(study.what, study.scene_at(point), study.options, count)
+            scene = study.scene_at(point)
+            with time_limit(study.time_limit, scene):
+                result = analysed(study.what, scene, study.options, count)
             made.set(
                 at, {one.text: one.finding.of(result, one.count) for one in asked}, float("nan"), ""
             )
         except (SceneError, AnalysisError, RunError) as error:
             made.fail(at, str(error))
+        except TooLong:
+            made.stop(at, study.time_limit)
         made.arrays["seconds"][at] = time.process_time() - start

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.endings import FAILED, FINISHED
+from rodgen.integrate.endings import FAILED, FINISHED, TOO_LONG
 from rodgen.studies.variable import MESSAGE, Variable
 
 
@@ -44,6 +44,11 @@ class Made:
         self.arrays["status"][at] = status
         for place, message in messages.items():
             self.arrays["message"][at[place]] = message[:MESSAGE]
+
+    def stop(self, at: int, seconds: float | None) -> None:
+        """A point that took longer than so many seconds."""
+        self.arrays["status"][at] = TOO_LONG
+        self.arrays["message"][at] = f"took longer than {seconds:g} s"
 
     def fail(self, at: int, message: str) -> None:
         """A point that was not, and why."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from rodgen.integrate.endings import FAILED
+from rodgen.integrate.endings import NO_RESULT
 from rodgen.progress import announce, counting, duration, telling, working
 from rodgen.scene import Scene, SceneError
 from rodgen.studies.adaptive import Rounds
@@ -69,6 +69,7 @@ def study(
     keep: Sequence[Kept] | Kept = (),
     sample: Mapping[str, Any] | None = None,
     options: Mapping[str, Any] | None = None,
+    time_limit: float | None = None,
     out: str | Path | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
@@ -80,7 +81,8 @@ def study(
 ) -> xr.Dataset:
     """Compute a scene at many values of its keys.
 
-    A point that cannot be computed has status "failed", its reason as message, and not-a-number.
+    A point that cannot be computed has status "failed", its reason as message, and not-a-number;
+    one that takes longer than it may has status "too long".
 
     Parameters
     ----------
@@ -98,6 +100,10 @@ def study(
         {method, count, seed}: draw points from ranges, in place of a grid.
     options
         Further arguments of the analysis.
+    time_limit
+        Time that a point may take, by the clock [s]; the first of a structure has a minute more.
+        Runs that are computed side by side have so much each together, and are else done again one
+        by one.
     out
         Folder of the store, a Zarr group. Without it nothing is stored.
     workers
@@ -141,7 +147,8 @@ def study(
     >>> data["stable"].values.tolist()
     [1, 0]
     """
-    made = scene if isinstance(scene, Study) else _made(scene, vary, what, keep, sample, options)
+    given = {"what": what, "keep": keep, "sample": sample, "options": options}
+    made = scene if isinstance(scene, Study) else _made(scene, vary, **given, time_limit=time_limit)
     temporary = out is None
     with ExitStack() as stack:
         if progress is False:
@@ -241,13 +248,13 @@ def _bytes(dtype: str) -> int:
     return 64 if dtype.startswith("U") else 8
 
 
-def _made(scene: Any, vary: Any, what: str, keep: Any, sample: Any, options: Any) -> Study:
+def _made(scene: Any, vary: Any, **given: Any) -> Study:
     """A study from the arguments of `study`."""
     if isinstance(scene, str | Path):
         scene = Scene.from_toml(scene)
     if vary is None:
         raise SceneError("vary", None, "values by keys of the scene")
-    return Study.of(scene, vary, what=what, keep=keep, sample=sample, options=options)
+    return Study.of(scene, vary, **given)
 
 
 def _check(study: Study, path: Path, workers: Any, scheduler: Any, resume: bool, yes: bool) -> None:
@@ -326,7 +333,7 @@ def _refine(
             made = []
             for indices, arrays in pool.pieces(store, pieces, texts):
                 made.append((indices, arrays))
-                count(len(indices), int((np.asarray(arrays[MARK]) == FAILED).sum()))
+                count(len(indices), int(np.isin(arrays[MARK], NO_RESULT).sum()))
             if made:
                 whole = [index for indices, _ in made for index in indices]
                 store.put(whole, joined([arrays for _, arrays in made]))

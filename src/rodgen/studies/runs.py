@@ -29,6 +29,7 @@ from rodgen.studies.keep import PARTS, check_numbers, kept
 from rodgen.studies.measures import Count, Kept, Own, Peak, Sampled, Section, crossing_of
 from rodgen.studies.points import Point
 from rodgen.studies.reference import reference
+from rodgen.studies.time_limit import TooLong, time_limit
 from rodgen.studies.variable import METHOD
 from rodgen.studies.vectors import Copying, copied, copying, groups, packed
 
@@ -125,7 +126,13 @@ def _run(
     width = 1 + sum(one.width for one in crossings) + len(peaks) * len(scene.integrate.samples)
     for few in np.array_split(np.arange(len(p)), -(-len(p) * width // MOST_CROSSED)):
         start, at = time.process_time(), np.array(batch.points)[few]
-        found = watched_many(model, p[few], y[few], keep=texts, **more, **settings)
+        limit = study.time_limit and study.time_limit * len(few)
+        try:
+            with time_limit(limit, scene):
+                found = watched_many(model, p[few], y[few], keep=texts, **more, **settings)
+        except TooLong:  # some of them, or one
+            _one_by_one(study, points, at.tolist(), made, wanted)
+            continue
         values: dict[str, Any] = {text: found[text] for text in texts}
         for one, number in crossing:
             values |= one.of_many(found.crossed[number], equations, p[few])
@@ -238,9 +245,12 @@ def _one_by_one(
             scene = study.scene_at(point)
             scene = scene.integrated_by(_method(study, shared) or _choice(scene))
             made.arrays[METHOD.name][at] = scene.integrate.method
-            _keep(_watching(scene, wanted), wanted, made, at)
+            with time_limit(study.time_limit, scene):
+                _keep(_watching(scene, wanted), wanted, made, at)
         except (SceneError, RunError) as error:
             made.fail(at, str(error))
+        except TooLong:
+            made.stop(at, study.time_limit)
         made.arrays["seconds"][at] = time.process_time() - start
 
 

@@ -20,6 +20,7 @@ from rodgen.scene.plain import STUDY, plain, read_table
 from rodgen.shown import Told
 from rodgen.studies.axis import EXTENDABLE, Axis, Sample, Value, axis
 from rodgen.studies.points import points
+from rodgen.studies.time_limit import checked_limit
 
 WHAT = ("run", "critical", "modes", "static", "lyapunov", "floquet", "cycle")
 # Keys of a file by the tables that they stand in: what each is, and what holds without it; those of
@@ -36,6 +37,7 @@ KEYS = {
         "what": ("what is computed of every point", "`run`"),
         "keep": ("a list of what is kept of it", "of a run required, else what is usual"),
         "options": ("a table of what the analysis takes besides", "absent"),
+        "time_limit": ("seconds that a point may take", "no limit"),
     },
 }
 MOST_TRIED = 1000  # points that are made to find one that the scene takes
@@ -51,7 +53,7 @@ class Study(Told):
     name: of the study and its store; scene: tables of the scene; axes: keys that are varied, in
     order, with their values; sample: how points are drawn from them, None for a grid; what: the
     analysis; keep: what is kept of every point, texts or functions; options: further arguments of
-    the analysis.
+    the analysis; time_limit: seconds that a point may take, None for no limit.
 
     Two studies are equal if their ``digest`` is.
 
@@ -73,6 +75,7 @@ class Study(Told):
     what: str = "run"
     keep: tuple[Kept, ...] = ()
     options: dict[str, Any] = field(default_factory=dict)
+    time_limit: float | None = None
 
     def __repr__(self) -> str:
         points = " x ".join(map(str, self.shape))
@@ -112,6 +115,7 @@ class Study(Told):
         keep: Sequence[Kept] | Kept = (),
         sample: Mapping[str, Any] | None = None,
         options: Mapping[str, Any] | None = None,
+        time_limit: float | None = None,
         name: str | None = None,
     ) -> Self:
         """A study from Python.
@@ -119,7 +123,7 @@ class Study(Told):
         scene: the scene; vary: for every key its values (a list, an array) or a table {from, to,
         count, scale}, in SI units; what: the analysis; keep: what is kept of every point; sample:
         {method, count, seed}, if points are drawn; options: further arguments of the analysis;
-        name: of the study, by default that of the scene.
+        time_limit: seconds that a point may take; name: of the study, by default that of the scene.
         """
         check_type("scene", scene, Scene, see="Scene.from_toml")
         if name is not None and not (isinstance(name, str) and name.isidentifier()):
@@ -137,7 +141,8 @@ class Study(Told):
                 raise SceneError(f"compute.keep[{at}]", one, "a reduction, or a function")
         chosen = plain(dict(options or {}), "compute.options")
         table = scene.model_dump(exclude_none=True)
-        made = cls(name or scene.name, table, axes, drawn, what, kept, chosen)
+        limit = checked_limit(time_limit)
+        made = cls(name or scene.name, table, axes, drawn, what, kept, chosen, limit)
         made._check()
         return made
 
@@ -239,7 +244,7 @@ class Study(Told):
         sample = None if self.sample is None else self.sample.model_dump()
         if sample is not None and sample["method"] in EXTENDABLE:
             del sample["count"]
-        parts = {
+        parts: dict[str, Any] = {
             "scene": self.scene,
             "vary": axes,
             "sample": sample,
@@ -247,6 +252,8 @@ class Study(Told):
             "keep": [_named(one) for one in self.keep],
             "options": self.options,
         }
+        if self.time_limit is not None:
+            parts["time_limit"] = self.time_limit
         return {name: json.dumps(part, sort_keys=True) for name, part in parts.items()}
 
     @cached_property

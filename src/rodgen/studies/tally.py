@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rodgen.integrate.endings import FAILED
+from rodgen.integrate.endings import FAILED, NO_RESULT, TOO_LONG
 from rodgen.studies.layout import Layout
 from rodgen.studies.store import MARK, arrays_of
 
@@ -19,12 +19,14 @@ MOST_REASONS = 1000  # that are told apart
 
 @dataclass
 class Tally:
-    """Points of a study: how many there are, how many of them were computed and how many failed;
-    reasons: of those, with how many points each; seconds: of processors."""
+    """Points of a study: how many there are, how many of them were computed, how many failed and
+    how many took longer than they may; reasons: of those, with how many points each; seconds: of
+    processors."""
 
     points: int = 0
     computed: int = 0
     failed: int = 0
+    too_long: int = 0
     seconds: float = 0.0
     reasons: Counter[str] = field(default_factory=Counter)
 
@@ -36,6 +38,7 @@ class Tally:
             "computed": f"{self.computed}, in {self.seconds:.4g} s of processors",
             "failed": f"{self.failed}",
         }
+        rows |= {"took too long": f"{self.too_long}"} if self.too_long else {}
         return rows | {f"  {count} of them": why for why, count in self.reasons.most_common(10)}
 
 
@@ -48,11 +51,12 @@ def tally(path: str | Path) -> Tally:
     for block in range(layout.count):
         box = layout.box(block)
         there = np.asarray(status[box])
-        bad = there == FAILED
+        bad = np.isin(there, NO_RESULT)
         found.computed += int((there != "").sum())
         found.seconds += float(np.nansum(np.asarray(seconds[box])))
         if bad.any():
-            found.failed += int(bad.sum())
+            found.failed += int((there == FAILED).sum())
+            found.too_long += int((there == TOO_LONG).sum())
             for why in np.asarray(message[box])[bad].tolist():
                 _count(found.reasons, reason(why))
     return found

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from rodgen.integrate.endings import FAILED
+from rodgen.integrate.endings import FAILED, NO_RESULT
 from rodgen.studies.block import evaluate
 from rodgen.studies.keep import variables
 from rodgen.studies.points import points
@@ -50,7 +50,7 @@ def keep(store: Store, block: int, arrays: Arrays) -> Done:
     """Write what came out of the points of a block."""
     indices = store.layout.indices(block)
     store.write(block, points(store.study, indices), arrays)
-    return Done(block, len(indices), int((np.asarray(arrays[MARK]) == FAILED).sum()))
+    return Done(block, len(indices), int(np.isin(arrays[MARK], NO_RESULT).sum()))
 
 
 def computed(study: Study, indices: Sequence[int]) -> Arrays:

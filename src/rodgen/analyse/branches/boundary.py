@@ -17,6 +17,7 @@ from rodgen.analyse.curves.curve import Curve
 from rodgen.analyse.curves.datasets import attributes, extended, kept, to_go_on
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.modal import DIVERGENCE, FLUTTER
+from rodgen.analyse.sizes import BOUNDARY, check_size
 from rodgen.integrate.stepper import Array
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene, SceneError
@@ -113,6 +114,7 @@ def stability_boundary(
     >>> round(float(line.a[line.b == 0].item()), 9), round(41 / 28, 9)
     (1.464285714, 1.464285714)
     """
+    check_size(BOUNDARY, scene)
     a_key, b_key = _checked(scene, keys)
     load, flipped = _load(scene, a_key, b_key)
     if flipped:

@@ -13,6 +13,7 @@ from rodgen.analyse.curves.continuation import Steps, continued, started
 from rodgen.analyse.curves.curve import BRANCH, NOISE, Curve
 from rodgen.analyse.curves.switching import switched
 from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.sizes import EQUILIBRIA, check_size
 from rodgen.analyse.small_motions import instability
 from rodgen.analyse.statics import Equilibrium, static_equilibrium
 from rodgen.analyse.steady import Steady, straight_state
@@ -68,6 +69,7 @@ def static_equilibria(scene: Scene, *, t: float | None = None) -> list[Equilibri
     >>> [one.stable for one in rodgen.static_equilibria(scene)]
     [True, True, False, False, False]
     """
+    check_size(EQUILIBRIA, scene)
     system = System.of(scene, t)
     if not (system.clamped or system.anchored):
         first = static_equilibrium(scene, t=t)  # refuses a free rod that nothing holds

@@ -28,6 +28,7 @@ from rodgen.analyse.curves.twice import compared, twice
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.modal import MOST_DENSE
 from rodgen.analyse.settle import settle
+from rodgen.analyse.sizes import BRANCH, check_size
 from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System
 from rodgen.scene import Scene, SceneError
@@ -145,6 +146,7 @@ def continue_equilibria(
     """
     from rodgen.analyse.branches.branch_data import dataset, recorded
 
+    check_size(BRANCH, scene, whole=motion is not None)
     if check_mesh:
         if resume is not None:
             raise SceneError("check_mesh", True, "absent beside resume")

@@ -19,6 +19,7 @@ from rodgen.analyse.chaos.volume import Kinetic, Plain, VolumeForm
 from rodgen.analyse.chaos.zero_exponents import zero_exponents
 from rodgen.analyse.chaos.zero_one import LEAST, spaced, zero_one_test
 from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.sizes import EXPONENTS, check_size
 from rodgen.integrate.stepper import Array, StepError
 from rodgen.integrate.stretches import window
 from rodgen.integrate.variations import METHODS, PARTS, Steps, Variations
@@ -160,6 +161,7 @@ def lyapunov_exponents(
     skipped = TRANSIENT * length if transient is None else transient
     if not 0 <= skipped < length:
         raise SceneError("transient", transient, f"from 0 to below the span, {length:g} s")
+    check_size(EXPONENTS, scene, count=count or 0)
     over = window(scene, start, start + length)
     model = model if model is not None else build_fastest(scene, PARTS)
     course = _Course(over, model, count or states, progress)

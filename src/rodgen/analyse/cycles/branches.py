@@ -22,6 +22,7 @@ from rodgen.analyse.cycles.search import Search, segments_of
 from rodgen.analyse.cycles.shooting import SEGMENTS, cut
 from rodgen.analyse.cycles.switching import other_branch
 from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.sizes import CYCLE, check_size
 from rodgen.analyse.steady import steady
 from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
@@ -29,7 +30,6 @@ from rodgen.scene import Scene, SceneError
 from rodgen.scene.errors import check_type
 from rodgen.scene.keys import key_place
 from rodgen.scene.plain import entry, is_number, plain
-from rodgen.scene.scene import check_scene
 
 if TYPE_CHECKING:
     import xarray
@@ -138,7 +138,7 @@ def continue_cycles(
 
     from rodgen.analyse.cycles.branch_data import dataset, recorded
 
-    check_scene(scene)
+    check_size(CYCLE, scene)
     if check_mesh:
         if resume is not None or not isinstance(start, str):
             raise SceneError("check_mesh", True, "absent beside resume, and a start that is given")

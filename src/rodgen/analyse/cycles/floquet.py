@@ -22,13 +22,13 @@ from rodgen.analyse.chaos.zero_exponents import zero_exponents
 from rodgen.analyse.cycles.drive import load_period
 from rodgen.analyse.cycles.elimination import Complex, apart
 from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.sizes import FLOQUET, check_size
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.integrate.stepper import Array, StepError
 from rodgen.integrate.stretches import window
 from rodgen.integrate.variations import PARTS, Steps, Variations
 from rodgen.loading import build_fastest
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.scene import check_scene
 from rodgen.shown import Shown
 
 SEGMENTS = 4  # of a period
@@ -161,7 +161,7 @@ def floquet(
     >>> bool(abs(rodgen.floquet(scene).multipliers[0]) > 1)
     True
     """
-    check_scene(scene)
+    check_size(FLOQUET, scene)
     if isinstance(segments, bool) or not isinstance(segments, int) or not 1 <= segments <= 1000:
         raise SceneError("segments", segments, "a whole number from 1 to 1000")
     model = model if model is not None else build_fastest(scene, PARTS)

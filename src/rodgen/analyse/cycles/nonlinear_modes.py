@@ -27,6 +27,7 @@ from rodgen.analyse.cycles.orbits import Orbits
 from rodgen.analyse.cycles.search import Search, segments_of
 from rodgen.analyse.cycles.shooting import SEGMENTS, Shooting, cut
 from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.sizes import CYCLE, check_size
 from rodgen.analyse.steady import steady
 from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
@@ -111,6 +112,7 @@ class _Rest(NamedTuple):
 
 
 def _prepared(scene: Scene, target: str | None) -> _Rest:
+    check_size(CYCLE, scene)
     search = Search.of(scene, target)
     if not search.conservative:
         what = ", ".join(search.at_work) or "loads that change"

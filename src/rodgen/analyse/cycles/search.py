@@ -23,6 +23,7 @@ from rodgen.analyse.cycles.quotient import Quotient
 from rodgen.analyse.cycles.settling import Return, extent, last_return, run_of
 from rodgen.analyse.cycles.shooting import SEGMENTS, Shooting
 from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.sizes import CYCLE, check_size
 from rodgen.analyse.system import frozen
 from rodgen.integrate.catalogue import Piece, loads_at_work
 from rodgen.integrate.stepper import Array
@@ -30,7 +31,6 @@ from rodgen.loading import build, build_fastest
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.overrides import with_state
 from rodgen.scene.plain import is_number, plain
-from rodgen.scene.scene import check_scene
 
 COLLOCATION, SHOOTING, PICARD = "collocation", "shooting", "picard"
 WAYS: dict[type[Closing[Any]], str] = {
@@ -113,7 +113,7 @@ def find_cycle(
     >>> round(cycle.period, 4), cycle.stable, cycle.trivial_error < 1e-6
     (0.8395, True, True)
     """
-    check_scene(scene)
+    check_size(CYCLE, scene)
     if check_mesh:
         if y0 is not None:
             raise SceneError("check_mesh", True, "absent beside y0")

@@ -30,9 +30,9 @@ from rodgen.analyse.precision.contestant import (
 from rodgen.analyse.precision.job import Errors, Job, Measures
 from rodgen.analyse.precision.methods import contestant, families
 from rodgen.analyse.precision.rows import cheapest, front
+from rodgen.analyse.sizes import PRECISION, check_size
 from rodgen.integrate.stability import LIMITS, dominant, limit
 from rodgen.scene import Scene, SceneError
-from rodgen.scene.errors import check_type
 from rodgen.shown import Shown
 
 if TYPE_CHECKING:
@@ -250,7 +250,7 @@ def work_precision(
     >>> {"method", "seconds", "error_phi"} <= set(found.rows[0])
     True
     """
-    check_type("scene", scene, Scene, see="Scene.from_toml")
+    check_size(PRECISION, scene)
     if not 0 < seconds < math.inf:
         raise SceneError("seconds", seconds, "a positive number of seconds")
     job = Job.of(scene.name, scene.model_dump(exclude_none=True))

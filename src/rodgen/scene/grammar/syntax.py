@@ -25,6 +25,8 @@ LONGEST = 20_000  # characters
 BRACKETS = 50  # in each other
 DEEPEST = 200  # nested operations, of which a sum of as many terms is one
 MOST_KNOTS = 1000  # of a table
+MOST_CHOICES = 100  # of an expression, each of which is looked at by itself
+CHOICES = "min", "max", "abs"
 KEPT = 4096  # parts of trees of which something is remembered
 # The error for a part, None for the whole, and what is allowed in its place: "" for the grammar.
 Refusal = Callable[[ast.AST | None, str], SceneError]
@@ -61,9 +63,23 @@ def parse(text: str, field: str) -> ast.expr | None:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Python's opinion of "1if t<1else 2"
-            return ast.parse(text.strip(), mode="eval").body
+            tree = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
+    if sum(map(_choices, ast.walk(tree))) > MOST_CHOICES:
+        what = f"an expression of at most {MOST_CHOICES} choices ({', '.join(CHOICES)}, if)"
+        raise SceneError(field, text, f"{what}; a table, {TABLE}, may have {MOST_KNOTS} knots")
+    return tree
+
+
+def _choices(node: ast.AST) -> int:
+    """How many choices a node makes between the parts below it."""
+    match node:
+        case ast.IfExp():
+            return 1
+        case ast.Call(func=ast.Name(id=name), args=args) if name in CHOICES:
+            return max(len(args) - 1, 1)
+    return 0
 
 
 def check(

@@ -1,0 +1,71 @@
+"""How much memory each analysis needs, by the number of links: as measured, with some reserve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rodgen.memory import check_memory
+from rodgen.scene import Scene
+from rodgen.scene.scene import check_scene
+
+STATIC, EQUILIBRIA, MODES, CRITICAL = "an equilibrium", "all equilibria", "modes", "a critical load"
+BRANCH, BOUNDARY, CYCLE = "a branch", "a boundary", "a cycle"
+EXPONENTS, FLOQUET, PRECISION = "exponents", "multipliers", "a comparison of methods"
+
+
+@dataclass(frozen=True)
+class Size:
+    """Bytes for every link; for every pair of links, of matrices that are full; and for every pair
+    where all equations are, as those of a rod that is held elsewhere than at its start, steered, or
+    followed in its motion."""
+
+    link: float
+    pair: float = 0.0
+    whole: float = 0.0
+
+
+SIZES = {
+    STATIC: Size(4e3, whole=400),
+    EQUILIBRIA: Size(25e3, whole=500),
+    MODES: Size(8e3, whole=400),
+    CRITICAL: Size(8e3, 75, whole=450),
+    BRANCH: Size(25e3, whole=600),  # of two hundred points
+    BOUNDARY: Size(10e3, 600),
+    CYCLE: Size(10e3, 20e3),
+    EXPONENTS: Size(10e3),
+    FLOQUET: Size(10e3, 1500),
+    PRECISION: Size(100e3),
+}
+TANGENT = 256.0  # bytes for every number of a tangent
+SHAPE = 200.0  # for every link of a mode
+ALL_MODES = 250.0  # for every pair of links, where all modes are computed
+
+
+def check_size(
+    analysis: str,
+    scene: Scene,
+    whole: bool = False,
+    count: int = 0,
+    few: int = 0,
+) -> None:
+    """Raise SceneError for an analysis that needs more memory than it may take, and TypeError for
+    what is no Scene.
+
+    analysis: of SIZES; whole: whether all equations are full in any case; count: of modes, or of
+    tangents, 0 for all; few: links of which all modes are computed.
+    """
+    check_scene(scene)
+    size, states = SIZES[analysis], len(scene.states)
+    full = whole or bool(scene.states or scene.fed or scene.anchors.terms)
+
+    def need(links: int) -> float:
+        pairs = size.pair + size.whole * full + ALL_MODES * (links <= few)
+        bytes_ = size.link * links + pairs * (links + states) ** 2
+        if analysis == EXPONENTS:
+            numbers = 2 * links + states
+            bytes_ += TANGENT * numbers * min(count or numbers, numbers)
+        elif analysis == MODES:
+            bytes_ += SHAPE * links * min(count, links)
+        return bytes_
+
+    check_memory(analysis, scene.rod.links, need)

@@ -1,0 +1,71 @@
+"""The memory that a computation may take, to which each is held before it begins.
+
+Each says how much it needs, as a function of the number of links; what is too much is refused in a
+line instead of minutes later, by the system.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+from rodgen.scene.errors import SceneError
+
+SET = "RODGEN_MEMORY"  # bytes that may be taken [GB], instead of what is found
+SHARE = 0.5  # of what there is
+UNKNOWN = 4e9  # bytes that a machine has which does not say
+GROUP = Path("/sys/fs/cgroup/memory.max")  # of a container or a job
+Need = Callable[[int], float]
+
+
+def limit() -> float:
+    """Bytes that a computation may take: half of what the machine, the container or the job has, or
+    the gigabytes of RODGEN_MEMORY. Raises SceneError where that is no number."""
+    given = os.environ.get(SET)
+    if given:
+        with suppress(ValueError):
+            if 0 < float(given) < math.inf:
+                return 1e9 * float(given)
+        raise SceneError(SET, given, "a number of gigabytes")
+    return SHARE * min(_found(), default=UNKNOWN)
+
+
+def _found() -> list[float]:
+    """What each who limits it allows [bytes]."""
+    found = []
+    with suppress(AttributeError, ValueError, OSError):  # of other systems
+        found.append(float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")))
+    with suppress(OSError, ValueError):  # "max" is none
+        found.append(float(GROUP.read_text()))
+    if sys.platform != "win32":
+        import resource
+
+        soft = resource.getrlimit(resource.RLIMIT_AS)[0]
+        found += [float(soft)] * (soft != resource.RLIM_INFINITY)
+    return found
+
+
+def check_memory(what: str, links: int, need: Need, field: str = "rod.links") -> None:
+    """Raise SceneError, with how many links there may be, for a computation whose need [bytes] with
+    so many is more than may be taken.
+
+    what: the computation, in words; need: of a number of links, the more the more; field: that the
+    message names.
+    """
+    have = limit()
+    if need(links) <= have:
+        return
+    most, beyond = 0, links
+    while beyond - most > 1:
+        middle = (most + beyond) // 2
+        most, beyond = (middle, beyond) if need(middle) <= have else (most, middle)
+    allowed = f"at most {most}: for {what} some {_gigabytes(need(links))} of memory are needed with"
+    raise SceneError(field, links, f"{allowed} {links}, of {_gigabytes(have)} here ({SET})")
+
+
+def _gigabytes(count: float) -> str:
+    return f"{count / 1e9:.3g} GB" if count < 1e11 else f"{count / 1e9:.0f} GB"

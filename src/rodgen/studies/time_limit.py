@@ -1,0 +1,61 @@
+"""The time that a point of a study may take."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import Lock, Timer, get_ident
+
+from rodgen.scene import Scene, SceneError
+from rodgen.scene.plain import is_number, plain
+
+MAKING = 60.0  # seconds that the first point of a structure has more, for making its module
+_known: set[str] = set()  # structures whose modules are there, by their hashes
+
+
+class TooLong(BaseException):
+    """A computation that took longer than it may. Nothing that goes on after any Exception is to go
+    on after this."""
+
+
+def checked_limit(seconds: object, field: str = "compute.time_limit") -> float | None:
+    """A limit of time [s], or None. Raises SceneError."""
+    seconds = plain(seconds, field)
+    if seconds is not None and not (is_number(seconds) and 0 < seconds < float("inf")):
+        raise SceneError(field, seconds, "a positive number of seconds")
+    return None if seconds is None else float(seconds)
+
+
+@contextmanager
+def time_limit(seconds: float | None, *scenes: Scene) -> Iterator[None]:
+    """Raise TooLong inside where it takes longer than so many seconds, at the next line of Python;
+    None for no limit. scenes: of which modules may have to be made first."""
+    if seconds is None:
+        yield
+        return
+    new = {scene.structure.hash for scene in scenes} - _known
+    thread, lock = ctypes.c_ulong(get_ident()), Lock()
+    fired = over = False
+
+    def stop() -> None:
+        nonlocal fired
+        with lock:
+            if not over:
+                fired = True
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, ctypes.py_object(TooLong))
+
+    timer = Timer(seconds + MAKING * bool(new), stop)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+        _known.update(new)
+    finally:
+        with lock:
+            over = True
+        timer.cancel()
+        if fired:  # it may be about to come yet
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, None)
+    if fired:
+        raise TooLong
