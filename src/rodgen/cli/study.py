@@ -117,9 +117,9 @@ def study(
     if status:
         fail(f"{why}; {_kept(store)}", status)
     found = _tell(made.name, store, as_json)
-    if found.failed == found.computed:
+    if found.failed + found.too_long == found.computed:
         ((why, _),) = found.reasons.most_common(1)
-        fail(f"all {found.failed} points failed; the most frequent reason: {why}", FAILED_RUN)
+        fail(f"all {found.computed} points failed; the most frequent reason: {why}", FAILED_RUN)
 
 
 def _kept(store: Path) -> str:

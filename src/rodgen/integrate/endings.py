@@ -37,6 +37,11 @@ class RunError(ArithmeticError):
         super().__init__(message)
         self.solution = solution
 
+    @property
+    def status(self) -> str:
+        """That of the solution."""
+        return self.solution.status
+
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (str(self), self.solution)
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.integrate.crossings import Crossed
-from rodgen.integrate.endings import FAILED
+from rodgen.integrate.endings import FINISHED
 from rodgen.integrate.stepper import Array
 from rodgen.shown import Told
 
@@ -20,8 +20,8 @@ class Ensemble(Told):
     values: reductions by their texts, each (rods,) in SI units, not-a-number for runs that failed;
     t: times that the runs reached [s], (rods,); y: states at these times, (rods, states), in SI
     units and the order of the module's STATE; work: of each load without potential until then [J],
-    by term, each (rods,); status: "finished" or "failed", (rods,); message: why a run failed or
-    which event ended it, by rod; steps, rejected, rhs: steps, rejected steps and evaluations of the
+    by term, each (rods,); status: "finished", "failed" or "chatters", (rods,); message: why a run
+    failed or which event ended it, by rod; steps, rejected, rhs: steps, rejected steps and evaluations of the
     rates, (rods,), -1 if the method does not count them; energy_error: largest error of the energy
     balance at the samples [J], (rods,), not-a-number for runs that failed; crossed: crossings of
     watched quantities; traces: values of traced quantities in SI units, (rods, traced, samples +
@@ -75,5 +75,5 @@ class Ensemble(Told):
 
     def __repr__(self) -> str:
         kept = f"; {', '.join(self.values)}" if self.values else ""
-        failed = int((self.status == FAILED).sum())
+        failed = int((self.status != FINISHED).sum())
         return f"<Ensemble of {len(self)} runs, {failed} failed{kept}>"

@@ -294,7 +294,7 @@ def _one_by_one(
                 _run(equations, of_rod, settings, taken, recorder)
                 _keep(equations, of_rod, start, settings, recorder, reductions, made, rod)
             except (StepError, OverflowError, SceneError) as error:
-                made.status[rod] = FAILED
+                made.status[rod] = getattr(error, "status", FAILED)
                 why = str(error)
                 made.message[rod] = (
                     why if isinstance(error, SceneError) else _said(why, taken.t, settings)

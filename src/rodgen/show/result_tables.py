@@ -19,7 +19,7 @@ from rodgen.analyse.onset import digits
 from rodgen.analyse.precision.work_precision import WorkPrecision
 from rodgen.analyse.statics import Equilibrium
 from rodgen.integrate import Solution
-from rodgen.integrate.endings import FAILED
+from rodgen.integrate.endings import FINISHED
 from rodgen.integrate.ensemble import Ensemble
 from rodgen.scene import Scene
 from rodgen.scene.contents import in_words
@@ -240,7 +240,7 @@ def of_ensemble(found: Ensemble) -> ResultTable:
     """The least and the largest of what is kept, over the runs that did not fail."""
     rows = []
     for name, values in {"t [s]": found.t, **found.values}.items():
-        fine = values[found.status != FAILED]
+        fine = values[found.status == FINISHED]
         ends = (f"{fine.min():.6g}", f"{fine.max():.6g}") if len(fine) else ("-", "-")
         rows.append((name, *ends))
     return ResultTable.of_rows(("kept", "least", "largest"), rows)

@@ -50,6 +50,6 @@ class Made:
         self.arrays["status"][at] = TOO_LONG
         self.arrays["message"][at] = f"took longer than {seconds:g} s"
 
-    def fail(self, at: int, message: str) -> None:
+    def fail(self, at: int, message: str, status: str = FAILED) -> None:
         """A point that was not, and why."""
-        self.arrays["status"][at], self.arrays["message"][at] = FAILED, message[:MESSAGE]
+        self.arrays["status"][at], self.arrays["message"][at] = status, message[:MESSAGE]

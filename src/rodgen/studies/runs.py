@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.integrate.crossings import Crossing
-from rodgen.integrate.endings import RunError, StepWarning
+from rodgen.integrate.endings import FAILED, RunError, StepWarning
 from rodgen.integrate.equations import Equations, equations_of
 from rodgen.integrate.many import goes_side_by_side, watched_many
 from rodgen.integrate.methods.choose import choose, choose_from
@@ -248,7 +248,7 @@ def _one_by_one(
             with time_limit(study.time_limit, scene):
                 _keep(_watching(scene, wanted), wanted, made, at)
         except (SceneError, RunError) as error:
-            made.fail(at, str(error))
+            made.fail(at, str(error), getattr(error, "status", FAILED))
         except TooLong:
             made.stop(at, study.time_limit)
         made.arrays["seconds"][at] = time.process_time() - start

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rodgen.integrate.endings import FAILED, NO_RESULT, TOO_LONG
+from rodgen.integrate.endings import NO_RESULT, TOO_LONG
 from rodgen.studies.layout import Layout
 from rodgen.studies.store import MARK, arrays_of
 
@@ -55,8 +55,9 @@ def tally(path: str | Path) -> Tally:
         found.computed += int((there != "").sum())
         found.seconds += float(np.nansum(np.asarray(seconds[box])))
         if bad.any():
-            found.failed += int((there == FAILED).sum())
-            found.too_long += int((there == TOO_LONG).sum())
+            late = int((there == TOO_LONG).sum())
+            found.too_long += late
+            found.failed += int(bad.sum()) - late
             for why in np.asarray(message[box])[bad].tolist():
                 _count(found.reasons, reason(why))
     return found
