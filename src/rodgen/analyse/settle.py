@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 
@@ -100,7 +101,7 @@ def _hung(system: System, given: dict[str, float]) -> tuple[Rest, tuple[float, .
         if _steers(term) and np.any(given.get(name, 0.0))
     }
 
-    def p(fraction: float) -> dict[str, float]:
+    def p(fraction: float) -> dict[str, Any]:
         return given | {name: fraction * value for name, value in steering.items()}
 
     rest = _hang(system, p(0.0))

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from rodgen.analyse.system import System, Unknowns
@@ -37,7 +38,7 @@ class Springs:
 
     system: System
     p: Array
-    links: Array
+    links: NDArray[np.intp]
     share: Array
     stiffness: Array
     fixed: Array
@@ -138,4 +139,4 @@ def _arc(chord: Array, length: float, pull: Array, share: Array) -> Array:
         half = brentq(short, 0.0, np.pi) if short(np.pi) < 0 else np.pi / 2
     if not distance:
         chord = np.array([pull[1], -pull[0]])
-    return np.arctan2(chord[1], chord[0]) + (1 if left else -1) * half * across
+    return np.asarray(np.arctan2(chord[1], chord[0]) + (1 if left else -1) * half * across)

@@ -22,10 +22,10 @@ class Ensemble(Told):
     units and the order of the module's STATE; work: of each load without potential until then [J],
     by term, each (rods,); status: "finished", "failed" or "chatters", (rods,); message: why a run
     failed or which event ended it, by rod; steps, rejected, rhs: steps, rejected steps and
-    evaluations of the rates, (rods,), -1 if the method does not count them; energy_error: largest error of the energy
-    balance at the samples [J], (rods,), not-a-number for runs that failed; crossed: crossings of
-    watched quantities; traces: values of traced quantities in SI units, (rods, traced, samples +
-    1), see `trace`; samples: their times [s].
+    evaluations of the rates, (rods,), -1 if the method does not count them; energy_error: largest
+    error of the energy balance at the samples [J], (rods,), not-a-number for runs that failed;
+    crossed: crossings of watched quantities; traces: values of traced quantities in SI units,
+    (rods, traced, samples + 1), see `trace`; samples: their times [s].
 
     Examples
     --------
