@@ -12,7 +12,10 @@ from typing import Any
 import psutil
 import pytest
 
+from rodgen.studies.alone import apart
 from rodgen.studies.cluster import Cluster
+from rodgen.studies.worker import SAFE_PATH
+from tests.studies.test_workers import study_of
 
 pytestmark = pytest.mark.slow
 NOBODY = 65534
@@ -93,3 +96,20 @@ def test_workers_import_from_no_folder_of_others(tmp_path: Path) -> None:
             assert above
             assert above[0].stat().st_mode & 0o777 == 0o700
     assert not above[0].exists()
+
+
+def test_nothing_is_imported_from_the_folder_of_a_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Which may be that of somebody else: by workers, and by the process of a point alone."""
+    for name in ("multiprocessing", "pickle", "typing", "subprocess"):
+        text = f"open({str(tmp_path / 'flag')!r}, 'w').close()\nraise SystemExit(9)\n"
+        (tmp_path / f"{name}.py").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    before = os.environ.get(SAFE_PATH)
+    with Cluster(1) as workers:
+        assert workers.client.submit(os.getcwd).result() == str(tmp_path)
+    study = study_of()
+    assert apart(study, [0])["status"].tolist() == ["finished"]
+    assert not (tmp_path / "flag").exists()
+    assert os.environ.get(SAFE_PATH) == before

@@ -61,7 +61,8 @@ def _until_death(study: Study, indices: Sequence[int]) -> tuple[list[Arrays], in
 
     found: list[Arrays] = []
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    command = [sys.executable, "-m", "rodgen.studies.alone"]
+    # -P: the folder in which it is started may be somebody else's; nothing is imported from there.
+    command = [sys.executable, "-P", "-m", "rodgen.studies.alone"]
     pipe = subprocess.PIPE
     with subprocess.Popen(command, stdin=pipe, stdout=pipe, env=environment) as process:
         assert process.stdin is not None

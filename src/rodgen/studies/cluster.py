@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import logging
 import math
+import os
 import queue
 import signal
 import sys
@@ -34,12 +35,15 @@ from rodgen.studies import task
 from rodgen.studies.errors import StudyError
 from rodgen.studies.store import Store
 from rodgen.studies.worker import (
+    SAFE,
+    SAFE_PATH,
     Context,
     Indices,
     Texts,
     check_worker,
     compute,
     compute_alone,
+    end_safe_path,
     of_client,
     piece,
     piece_alone,
@@ -347,12 +351,17 @@ def _unheard() -> Iterator[None]:
 
 @contextmanager
 def _own_folder() -> Iterator[None]:
-    """Folders of workers, from which they import, lie in one that nobody else can write."""
+    """Folders of workers, from which they import, lie in one that nobody else can write, and
+    nothing is imported from the one in which they are started."""
+    os.environ.setdefault(SAFE_PATH, SAFE)
     with (
         tempfile.TemporaryDirectory(prefix="rodgen-", ignore_cleanup_errors=True) as folder,
         dask.config.set({"temporary-directory": folder}),
     ):
-        yield
+        try:
+            yield
+        finally:
+            end_safe_path()
 
 
 def _client(address: str) -> distributed.Client:

@@ -3,6 +3,7 @@ these need there."""
 
 from __future__ import annotations
 
+import os
 import platform
 import signal
 import sys
@@ -21,6 +22,8 @@ from rodgen.studies.store import Store, identity
 if TYPE_CHECKING:
     from rodgen.studies.specification import Study
 
+# Keeps Python from importing from the folder in which it is started; the value says who set it.
+SAFE_PATH, SAFE = "PYTHONSAFEPATH", "rodgen"
 Texts = dict[tuple[str, ...], str]
 Indices = list[int]
 
@@ -43,6 +46,7 @@ class Context(WorkerPlugin):  # type: ignore[misc]  # Dask has no types
         if self.own:
             # Of Ctrl-C in a terminal the client hears, and ends its workers.
             signal.signal(signal.SIGINT, signal.SIG_IGN)
+            end_safe_path()
         for entry, text in self.texts.items():
             if cache.read_text(*entry) is None:
                 cache.store_text(text, *entry)
@@ -61,6 +65,12 @@ class Context(WorkerPlugin):  # type: ignore[misc]  # Dask has no types
             allowed = f"a folder that all workers see ({where} there is another store)"
             raise SceneError("out", str(self.path), allowed)
         return store
+
+
+def end_safe_path() -> None:
+    """Let programs that are started from now on import as is usual, unless the user has it else."""
+    if os.environ.get(SAFE_PATH) == SAFE:
+        del os.environ[SAFE_PATH]
 
 
 def who() -> dict[str, str]:

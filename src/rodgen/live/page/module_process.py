@@ -56,7 +56,7 @@ async def _make(structure: Structure, stage: Stage) -> None:
         read.write(dump(structure).encode())
         read.seek(0)
         process = subprocess.Popen(
-            [sys.executable, "-m", "rodgen.loading.ahead"],
+            [sys.executable, "-P", "-m", "rodgen.loading.ahead"],
             stdin=read,
             stdout=subprocess.PIPE,
             stderr=errors,

@@ -100,7 +100,7 @@ class Aside:
 
     def _started(self) -> subprocess.Popen[bytes]:
         process = subprocess.Popen(
-            [sys.executable, "-m", "rodgen.live.run.aside_process"],
+            [sys.executable, "-P", "-m", "rodgen.live.run.aside_process"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env={**os.environ, **ALONE},
