@@ -108,7 +108,8 @@ class Critical(Shown):
 
     @property
     def load_ratio(self) -> float:
-        """The load ratio: ``applied`` over ``force``; not-a-number where that is zero."""
+        """The load ratio: ``applied`` over ``force``, dimensionless; not-a-number where that is
+        zero."""
         return self.applied / self.force if self.force else math.nan
 
     def __repr__(self) -> str:
