@@ -53,7 +53,7 @@ class Study(Told):
     name: of the study and its store; scene: tables of the scene; axes: keys that are varied, in
     order, with their values; sample: how points are drawn from them, None for a grid; what: the
     analysis; keep: what is kept of every point, texts or functions; options: further arguments of
-    the analysis; time_limit: seconds that a point may take, None for no limit.
+    the analysis; time_limit: time that a point may take [s], or None.
 
     Two studies are equal if their ``digest`` is.
 
@@ -123,7 +123,7 @@ class Study(Told):
         scene: the scene; vary: for every key its values (a list, an array) or a table {from, to,
         count, scale}, in SI units; what: the analysis; keep: what is kept of every point; sample:
         {method, count, seed}, if points are drawn; options: further arguments of the analysis;
-        time_limit: seconds that a point may take; name: of the study, by default that of the scene.
+        time_limit: time that a point may take [s]; name: of the study, by default the scene's.
         """
         check_type("scene", scene, Scene, see="Scene.from_toml")
         if name is not None and not (isinstance(name, str) and name.isidentifier()):
