@@ -11,6 +11,8 @@ from rodgen.cli.signals import end_as_by_ctrl_c
 
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT"])
 def test_what_ends_a_program_interrupts_it(name: str) -> None:
+    if signal.getsignal(getattr(signal, name)) is signal.SIG_IGN:  # of a test under nohup
+        signal.signal(getattr(signal, name), signal.SIG_DFL)
     end_as_by_ctrl_c()
     with pytest.raises(KeyboardInterrupt):
         signal.raise_signal(getattr(signal, name))
