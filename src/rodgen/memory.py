@@ -18,7 +18,7 @@ from rodgen.scene.errors import SceneError
 SET = "RODGEN_MEMORY"  # bytes that may be taken [GB], instead of what is found
 SHARE = 0.5  # of what there is
 UNKNOWN = 4e9  # bytes that a machine has which does not say
-GROUP = Path("/sys/fs/cgroup/memory.max")  # of a container or a job
+GROUPS, OWN_GROUPS = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")  # of containers and jobs
 Need = Callable[[int], float]
 
 
@@ -39,13 +39,32 @@ def _found() -> list[float]:
     found = []
     with suppress(AttributeError, ValueError, OSError):  # of other systems
         found.append(float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")))
-    with suppress(OSError, ValueError):  # "max" is none
-        found.append(float(GROUP.read_text()))
+    for file in _group_files():
+        with suppress(OSError, ValueError):  # "max" is none
+            found.append(float(file.read_text()))
     if sys.platform != "win32":
         import resource
 
         soft = resource.getrlimit(resource.RLIMIT_AS)[0]
         found += [float(soft)] * (soft != resource.RLIM_INFINITY)
+    return found
+
+
+def _group_files() -> list[Path]:
+    """Files that may have a limit of the control groups that this process is in (version 1 and 2),
+    and of those around them."""
+    found = [GROUPS / "memory.max"]
+    with suppress(OSError, ValueError):
+        for line in OWN_GROUPS.read_text().splitlines():
+            _, kinds, place = line.split(":", 2)
+            old = "memory" in kinds.split(",")
+            if kinds and not old:
+                continue
+            root = GROUPS / "memory" if old else GROUPS
+            name = "memory.limit_in_bytes" if old else "memory.max"
+            inner = root / place.strip("/")
+            around = (one for one in (inner, *inner.parents) if one.is_relative_to(root))
+            found += [folder / name for folder in around]
     return found
 
 
@@ -63,9 +82,10 @@ def check_memory(what: str, links: int, need: Need, field: str = "rod.links") ->
     while beyond - most > 1:
         middle = (most + beyond) // 2
         most, beyond = (middle, beyond) if need(middle) <= have else (most, middle)
-    allowed = f"at most {most}: for {what} some {_gigabytes(need(links))} of memory are needed with"
-    raise SceneError(field, links, f"{allowed} {links}, of {_gigabytes(have)} here ({SET})")
+    allowed = f"at most {most}: for {what} some {gigabytes(need(links))} of memory are needed with"
+    raise SceneError(field, links, f"{allowed} {links}, of {gigabytes(have)} here ({SET})")
 
 
-def _gigabytes(count: float) -> str:
+def gigabytes(count: float) -> str:
+    """So many bytes, in words."""
     return f"{count / 1e9:.3g} GB" if count < 1e11 else f"{count / 1e9:.0f} GB"

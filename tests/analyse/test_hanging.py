@@ -61,6 +61,7 @@ def test_a_chain_between_two_points(n: int, k: float, to: tuple[float, float]) -
             [(0.4, 1e8, (0.3, 0.1)), (1.0, 1e8, (0.6, -0.2))],
             [(0.5, 1e4, (0.0, -0.3)), (1.0, 1e4, (0.0, 0.0))],  # a loop that hangs from itself
             [(1.0, 1e6, (0.9, 0.6))],  # stretched
+            [(0.3, 4e9, (-0.0358, -0.951))],  # stretched by far, and a tail that hangs from there
             [(1.0, 2.0, (0.8, 0.0))],  # too soft to hold it
         ],
         slow=[

@@ -3,6 +3,7 @@ move along the rod: steps end there, on either side."""
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -180,6 +181,24 @@ def test_a_law_that_drives_back_onto_where_it_switches_ends_the_run(
     assert caught.value.solution.status == "chatters"
     # The dense output of a step across it has told the time: within a thousandth.
     assert numbers(caught.value)[0] == pytest.approx(0.01, rel=1e-3)
+
+
+def test_rods_side_by_side_name_the_law_that_chatters() -> None:
+    states = {"relay": {"rate": "-1 if relay > 0.25 else 1", "initial": 0.26}}
+    table = {"name": "relay", "rod": ROD, "states": states, "integrate": {"span": [0.0, 0.05]}}
+    scene = Scene.from_dict(table)
+    model = rodgen.build(scene, "numpy")
+    p = np.tile(model.parameters(**scene.parameters), (2, 1))
+    given = {"span": [0.0, 0.05], "output_every": 0.01}
+    made = rodgen.simulate_many(model, p, scene.initial_state(), keep=["max(relay)"], **given)
+    assert made.status.tolist() == ["chatters", "chatters"]
+    assert "states.relay.rate" in made.message[1]
+    assert 0.25 in numbers(made.message[1])
+
+
+def test_an_error_of_chatter_is_the_same_in_another_process() -> None:
+    error = ChatterError("a law")
+    assert str(pickle.loads(pickle.dumps(error))) == str(error)
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,8 @@ def test_the_least_of_what_limits_it_counts(
     """The machine, a container, the process, and above all what is asked for."""
     monkeypatch.delenv(memory.SET, raising=False)
     monkeypatch.setattr(memory.os, "sysconf", lambda name: 2**20 if "PHYS" in name else 4096)
-    monkeypatch.setattr(memory, "GROUP", tmp_path / "memory.max")
+    monkeypatch.setattr(memory, "GROUPS", tmp_path)
+    monkeypatch.setattr(memory, "OWN_GROUPS", tmp_path / "cgroup")
     none = (resource.RLIM_INFINITY, resource.RLIM_INFINITY)
     monkeypatch.setattr(resource, "getrlimit", lambda _: none)
     assert limit() == 2**31
@@ -39,7 +40,16 @@ def test_the_least_of_what_limits_it_counts(
     assert limit() == 2**31
     (tmp_path / "memory.max").write_text(f"{2**31}\n")
     assert limit() == 2**30
-    monkeypatch.setattr(resource, "getrlimit", lambda _: (2**30, 2**40))
+    job = tmp_path / "batch" / "job"
+    job.mkdir(parents=True)
+    (tmp_path / "cgroup").write_text("1:name=systemd:/other\n0::/batch/job/step\n")
+    (job / "memory.max").write_text(f"{2**30}\n")
     assert limit() == 2**29
+    (tmp_path / "memory" / "old").mkdir(parents=True)
+    (tmp_path / "cgroup").write_text("4:cpu,memory:/old\n")
+    (tmp_path / "memory" / "old" / "memory.limit_in_bytes").write_text(f"{2**29}\n")
+    assert limit() == 2**28
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (2**28, 2**40))
+    assert limit() == 2**27
     monkeypatch.setenv(memory.SET, "64")
     assert limit() == 64e9

@@ -145,8 +145,9 @@ KEPT = [(0.0, 0.5), (0.5, 12.25), (2.0, -1.0)]
         "t;F\ns;N\n0,0;0,5\n0,5;12,25\n2,0;-1,0\n",  # names, units, decimal commas
         "0,0 0,5\r\n0,5\t12,25\r\n2,0 -1\r\n",
         '"time (s)","thrust (N)"\n"0","0.5"\n"0.5","12.25"\n"2","-1"\n',
-        '"0,0","0,5"\n"0,5","12,25"\n"2,0","-1,0"\n',
+        '"0,0", "0,5"\n"0,5","12,25"\n"2,0","-1,0"\n',
         "0.0, 0.5, 7, left\n0.5, 12.25, 8\n2.0, -1.0, 9, right\n",  # further columns
+        "0 ,0.5\n0.5 ,12.25\n2 ,-1\n",
         "0;0\n0;0.5\n.5;1225e-2\n2;-1\n2;0\n",  # jumps at its ends
         "# gemessen \xfc\n\n0\t0.5\t\n0.5\t12.25\t\n2\t-1\t\n",
     ],
@@ -218,6 +219,7 @@ def test_a_file_that_is_no_table_is_refused(tmp_path: Path) -> None:
         *(("table.txt", "0 0\n1 1"), ("a.csv", "0 0\n0 1"), ("a.csv", "0 0\n1 x")),
         *(("a.csv", "0 0\n1 inf"), ("a.csv", "0 0\nx y\n1 1"), ("a.csv", "0 0")),
         *(("a.csv", "x\n" * 11 + "0 0\n1 1"), ("a.csv", "0\n1"), ("a.csv", "0 0\n1 1\n1 2\n2 0")),
+        *(("a.csv", "t;F\n0;1.000,5\n1;2\n2;3"), ("a.csv", "t,F\n0,\n1,2\n2,3")),
         *(("a.csv", "0 1,234.5\n1 1"), ("a.csv", "0 1_0\n1 1"), ("a.csv", "0 0\n1 1\0")),
         ("a.csv", "\n".join(f"{i} 0" for i in range(1001))),
         *(("a.eng", "0 0\n1 1"), ("a.eng", MOTOR + MOTOR), ("a.rse", MOTOR)),

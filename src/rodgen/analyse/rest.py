@@ -30,6 +30,9 @@ ASIDE = 2.0**-10  # of the way: a difference, of what is linear in it
 FOLDED = 1e-3  # of the stiffness at the start: a branch that turns back after LEAST more of the way
 OTHERS = "`rodgen static --all` finds those of other branches, a damped run the one it rests in"
 CONTRACTED = 0.75  # of a correction, that the next one may be: else it leads elsewhere
+EPS = float(np.finfo(float).eps)
+ROUNDINGS = 16.0  # for every link, of the largest force of a support
+NEAR = 1e-3  # rad: a correction below it may be rounding of such forces
 NOISE = 1e-9  # rad: a correction below it that no longer shrinks is rounding
 
 
@@ -48,6 +51,13 @@ class Rest:
         springs = Springs.of(system, p)
         self.pull = springs.foretold(self.at, by, times) if len(springs.links) else None
         self.at = self.at.moved(by, times)
+
+    def is_rounding(self, system: System, residual: Array) -> bool:
+        """Whether what is not in balance is rounding of the forces of supports."""
+        if self.pull is None:
+            return False
+        forces = float(np.abs(self.pull).max()) * max(1.0, system.scene.rod.length)
+        return float(np.abs(residual).max()) <= ROUNDINGS * EPS * system.cells * forces
 
     def springs(self, system: System, p: Array) -> Softened | None:
         """Those of its supports, that pull as foretold."""
@@ -140,7 +150,8 @@ def newton(system: System, rest: Rest, loading: Loading) -> bool:
             return False
         change = max(_largest(by.phi), _largest(by.position) / system.scene.rod.length)
         rest.iterations += 1
-        settled = change <= 4 * np.finfo(float).eps or (change < NOISE and change >= before / 2)
+        rounded = change < NOISE or (change < NEAR and rest.is_rounding(system, here.residual))
+        settled = change <= 4 * EPS or (rounded and change >= before / 2)
         if not (settled or change < CONTRACTED * before):
             return False
         # What no load follows may come to rest later than the rod.

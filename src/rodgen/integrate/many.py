@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from types import ModuleType
@@ -295,7 +296,7 @@ def _one_by_one(
                 _keep(equations, of_rod, start, settings, recorder, reductions, made, rod)
             except (StepError, OverflowError, SceneError) as error:
                 made.status[rod] = getattr(error, "status", FAILED)
-                why = str(error)
+                why = _in_numbers(str(error), equations, of_rod)
                 made.message[rod] = (
                     why if isinstance(error, SceneError) else _said(why, taken.t, settings)
                 )
@@ -306,6 +307,15 @@ def _one_by_one(
             made.steps[rod], made.rhs[rod] = counts.steps, counts.rhs
             made.rejected[rod] = -1 if counts.rejected is None else counts.rejected
     return made
+
+
+def _in_numbers(text: str, equations: Equations, p: Array) -> str:
+    """A text with values in place of the names that numbers of expressions have in p."""
+    structure = equations.structure
+    if not structure.numbers:
+        return text
+    names = re.compile(rf"\b({'|'.join(map(re.escape, structure.numbers))})\b")
+    return names.sub(lambda found: f"{p[structure.positions[found[1]]]:g}", text)
 
 
 def _run(

@@ -34,7 +34,7 @@ from rodgen.integrate.solution import Event, Solution, Stats
 from rodgen.integrate.stepper import Happened, StepError
 from rodgen.integrate.stretches import UNBOUNDED, Stretches, inside, step_to
 from rodgen.loading import build, build_fastest
-from rodgen.memory import check_memory
+from rodgen.memory import check_memory, gigabytes, limit
 from rodgen.native.library import DeferredInterrupt
 from rodgen.progress import running, telling
 from rodgen.scene import Scene, SceneError
@@ -161,6 +161,9 @@ def check_samples(scene: Scene, to_file: bool) -> None:
     def need(links: int) -> float:
         return LINK * links + SAMPLE * held * (2 * links + states)
 
+    if need(1) > limit():
+        allowed = f"fewer, of a longer output_every: they need {gigabytes(need(1))} of memory"
+        raise SceneError("samples", count, f"{allowed}, of {gigabytes(limit())} here")
     check_memory(f"a run of {count} samples", scene.rod.links, need)
 
 

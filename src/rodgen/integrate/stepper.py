@@ -81,6 +81,10 @@ class ChatterError(StepError):
 
     def __init__(self, cause: str):
         super().__init__(f"it chatters by {cause}")
+        self.cause = cause
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.cause,)
 
 
 class Happened(Exception):  # noqa: N818, an event is no error

@@ -16,7 +16,7 @@ from rodgen.scene.errors import SceneError, meant, short
 Rows = list[tuple[float, float]]
 Refused = Callable[[str], SceneError]
 COMMENT = "#"
-DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(e[+-]?\d+)?", re.IGNORECASE)
+DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
 UNIT = re.compile(r"\s*(\[[^]]*\]|\([^)]*\))\s*$")  # behind the name of a column
 MOST_HEADER = 10  # lines
 
@@ -54,6 +54,7 @@ def columns(text: str, name: str | None, refused: Refused) -> Rows:
             if between is None:
                 header.append(line)
                 continue
+            _check_header(header, between, refused)
             at = 1 if name is None else _place(name, header, line, between, refused)
         fields = _fields(line, between)
         values = [_number(field) for field in (*fields[:1], *fields[at : at + 1])]
@@ -61,6 +62,14 @@ def columns(text: str, name: str | None, refused: Refused) -> Rows:
             raise refused(f"a table of columns of numbers (not line {number}: {short(line)})")
         rows.append((values[0], values[1]))
     return _without_ends_twice(rows)
+
+
+def _check_header(header: Sequence[str], between: str, refused: Refused) -> None:
+    """Raise SceneError for a line of a header that is a row of numbers with a fault."""
+    for line in header:
+        fields = _fields(line, between)
+        if len(fields) > 1 and math.isfinite(_number(fields[0])):
+            raise refused(f"a table of columns of numbers (not the line {short(line)})")
 
 
 def _separator(line: str) -> str | None:
@@ -75,7 +84,8 @@ def _separator(line: str) -> str | None:
 def _fields(line: str, between: str) -> list[str]:
     """Fields of a line, without quotes and blanks around them."""
     try:
-        found = next(csv.reader([line], delimiter=between)) if between else line.split()
+        rows = csv.reader([line], delimiter=between or " ", skipinitialspace=True)
+        found = next(rows) if between else line.split()
     except csv.Error:  # of a field without end
         return []
     return [field.strip().strip("\"'").strip() for field in found]

@@ -102,7 +102,11 @@ class Course:
         def known(of: Mapping[str, Expression]) -> tuple[Expression, ...]:
             return tuple(e.with_values(numbers) for e in of.values())
 
-        loads, rates = known(structure.open_expressions), known(structure.open_rates)
+        loads = known(structure.open_expressions)
+        rates = tuple(
+            replace(e, field=f"states.{name}.rate").with_values(numbers)
+            for name, e in structure.open_rates.items()
+        )
         along, masses = known(structure.open_along), known(structure.open_masses)
         fed = (*(e for e in loads if e.signals), *rates)
         timed = tuple(e for e in loads if not e.signals)

@@ -6,7 +6,7 @@ import time
 from typing import TYPE_CHECKING
 
 from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.endings import RunError
+from rodgen.integrate.endings import FAILED, RunError
 from rodgen.scene import SceneError
 from rodgen.studies.block_arrays import Made
 from rodgen.studies.findings import analysed
@@ -32,7 +32,7 @@ def compute(study: Study, points: list[Point], made: Made) -> None:
                 at, {one.text: one.finding.of(result, one.count) for one in asked}, float("nan"), ""
             )
         except (SceneError, AnalysisError, RunError) as error:
-            made.fail(at, str(error))
+            made.fail(at, str(error), getattr(error, "status", FAILED))
         except TooLong:
             made.stop(at, study.time_limit)
         made.arrays["seconds"][at] = time.process_time() - start

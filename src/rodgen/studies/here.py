@@ -196,8 +196,9 @@ def _end_with(other: Any) -> None:
 def _serve(study: Study, pipe: Connection, other: Connection) -> None:
     """Answer until nobody asks any more."""
     other.close()
-    for number in (signal.SIGINT, signal.SIGHUP, signal.SIGQUIT):  # the process that asks hears
-        signal.signal(number, signal.SIG_IGN)
+    for name in ("SIGINT", "SIGHUP", "SIGQUIT"):  # the process that asks hears
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     Thread(target=_end_with, args=(multiprocessing.parent_process(),), daemon=True).start()
     with telling(lambda _: None):

@@ -135,7 +135,7 @@ def _sums(root: Path) -> dict[str, list[str]]:
     were written, or a description is missing."""
     try:
         found = json.loads((root / DESCRIPTION).read_bytes())
-        attributes = found["attributes"]
+        attributes = dict(found["attributes"].items())
         if "digest" not in attributes or attributes.get("format") == "1":
             return {}
         own = attributes.pop(OWN)

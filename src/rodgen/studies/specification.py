@@ -251,9 +251,8 @@ class Study(Told):
             "what": self.what,
             "keep": [_named(one) for one in self.keep],
             "options": self.options,
+            "time_limit": self.time_limit,
         }
-        if self.time_limit is not None:
-            parts["time_limit"] = self.time_limit
         return {name: json.dumps(part, sort_keys=True) for name, part in parts.items()}
 
     @cached_property

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 MARK = "status"
 CHUNKS = "c"  # the folder of an array in which Zarr has its chunks
 FORMAT = "2"
+NUMBERED = re.compile(r"[0-9]{1,18}")
 LARGE = 2 * 10**7  # bytes beyond which a store is read as it is asked for
 # What the numbers of a point follow from, to the bit.
 SOURCES = (*PACKAGES, "rodgen.integrate", "rodgen.analyse", "rodgen.studies")
@@ -135,7 +137,7 @@ class Store:
         for folder, _, files in os.walk(root):
             outer = Path(folder).relative_to(root).parts
             if len(outer) == depth - 1:
-                within = [int(name) for name in files if name.isdigit()]
+                within = [int(name) for name in files if NUMBERED.fullmatch(name)]
                 outer_at = tuple(map(int, outer))
                 for at in within:
                     if all(a < n for a, n in zip((*outer_at, at), marked.shape, strict=True)):
@@ -231,7 +233,7 @@ def _group(path: Path) -> zarr.Group:
         return group
     except SceneError:
         raise
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, TypeError) as error:
         if not isinstance(error, OSError) and (path / DESCRIPTION).exists():
             raise damaged(path, DESCRIPTION) from None
         why = error.strerror if isinstance(error, OSError) and error.strerror else "there is none"

@@ -11,6 +11,7 @@ from rodgen.scene import Scene, SceneError
 from rodgen.scene.plain import is_number, plain
 
 MAKING = 60.0  # seconds that the first point of a structure has more, for making its module
+LONGEST = 1e9  # seconds that a timer can wait
 _known: set[str] = set()  # structures whose modules are there, by their hashes
 
 
@@ -45,13 +46,13 @@ def time_limit(seconds: float | None, *scenes: Scene) -> Iterator[None]:
                 fired = True
                 ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, ctypes.py_object(TooLong))
 
-    timer = Timer(seconds + MAKING * bool(new), stop)
+    timer = Timer(min(seconds + MAKING * bool(new), LONGEST), stop)
     timer.daemon = True
     timer.start()
     try:
         yield
-        _known.update(new)
     finally:
+        _known.update(new)  # Whether or not it was enough: it is given once.
         with lock:
             over = True
         timer.cancel()

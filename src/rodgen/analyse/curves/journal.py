@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 from base64 import b64decode, b64encode
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -127,7 +127,7 @@ class Journal:
         if not self._end:  # only now, as there is something to lose
             self.path.write_bytes(_line(json.dumps(self.command).encode()))
             self._end = self.path.stat().st_size
-        with self.path.open("r+b") as file:
+        with suppress(FileNotFoundError), self.path.open("r+b") as file:  # taken away: no loss yet
             file.truncate(self._end)
             file.seek(self._end)
             file.write(_line(json.dumps(content).encode()))
