@@ -89,6 +89,8 @@ def test_all_equilibria(works: Run, write: Write, work: Path) -> None:
 
 PROGRAM = """
 import signal, sys
+if signal.{name} != signal.SIGINT:  # which may be ignored, of a test under nohup
+    signal.signal(signal.{name}, signal.SIG_DFL)
 from rodgen.analyse.curves import continuation
 from rodgen.cli import main
 made, count = continuation.point_at, [0]

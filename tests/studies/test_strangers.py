@@ -20,7 +20,7 @@ from tests.studies.test_workers import study_of
 pytestmark = pytest.mark.slow
 NOBODY = 65534
 # Asks every port, as that user, who it is: in plain text, with a certificate of its own, and for
-# pages. What is needed is imported first: that user may not be able to read it.
+# pages. A port that is closed is asked first: that user may not be able to read what is imported.
 STRANGER = """
 import asyncio, encodings.idna, http.client, json, os, sys, urllib.request
 import distributed
@@ -28,11 +28,6 @@ from distributed.core import rpc
 
 ports, user = json.loads(sys.argv[1]), int(sys.argv[2])
 own = distributed.Security.temporary().get_connection_args("client")
-urllib.request.build_opener()
-if user:
-    os.setgroups([])
-    os.setgid(user)
-    os.setuid(user)
 
 async def ask(port, scheme, given):
     try:
@@ -50,11 +45,19 @@ def pages(port):
             continue
         yield [port, "http"]
 
-async def main():
+async def main(ports):
     asked = [ask(port, *how) for port in ports for how in (("tcp", None), ("tls", own))]
     return sum(await asyncio.gather(*asked), [])
 
-print(json.dumps([os.getuid(), asyncio.run(main()) + [one for p in ports for one in pages(p)]]))
+def answers(ports):
+    return asyncio.run(main(ports)) + [one for port in ports for one in pages(port)]
+
+assert not answers([1])
+if user:
+    os.setgroups([])
+    os.setgid(user)
+    os.setuid(user)
+print(json.dumps([os.getuid(), answers(ports)]))
 """
 
 
