@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from functools import cached_property, partial
 from itertools import pairwise
@@ -27,7 +28,7 @@ from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import EMPTYING, PARAMETERS
 from rodgen.scene import spring
 from rodgen.scene.expression import Expression
-from rodgen.scene.grammar import LINEAR, TABLE, Sensor, interpolated
+from rodgen.scene.grammar import LINEAR, TABLE, Sensor, TableData
 
 FIFTY_DIGITS = Arithmetic(
     mp.cos,
@@ -37,12 +38,13 @@ FIFTY_DIGITS = Arithmetic(
 )
 
 
-def _table(x: Any, knots: Sequence[float], values: Sequence[float], kind: str) -> Any:
+def _table(x: Any, table: TableData, kind: str) -> Any:
     """A table of numbers; in straight lines in the present precision."""
+    knots, values = table.knots, table.values
     if kind != LINEAR or not knots[0] < x < knots[-1]:
-        return mpf(float(interpolated(float(x), tuple(knots), tuple(values), kind)))
-    i = max(at for at, knot in enumerate(knots) if knot <= x)
-    (a, b), (u, v) = (map(mpf, pair[i : i + 2]) for pair in (knots, values))
+        return mpf(float(table.at(float(x), kind)))
+    i = bisect_right(knots, x) - 1
+    (a, b), (u, v) = (map(mpf, pair[i : i + 2].tolist()) for pair in (knots, values))
     return u + (v - u) * (x - a) / (b - a)
 
 

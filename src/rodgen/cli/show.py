@@ -107,7 +107,7 @@ def _object(scene: Scene) -> dict[str, Any]:
         "mass": scene.mass,
         "centre_of_gravity": [finite_or_none(c) for c in _centre(scene, model)],
         "states": len(scene.initial_state()),
-        "parameters": scene.parameters,
+        "parameters": dict(_numbers(scene)),
         "method": choice.method,
         "reason": choice.reason,
         "warning": drift_warning(scene) or None,
@@ -117,6 +117,13 @@ def _object(scene: Scene) -> dict[str, Any]:
         "breaks": scene.breaks(),
         "events": events,
     }
+
+
+def _numbers(scene: Scene) -> Iterator[tuple[str, Any]]:
+    """The parameters of its module, of tables how many rows these have."""
+    rows = dict(scene.structure.tables)
+    for name, value in scene.parameters.items():
+        yield name, {"rows": rows[name]} if name in rows else value
 
 
 def _listed(times: list[float]) -> str:

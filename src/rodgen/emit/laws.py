@@ -26,7 +26,7 @@ class Law(Function):  # type: ignore[misc]  # SymPy has no types
 
     name: ClassVar[str]
     expression: ClassVar[Expression]
-    positions: ClassVar[dict[str, int]]
+    places: ClassVar[dict[str, slice]]
     by: ClassVar[str] = ""
 
     def fdiff(self, argindex: int = 1) -> Expr:
@@ -38,8 +38,8 @@ class Law(Function):  # type: ignore[misc]  # SymPy has no types
         called with."""
         known = {"t": clock} | dict(zip(self.expression.signals, signals, strict=True))
         if self.by:
-            return self.expression.slope_source(self.by, language, self.positions, start, known)
-        return self.expression.source(language, self.positions, start, known)
+            return self.expression.slope_source(self.by, language, self.places, start, known)
+        return self.expression.source(language, self.places, start, known)
 
 
 def _gain(name: str, at: int) -> Symbol:
@@ -81,7 +81,7 @@ class Laws:
 
     def _law(self, name: str, by: int | None = None) -> Expr:
         expression = self.structure.laws[name]
-        known = {"name": name, "expression": expression, "positions": self.structure.positions}
+        known = {"name": name, "expression": expression, "places": self.structure.places}
         known |= {"by": "" if by is None else expression.signals[by]}
         kind = type(name if by is None else str(_gain(name, by)), (Law,), known)
         return kind(*self._signals(expression))

@@ -33,23 +33,23 @@ class Masses:
         time."""
         masses = self.structure.open_masses.items()
         bodies = {name: e for name, e in masses if name != mass_of("")}
-        positions, found = self.structure.positions, dict[str, str]()
+        places, found = self.structure.places, dict[str, str]()
         for name, e in bodies.items():
             at = {"t": clock}
-            found[name] = f"{WEIGHT[language.prefix]}({e.source(language, positions, start, at)})"
-            found[name + RATE] = e.slope_source("t", language, positions, start, at)
+            found[name] = f"{WEIGHT[language.prefix]}({e.source(language, places, start, at)})"
+            found[name + RATE] = e.slope_source("t", language, places, start, at)
         return found
 
     def of_links(self, language: Language) -> dict[str, str]:
         """Code of the mass per length and of its rate at s, and of loads at s, by the names of what
         links have."""
-        place, positions = {"s": "s"}, self.structure.positions
+        place, places = {"s": "s"}, self.structure.places
         loads = self.structure.open_along.items()
-        found = {name: e.source(language, positions, "", place) for name, e in loads}
+        found = {name: e.source(language, places, "", place) for name, e in loads}
         e = self.structure.open_masses.get(mass_of(""))
         if e is not None:
-            found[OWN] = e.source(language, positions, "", place)
-            found[OWN + RATE] = e.slope_source("t", language, positions, "", place)
+            found[OWN] = e.source(language, places, "", place)
+            found[OWN + RATE] = e.slope_source("t", language, places, "", place)
         return found
 
     def context(self, language: Language) -> dict[str, object]:

@@ -18,7 +18,7 @@ from rodgen.emit.masses import IN_TIME, Masses
 from rodgen.emit.program import Analysed
 from rodgen.emit.statements import PAIR, Program
 from rodgen.emit.targets import TARGETS, check_output, closed, target_of
-from rodgen.model.parameter import JOINTS, POSITIVE, Parameter
+from rodgen.model.parameter import JOINTS, POSITIVE, ROWS, Parameter
 from rodgen.model.rod import UNEVEN
 from rodgen.model.terms import TERMS
 from rodgen.progress import EMITTING, tell
@@ -170,6 +170,7 @@ def _context(
         "uneven_text": _tuple(structure.uneven) if structure.uneven else "",
         "spring": structure.spring,
         "expressions": structure.open_expressions,
+        "tables_text": repr(dict(structure.tables)) if structure.tables else "",
         "texts": structure.open_expressions | structure.open_along,
         "slot": _slots(hold.translates, moving),
         "state_places": _places(_slots(hold.translates, moving), hold.first)
@@ -231,6 +232,7 @@ def _parameters(structure: Structure) -> dict[str, Any]:
     width = structure.width
     return {
         "position": structure.positions,
+        "places": places,
         "first_positions": {
             f"{name}_{spans[name].start}" if name in spans else name: place.start
             for name, place in places.items()
@@ -265,6 +267,7 @@ def _array(parameter: Parameter, span: range, place: slice) -> dict[str, Any]:
         "number": "N + 1" if parameter.each == JOINTS else str(len(span)),
         "rule": parameter.rule,
         "each": f"one for every {parameter.each}",
+        "table": parameter.each == ROWS,
         "default": parameter.default,
     }
 

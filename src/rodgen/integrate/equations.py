@@ -107,12 +107,6 @@ class Equations:
     # What changes with time ---------------------------------------------------------------------
 
     @cached_property
-    def _open(self) -> list[Expression]:
-        of = self.structure
-        groups = of.open_expressions, of.open_along, of.open_rates, of.open_masses
-        return [e for group in groups for e in group.values()]
-
-    @cached_property
     def _switching(self) -> bool:
         """Whether a law of the motion switches at what it follows."""
         return self._cornered or any(e.switches() for e in self.structure.laws.values())
@@ -123,24 +117,21 @@ class Equations:
         return bool(self.structure.spring and self.structure.spring_law.corners())
 
     @cached_property
-    def _timed(self) -> dict[str, int]:
-        """Where in p the numbers of its expressions lie."""
-        positions = self.structure.positions
-        return {name: positions[name] for e in self._open for name in e.names}
+    def _timed(self) -> NDArray[np.int64]:
+        """Where in p the numbers and tables of its expressions lie."""
+        of = self.structure
+        places = (of.places[name] for name in (*of.numbers, *dict(of.tables)))
+        return np.concatenate([np.arange(one.start, one.stop) for one in places] or [[]]).astype(int)
 
     def course(self, span: Sequence[float], p: Array) -> Course:
         """What changes with time within a span [s], for one rod. Raises SceneError."""
-        return Course.of(self.structure, self._values(p), span[0], span[1], self._stiffness(p))
+        values, stiffness = self.structure.values_in(p), self._stiffness(p)
+        return Course.of(self.structure, values, span[0], span[1], stiffness)
 
     def timed(self, p: Array) -> dict[str, Expression]:
         """Loads that change with time alone, by the names of their parameters, for one rod."""
-        values, loads = self._values(p), self.structure.open_expressions.items()
+        values, loads = self.structure.values_in(p), self.structure.open_expressions.items()
         return {name: e.with_values(values) for name, e in loads if not e.signals}
-
-    def _values(self, p: Array) -> dict[str, float]:
-        """The numbers in its expressions, by name."""
-        positions = self.structure.positions
-        return {name: float(p[positions[name]]) for name in self.structure.numbers}
 
     def _stiffness(self, p: Array) -> tuple[float, ...]:
         """Of the springs, where their law has corners: those of an even rod follow from EI."""
@@ -167,17 +158,19 @@ class Equations:
     ) -> tuple[Courses, NDArray[np.int64] | None, dict[int, str]]:
         """Stretches of the runs, which of them each rod has (None: all the first), and why rods
         have none."""
-        numbers = p[:, list(self._timed.values())]
-        if not self._timed or len(p) == 1:
-            key = settings.span[0], settings.span[1], settings.fixed, numbers[:1].tobytes()
+        if not len(self._timed) or len(p) == 1:
+            numbers = p[0, self._timed].tobytes()
+            key = settings.span[0], settings.span[1], settings.fixed, numbers
             known = self._courses.get(key)
             if known is None:
-                known = self._found(settings, numbers[:1])
+                known = self._found(settings, p[:1])
                 _remember(self._courses, key, known)
             courses, refused = known
             return courses, None, dict.fromkeys(range(rods), refused[0]) if refused else {}
-        distinct, which = np.unique(numbers, axis=0, return_inverse=True)
-        courses, refused = self._found(settings, distinct)
+        _, first, which = np.unique(
+            p[:, self._timed], axis=0, return_index=True, return_inverse=True
+        )
+        courses, refused = self._found(settings, p[first])
         which = which.reshape(-1).astype(np.int64)
         return (
             courses,
@@ -189,22 +182,21 @@ class Equations:
             },
         )
 
-    def _found(self, settings: Integrate, numbers: Array) -> tuple[Courses, dict[int, str]]:
-        """Stretches for several sets of numbers, and why some have none."""
+    def _found(self, settings: Integrate, rods: Array) -> tuple[Courses, dict[int, str]]:
+        """Stretches for several rods by their parameters, and why some have none."""
         found, refused = list[Stretches](), dict[int, str]()
-        for at, values in enumerate(numbers):
+        for at, p in enumerate(rods):
             try:
-                found.append(self._stretches(settings, values))
+                found.append(self._stretches(settings, p))
             except SceneError as error:
                 found.append(Stretches([]))
                 refused[at] = str(error)
         return Courses.of(settings.span[0], found), refused
 
-    def _stretches(self, settings: Integrate, values: Array) -> Stretches:
-        """Stretches for one set of numbers. Raises SceneError."""
+    def _stretches(self, settings: Integrate, p: Array) -> Stretches:
+        """Stretches for one rod. Raises SceneError."""
         start, end = settings.span
-        by_name = dict(zip(self._timed, values.tolist(), strict=True))
-        course = Course.of(self.structure, by_name, start, end)
+        course = Course.of(self.structure, self.structure.values_in(p), start, end)
         found = Stretches.of(course, settings.fixed)
         if not found.ends:
             _, load = course.pole() or (start, None)

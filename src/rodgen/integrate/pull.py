@@ -36,7 +36,7 @@ def with_place(scene: Scene) -> Scene:
     for a pull."""
     if scene.supports:
         return scene
-    return Scene.from_dict({**scene.to_dict(), "supports": [{"at": 1.0}]})
+    return Scene.from_dict({**scene.model_dump(exclude_none=True), "supports": [{"at": 1.0}]})
 
 
 def pulled(scene: Scene, pull: Pull) -> Scene:

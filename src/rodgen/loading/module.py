@@ -92,7 +92,8 @@ def structure_of(module: ModuleType) -> Structure:
     expressions = tuple(getattr(module, "EXPRESSIONS", {}).items())
     states = tuple(getattr(module, "STATES", {}).items())
     spring, masses = getattr(module, "SPRING", ""), getattr(module, "MASSES", ())
-    return _structure(*rod, expressions, getattr(module, "UNEVEN", ()), states, spring, masses)
+    uneven, tables = getattr(module, "UNEVEN", ()), tuple(getattr(module, "TABLES", {}).items())
+    return _structure(*rod, expressions, uneven, states, spring, masses, tables)
 
 
 @lru_cache(maxsize=64)

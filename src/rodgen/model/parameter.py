@@ -7,6 +7,7 @@ from dataclasses import dataclass
 ANY, NOT_NEGATIVE, POSITIVE = "any", "at least 0", "positive"
 # What a parameter of several numbers has one for: see Structure.spans.
 JOINTS, LINKS, SPRINGS = "joint", "link", "joint with a spring"
+ROWS = "row of a table, its knots first"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,8 +20,8 @@ class Parameter:
     in a load that is switched on in the live view, where that is not the default.
 
     part: which of the numbers of its key it is, where that has two; timed: a scene may give it as a
-    function of time; each: what it has a number for each of, JOINTS, LINKS or SPRINGS, where it is
-    several; scales: the load is in proportion to it; decades: a slider moves over powers of ten;
+    function of time; each: what it has a number, or two, for each of, JOINTS, LINKS, SPRINGS or
+    ROWS, where it is several; scales: the load is in proportion to it; decades: a slider moves over powers of ten;
     most: the largest value that it may have; fixed: another value needs another module;
     links_power: for one and the same rod it grows as this power of the number of links; by_mass:
     its effect is in proportion to the mass of the links at the start of the span.

@@ -14,8 +14,8 @@ from functools import cached_property
 import numpy as np
 
 from rodgen.model.rod import STEADY, UNEVEN
-from rodgen.scene.expression import Expression
-from rodgen.scene.law import Along, Array, Law, Numbers, means, points
+from rodgen.scene.expression import Expression, Numbers
+from rodgen.scene.law import Along, Array, Law, means, points
 from rodgen.scene.link_parts import Part, together
 from rodgen.scene.numbers import mass_of
 from rodgen.scene.places import point_of

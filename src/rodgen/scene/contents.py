@@ -92,6 +92,11 @@ def contents(scene: Scene) -> list[Piece]:
         Piece(f"state {name}", True, f"its rate is part of the code: {in_brief(rate.canonical)}")
         for name, rate in scene.rates.items()
     ]
+    added += [
+        Piece(f"table {name}", True, f"{len(table)} rows, from {first:g} to {last:g}")
+        for name, table in scene.tables.items()
+        for first, last in [table.knots[[0, -1]]]
+    ]
     loads = {term.name: term for term in TERMS.values()}
     loads |= {name: TERMS[name] for name in scene.structure.loads}
     # A load that a scene has several times stands beside the first of its kind.

@@ -18,7 +18,7 @@ TURN = 2 * math.pi
 
 def doubts(scene: Scene) -> Iterator[str]:
     """Sentences on numbers that no expression names, and on angles that look like degrees."""
-    named = named_numbers(scene.to_dict())
+    named = named_numbers(scene.model_dump(exclude_none=True))
     for name in scene.numbers:
         if name not in named:
             yield f"no expression names {NUMBERS}.{name}"

@@ -10,8 +10,9 @@ import tomli_w
 
 from rodgen.scene.errors import SceneError
 from rodgen.scene.examples import example, examples
-from rodgen.scene.files import with_tables
+from rodgen.scene.files import TABLES, with_tables
 from rodgen.scene.keys import check_named, put_values
+from rodgen.scene.lookup_table import in_lists
 from rodgen.scene.plain import plain, read_table
 from rodgen.scene.structure import check_links
 from rodgen.scene.tables import Rod, Table
@@ -71,7 +72,10 @@ class Exchange(Table):
 
     def to_dict(self) -> dict[str, Any]:
         """The tables of the scene, without what it leaves out; `from_dict` makes it of them."""
-        return self.model_dump(exclude_none=True)
+        made = self.model_dump(exclude_none=True)
+        if TABLES in made:
+            made[TABLES] = {name: in_lists(table) for name, table in made[TABLES].items()}
+        return made
 
     def to_toml(self) -> str:
         """The text of a TOML file from which `from_toml` makes a scene equal to this one; numbers
@@ -107,10 +111,10 @@ Made = TypeVar("Made", bound=Exchange)
 def with_values(scene: Made, given: Mapping[str, Any]) -> Made:
     """The scene with plain values of keys, as `Scene.replace` makes it; a number that no expression
     names may be among them. Raises SceneError."""
-    table, links = scene.to_dict(), given.get(LINKS)
+    table, links = scene.model_dump(exclude_none=True), given.get(LINKS)
     if links not in (None, scene.rod.links):
         check_links(links, scene.rod.boundary, LINKS)
-        table = scene.with_links(links).to_dict()
+        table = scene.with_links(links).model_dump(exclude_none=True)
         given = {name: value for name, value in given.items() if name != LINKS}
     put_values(table, given, type(scene))
     return scene.from_dict(table)

@@ -19,25 +19,31 @@ from rodgen.scene.zeros import Pulse, onsets, sampled
 
 # What a law switches by: of its variable and of what it follows, by name.
 Difference = Callable[[Any, Mapping[str, Any]], Any]
+# Numbers and tables by name; None where only a module knows the value.
+Numbers = tuple[tuple[str, float | grammar.TableData | None], ...]
 
 
 @dataclass(frozen=True)
 class Expression:
     """A checked expression in one variable and in numbers that have names.
 
-    field: where it stands, for error messages; numbers: by name, None where only a module knows
-    the value; states: names of states that it may follow, with sensors; None: neither.
+    field: where it stands, for error messages; numbers: those that it may name, and tables, whose
+    names stand in quotes; states: names of states that it may follow, with sensors; None: neither.
     """
 
     text: str
     variable: str
     field: str = "expression"
-    numbers: tuple[tuple[str, float | None], ...] = ()
+    numbers: Numbers = ()
     states: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
-        names, states = self._values, self.states
-        grammar.check(self._tree, self.variable, names, self._refused, states=states)
+        known = {name: self._values[name] for name in self.tables if name in self._values}
+        tables = [name for name, of in known.items() if not isinstance(of, float | int)]
+        names, states = self._values.keys() - tables, self.states
+        grammar.check(
+            self._tree, self.variable, names, self._refused, states=states, known_tables=tables
+        )
         self._check_constants()
 
     def _check_constants(self) -> None:
@@ -56,7 +62,7 @@ class Expression:
         return tree
 
     @cached_property
-    def _values(self) -> dict[str, float | None]:
+    def _values(self) -> dict[str, float | grammar.TableData | None]:
         return dict(self.numbers)
 
     @cached_property
@@ -72,7 +78,8 @@ class Expression:
     def _refused(self, node: ast.AST | None, allowed: str = "") -> SceneError:
         """The error for a part in whose place something else is allowed, or the grammar."""
         part = self.text if node is None else ast.unparse(node)
-        names = (self.variable, *self._values, *(self.states or ()))
+        named = (name for name in self._values if name.isidentifier())
+        names = (self.variable, *named, *(self.states or ()))
         sensed = grammar.SENSED if self.states is not None else ""
         hint = "" if allowed else grammar.advice(node, names)
         allowed = allowed or grammar.ALLOWED.format(names=", ".join(names)) + sensed
@@ -102,8 +109,13 @@ class Expression:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the numbers in it, in the order of the text."""
-        others = {self.variable, *self.signals}
+        others = {self.variable, *self.signals, *self.tables}
         return tuple(n for n in self._mentioned if n not in others)
+
+    @cached_property
+    def tables(self) -> tuple[str, ...]:
+        """Names of the tables in it whose numbers do not stand in the text."""
+        return grammar.table_names(self._tree)
 
     @cached_property
     def signals(self) -> tuple[str, ...]:
@@ -119,14 +131,14 @@ class Expression:
         self,
         by: str,
         language: grammar.Language,
-        positions: Mapping[str, int],
+        places: Mapping[str, slice],
         start: str,
         signals: Mapping[str, str],
     ) -> str:
         """Code of the derivative by one of its signals."""
         tree = grammar.derivative(self._tree, by)
         return (
-            "0.0" if tree is None else grammar.source_of(tree, language, positions, start, signals)
+            "0.0" if tree is None else grammar.source_of(tree, language, places, start, signals)
         )
 
     def value(
@@ -144,17 +156,18 @@ class Expression:
             names = self._values | {self.variable: at} | dict(signals)
             return 0.0 if tree is None else grammar.value_of(tree, names)
 
-    def parametrised(self, prefix: str) -> tuple[str, dict[str, float]]:
-        """Canonical text in which every number has a name, and the values by name.
+    def parametrised(self, prefix: str) -> tuple[str, dict[str, Any]]:
+        """Canonical text in which every number has a name, and the values by name; of tables whose
+        numbers are not in the text, TableData.
 
         Names are ``prefix_1``, ``prefix_2``, ..., in tables ``prefix_knot_1``, ``prefix_value_1``,
-        ..., in the order of the text, and those that the numbers have already; whole exponents stay
-        as they are.
+        ..., of a whole table ``prefix_table_1``, ..., in the order of the text, and those that the
+        numbers have already; whole exponents stay as they are.
         """
-        values: dict[str, float] = {}
+        values: dict[str, Any] = {}
 
-        def named(name: str, value: float) -> ast.expr:
-            values[name] = value
+        def named(name: str, value: float | str) -> ast.expr:
+            values[name] = self._values[value] if isinstance(value, str) else value
             return ast.Name(name)
 
         tree = self._renamed(prefix, named)
@@ -164,16 +177,18 @@ class Expression:
     def with_numbers(self, prefix: str, changed: Mapping[str, float]) -> str:
         """The text with other values of numbers, by the names that ``parametrised`` gives them."""
 
-        def number(name: str, value: float) -> ast.expr:
-            return ast.parse(repr(changed.get(name, value)), mode="eval").body
+        def number(name: str, value: float | str) -> ast.expr:
+            text = value if isinstance(value, str) else repr(changed.get(name, value))
+            return ast.parse(text, mode="eval").body
 
         return ast.unparse(self._renamed(prefix, number))
 
-    def _renamed(self, prefix: str, made: Callable[[str, float], ast.expr]) -> ast.expr:
-        """The tree with what is made of the name and value of every number in its place."""
+    def _renamed(self, prefix: str, made: Callable[[str, float | str], ast.expr]) -> ast.expr:
+        """The tree with what is made of the name and value of every number, or table, in its
+        place."""
         counts: Counter[str] = Counter()
 
-        def number(value: float, what: str) -> ast.expr:
+        def number(value: float | str, what: str) -> ast.expr:
             counts[what] += 1
             return made(f"{prefix}_{what}{counts[what]}", value)
 
@@ -195,7 +210,7 @@ class Expression:
         """Whether there is a table in it."""
         return bool(self._tables)
 
-    @property
+    @cached_property
     def _tables(self) -> list[grammar.Table]:
         return list(grammar.tables(self._tree))
 
@@ -208,8 +223,12 @@ class Expression:
             return all(bool(np.isfinite(grammar.value_of(part, names))) for part in parts)
 
     def with_values(self, values: Mapping[str, Any]) -> Expression:
-        """The expression with values of its numbers; those of other names are left out."""
-        known = tuple((name, float(values[name])) for name in self.names)
+        """The expression with values of its numbers and tables; those of other names are left
+        out."""
+        known: Numbers = (
+            *((name, float(values[name])) for name in self.names),
+            *((name, grammar.TableData.of(values[name])) for name in self.tables),
+        )
         # What follows from the text alone is checked and known.
         made = object.__new__(Expression)
         made.__dict__.update(self.__dict__, numbers=known, _values=dict(known))
@@ -228,16 +247,16 @@ class Expression:
     def source(
         self,
         language: grammar.Language = grammar.NUMPY,
-        positions: Mapping[str, int] | None = None,
+        places: Mapping[str, slice] | None = None,
         start: str = "",
         signals: Mapping[str, str] | None = None,
     ) -> str:
         """The expression as code in the variable; canonical, so equal for equal trees.
 
-        positions: in p, from ``start`` on, of the numbers that have names; signals: code of its
-        states and sensors.
+        places: in p, from ``start`` on, of the numbers and tables that have names; signals: code of
+        its states and sensors.
         """
-        return grammar.source_of(self._tree, language, positions or {}, start, signals)
+        return grammar.source_of(self._tree, language, places or {}, start, signals)
 
     def affine(self) -> tuple[Expression, float, float]:
         """What of it changes, its core, and a and b of a times that plus b, which it is; itself
@@ -291,9 +310,10 @@ class Expression:
         return any(part and grammar.signals_in(part, self.states or ()) for part in parts)
 
     def knots(self) -> list[float]:
-        """Knots of the tables of the variable itself, ascending."""
-        found = grammar.knots(self._tree, self.variable)
-        return sorted({float(grammar.value_of(knot, self._values)) for knot in found})
+        """Knots of the tables of the variable itself that tell what these are like, ascending."""
+        tables = grammar.tables_of(self._tree, self.variable)
+        found = (grammar.data_of(one, self._values).corners for one in tables)
+        return sorted({float(knot) for knots in found for knot in knots})
 
     def _difference(self, a: ast.expr, b: ast.expr | None) -> Apart:
         named = dict.fromkeys((*grammar.names_in(a), *(grammar.names_in(b) if b else ())))
@@ -377,7 +397,7 @@ def parsed(
     text: str,
     variable: str,
     field: str,
-    numbers: tuple[tuple[str, float], ...],
+    numbers: Numbers,
     states: tuple[str, ...] | None = None,
 ) -> Expression:
     """An expression of a scene."""

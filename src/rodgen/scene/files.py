@@ -1,4 +1,4 @@
-"""Tables of numbers in files beside a scene: interp(t, 'thrust.csv') becomes a table of numbers.
+"""Tables of numbers in files beside a scene, which interp(t, 'thrust.csv') names.
 
 A file has columns, of which interp(t, 'test.csv', 'thrust') takes one, or is the thrust curve of a
 rocket motor, RASP's (.eng) or RockSim's (.rse). A motor's curve begins at the origin, and where it
@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import math
 import re
+from collections.abc import Collection
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -17,49 +18,65 @@ from xml.etree import ElementTree
 
 from rodgen.scene.columns import Rows, columns, decoded
 from rodgen.scene.errors import SceneError, short
-from rodgen.scene.grammar import CUBIC, LINEAR, MOST_KNOTS, TABLE, parse
+from rodgen.scene.grammar import CUBIC, LINEAR, TABLE, parse
+from rodgen.scene.lookup_table import MOST_ROWS
 
-LARGEST = 1_000_000  # bytes
+LARGEST = 50_000_000  # bytes
 KINDS = (".csv", ".eng", ".rse")
 MOTORS = (".eng", ".rse")
+TABLES = "tables"  # where a scene has them
 DECLARED = re.compile(r"^\s*<\?xml[^>]*\?>")  # an encoding, of what is text already
 BETWEEN = re.compile(r"[,;\s]+")
 MOTOR_FIELDS = 7  # of a RASP header: name, diameter, length, delays, two masses, maker
 
 
-def with_tables(value: Any, folder: Path, place: str = "") -> Any:
-    """Tables of a scene in which files named in expressions are the numbers that they hold.
+def with_tables(scene: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The tables of a scene and, among them, the numbers of the files that its expressions name.
 
     Raises SceneError for a file that cannot be had, is no table, or does not lie in the folder.
     """
-    if isinstance(value, dict):
-        return {k: with_tables(v, folder, f"{place}.{k}" if place else k) for k, v in value.items()}
-    if isinstance(value, list):
-        return [with_tables(v, folder, f"{place}[{at}]") for at, v in enumerate(value)]
-    if not isinstance(value, str) or f"{TABLE}(" not in value:
-        return value
-    tree = parse(value, place)
-    return value if tree is None else ast.unparse(_Reader(folder, place, value).visit(tree))
+    known = scene.get(TABLES, {})
+    if not isinstance(known, dict):
+        return scene
+    reader = _Reader(folder, known)
+    made = {key: value if key == TABLES else reader.read(value, key) for key, value in scene.items()}
+    return made | ({TABLES: known | reader.found} if reader.found else {})
 
 
 class _Reader(ast.NodeTransformer):
-    """Puts the numbers of a file in place of its name."""
+    """Reads the files that expressions name; found: their tables by name, a column behind a
+    colon."""
 
-    def __init__(self, folder: Path, place: str, text: str):
-        self._folder, self._place, self._text = folder, place, text
+    def __init__(self, folder: Path, known: Collection[str]):
+        self._folder, self._known, self._place = folder, known, ""
+        self.found: dict[str, dict[str, list[float]]] = {}
+
+    def read(self, value: Any, place: str) -> Any:
+        """A value of a scene, the expressions in which name tables that are there."""
+        if isinstance(value, dict):
+            return {k: self.read(v, f"{place}.{k}") for k, v in value.items()}
+        if isinstance(value, list):
+            return [self.read(v, f"{place}[{at}]") for at, v in enumerate(value)]
+        if not isinstance(value, str) or f"{TABLE}(" not in value:
+            return value
+        self._place = place
+        tree = parse(value, place)
+        return value if tree is None else ast.unparse(self.visit(tree))
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         self.generic_visit(node)
         match node:
             case ast.Call(
                 func=ast.Name(id="interp"), args=[x, ast.Constant(value=str() as name), *more]
-            ):
+            ) if name not in self._known:
                 column, kind = _column(more)
-                rows = self._rows(name, column)
-                pair = zip(*rows, strict=True)
-                lists = [ast.parse(repr(list(column)), mode="eval").body for column in pair]
-                table = ast.Call(node.func, [x, *lists, *kind], [])
-                (begin, first), (end, last) = rows[0], rows[-1]
+                whole = name if column is None else f"{name}:{column}"
+                table = ast.Call(node.func, [x, ast.Constant(whole), *kind], [])
+                if whole not in self.found:
+                    knots, values = zip(*self._rows(name, column), strict=True)
+                    self.found[whole] = {"knots": list(knots), "values": list(values)}
+                knots, values = self.found[whole].values()
+                begin, first, end, last = knots[0], values[0], knots[-1], values[-1]
                 if Path(name).suffix.lower() not in MOTORS:
                     return table
                 burns: ast.expr = table
@@ -157,8 +174,8 @@ def _numbers(text: str) -> tuple[float, float] | None:
 
 
 def _checked(rows: Rows, refused: Any) -> Rows:
-    if not 2 <= len(rows) <= MOST_KNOTS:
-        raise refused(f"a table of 2 to {MOST_KNOTS} rows (this has {len(rows)})")
+    if not 2 <= len(rows) <= MOST_ROWS:
+        raise refused(f"a table of 2 to {MOST_ROWS} rows (this has {len(rows)})")
     for (a, _), (b, _) in pairwise(rows):
         if b <= a:
             raise refused(f"a table whose first column ascends (not from {a:g} to {b:g})")

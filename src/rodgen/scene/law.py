@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 
 from rodgen.scene.bounds import between, outside, sides
 from rodgen.scene.errors import SceneError
-from rodgen.scene.expression import Difference, Expression, parsed
+from rodgen.scene.expression import Difference, Expression, Numbers, parsed
 
 Array = NDArray[np.float64]
 Along = float | list[float] | str  # a number, values along the rod, or an expression in s
-Numbers = tuple[tuple[str, float], ...]
 GAUSS = 5
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(GAUSS)
 POINTS, WEIGHTS = (POINTS + 1) / 2, WEIGHTS / 2  # of an interval from 0 to 1

@@ -6,7 +6,7 @@ import keyword
 import re
 from collections.abc import Iterable
 
-from rodgen.model.parameter import ANY, Parameter
+from rodgen.model.parameter import ANY, ROWS, Parameter
 from rodgen.model.quantities import QUANTITIES, number_in
 from rodgen.model.rod import MASS_PER_LENGTH
 from rodgen.model.terms import PARAMETERS, TERMS
@@ -17,7 +17,7 @@ LONGEST = 64  # characters
 NAME = re.compile(rf"[A-Za-z][A-Za-z0-9_]{{0,{LONGEST - 1}}}")
 # What a generated module calls by these names, and the variables of expressions.
 TAKEN = {"t", "s", "d", "k", "p", "y", "np", "math", "fins", "N", "pi", TABLE, *FUNCTIONS}
-MADE = re.compile(r"(.+?)_(?:knot_|value_)?\d+")  # a number of an expression without a name
+MADE = re.compile(r"(.+?)_(?:knot_|value_|table_)?\d+")  # a number or table of an expression without a name
 OF_LOADS = ("work_", "power_", "force_")  # before the name of a load, its quantities
 SENSORS = re.compile(r"(phi|omega|x|y|vx|vy)(_?\d+)?")
 
@@ -55,6 +55,12 @@ def row_of(name: str, rule: str = ANY) -> Parameter:
     """The parameter of a module that a number of an expression is."""
     what = "a number in an expression" + " of t" * (rule == ANY)
     return Parameter(name=name, key=name, label=name, description=what, rule=rule)
+
+
+def row_of_table(name: str) -> Parameter:
+    """The parameter of a module that a table of an expression is."""
+    what = "a table in an expression"
+    return Parameter(name=name, key=name, label=name, description=what, each=ROWS)
 
 
 def check_names(names: Iterable[str], table: str, also: Iterable[str] = ()) -> None:

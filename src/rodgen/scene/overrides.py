@@ -95,6 +95,7 @@ def _computed(scene: Scene) -> dict[str, str]:
     for term in (TERMS[name] for name in structure.loads if TERMS[name].kind == ANCHOR):
         found |= {one.name: f"{term.table} and rod.length" for one in term.parameters}
         found |= {one.name: "rod.clamp_angle" for one in term.parameters if one.angle}
+    found |= dict.fromkeys(dict(structure.tables), "[tables]")
     if scene.rod.mass is None:
         found["mass"] = "rod.mass_per_length"
     return {name: source for name, source in found.items() if name in structure.parameters}

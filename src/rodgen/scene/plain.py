@@ -20,6 +20,7 @@ from rodgen.scene.errors import SceneError
 PLAIN = float, int, str  # passed over in lists, which may hold a million of them
 DEEPEST = 50  # tables and lists, each in the one before
 MOST_KEYS = 10**5  # of all tables together, with what lists hold beside plain values
+MOST_VALUES = 5 * 10**5  # in lists of a file
 LONGEST = 2 * 10**6  # values of a list
 LARGEST = 10_000_000  # bytes of a file
 AROUND = 40  # characters to either side of what the parser cannot read
@@ -38,6 +39,7 @@ TEXT = re.compile(
     """,
     re.DOTALL | re.VERBOSE,
 )
+IN_LIST = re.compile(r"(?<=[\[,\s])[+-]?[0-9]++(?:\.[0-9]++)?(?:[eE][+-]?[0-9]++)?(?=[ \t]*+[],])")
 DOTTED = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{DEEPEST}}}")
 HIDDEN = {
     "\\A\ufeff": "a byte order mark",
@@ -103,6 +105,8 @@ class _Plain:
             return {str(k): self.made(v, f"{at}{k}", depth + 1) for k, v in value.items()}
         if len(value) > LONGEST:
             raise SceneError(place, _Shown(value), f"a list of at most {LONGEST} values")
+        if {*map(type, value)} <= {*PLAIN}:  # as most are, a hundred thousand numbers among them
+            return list(value)
         self._add(value, sum(type(inner) not in PLAIN for inner in value))
         return [
             inner if type(inner) in PLAIN else self.made(inner, f"{place}[{i}]", depth + 1)
@@ -197,15 +201,15 @@ def _hidden(text: str) -> str:
 def _too_much(text: str) -> str:
     """What is said of a text that would take the parser minutes, or deeper than Python calls; else
     nothing."""
-    bare = TEXT.sub("x", text)
+    bare = IN_LIST.sub("0", TEXT.sub("x", text))
     marks = np.frombuffer(bare.encode(), np.uint8)
 
     def at(characters: bytes) -> NDArray[np.bool_]:
         return np.isin(marks, np.frombuffer(characters, np.uint8))
 
     opened = at(b"[{")
-    if max((at(b"=,") | opened).sum(), at(b".").sum()) > MOST_KEYS:
-        return f"a file of at most {MOST_KEYS} keys and values"
+    if max((at(b"=") | opened).sum(), at(b".").sum()) > MOST_KEYS or at(b",").sum() > MOST_VALUES:
+        return f"a file of at most {MOST_KEYS} keys and {MOST_VALUES} values"
     depth = np.cumsum(opened.astype(np.int32) - at(b"]}"))
     if depth.max(initial=0) > DEEPEST or DOTTED.search(bare):
         return f"a file of tables and lists at most {DEEPEST} deep"

@@ -30,10 +30,12 @@ from rodgen.scene.course import Course
 from rodgen.scene.errors import SceneError, check_type, explain
 from rodgen.scene.event import Event, check_events
 from rodgen.scene.exchange import Exchange
-from rodgen.scene.expression import Expression, parsed
+from rodgen.scene.expression import Expression, Numbers, parsed
+from rodgen.scene.grammar import TableData
 from rodgen.scene.integration import AUTO, Integrate, Settings, spelt_out
 from rodgen.scene.law import Law
 from rodgen.scene.load_tables import FinFactor, Loads
+from rodgen.scene.lookup_table import LookupTable, checked_table
 from rodgen.scene.mesh import with_links
 from rodgen.scene.numbers import check_names, check_states, mass_of
 from rodgen.scene.plain import plain
@@ -57,7 +59,8 @@ class Scene(Exchange, Shown):
     """A scene: a rod, its loads, its initial state, and how it is integrated.
 
     name: of the scene and of the folder of its results; numbers: those of [parameters], by name, in
-    the units of the expressions that name them; rod, loads, initial, integrate: these tables;
+    the units of the expressions that name them; tables: those of many rows, by the names by which
+    expressions call them; rod, loads, initial, integrate: these tables;
     bodies, supports, events: lists of tables; foundation: its table, or None; states: tables of the
     states that are added, by name.
 
@@ -86,6 +89,7 @@ class Scene(Exchange, Shown):
         exclude_if=operator.not_,
         description="numbers that expressions call by these names, each a plain identifier",
     )
+    tables: dict[str, LookupTable] = Field({}, exclude_if=operator.not_)
     rod: Rod
     bodies: list[Body] = []
     supports: list[Support] = []
@@ -128,6 +132,15 @@ class Scene(Exchange, Shown):
         if isinstance(tables, dict):
             check_count("states", tables)
         return tables
+
+    @field_validator("tables", mode="before")
+    @classmethod
+    def _as_data(cls, tables: Any) -> Any:
+        """Each by itself, so that what is wrong is named by its name."""
+        if not isinstance(tables, dict):
+            return tables
+        check_count("tables", tables)
+        return {name: checked_table(name, table) for name, table in tables.items()}
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -179,9 +192,11 @@ class Scene(Exchange, Shown):
         """How many links at the start of the rod do not move."""
         return self.hold.first
 
-    @property
-    def _numbers(self) -> tuple[tuple[str, float], ...]:
-        return tuple(self.numbers.items())
+    @cached_property
+    def _numbers(self) -> Numbers:
+        """What expressions may name: numbers, and tables by names in quotes."""
+        tables = ((repr(name), table) for name, table in self.tables.items())
+        return (*self.numbers.items(), *tables)
 
     def expression(self, name: str) -> Expression | None:
         """The expression that a parameter of a load is given by, where it is given by text: in t,
@@ -249,17 +264,22 @@ class Scene(Exchange, Shown):
     @cached_property
     def _structure(self) -> st.Structure:
         rod = self.rod
-        texts = ((name, force.parametrised(name)[0]) for name, force in self.expressions.items())
-        rates = ((name, e.parametrised(f"{name}_rate")[0]) for name, e in self.rates.items())
+        values = dict[str, Any]()
+
+        def text(e: Expression, prefix: str) -> str:
+            named, found = e.parametrised(prefix)
+            values.update(found)
+            return named
+
+        texts = tuple((name, text(force, name)) for name, force in self.expressions.items())
+        rates = tuple((name, text(e, f"{name}_rate")) for name, e in self.rates.items())
         terms = self.loads.structure(rod.links) + self.anchors.terms
         what = rod.links, rod.boundary, rod.inertia, terms
-        law = self.spring_law
-        sprung = law.parametrised(spring.NAME)[0] if law else ""
+        sprung = text(self.spring_law, spring.NAME) if self.spring_law else ""
         along = self.distribution
-        masses = tuple(
-            (name, link, e.parametrised(mass_of(name))[0]) for name, link, e in along.changing
-        )
-        return st.Structure(*what, tuple(texts), along.uneven, tuple(rates), sprung, masses)
+        masses = tuple((name, link, text(e, mass_of(name))) for name, link, e in along.changing)
+        tables = ((name, len(of)) for name, of in values.items() if isinstance(of, TableData))
+        return st.Structure(*what, texts, along.uneven, rates, sprung, masses, tuple(tables))
 
     @property
     def spring_law(self) -> Expression | None:
@@ -336,7 +356,8 @@ class Scene(Exchange, Shown):
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Values of the parameters of its module, by name, in SI units."""
+        """Values of the parameters of its module, by name, in SI units; of a table TableData, an
+        array of its knots and then its values."""
         rod, along = self.rod, self.distribution
         values: dict[str, Any] = {
             one.name: getattr(rod, one.key) or 0.0 for one in (*ROD, CLAMP_ANGLE)
@@ -406,7 +427,7 @@ class Scene(Exchange, Shown):
         another output_every that of t_eval.
         """
         changes = {name: value for name, value in given.items() if value is not None}
-        table = self.to_dict()
+        table = self.model_dump(exclude_none=True)
         method = changes.get("method", self.integrate.method)
         if method in EITHER and {"rtol", "atol"} & set(changes):
             table["integrate"].pop("step", None)

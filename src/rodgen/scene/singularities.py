@@ -14,7 +14,7 @@ from rodgen.scene import grammar
 from rodgen.scene.zeros import sampled, zeros
 
 if TYPE_CHECKING:
-    from rodgen.scene.expression import Expression
+    from rodgen.scene.expression import Expression, Numbers
 
 FEWEST_TURNS = 3  # of what swings
 COMMON = 0.2  # share of the times between turns that are shorter
@@ -33,7 +33,7 @@ class Apart:
     a: ast.expr
     b: ast.expr | None
     variable: str
-    numbers: tuple[tuple[str, float | None], ...]
+    numbers: Numbers
 
     def __call__(self, at: Any) -> Any:
         with np.errstate(all="ignore"):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rodgen.model.rod import SPRING
 from rodgen.scene import grammar
 from rodgen.scene.errors import SceneError
-from rodgen.scene.expression import Expression
+from rodgen.scene.expression import Expression, Numbers
 
 NAME, FIELD = SPRING.key, f"rod.{SPRING.key}"
 BEND, STIFFNESS = "d", "k"
@@ -20,7 +20,7 @@ NEAR = 1e-6  # rad
 
 
 @lru_cache(maxsize=64)
-def law(text: str, numbers: tuple[tuple[str, float], ...]) -> Expression:
+def law(text: str, numbers: Numbers) -> Expression:
     """The law that a scene gives, in the numbers that it has by name. Raises SceneError for what is
     no such law."""
     found = Expression(text, BEND, FIELD, ((STIFFNESS, None), *numbers))

@@ -10,6 +10,10 @@ from dataclasses import dataclass, field, fields
 from fractions import Fraction
 from functools import cached_property
 from itertools import starmap
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, SPRINGS, Parameter
 from rodgen.model.rod import BOUNDARIES, INERTIAS, ROD, STEADY, TANK, UNEVEN, Boundary, tank_row
@@ -18,7 +22,7 @@ from rodgen.scene import spring
 from rodgen.scene.errors import SceneError, meant
 from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.grammar import Sensor
-from rodgen.scene.numbers import check_name, mass_of, row_of
+from rodgen.scene.numbers import check_name, mass_of, row_of, row_of_table
 from rodgen.scene.plain import plain
 
 MOST_LINKS = 10**6
@@ -36,7 +40,8 @@ class Structure:
     uneven: what differs along the rod, of "stiffness", "mass", "bodies" and "points"; states: added
     states by name, with their rates as such text; spring: law of the springs as such text, "" for
     the moment k d; masses: masses that are functions of time, as such text, by name of the body and
-    its link ("" and -1 for the links themselves).
+    its link ("" and -1 for the links themselves); tables: how many rows those tables have whose
+    numbers are not in these texts, by name.
 
     Examples
     --------
@@ -59,6 +64,7 @@ class Structure:
     states: tuple[tuple[str, str], ...] = ()
     spring: str = ""
     masses: tuple[tuple[str, int, str], ...] = ()
+    tables: tuple[tuple[str, int], ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "links", plain(self.links, "links"))
@@ -85,8 +91,13 @@ class Structure:
             choose("expressions", name, timed or ["none: no term may change with time"])
         by_name = sorted(self.expressions, key=lambda pair: timed.index(pair[0]))
         object.__setattr__(self, "expressions", tuple(by_name))
-        for name in (*self.numbers, *self.state_names):
+        for name in (*self.numbers, *self.state_names, *dict(self.tables)):
             check_name(name, f"expressions.{name}")
+        named, rows = [name for e in self._open for name in e.tables], dict(self.tables)
+        if {*named} != rows.keys() or any(count < 2 for count in rows.values()):
+            allowed = f"the rows, at least 2, of {', '.join(named) or 'no table'}"
+            raise SceneError("tables", self.tables, allowed)
+        object.__setattr__(self, "tables", tuple((name, rows[name]) for name in named))
 
     def __repr__(self) -> str:
         """What makes one equal to it, without what is as if nothing were said."""
@@ -128,7 +139,7 @@ class Structure:
     def open_expressions(self) -> dict[str, Expression]:
         """The expressions, by their parameters, with names in place of their numbers."""
         texts = ((name, text) for name, text in self.expressions if not PARAMETERS[name].several)
-        return {name: self._open(text) for name, text in texts}
+        return {name: self._opened(text) for name, text in texts}
 
     @cached_property
     def open_along(self) -> dict[str, Expression]:
@@ -139,7 +150,7 @@ class Structure:
     @cached_property
     def open_rates(self) -> dict[str, Expression]:
         """The rates of the states that are added, with names in place of their numbers."""
-        return {name: self._open(text) for name, text in self.states}
+        return {name: self._opened(text) for name, text in self.states}
 
     @cached_property
     def open_masses(self) -> dict[str, Expression]:
@@ -152,8 +163,14 @@ class Structure:
         their links."""
         return {f"body_{name}": link for name, link, _ in self.masses if name}
 
-    def _open(self, text: str) -> Expression:
+    def _opened(self, text: str) -> Expression:
         return open_expression(text, "t", self.state_names)
+
+    @cached_property
+    def _open(self) -> list[Expression]:
+        """All that is a function of time, of place or of the motion."""
+        groups = self.open_expressions, self.open_rates, self.open_masses, self.open_along
+        return [e for group in groups for e in group.values()]
 
     @cached_property
     def laws(self) -> dict[str, Expression]:
@@ -177,12 +194,15 @@ class Structure:
         """The law of the springs, without values of the numbers in it."""
         return open_expression(self.spring or spring.HOOKE, spring.BEND)
 
+    @property
+    def knot_names(self) -> list[list[str]]:
+        """Names of the knots of every table whose numbers are single ones, which are to ascend."""
+        return [knots for e in self._open for knots in e.knot_names]
+
     @cached_property
     def numbers(self) -> dict[str, str]:
         """The numbers in expressions: which values are allowed, by name."""
-        every = [*self.open_expressions.values(), *self.open_rates.values()]
-        every += (*self.open_masses.values(), *self.open_along.values())
-        found = {name: ANY for e in every for name in e.names}
+        found = {name: ANY for e in self._open for name in e.names}
         found |= dict.fromkeys(self.spring_law.names, NOT_NEGATIVE)
         return {name: rule for name, rule in found.items() if name != spring.STIFFNESS}
 
@@ -193,6 +213,7 @@ class Structure:
         own = [PARAMETERS[name] for name in self._own if name not in timed]
         own += starmap(row_of, self.numbers.items())
         own += (tank_row(name, what) for name in self.tanks for what in TANK)
+        own += (row_of_table(name) for name, _ in self.tables)
         return tuple(sorted(own, key=lambda one: one.several))
 
     @cached_property
@@ -205,7 +226,8 @@ class Structure:
         """The joints or links that have a number each, of every parameter that is several."""
         found = {JOINTS: range(self.links + 1), LINKS: range(self.links)}
         found[SPRINGS] = self.hold.springs(self.links)
-        return {one.name: found[one.each] for one in self.rows if one.several}
+        own = {name: range(2 * rows) for name, rows in self.tables}
+        return own | {one.name: found[one.each] for one in self.rows if one.each in found}
 
     @cached_property
     def places(self) -> dict[str, slice]:
@@ -221,6 +243,11 @@ class Structure:
     def positions(self) -> dict[str, int]:
         """Where in p each parameter lies, by name; of several numbers the first."""
         return {name: place.start for name, place in self.places.items()}
+
+    def values_in(self, p: NDArray[np.float64]) -> dict[str, Any]:
+        """The numbers and tables in its expressions, by name, from values of all parameters."""
+        found: dict[str, Any] = {name: float(p[self.positions[name]]) for name in self.numbers}
+        return found | {name: p[self.places[name]] for name, _ in self.tables}
 
     @cached_property
     def width(self) -> int:
@@ -257,6 +284,7 @@ class Structure:
         content += [{"states": self.states}] if self.states else []
         content += [{"spring": self.spring}] if self.spring else []
         content += [{"masses": self.masses}] if self.masses else []
+        content += [{"tables": self.tables}] if self.tables else []
         return hashlib.sha256(json.dumps(content).encode()).hexdigest()[:16]
 
 

@@ -20,6 +20,7 @@ from pydantic_core import PydanticCustomError
 from rodgen.model.rod import BOUNDARIES, INERTIAS, Boundary
 from rodgen.scene import structure as st
 from rodgen.scene.errors import Missing, SceneError, explain
+from rodgen.scene.expression import Numbers
 from rodgen.scene.frozen import AGAIN, frozen
 from rodgen.scene.law import Law
 from rodgen.scene.places import point_of
@@ -277,9 +278,7 @@ class Initial(Table):
         "expression in s; without it 0",
     )
 
-    def of_links(
-        self, name: str, rod: Rod, numbers: tuple[tuple[str, float], ...]
-    ) -> NDArray[np.float64]:
+    def of_links(self, name: str, rod: Rod, numbers: Numbers) -> NDArray[np.float64]:
         """Angles or rates, by the key, of the moving links of a rod; numbers: those that
         expressions name. Raises SceneError."""
         n, field = rod.links, f"initial.{name}"

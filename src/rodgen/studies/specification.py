@@ -140,7 +140,7 @@ class Study(Told):
             if not (isinstance(one, str) or callable(one)):
                 raise SceneError(f"compute.keep[{at}]", one, "a reduction, or a function")
         chosen = plain(dict(options or {}), "compute.options")
-        table = scene.model_dump(exclude_none=True)
+        table = scene.to_dict()
         limit = checked_limit(time_limit)
         made = cls(name or scene.name, table, axes, drawn, what, kept, chosen, limit)
         made._check()

@@ -32,7 +32,7 @@ def attributes(form: str, scene: Scene, curve: Curve, t: float) -> dict[str, Any
     return {
         "format": form,
         "rodgen": version("rodgen"),
-        "scene": json.dumps(scene.model_dump(exclude_none=True)),
+        "scene": json.dumps(scene.to_dict()),
         "t": t,
         "end": curve.end,
         "complete": int(curve.complete),

@@ -262,7 +262,7 @@ class Measures:
 def unloaded(scene: Scene) -> Scene:
     """The rod of a scene with its bodies at the start, held as it is, without its loads."""
     table = with_masses_at(scene, scene.integrate.span[0]).model_dump(exclude_none=True)
-    kept = ("name", "parameters", "rod", "bodies")
+    kept = ("name", "parameters", "tables", "rod", "bodies")
     return Scene.from_dict({key: value for key, value in table.items() if key in kept})
 
 

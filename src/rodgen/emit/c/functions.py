@@ -57,9 +57,9 @@ def programs(
     if rates:
         codes["rates"] = replace(rates[0], fields=_united(*rates))
     structure = functions.structure
-    positions = structure.positions
+    places = structure.places
     expressions = {name: e for name, e in structure.open_expressions.items() if not e.signals}
-    timed = {name: e.source(SCENE, positions) for name, e in expressions.items()}
+    timed = {name: e.source(SCENE, places) for name, e in expressions.items()}
     masses = Masses(structure)
     timed |= masses.of_bodies(SCENE)
     by_rod = masses.of_bodies(SCENE, lanes.BY_ROD)
@@ -73,7 +73,7 @@ def programs(
         "timed": timed,
         # Of each rod by itself: expressions whose numbers are parameters.
         "timed_by_rod": {
-            name: e.source(SCENE, positions, lanes.BY_ROD)
+            name: e.source(SCENE, places, lanes.BY_ROD)
             for name, e in expressions.items()
             if e.names
         }

@@ -55,7 +55,7 @@ def context(functions: Functions) -> dict[str, Any]:
     """What templates know of them besides: what is observed, and code of loads in time."""
     structure, masses = functions.structure, Masses(functions.structure)
     timed = {
-        name: e.source(SCENE, structure.positions, BY_ROD, {"t": CLOCK})
+        name: e.source(SCENE, structure.places, BY_ROD, {"t": CLOCK})
         for name, e in structure.open_expressions.items()
         if not e.signals
     }

@@ -161,7 +161,7 @@ def contents(
 
 def attributes(scene: Scene) -> dict[str, str]:
     """Which format, from which version, of which scene."""
-    table = json.dumps(scene.model_dump(exclude_none=True))
+    table = json.dumps(scene.to_dict())
     return {"format": FORMAT, "rodgen": version("rodgen"), "scene": table}
 
 

@@ -64,7 +64,7 @@ class Aside:
 
     def ask(self, what: str, scene: Scene, told: Told, **more: Any) -> Errand:
         """Have something computed of a scene, by its name in `aside_process.WORKS`."""
-        table = scene.model_dump(exclude_none=True)
+        table = scene.to_dict()
         with self._lock:
             number = next(self._numbers)
             self._told[number] = told

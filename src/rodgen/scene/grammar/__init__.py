@@ -11,7 +11,7 @@ the list above, and the tree is walked to compute values, to find break points a
 
 from rodgen.scene.grammar.advice import advice, mistake
 from rodgen.scene.grammar.affine import core, scale_and_offset
-from rodgen.scene.grammar.calculus import conditions, derivative, divisors, kinks, knots
+from rodgen.scene.grammar.calculus import conditions, derivative, divisors, kinks, tables_of
 from rodgen.scene.grammar.code import NUMPY, Language, source_of
 from rodgen.scene.grammar.substitution import in_brief, with_names, with_values
 from rodgen.scene.grammar.syntax import (
@@ -24,9 +24,11 @@ from rodgen.scene.grammar.syntax import (
     parse,
     sensors_in,
     signals_in,
+    table_names,
     tables,
 )
-from rodgen.scene.grammar.values import Functions, constants, interpolated, is_whole, value_of
+from rodgen.scene.grammar.table_data import TableData
+from rodgen.scene.grammar.values import Functions, constants, data_of, is_whole, value_of
 from rodgen.scene.grammar.vocabulary import ALLOWED, CUBIC, FUNCTIONS, LINEAR, SENSED, SLOPE, TABLE
 
 __all__ = [
@@ -43,19 +45,19 @@ __all__ = [
     "Language",
     "Sensor",
     "Table",
+    "TableData",
     "advice",
     "check",
     "children",
     "conditions",
     "constants",
     "core",
+    "data_of",
     "derivative",
     "divisors",
     "in_brief",
-    "interpolated",
     "is_whole",
     "kinks",
-    "knots",
     "mistake",
     "names_in",
     "parse",
@@ -63,7 +65,9 @@ __all__ = [
     "sensors_in",
     "signals_in",
     "source_of",
+    "table_names",
     "tables",
+    "tables_of",
     "value_of",
     "with_names",
     "with_values",

@@ -6,8 +6,17 @@ import ast
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 
-from rodgen.scene.grammar.syntax import KEPT, children, is_table, names_in, table_of, tables
-from rodgen.scene.grammar.vocabulary import FUNCTIONS, SLOPE, TABLE
+from rodgen.scene.grammar.syntax import (
+    KEPT,
+    Table,
+    children,
+    is_table,
+    names_in,
+    of_kind,
+    table_of,
+    tables,
+)
+from rodgen.scene.grammar.vocabulary import CORNERS, FUNCTIONS, SLOPE
 
 
 def derivative(node: ast.expr, by: str) -> ast.expr | None:
@@ -35,9 +44,8 @@ def derivative(node: ast.expr, by: str) -> ast.expr | None:
         case ast.IfExp(test=test):
             _, body, orelse = slopes
             return _choice(test, body, orelse)
-        case ast.Call(args=args) if is_table(node):
-            kind = ast.Constant(table_of(node).kind + SLOPE)
-            return _times(ast.Call(ast.Name(TABLE), [*args[:3], kind], []), slopes[0])
+        case ast.Call() if is_table(node):
+            return _times(of_kind(node, table_of(node).kind + SLOPE), slopes[0])
         case ast.Call(func=ast.Name(id="min" | "max" as name), args=[*first, last]) if first:
             rest = first[0] if len(first) == 1 else _call(name, *first)
             smaller = ast.Lt() if name == "min" else ast.Gt()
@@ -98,8 +106,8 @@ Pair = tuple[ast.expr, ast.expr | None]
 
 @lru_cache(maxsize=KEPT)
 def kinks(node: ast.AST, variable: str) -> tuple[Pair, ...]:
-    """Pairs whose difference is zero where the tree is not smooth; a table's knots are among them
-    unless it is one of the variable itself (see ``knots``)."""
+    """Pairs whose difference is zero where the tree is not smooth, as at the knots of a table
+    unless it is one of the variable itself (see ``tables_of``)."""
     return tuple(_kinks(node, variable))
 
 
@@ -112,9 +120,8 @@ def _kinks(node: ast.AST, variable: str) -> Iterator[Pair]:
         case ast.Call(func=ast.Name(id="min" | "max"), args=args):
             yield from ((a, b) for at, a in enumerate(args) for b in args[at + 1 :])
         case ast.Call() if is_table(node):
-            table = table_of(node)
-            if not _is_variable(table.argument, variable):
-                yield from ((table.argument, knot) for knot in table.knots)
+            if not _is_variable(table_of(node).argument, variable):
+                yield of_kind(node, CORNERS), None
     for child, _ in children(node):
         yield from kinks(child, variable)
 
@@ -125,11 +132,9 @@ def conditions(node: ast.AST) -> frozenset[Pair]:
     return frozenset((one.left, one.comparators[0]) for one in found)
 
 
-def knots(node: ast.AST, variable: str) -> Iterator[ast.expr]:
-    """Knots of the tables of the variable itself."""
-    for table in tables(node):
-        if _is_variable(table.argument, variable):
-            yield from table.knots
+def tables_of(node: ast.AST, variable: str) -> Iterator[Table]:
+    """Tables of the variable itself."""
+    return (one for one in tables(node) if _is_variable(one.argument, variable))
 
 
 def _is_variable(node: ast.expr, variable: str) -> bool:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from rodgen.scene.grammar.syntax import children, names_in, sensor_of, table_of
+from rodgen.scene.grammar.syntax import Table, children, names_in, sensor_of, table_of
 from rodgen.scene.grammar.values import value_of
 from rodgen.scene.grammar.vocabulary import (
     BINARY,
@@ -54,23 +54,23 @@ NUMPY = Language(
 def source_of(
     node: ast.AST,
     language: Language,
-    positions: Mapping[str, int],
+    places: Mapping[str, slice],
     start: str = "",
     signals: Mapping[str, str] | None = None,
 ) -> str:
-    """Code of a tree; positions: in p of the numbers with names, from ``start`` on; signals: code
-    of the states and sensors."""
+    """Code of a tree; places: in p of the numbers and tables with names, from ``start`` on;
+    signals: code of the states and sensors."""
     # Numbers are worked out here: Python's own 1.0/0.0 or (-1.0)**0.5 are not those of NumPy.
     if not names_in(node) and not isinstance(node, ast.Compare):
         return repr(float(value_of(node, {})))
     signals = signals or {}
-    parts = [source_of(child, language, positions, start, signals) for child, _ in children(node)]
+    parts = [source_of(child, language, places, start, signals) for child, _ in children(node)]
     if (sensor := sensor_of(node)) is not None:
         return signals[sensor.text]
     match node:
         case ast.Name(id=name):
             return signals.get(name) or (
-                f"p[{start}{positions[name]}]" if name in positions else name
+                f"p[{start}{places[name].start}]" if name in places else name
             )
         case ast.BinOp(op=ast.Pow()):
             return language.power.format(*parts)
@@ -83,9 +83,8 @@ def source_of(
         case ast.IfExp():
             return language.choice.format(*parts)
         case ast.Call(func=ast.Name(id=name)) if name == TABLE:
-            table = table_of(node)
-            lists = [_list(part, language, positions, start) for part in table[1:3]]
-            return language.tables[table.kind].format(*parts, *lists, len(table.knots))
+            lists, rows = _lists(table_of(node), language, places, start)
+            return language.tables[table_of(node).kind].format(*parts, *lists, rows)
         case ast.Call(func=ast.Name(id=name)):
             function = language.names.get(name, f"{language.prefix}{name}")
             total = parts[0]
@@ -97,13 +96,26 @@ def source_of(
     raise AssertionError(f"unchecked node {node!r}")
 
 
+def _lists(
+    table: Table, language: Language, places: Mapping[str, slice], start: str
+) -> tuple[list[str], int]:
+    """Knots and values of a table, and how many there are of each."""
+    if not table.name:
+        parts = table.knots, table.values
+        return [_list(part, language, places, start) for part in parts], len(table.knots)
+    first, last = places[table.name].start, places[table.name].stop
+    middle = (first + last) // 2
+    ends = (first, middle), (middle, last)
+    lists = [language.part.format(first=a, end=b, start=start) for a, b in ends]
+    return lists, middle - first
+
+
 def _list(
-    elements: list[ast.expr], language: Language, positions: Mapping[str, int], start: str
+    elements: Sequence[ast.expr], language: Language, places: Mapping[str, slice], start: str
 ) -> str:
     """Numbers of a table: a part of p where they lie there side by side."""
-    at = [positions.get(e.id, -1) if isinstance(e, ast.Name) else -1 for e in elements]
+    missing = slice(-1, -1)
+    at = [places.get(e.id, missing).start if isinstance(e, ast.Name) else -1 for e in elements]
     if at[0] >= 0 and at == list(range(at[0], at[0] + len(at))):
         return language.part.format(first=at[0], end=at[-1] + 1, start=start)
-    return language.list.format(
-        ", ".join(source_of(e, language, positions, start) for e in elements)
-    )
+    return language.list.format(", ".join(source_of(e, language, places, start) for e in elements))

@@ -11,15 +11,17 @@ from rodgen.scene.grammar.values import is_whole
 from rodgen.scene.grammar.vocabulary import TABLE
 
 FEW = 5  # knots of a table that is shown whole
-NUMBER, KNOT, VALUE = "", "knot_", "value_"  # what a number of an expression is called after
-Namer = Callable[[float, str], ast.expr]
+# What a number of an expression, or a table, is called after.
+NUMBER, KNOT, VALUE, WHOLE = "", "knot_", "value_", "table_"
+Namer = Callable[[float | str, str], ast.expr]
 
 
 def with_names(node: ast.expr, name: Namer) -> ast.expr:
     """A tree in which what ``name`` returns for it stands in place of every number, in the order of
     the text; whole exponents, which say what kind of function it is, stay.
 
-    name: of a value, and of what it is: KNOT or VALUE of a table, or NUMBER.
+    name: of a value, and of what it is: NUMBER, KNOT or VALUE of a table, or, of the name of a
+    table whose numbers are not in the text, WHOLE.
     """
     match node:
         case ast.Constant(value=int() | float() as value):
@@ -39,6 +41,8 @@ def with_names(node: ast.expr, name: Namer) -> ast.expr:
         case ast.Call(func=func, args=args) if is_table(node):
             table = table_of(node)
             argument = with_names(table.argument, name)
+            if table.name:
+                return ast.Call(func, [argument, name(table.name, WHOLE), *args[2:]], [])
             knots = ast.List([_named(e, name, KNOT) for e in table.knots], ast.Load())
             values = ast.List([_named(e, name, VALUE) for e in table.values], ast.Load())
             return ast.Call(func, [argument, knots, values, *args[3:]], [])

@@ -5,10 +5,10 @@ from __future__ import annotations
 import ast
 import math
 import warnings
-from collections.abc import Callable, Container, Iterator
+from collections.abc import Callable, Container, Iterator, Sequence
 from functools import lru_cache
 from itertools import accumulate, pairwise
-from typing import NamedTuple
+from typing import NamedTuple, TypeGuard
 
 from rodgen.scene.errors import SceneError
 from rodgen.scene.grammar.vocabulary import (
@@ -33,12 +33,14 @@ Refusal = Callable[[ast.AST | None, str], SceneError]
 
 
 class Table(NamedTuple):
-    """A table of numbers: of which argument, its knots and values, and how it goes between them."""
+    """A table of numbers: of which argument, what it is called, how it goes between its knots, and
+    the numbers that stand in the text in place of a name."""
 
     argument: ast.expr
-    knots: list[ast.expr]
-    values: list[ast.expr]
+    name: str
     kind: str
+    knots: Sequence[ast.expr] = ()
+    values: Sequence[ast.expr] = ()
 
 
 class Sensor(NamedTuple):
@@ -90,9 +92,11 @@ def check(
     depth: int = 0,
     condition: bool = False,
     states: Container[str] | None = None,
+    known_tables: Container[str] = (),
 ) -> None:
-    """Raise what ``refuse`` makes of the first part that is not allowed; numbers, states: their
-    names; where there are no states, not even none, sensors are not allowed either."""
+    """Raise what ``refuse`` makes of the first part that is not allowed; numbers, states,
+    known_tables: their names; where there are no states, not even none, sensors are not allowed
+    either."""
     if depth > DEEPEST:
         raise refuse(None, f"nested at most {DEEPEST} deep")
     if condition != isinstance(node, ast.Compare):
@@ -117,26 +121,33 @@ def check(
             if len(args) < least or (most is not None and len(args) > most):
                 raise refuse(node, "")
         case ast.Call(func=ast.Name(id=name), keywords=[]) if name == TABLE:
-            _check_table(node, numbers, refuse)
+            _check_table(node, numbers, known_tables, refuse)
         case ast.Call(func=ast.Name(id=name)) if name in SENSORS and states is not None:
             if sensor_of(node) is None:
                 raise refuse(node, f"{name}(s) with a number s from 0 to 1")
         case _:
             raise refuse(node, "")
     for child, is_condition in children(node):
-        check(child, variable, numbers, refuse, depth + 1, is_condition, states)
+        check(child, variable, numbers, refuse, depth + 1, is_condition, states, known_tables)
 
 
-def _check_table(node: ast.Call, numbers: Container[str], refuse: Refusal) -> None:
+def _check_table(
+    node: ast.Call, numbers: Container[str], known: Container[str], refuse: Refusal
+) -> None:
     shape = "interp(x, [knots], [values]) with as many values as knots, at least 2 and at most "
     match node.args:
         case [_, ast.List(), ast.List(), ast.Constant(value="linear" | "cubic")]:
             pass
         case [_, ast.List(), ast.List()]:
             pass
-        case [_, ast.Constant(value=str()), *_]:
-            allowed = "interp(x, [knots], [values]); files are read by Scene.from_toml"
-            raise refuse(node, allowed)
+        case [_, ast.Constant(value=str()) | ast.Name(), *kind]:
+            if table_of(node).name not in known:
+                allowed = "of a table of [tables]; files are read by Scene.from_toml"
+                raise refuse(node, allowed)
+            match kind:
+                case [] | [ast.Constant(value="linear" | "cubic")]:
+                    return
+            raise refuse(node, "interp(x, 'table'), and 'linear' or 'cubic'")
         case _:
             raise refuse(node, f"{shape}{MOST_KNOTS}, and 'linear' or 'cubic'")
     table = table_of(node)
@@ -188,10 +199,23 @@ def names_in(node: ast.AST) -> list[str]:
 @lru_cache(maxsize=KEPT)
 def _names_in(node: ast.AST) -> tuple[str, ...]:
     found = [inner for inner in ast.walk(node) if isinstance(inner, ast.Name) or is_sensor(inner)]
+    found += [name for name in _table_names(node) if isinstance(name, ast.Constant)]
     found.sort(key=lambda name: (getattr(name, "lineno", 0), getattr(name, "col_offset", 0)))
     known = {*FUNCTIONS, *SENSORS, TABLE, "pi"}
-    names = (of.text if (of := sensor_of(one)) else getattr(one, "id", "") for one in found)
+    names = (of.text if (of := sensor_of(one)) else ast.unparse(one) for one in found)
     return tuple(dict.fromkeys(name for name in names if name and name not in known))
+
+
+def _table_names(node: ast.AST) -> list[ast.expr]:
+    """What stands in a tree, which need not be checked, for the numbers of tables."""
+    found = (inner.args[1] for inner in ast.walk(node) if is_table(inner) and inner.args[1:])
+    return [name for name in found if isinstance(name, ast.Constant | ast.Name)]
+
+
+def table_names(node: ast.AST) -> tuple[str, ...]:
+    """Names of the tables in a tree, which need not be checked, whose numbers are not in the
+    text."""
+    return tuple(dict.fromkeys(map(ast.unparse, _table_names(node))))
 
 
 def is_number(node: ast.AST) -> bool:
@@ -205,27 +229,38 @@ def is_number(node: ast.AST) -> bool:
     return False
 
 
-def is_table(node: ast.AST) -> bool:
+def is_table(node: ast.AST) -> TypeGuard[ast.Call]:
     """Whether a part is a call of interp."""
     return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == TABLE
 
 
 def table_of(node: ast.Call) -> Table:
     """The parts of a call of interp."""
-    argument, knots, values, *kind = node.args
-    assert isinstance(knots, ast.List)
-    assert isinstance(values, ast.List)
-    chosen = kind[0].value if kind and isinstance(kind[0], ast.Constant) else LINEAR
-    return Table(argument, knots.elts, values.elts, str(chosen))
+    match node.args:
+        case [argument, ast.List(elts=knots), ast.List(elts=values), *kind]:
+            return Table(argument, "", _kind(kind), knots, values)
+        case [argument, name, *kind]:
+            return Table(argument, ast.unparse(name), _kind(kind))
+    raise AssertionError(f"unchecked node {node!r}")
+
+
+def _kind(said: Sequence[ast.expr]) -> str:
+    """How a table goes between its knots, by what is said of it."""
+    return str(said[0].value) if said and isinstance(said[0], ast.Constant) else LINEAR
 
 
 def tables(node: ast.AST) -> Iterator[Table]:
     """The tables in a tree."""
     if is_table(node):
-        assert isinstance(node, ast.Call)
         yield table_of(node)
     for child, _ in children(node):
         yield from tables(child)
+
+
+def of_kind(node: ast.Call, kind: str) -> ast.Call:
+    """The table of the same numbers that goes otherwise between its knots."""
+    numbers = 3 if isinstance(node.args[1], ast.List) else 2
+    return ast.Call(node.func, [*node.args[:numbers], ast.Constant(kind)], [])
 
 
 def number_of(element: ast.expr) -> float | None:

@@ -10,17 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.scene.grammar.syntax import children, is_number, names_in, sensor_of, table_of
-from rodgen.scene.grammar.vocabulary import (
-    BINARY,
-    COMPARE,
-    CUBIC,
-    FUNCTIONS,
-    LINEAR,
-    SLOPE,
-    TABLE,
-    UNARY,
-)
+from rodgen.scene.grammar.syntax import Table, children, is_number, names_in, sensor_of, table_of
+from rodgen.scene.grammar.table_data import TableData
+from rodgen.scene.grammar.vocabulary import BINARY, COMPARE, FUNCTIONS, TABLE, UNARY
 
 Functions = Mapping[str, Callable[..., Any]]
 
@@ -46,35 +38,28 @@ def value_of(node: ast.AST, names: Mapping[str, Any], functions: Functions | Non
             return np.where(*values)
         case ast.Call(func=ast.Name(id=name)) if name == TABLE:
             table = table_of(node)
-            knots, ordinates = (
-                tuple(float(value_of(e, names)) for e in part)
-                for part in (table.knots, table.values)
-            )
-            made: Callable[..., Any] = (functions or {}).get(TABLE, interpolated)
-            return made(values[0], knots, ordinates, table.kind)
+            made: Callable[..., Any] = (functions or {}).get(TABLE, _interpolated)
+            return made(values[0], data_of(table, names), table.kind)
         case ast.Call(func=ast.Name(id=name)):
             return (functions or {}).get(name, FUNCTIONS[name][2])(*values)
     raise AssertionError(f"unchecked node {node!r}")
 
 
-def interpolated(x: Any, knots: tuple[float, ...], values: tuple[float, ...], kind: str) -> Any:
-    """A table at x, which holds its first and last value outside of its knots; or its slope."""
-    if kind.endswith(SLOPE):
-        at = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(knots) - 2)
-        slopes = (np.diff(values) / np.diff(knots))[at]
-        if kind == CUBIC + SLOPE:
-            slopes = _monotone_cubic(knots, values).derivative()(x)
-        return np.where((x > knots[0]) & (x < knots[-1]), slopes, 0.0)
-    if kind == LINEAR:
-        return np.interp(x, knots, values)
-    return _monotone_cubic(knots, values)(np.clip(x, knots[0], knots[-1]))
+def data_of(table: Table, names: Mapping[str, Any]) -> TableData:
+    """The numbers of a table, by the values of names."""
+    if table.name:
+        return TableData.of(names[table.name])
+    return _data(*(tuple(float(value_of(e, names)) for e in part) for part in table[3:]))
 
 
 @lru_cache(maxsize=64)
-def _monotone_cubic(knots: tuple[float, ...], values: tuple[float, ...]) -> Any:
-    from scipy.interpolate import PchipInterpolator
+def _data(knots: tuple[float, ...], values: tuple[float, ...]) -> TableData:
+    """A table whose numbers stand in a text, once, as it is asked for again and again."""
+    return TableData(knots, values)
 
-    return PchipInterpolator(knots, values)
+
+def _interpolated(x: Any, table: TableData, kind: str) -> Any:
+    return table.at(x, kind)
 
 
 def constants(node: ast.AST, known: set[str]) -> Iterator[ast.AST]:

@@ -12,6 +12,7 @@ import numpy as np
 LINEAR, CUBIC = "linear", "cubic"
 TABLE = "interp"
 SLOPE = "_slope"  # of a table: what its kind ends in where its derivative is meant
+CORNERS = "corners"  # kind of a table that changes its sign where another is not smooth
 SENSORS = ("phi", "omega", "x", "y", "vx", "vy")
 FUNCTIONS: dict[str, tuple[int, int | None, Callable[..., Any]]] = {
     "sin": (1, 1, np.sin),

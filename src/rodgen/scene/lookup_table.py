@@ -1,0 +1,59 @@
+"""Tables of numbers that expressions name, as data: interp(t, 'thrust.csv')."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import PlainSerializer, PlainValidator
+
+from rodgen.scene.errors import SceneError
+from rodgen.scene.grammar import TableData
+from rodgen.scene.tables import LARGEST
+
+MOST_ROWS = 200_000
+KNOTS, VALUES = "knots", "values"
+LookupTable = Annotated[
+    TableData,
+    PlainValidator(lambda given: given),  # which checked_table has made, with its name in errors
+    PlainSerializer(lambda table: in_lists(table), when_used="json"),
+]
+
+
+def in_lists(table: TableData) -> dict[str, list[float]]:
+    """A table as a file has it."""
+    return {KNOTS: table.knots.tolist(), VALUES: table.values.tolist()}
+
+
+def checked_table(name: str, given: Any) -> TableData:
+    """The table of this name from what a file has of it. Raises SceneError."""
+    if isinstance(given, TableData):
+        return given
+    field = f"tables.{name}"
+    if not isinstance(given, Mapping) or given.keys() != {KNOTS, VALUES}:
+        raise SceneError(field, given, f"a table of {KNOTS} and {VALUES}")
+    knots, values = (_numbers(f"{field}.{key}", given[key]) for key in (KNOTS, VALUES))
+    if not 2 <= len(knots) <= MOST_ROWS:
+        raise SceneError(f"{field}.{KNOTS}", len(knots), f"2 to {MOST_ROWS} numbers")
+    if len(values) != len(knots):
+        allowed = f"{len(knots)} numbers, one for every knot"
+        raise SceneError(f"{field}.{VALUES}", len(values), allowed)
+    falls = np.flatnonzero(np.diff(knots) <= 0)
+    if len(falls):
+        before, after = knots[falls[0] : falls[0] + 2].tolist()
+        raise SceneError(f"{field}.{KNOTS}", after, f"above {before:g}, the knot before it")
+    return TableData(knots, values)
+
+
+def _numbers(field: str, given: Any) -> NDArray[np.float64]:
+    """Numbers of a list. Raises SceneError for what is none of finite numbers."""
+    if not isinstance(given, list) or not set(map(type, given)) <= {int, float}:
+        raise SceneError(field, given, "a list of numbers")
+    found = np.array(given, dtype=float)
+    wrong = ~(np.abs(found) <= LARGEST)
+    if wrong.any():
+        at = int(np.argmax(wrong))
+        raise SceneError(f"{field}[{at}]", given[at], f"a number from {-LARGEST:g} to {LARGEST:g}")
+    return found
