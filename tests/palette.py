@@ -59,7 +59,8 @@ TIMED = Structure(
 LAWS = (
     (
         "follower_force",
-        "P0 * (1 + tanh(vx(0.6)) * x(0.3)) + interp(y(1), [k1, k2, k3], [v1, v2, v3])",
+        "P0 * (1 + tanh(vx(0.6)) * x(0.3)) + interp(y(1), [k1, k2, k3], [v1, v2, v3])"
+        " + interp(y(1) + t, shape, 'cubic')",
     ),
     ("follower_angle", "max(-c, min(c, gimbal, 2.0), sin(omega(0.3)) - abs(phi(0)))"),
     (
@@ -72,9 +73,10 @@ STATES = (
     (
         "filtered",
         "interp(gimbal, [k1, k2, k3], [v1, v2, v3], 'cubic') - y(0.25) * vx(1)"
-        " - sqrt(2 + filtered**2) + tan(0.1 * vy(0.8))",
+        " - sqrt(2 + filtered**2) + tan(0.1 * vy(0.8)) + interp(3 * gimbal, shape)",
     ),
 )
+TABLES = (("shape", 7),)
 # Those whose whole text is looked at: pairs and numbers, cut into segments and not, on the stack
 # and not, with all loads, some and none.
 TEXTS = (SMALL[0], SMALL[3], SMALL[6], LONG[2], TIMED)

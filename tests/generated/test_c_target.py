@@ -20,7 +20,20 @@ from rodgen.model.terms import TERMS
 from rodgen.native.many import LANES, Lanes
 from rodgen.scene.structure import Structure
 from tests.generated.conftest import Built
-from tests.palette import ALL, ALONG, ENDS, LAWS, LONG, PALETTE, PLACED, SMALL, STATES, TIMED, short
+from tests.palette import (
+    ALL,
+    ALONG,
+    ENDS,
+    LAWS,
+    LONG,
+    PALETTE,
+    PLACED,
+    SMALL,
+    STATES,
+    TABLES,
+    TIMED,
+    short,
+)
 from tests.sets import sets
 
 pytestmark = pytest.mark.compiler
@@ -28,13 +41,13 @@ Array = np.ndarray
 # Rods that differ along their length or follow their motion, most of them long enough for joint
 # forces that are cut into segments.
 OTHERS = (
-    Structure(3, "free", "uniform", ENDS, LAWS, states=STATES),
+    Structure(3, "free", "uniform", ENDS, LAWS, states=STATES, tables=TABLES),
     Structure(12, "free", "uniform", ALONG, uneven=("stiffness", "bodies")),
     Structure(12, "free", "lumped", ENDS, uneven=("points",)),
-    Structure(12, "free", "uniform", (*ENDS, "drag"), LAWS, states=STATES),
+    Structure(12, "free", "uniform", (*ENDS, "drag"), LAWS, states=STATES, tables=TABLES),
     Structure(12, "clamped", "uniform", ENDS, uneven=("bodies",)),
     Structure(12, "cantilever", "uniform", ALONG, uneven=("stiffness", "mass")),
-    Structure(3, "cantilever", "lumped", ENDS, LAWS, states=STATES),
+    Structure(3, "cantilever", "lumped", ENDS, LAWS, states=STATES, tables=TABLES),
 )
 # Masses in time, and a body, with which the first coupling is made in the loop that eliminates it.
 MASSES = (

@@ -25,6 +25,7 @@ from tests.palette import (
     LAWS,
     PLACED,
     STATES,
+    TABLES,
     TIMED,
     UNEVEN,
     can_move,
@@ -98,13 +99,13 @@ def test_module_with_feedback_equals_fifty_digit_arithmetic(
     built: Built, boundary: str, inertia: str, links: int, form: str, uneven: tuple[str, ...]
 ) -> None:
     terms = ALL if links == 2 else ENDS
-    structure = Structure(links, boundary, inertia, terms, LAWS, uneven, STATES)
+    structure = Structure(links, boundary, inertia, terms, LAWS, uneven, STATES, tables=TABLES)
     assert _exact(built(structure, "numpy", form))
 
 
 def test_signals_are_what_laws_follow(built: Built) -> None:
     """Along leading axes, and by two routes: positions of the joints, and differences of them."""
-    module = built(Structure(4, "free", "uniform", ENDS, LAWS, states=STATES))
+    module = built(Structure(4, "free", "uniform", ENDS, LAWS, states=STATES, tables=TABLES))
     values, y = _drawn(module, 0.3, np.random.default_rng(1), 0.5, 0.5)
     p, h = module.parameters(**values), 1e-6
     moved = y + h * np.concatenate((y[6:12], np.zeros(8)))

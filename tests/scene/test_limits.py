@@ -12,7 +12,7 @@ import numpy as np
 
 from rodgen.scene import Scene
 from rodgen.scene.grammar.syntax import BRACKETS, MOST_CHOICES
-from rodgen.scene.plain import DEEPEST, LARGEST, LONGEST, MOST_KEYS
+from rodgen.scene.plain import DEEPEST, LARGEST, LONGEST, MOST_KEYS, MOST_VALUES
 from rodgen.scene.tables import MOST_TABLES
 from tests.scene.tables import ROD, scene_of, table_of
 from tests.scene.tables import TOML as HEAD
@@ -40,8 +40,9 @@ FILES: list[tuple[str, float | None]] = [
     ("".join(f"k{i}=1\n" for i in range(MANY)), MOST_KEYS),
     ("".join(f"a.a.a.a.k{i}=1\n" for i in range(30_000)), MOST_KEYS),
     ("".join(f"[a{i}]\n" for i in range(MANY)), MOST_KEYS),
-    (PHI + "1.0," * MANY + "]", MOST_KEYS),
-    (PHI + "'a'," * MANY + "]", MOST_KEYS),
+    (PHI + "1.0," * (MOST_VALUES + 1) + "]", MOST_VALUES),
+    (PHI + "'a'," * (MOST_VALUES + 1) + "]", MOST_VALUES),
+    ("".join(f"{i}.5.5 = 1\n" for i in range(60_000)), MOST_KEYS),  # keys, and no numbers
     ("#" + "x" * LARGEST, LARGEST / 1e6),
     ("# a\rb\n", 7),
     ("\0", 7),
@@ -86,6 +87,9 @@ def test_files_within_the_limits_are_read(tmp_path: Path) -> None:
     many = HEAD.replace("links = 5", f"links = {count}") + PHI
     path.write_text(many + "0.25," * count + "]", encoding="utf-8")
     assert Scene.from_toml(path).initial_state().sum() == 0.25 * count
+    knots = [i / 3 for i in range(2 * count)]
+    path.write_text(f"{HEAD}[tables.f]\nknots = {knots}\nvalues = {knots}", encoding="utf-8")
+    assert len(Scene.from_toml(path).tables["f"]) == 2 * count
     path.write_text(HEAD + _deep(40), encoding="utf-8")  # a list of lists, but not too deep
     assert refused(Scene.from_toml, path).field.startswith("initial.phi")
 

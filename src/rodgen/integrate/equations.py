@@ -120,8 +120,8 @@ class Equations:
     def _timed(self) -> NDArray[np.int64]:
         """Where in p the numbers and tables of its expressions lie."""
         of = self.structure
-        places = (of.places[name] for name in (*of.numbers, *dict(of.tables)))
-        return np.concatenate([np.arange(one.start, one.stop) for one in places] or [[]]).astype(int)
+        places = [of.places[name] for name in (*of.numbers, *dict(of.tables))]
+        return np.array([at for one in places for at in range(one.start, one.stop)], dtype=int)
 
     def course(self, span: Sequence[float], p: Array) -> Course:
         """What changes with time within a span [s], for one rod. Raises SceneError."""

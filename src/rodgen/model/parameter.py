@@ -21,10 +21,10 @@ class Parameter:
 
     part: which of the numbers of its key it is, where that has two; timed: a scene may give it as a
     function of time; each: what it has a number, or two, for each of, JOINTS, LINKS, SPRINGS or
-    ROWS, where it is several; scales: the load is in proportion to it; decades: a slider moves over powers of ten;
-    most: the largest value that it may have; fixed: another value needs another module;
-    links_power: for one and the same rod it grows as this power of the number of links; by_mass:
-    its effect is in proportion to the mass of the links at the start of the span.
+    ROWS, where it is several; scales: the load is in proportion to it; decades: a slider moves over
+    powers of ten; most: the largest value that it may have; fixed: another value needs another
+    module; links_power: for one and the same rod it grows as this power of the number of links;
+    by_mass: its effect is in proportion to the mass of the links at the start of the span.
     """
 
     name: str

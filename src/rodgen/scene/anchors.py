@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from rodgen.model.terms import TERMS
 from rodgen.scene.errors import SceneError
-from rodgen.scene.law import Law, Numbers
+from rodgen.scene.expression import Numbers
+from rodgen.scene.law import Law
 from rodgen.scene.places import point_of
 
 if TYPE_CHECKING:

@@ -137,9 +137,7 @@ class Expression:
     ) -> str:
         """Code of the derivative by one of its signals."""
         tree = grammar.derivative(self._tree, by)
-        return (
-            "0.0" if tree is None else grammar.source_of(tree, language, places, start, signals)
-        )
+        return "0.0" if tree is None else grammar.source_of(tree, language, places, start, signals)
 
     def value(
         self, at: Any, signals: Mapping[str, Any], functions: grammar.Functions | None = None

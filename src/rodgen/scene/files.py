@@ -19,7 +19,7 @@ from xml.etree import ElementTree
 from rodgen.scene.columns import Rows, columns, decoded
 from rodgen.scene.errors import SceneError, short
 from rodgen.scene.grammar import CUBIC, LINEAR, TABLE, parse
-from rodgen.scene.lookup_table import MOST_ROWS
+from rodgen.scene.lookup_table import KNOTS, MOST_ROWS, VALUES
 
 LARGEST = 50_000_000  # bytes
 KINDS = (".csv", ".eng", ".rse")
@@ -39,8 +39,9 @@ def with_tables(scene: dict[str, Any], folder: Path) -> dict[str, Any]:
     if not isinstance(known, dict):
         return scene
     reader = _Reader(folder, known)
-    made = {key: value if key == TABLES else reader.read(value, key) for key, value in scene.items()}
-    return made | ({TABLES: known | reader.found} if reader.found else {})
+    made = {key: reader.read(value, key) for key, value in scene.items() if key != TABLES}
+    tables = known | reader.found
+    return made | ({TABLES: tables} if tables else {})
 
 
 class _Reader(ast.NodeTransformer):
@@ -73,8 +74,8 @@ class _Reader(ast.NodeTransformer):
                 whole = name if column is None else f"{name}:{column}"
                 table = ast.Call(node.func, [x, ast.Constant(whole), *kind], [])
                 if whole not in self.found:
-                    knots, values = zip(*self._rows(name, column), strict=True)
-                    self.found[whole] = {"knots": list(knots), "values": list(values)}
+                    pair = map(list, zip(*self._rows(name, column), strict=True))
+                    self.found[whole] = dict(zip((KNOTS, VALUES), pair, strict=True))
                 knots, values = self.found[whole].values()
                 begin, first, end, last = knots[0], values[0], knots[-1], values[-1]
                 if Path(name).suffix.lower() not in MOTORS:

@@ -17,7 +17,8 @@ LONGEST = 64  # characters
 NAME = re.compile(rf"[A-Za-z][A-Za-z0-9_]{{0,{LONGEST - 1}}}")
 # What a generated module calls by these names, and the variables of expressions.
 TAKEN = {"t", "s", "d", "k", "p", "y", "np", "math", "fins", "N", "pi", TABLE, *FUNCTIONS}
-MADE = re.compile(r"(.+?)_(?:knot_|value_|table_)?\d+")  # a number or table of an expression without a name
+# A number of an expression without a name, or a table.
+MADE = re.compile(r"(.+?)_(?:knot_|value_|table_)?\d+")
 OF_LOADS = ("work_", "power_", "force_")  # before the name of a load, its quantities
 SENSORS = re.compile(r"(phi|omega|x|y|vx|vy)(_?\d+)?")
 

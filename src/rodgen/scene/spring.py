@@ -26,9 +26,10 @@ def law(text: str, numbers: Numbers) -> Expression:
     found = Expression(text, BEND, FIELD, ((STIFFNESS, None), *numbers))
     known = dict(numbers)
     for name in found.names:
-        if known.get(name, 0.0) < 0:
+        value = known.get(name)
+        if isinstance(value, float | int) and value < 0:
             allowed = f"at least 0 in {FIELD}: write a minus sign there"
-            raise SceneError(f"parameters.{name}", known[name], allowed)
+            raise SceneError(f"parameters.{name}", value, allowed)
     tree = grammar.parse(text, FIELD)
     assert tree is not None
     if list(grammar.tables(tree)):

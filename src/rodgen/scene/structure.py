@@ -93,8 +93,9 @@ class Structure:
         object.__setattr__(self, "expressions", tuple(by_name))
         for name in (*self.numbers, *self.state_names, *dict(self.tables)):
             check_name(name, f"expressions.{name}")
-        named, rows = [name for e in self._open for name in e.tables], dict(self.tables)
-        if {*named} != rows.keys() or any(count < 2 for count in rows.values()):
+        named = dict.fromkeys(name for e in self._open for name in e.tables)
+        rows = dict(self.tables)
+        if named.keys() != rows.keys() or any(count < 2 for count in rows.values()):
             allowed = f"the rows, at least 2, of {', '.join(named) or 'no table'}"
             raise SceneError("tables", self.tables, allowed)
         object.__setattr__(self, "tables", tuple((name, rows[name]) for name in named))

@@ -132,7 +132,7 @@ def check(
 
 
 def _check_table(
-    node: ast.Call, numbers: Container[str], known: Container[str], refuse: Refusal
+    node: ast.Call, numbers: Container[str], named: Container[str], refuse: Refusal
 ) -> None:
     shape = "interp(x, [knots], [values]) with as many values as knots, at least 2 and at most "
     match node.args:
@@ -141,7 +141,7 @@ def _check_table(
         case [_, ast.List(), ast.List()]:
             pass
         case [_, ast.Constant(value=str()) | ast.Name(), *kind]:
-            if table_of(node).name not in known:
+            if table_of(node).name not in named:
                 allowed = "of a table of [tables]; files are read by Scene.from_toml"
                 raise refuse(node, allowed)
             match kind:
@@ -213,9 +213,10 @@ def _table_names(node: ast.AST) -> list[ast.expr]:
 
 
 def table_names(node: ast.AST) -> tuple[str, ...]:
-    """Names of the tables in a tree, which need not be checked, whose numbers are not in the
-    text."""
-    return tuple(dict.fromkeys(map(ast.unparse, _table_names(node))))
+    """Names of the tables in a tree, which need not be checked, whose numbers are not in the text,
+    in the order of this."""
+    found = {*map(ast.unparse, _table_names(node))}
+    return tuple(name for name in names_in(node) if name in found)
 
 
 def is_number(node: ast.AST) -> bool:

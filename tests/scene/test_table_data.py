@@ -1,0 +1,205 @@
+"""Tables as data: what is read from a file stays numbers, and is no part of the text."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.interpolate import PchipInterpolator
+
+import rodgen
+from rodgen.scene import Scene
+from rodgen.scene.contents import contents
+from rodgen.scene.expression import Expression
+from rodgen.scene.grammar import TableData
+from rodgen.scene.lookup_table import MOST_ROWS
+from rodgen.scene.overrides import with_parameters
+from tests.scene.tables import TOML, scene_of
+from tests.told import refused
+
+T = np.linspace(0.0, 2.0, 20_001)
+SINE = {"knots": T.tolist(), "values": np.sin(3 * T).tolist()}
+UNEVEN = np.concatenate(([-1.0], np.geomspace(1e-6, 3.0, 999)))  # guesses by even spacing are wrong
+FORCE = "interp(t, 'f')"
+
+
+def scene(force: str = FORCE, table: Any = SINE, **tables: Any) -> Scene:
+    loads = {"follower": {"force": force}}
+    rod = {"links": 1, "boundary": "pinned"}
+    return scene_of(rod=rod, loads=loads, tables={"f": table}, **tables)
+
+
+def test_a_table_is_one_parameter_whose_numbers_are_in_no_text() -> None:
+    made = scene("2*interp(t, 'f') + interp(t, 'f', 'cubic')")
+    structure = made.structure
+    name, other = "follower_force_table_1", "follower_force_table_2"
+    assert structure.tables == ((name, 20_001), (other, 20_001))
+    assert len(dict(structure.expressions)["follower_force"]) < 100
+    assert structure.places[name] == slice(5, 5 + 2 * 20_001)
+    module = rodgen.build(made, "numpy")
+    p = module.parameters(**made.parameters)
+    np.testing.assert_array_equal(p[structure.places[other]], [*T, *np.sin(3 * T)])
+    assert {name: 20_001, other: 20_001} == module.TABLES
+
+
+def test_scenes_with_tables_go_out_and_come_in(tmp_path: Path) -> None:
+    short = {"knots": T[::100].tolist(), "values": (T**2)[::100].tolist()}
+    made = scene(table=short)
+    assert made.to_dict()["tables"] == {"f": short}
+    (tmp_path / "again.toml").write_text(made.to_toml(), encoding="utf-8")
+    again = Scene.from_toml(tmp_path / "again.toml")
+    for other in (again, pickle.loads(pickle.dumps(made)), Scene.from_dict(made.to_dict())):
+        assert (other, hash(other)) == (made, hash(made))
+    assert made != made.replace({"tables": {"f": short | {"values": short["knots"]}}})
+    assert made.replace({"rod.links": 3}).tables == made.tables
+    solution = rodgen.simulate(made.replace({"integrate.span": [0.0, 0.1]}), target="numpy")
+    solution.save(tmp_path / "run.nc")
+    assert rodgen.load(tmp_path / "run.nc").scene.tables == made.tables
+
+
+def test_numbers_of_a_file_are_read_once_and_named_by_it(tmp_path: Path) -> None:
+    """The scene names the file, and its column; what is there already is not read again."""
+    (tmp_path / "a.csv").write_text("t;F;m\n0;1;5\n2;3;4\n", encoding="utf-8")
+    (tmp_path / "a.eng").write_text("C6 18 70 0 0.1 0.2 E\n 1 4\n 2 2\n;", encoding="utf-8")
+    text = TOML + "[loads.follower]\nforce = \"interp(t, 'a.csv') * interp(t, 'a.csv', 'm')\"\n"
+    text += "[states.fuel]\nrate = \"interp(t, 'a.eng', 'cubic')\"\n"
+    (tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    made = Scene.from_toml(tmp_path / "a.toml")
+    assert {name: table.values.tolist() for name, table in made.tables.items()} == {
+        "a.csv": [1, 3],
+        "a.csv:m": [5, 4],
+        "a.eng": [0, 4, 2],
+    }
+    for name in ("a.csv", "a.eng"):
+        (tmp_path / name).unlink()
+    (tmp_path / "a.toml").write_text(made.to_toml(), encoding="utf-8")
+    assert Scene.from_toml(tmp_path / "a.toml") == made
+    rows = {one.piece: one.reason for one in contents(made)}
+    assert "2 rows" in rows["table a.csv:m"]
+    assert "'a.csv'" in rows["follower"]
+
+
+def test_a_long_file_is_a_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = "".join(f"{a:.4f}, {a * a:.6f}\n" for a in T)
+    (tmp_path / "a.csv").write_text("t [s], F [N]\n" + rows, encoding="utf-8")
+    text = TOML + "[loads.follower]\nforce = \"interp(t, 'a.csv')\"\n"
+    (tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    table = Scene.from_toml(tmp_path / "a.toml").tables["a.csv"]
+    assert len(table) == 20_001
+    np.testing.assert_allclose(table.values, T**2, atol=1e-6)  # as it is written
+    monkeypatch.setattr("rodgen.scene.files.MOST_ROWS", 20_000)
+    found = refused(Scene.from_toml, tmp_path / "a.toml")
+    assert (found.field, found.value) == ("loads.follower.force", "a.csv")
+
+
+@pytest.mark.parametrize(
+    ("table", "field"),
+    [
+        ({"knots": [0, 1], "values": [0]}, "values"),
+        ({"knots": [0], "values": [0]}, "knots"),
+        ({"knots": [0, 1, 1], "values": [0, 1, 2]}, "knots"),
+        ({"knots": [0, True], "values": [0, 1]}, "knots"),
+        ({"knots": [0, 1], "values": [0, float("nan")]}, "values[1]"),
+        ({"knots": [0, "1"], "values": [0, 1]}, "knots"),
+        ({"knots": [[0, 1]], "values": [0, 1]}, "knots"),
+        ({"knots": list(range(MOST_ROWS + 1)), "values": [0] * (MOST_ROWS + 1)}, "knots"),
+        ({"knots": [0, 1]}, ""),
+        ({"knots": [0, 1], "values": [0, 1], "kind": 1}, ""),
+        ([0, 1], ""),
+    ],
+)
+def test_what_is_no_table_is_refused_by_its_name(table: Any, field: str) -> None:
+    assert refused(scene, FORCE, table).field == ".".join(filter(None, ("tables.f", field)))
+
+
+def test_a_table_is_named_where_it_is_one() -> None:
+    for text in ("interp(t, 'g')", "interp(t, f)", "f*t", "'f'", "interp(t, 'f', 'spline')"):
+        assert refused(scene, text)[:2] == ("loads.follower.force", text)
+    force = "interp(t, F)"  # of a number
+    assert refused(scene, force, parameters={"F": 2.0})[:2] == ("loads.follower.force", force)
+
+
+def test_values_of_a_module_are_checked() -> None:
+    made = scene(table={"knots": [0, 1, 2], "values": [5, 6, 4]})
+    module, given, name = rodgen.build(made, "numpy"), made.parameters, "follower_force_table_1"
+    for wrong in ([0, 1, 2, 5, 6], [0, 1, 1, 5, 6, 4], [0, 1, 2, 5, 6, np.inf], "abcdef"):
+        with pytest.raises((TypeError, ValueError), match=name):
+            module.parameters(**given | {name: wrong})
+    assert with_parameters(made, given) == made  # as a run may be given all that it has
+    assert refused(with_parameters, made, {name: [0, 1, 2, 5, 6, 7]}).field == name
+
+
+@pytest.mark.parametrize("target", ["numpy", "c"])
+@pytest.mark.parametrize("kind", ["linear", "cubic"])
+def test_every_target_finds_values_and_slopes(target: str, kind: str) -> None:
+    """At knots, between and outside of them: of SciPy, and slopes by its derivative."""
+    values = np.sin(40 * UNEVEN) + np.round(UNEVEN, 1)
+    table = {"knots": UNEVEN.tolist(), "values": values.tolist()}
+    states = {"a": {"rate": f"interp(a, 'f', '{kind}')"}}
+    module = rodgen.build(scene("1.0", table, states=states), target)
+    p = module.parameters(**scene("1.0", table, states=states).parameters)
+    draw = np.random.default_rng(1)
+    inside = draw.choice(UNEVEN[:-1], 300) * draw.uniform(1.0, 1.003, 300)
+    x = np.concatenate((inside, UNEVEN[::7], [-5.0, -1.0, 3.0, 9.0]))
+    cubic = PchipInterpolator(UNEVEN, values)
+    due = cubic(np.clip(x, -1.0, 3.0)) if kind == "cubic" else np.interp(x, UNEVEN, values)
+    found = [module.rhs(0.0, np.array([0.1, 0.2, at]), p)[2] for at in x]
+    # Two forms of one polynomial: some roundings of the largest value.
+    np.testing.assert_allclose(found, due, atol=2e-14 * np.abs(values).max())
+    at = np.searchsorted(UNEVEN, inside, side="right") - 1
+    due = (
+        (np.diff(values) / np.diff(UNEVEN))[at] if kind == "linear" else cubic.derivative()(inside)
+    )
+    slopes = [module.jac(0.0, np.array([0.1, 0.2, at]), p)[2, 2] for at in inside]
+    np.testing.assert_allclose(slopes, due, atol=1e-11 * np.abs(due).max())
+
+
+def test_steps_end_at_knots_that_tell_what_a_table_is_like() -> None:
+    few = TableData(T[::50], np.sin(3 * T[::50]))
+    np.testing.assert_array_equal(few.corners, few.knots)
+    corners = TableData(T, np.sin(3 * T)).corners
+    assert {0.0, 2.0} < set(corners)
+    # Between them straight lines are off by a hundredth of the range, of two, and no more; a line
+    # from knot to knot over h is off by 9 h^2/8.
+    assert 5 < len(corners) < 30
+    off = np.sin(3 * T) - np.interp(T, corners, np.sin(3 * corners))
+    assert np.abs(off).max() <= 0.02
+    jump = np.where(T < 1.0, 0.0, 5.0) + 1e-3 * np.sin(50 * T)
+    assert {T[9_999], T[10_000]} < set(TableData(T, jump).corners)
+    noise = np.random.default_rng(1).standard_normal(len(T))
+    assert len(TableData(T, noise).corners) <= 500
+    assert (
+        Expression(FORCE, "t", numbers=(("'f'", few),)).breaks(0.0, 1.0)
+        == few.knots[1:-1][few.knots[1:-1] < 1.0].tolist()
+    )
+
+
+def test_a_long_table_costs_what_the_curve_costs() -> None:
+    """Its kinks are no steps: of 20 000 knots, a run sees the sine, whose integral is known."""
+
+    def run(rate: str) -> Any:
+        settings = {"span": [0.0, 2.0], "method": "dop853", "rtol": 1e-7, "atol": 1e-9}
+        made = scene("1.0", integrate=settings, states={"sum": {"rate": rate}})
+        return rodgen.simulate(made, target="numpy")
+
+    table, curve = run("interp(t, 'f')"), run("sin(3*t)")
+    corners = TableData(**SINE).corners
+    # A few to each corner, where the run begins anew.
+    assert curve.stats.steps < table.stats.steps < curve.stats.steps + 4 * len(corners) < 100
+    # Ten tolerances; a line between two knots is off by less, 9 (1e-4)^2/8.
+    assert table.y[-1, -1] == pytest.approx((1 - np.cos(6.0)) / 3, abs=1e-6)
+
+
+def test_a_law_switches_where_its_table_bends() -> None:
+    """One number for all knots of a table of the motion, which changes its sign at each alone."""
+    knots, values = [-1.0, 0.0, 0.5, 3.0], [2.0, 0.0, 1.0, 1.5]
+    law = Expression(f"interp(x(1), {knots}, {values})", "t", states=())
+    (switch,) = law.switches().values()
+    x = np.array([-3.0, *np.repeat(knots, 2), 4.0])
+    x[1:-1] += np.tile([-1e-9, 1e-9], 4)
+    signs = np.sign(switch(0.0, {"x(1.0)": x}))
+    np.testing.assert_array_equal(signs, [-1, -1, 1, 1, -1, -1, 1, 1, -1, -1])
+    assert (switch(0.0, {"x(1.0)": np.array(knots)}) == 0).all()
