@@ -104,11 +104,12 @@ def _tables(*names: str) -> Iterator[str]:
 
 
 def _first() -> Iterator[str]:
-    """The name of a scene, and the numbers that its expressions name."""
+    """The name of a scene, and the numbers and tables that its expressions name."""
     yield from (_row("key", "value", "default"), "|---|---|---|")
     fields = Scene.model_fields
     yield _field("name", fields["name"])
     yield _row("**[parameters]**", str(fields["numbers"].description), "")
+    yield _row("**[tables.NAME]**", str(fields["tables"].description), "")
 
 
 def _loads() -> Iterator[str]:

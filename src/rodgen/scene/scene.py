@@ -89,7 +89,12 @@ class Scene(Exchange, Shown):
         exclude_if=operator.not_,
         description="numbers that expressions call by these names, each a plain identifier",
     )
-    tables: dict[str, LookupTable] = Field({}, exclude_if=operator.not_)
+    tables: dict[str, LookupTable] = Field(
+        {},
+        exclude_if=operator.not_,
+        description="numbers that `interp(x, 'NAME')` reads: lists `knots`, which ascend, and "
+        "`values`, of 2 to 200000 rows",
+    )
     rod: Rod
     bodies: list[Body] = []
     supports: list[Support] = []
