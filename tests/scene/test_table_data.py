@@ -143,6 +143,7 @@ def test_every_target_finds_values_and_slopes(target: str, kind: str) -> None:
     p = module.parameters(**scene("1.0", table, states=states).parameters)
     draw = np.random.default_rng(1)
     inside = draw.choice(UNEVEN[:-1], 300) * draw.uniform(1.0, 1.003, 300)
+    inside[:4] = -0.9, -0.1, 2.96, 2.99  # in the first part and in the last
     x = np.concatenate((inside, UNEVEN[::7], [-5.0, -1.0, 3.0, 9.0]))
     cubic = PchipInterpolator(UNEVEN, values)
     due = cubic(np.clip(x, -1.0, 3.0)) if kind == "cubic" else np.interp(x, UNEVEN, values)
