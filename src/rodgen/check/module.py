@@ -81,7 +81,9 @@ def _parameters(module: ModuleType, t: float, draw: np.random.Generator) -> dict
                 values[name] /= 5.1
         for name in values.keys() & {"bending_stiffness", "joint_stiffness"}:
             values[name] *= 20.0
-        for knots in structure.knot_names:
+        every = [*structure.open_expressions.values(), *structure.open_rates.values()]
+        every += (*structure.open_masses.values(), *structure.open_along.values())
+        for knots in (knots for e in every for knots in e.knot_names):
             values |= zip(knots, sorted(values[name] for name in knots), strict=True)
         for name, rows in structure.tables:
             values[name][:rows].sort()

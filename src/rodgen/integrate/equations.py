@@ -125,12 +125,18 @@ class Equations:
 
     def course(self, span: Sequence[float], p: Array) -> Course:
         """What changes with time within a span [s], for one rod. Raises SceneError."""
-        values, stiffness = self.structure.values_in(p), self._stiffness(p)
+        values, stiffness = self._values(p), self._stiffness(p)
         return Course.of(self.structure, values, span[0], span[1], stiffness)
+
+    def _values(self, p: Array) -> dict[str, Any]:
+        """The numbers and tables in its expressions, by name."""
+        of = self.structure
+        found: dict[str, Any] = {name: float(p[of.positions[name]]) for name in of.numbers}
+        return found | {name: p[of.places[name]] for name, _ in of.tables}
 
     def timed(self, p: Array) -> dict[str, Expression]:
         """Loads that change with time alone, by the names of their parameters, for one rod."""
-        values, loads = self.structure.values_in(p), self.structure.open_expressions.items()
+        values, loads = self._values(p), self.structure.open_expressions.items()
         return {name: e.with_values(values) for name, e in loads if not e.signals}
 
     def _stiffness(self, p: Array) -> tuple[float, ...]:
@@ -167,10 +173,12 @@ class Equations:
                 _remember(self._courses, key, known)
             courses, refused = known
             return courses, None, dict.fromkeys(range(rods), refused[0]) if refused else {}
-        _, first, which = np.unique(
-            p[:, self._timed], axis=0, return_index=True, return_inverse=True
-        )
-        courses, refused = self._found(settings, p[first])
+        # Rods of equal numbers share theirs: found by their bytes, as tables are long.
+        firsts = dict[bytes, int]()
+        found = (row.tobytes() for row in p[:, self._timed])
+        first = np.array([firsts.setdefault(row, at) for at, row in enumerate(found)])
+        distinct, which = np.unique(first, return_inverse=True)
+        courses, refused = self._found(settings, p[distinct])
         which = which.reshape(-1).astype(np.int64)
         return (
             courses,
@@ -196,7 +204,7 @@ class Equations:
     def _stretches(self, settings: Integrate, p: Array) -> Stretches:
         """Stretches for one rod. Raises SceneError."""
         start, end = settings.span
-        course = Course.of(self.structure, self.structure.values_in(p), start, end)
+        course = Course.of(self.structure, self._values(p), start, end)
         found = Stretches.of(course, settings.fixed)
         if not found.ends:
             _, load = course.pole() or (start, None)

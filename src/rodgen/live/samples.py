@@ -14,6 +14,7 @@ from rodgen.integrate.live import Samples
 from rodgen.integrate.samples import Changes
 from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import Array
+from rodgen.memory import check_memory
 
 ROOM = 2**25  # bytes of states
 MOST, LEAST = 20_000, 500  # samples, whatever they weigh
@@ -194,5 +195,8 @@ class Recorded(Solution):
     def __post_init__(self, pieces: tuple[Chunk, ...]) -> None:
         if pieces:  # else it has some samples of another's, with their changes
             counts = [len(piece) for piece in pieces]
+            width = len(pieces[0].p)
+            what = f"the {width} parameters at every sample"
+            check_memory(what, sum(counts), lambda samples: 16 * width * samples, "samples")
             p = np.repeat([piece.p for piece in pieces], counts, axis=0)
             self.changes = Changes(p, np.repeat([piece.given for piece in pieces], counts))

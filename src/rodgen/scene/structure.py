@@ -10,10 +10,6 @@ from dataclasses import dataclass, field, fields
 from fractions import Fraction
 from functools import cached_property
 from itertools import starmap
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, SPRINGS, Parameter
 from rodgen.model.rod import BOUNDARIES, INERTIAS, ROD, STEADY, TANK, UNEVEN, Boundary, tank_row
@@ -195,11 +191,6 @@ class Structure:
         """The law of the springs, without values of the numbers in it."""
         return open_expression(self.spring or spring.HOOKE, spring.BEND)
 
-    @property
-    def knot_names(self) -> list[list[str]]:
-        """Names of the knots of every table whose numbers are single ones, which are to ascend."""
-        return [knots for e in self._open for knots in e.knot_names]
-
     @cached_property
     def numbers(self) -> dict[str, str]:
         """The numbers in expressions: which values are allowed, by name."""
@@ -244,11 +235,6 @@ class Structure:
     def positions(self) -> dict[str, int]:
         """Where in p each parameter lies, by name; of several numbers the first."""
         return {name: place.start for name, place in self.places.items()}
-
-    def values_in(self, p: NDArray[np.float64]) -> dict[str, Any]:
-        """The numbers and tables in its expressions, by name, from values of all parameters."""
-        found: dict[str, Any] = {name: float(p[self.positions[name]]) for name in self.numbers}
-        return found | {name: p[self.places[name]] for name, _ in self.tables}
 
     @cached_property
     def width(self) -> int:
