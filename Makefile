@@ -14,7 +14,7 @@
 # make guide      take the numbers of docs/speed.md and docs/which-method.md from the last report
 # make report [QUICK=1] [RESUME=1]    error against run time, stability, extremes, beside peers
 # make bench, bench-rhs, bench-many, bench-heyoka, bench-study, bench-engine, bench-workers, bench-load, bench-kills
-# make bench-analyse, bench-exponents, bench-cycles, bench-live
+# make bench-analyse, bench-exponents, bench-cycles, bench-tables, bench-live
 # make verdicts [SCENES=200]    stability of random rods against 50 digits, their rests in a wind against plain continuation
 # make tolerance [SCENES=300]   errors of runs over their tolerances, and what methods cost at equal error, on random rods
 
@@ -47,7 +47,7 @@ SCENE ?= scenes/missile.toml
 
 .PHONY: demo view derive test test-times check check-clean check-all check-newest check-lowest check-package check-joints \
 	faults lint types pages nightly lock bench bench-rhs bench-many bench-heyoka bench-study bench-engine bench-workers bench-load \
-	bench-kills bench-analyse bench-exponents bench-cycles bench-live verdicts tolerance docs reference figures screenshot thesis audit report guide clean
+	bench-kills bench-analyse bench-exponents bench-cycles bench-tables bench-live verdicts tolerance docs reference figures screenshot thesis audit report guide clean
 
 demo: $(VENV)/installed
 	@$(BIN)/rodgen derive 20 --out generated
@@ -157,6 +157,9 @@ bench-exponents: $(VENV)/evidence
 
 bench-cycles: $(VENV)/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.cycles
+
+bench-tables: $(VENV)/evidence
+	@$(BIN)/python -m rodgen_evidence.benchmarks.tables
 
 bench-analyse: $(VENV)/evidence
 	@$(BIN)/python -m rodgen_evidence.benchmarks.analyse

@@ -16,6 +16,7 @@ from rodgen_evidence.benchmarks.main_job import main_job
 from rodgen_evidence.benchmarks.many import many
 from rodgen_evidence.benchmarks.rhs import rhs
 from rodgen_evidence.benchmarks.study import study
+from rodgen_evidence.benchmarks.tables import tables
 
 pytestmark = [pytest.mark.nightly, pytest.mark.compiler]
 
@@ -67,6 +68,10 @@ def test_studies(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_analyses(capsys: pytest.CaptureFixture[str]) -> None:
     check(analyse((5,), (5,), 100, rounds=1), capsys)
+
+
+def test_tables(capsys: pytest.CaptureFixture[str]) -> None:
+    check(tables(100, rounds=1, target="numpy"), capsys)
 
 
 def test_live(capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,7 +7,7 @@ What they are called, and who shows them, stands in model/quantities.py, by the 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from functools import cached_property
+from functools import cached_property, lru_cache
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -19,7 +19,6 @@ from rodgen.loading.module import Asked, asked, structure_of
 from rodgen.model.quantities import FORCES, QUANTITIES, Quantity
 from rodgen.model.rod import BOUNDARIES, Boundary
 from rodgen.model.terms import PARAMETERS, words_of
-from rodgen.scene import Scene
 from rodgen.scene.errors import meant
 
 TURN = 1e-5  # rad, by which the links turn in a difference: errors are its square, and eps over it
@@ -171,13 +170,14 @@ def joined(found: Any) -> Any:
     return found
 
 
-def loads_at_work(scene: Scene, model: ModuleType) -> tuple[str, ...]:
-    """Names of the loads without potential in a scene, whose work is integrated."""
+@lru_cache(maxsize=16)
+def loads_at_work(model: ModuleType) -> tuple[str, ...]:
+    """Names of the loads without potential of a module, whose work is integrated."""
     if not hasattr(model, "power"):
         return ()
-    start, p = scene.integrate.span[0], model.parameters(**scene.parameters)
-    with np.errstate(all="ignore"):  # of a state that cannot be integrated
-        return tuple(model.power(start, scene.initial_state(), p))
+    y, p = np.zeros(len(model.STATE)), np.ones(len(model.PARAMETERS))
+    with np.errstate(all="ignore"):  # their names are asked for, whatever their powers are
+        return tuple(model.power(0.0, y, p))
 
 
 def _formula(name: str) -> Callable[[Motion], Any]:

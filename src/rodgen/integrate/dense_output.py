@@ -46,7 +46,7 @@ class DenseOutput:
         self._swing, self._ends = stretches.swing, np.array(stretches.ends)
         self._switches = () if scene.integrate.fixed else scene.course.switches()
         self._p: Array = self._model.parameters(**scene.parameters)
-        self._works = loads_at_work(scene, self._model)
+        self._works = loads_at_work(self._model)
 
     def at(self, times: NDArray[Any]) -> Array:
         """States (K, states) at times (K,) [s], in any order.

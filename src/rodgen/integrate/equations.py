@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.integrate.catalogue import loads_at_work
 from rodgen.integrate.crossings import Crossing
 from rodgen.integrate.lanes import Courses, Plan, Rows, explicit
 from rodgen.integrate.mass_jumps import may_jump
@@ -40,13 +41,10 @@ class Equations:
         self._reductions: dict[tuple[str, ...], tuple[Reduction, ...]] = {}
         self._courses: dict[Any, tuple[Courses, dict[int, str]]] = {}
 
-    @cached_property
+    @property
     def works(self) -> tuple[str, ...]:
         """Names of the loads without potential."""
-        if not hasattr(self.model, "power"):
-            return ()
-        with np.errstate(all="ignore"):
-            return tuple(self.model.power(0.0, np.zeros(self.states), np.ones(self.width)))
+        return loads_at_work(self.model)
 
     @cached_property
     def lanes(self) -> Lanes:

@@ -168,7 +168,7 @@ class Live(Progress):
             self.model, self.pulls = was, False
             raise
         self._chooser = Chooser(model)
-        self.works = (*loads_at_work(self.placed, model), PULL)
+        self.works = (*loads_at_work(model), PULL)
         before = np.array([known.get(name, 0.0) for name in self.works])
         self._take_up(course, before, self.every)
 
@@ -218,7 +218,7 @@ class Live(Progress):
         held = self.with_pull(scene)
         choice = self._chooser.choose(held)
         course = self._made(scene, choice, t, y, t)
-        works = loads_at_work(held, self.model)
+        works = loads_at_work(self.model)
         self._start(course, every, (*works, PULL) if self.pulls else works)
         self.scene, self.choice, self._warnings = scene, choice, None
         self._origin, self.given, self.energy_start = t, 0.0, self._energy(t, y, self.p)

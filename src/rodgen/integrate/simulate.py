@@ -244,7 +244,7 @@ class _Run:
         self.watch = Watch(scene.events, model, self.p, switches)
         self.start = self._told = time.perf_counter()
         start, y0 = self.settings.span[0], scene.initial_state()
-        self.works = loads_at_work(scene, model)
+        self.works = loads_at_work(model)
         with np.errstate(all="ignore"):  # of a state that cannot be integrated
             self.machine = machine(model, self.p, self.settings, start, y0)
         times = self.settings.samples

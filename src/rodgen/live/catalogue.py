@@ -78,7 +78,7 @@ class Catalogue:
 
     def __init__(self, scene: Scene, model: ModuleType, others: tuple[str, ...] = ()):
         self.model, self._timed = model, scene.timed
-        powers = loads_at_work(scene, model)
+        powers = loads_at_work(model)
         self.works = (*powers, *others)
         self.quantities: dict[str, Shown] = {}
         self.kinds: dict[str, list[str]] = {}

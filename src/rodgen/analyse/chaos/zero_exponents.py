@@ -23,7 +23,7 @@ def is_autonomous(scene: Scene) -> bool:
 
 def is_conservative(scene: Scene, model: ModuleType) -> bool:
     """Whether a scene keeps its energy."""
-    return is_autonomous(scene) and not loads_at_work(scene, model) and not scene.states
+    return is_autonomous(scene) and not loads_at_work(model) and not scene.states
 
 
 def zero_exponents(scene: Scene, model: ModuleType) -> dict[str, int]:

@@ -347,4 +347,4 @@ class Search:
     @cached_property
     def at_work(self) -> tuple[str, ...]:
         """Names of the loads without potential."""
-        return loads_at_work(self.scene, self.model)
+        return loads_at_work(self.model)

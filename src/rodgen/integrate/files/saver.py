@@ -62,7 +62,7 @@ class Saver:
                 raise SceneError("checkpoint", every, "given with out, beside which it is kept")
             return cls(scene, model)
         p = model.parameters(**scene.parameters)
-        works = loads_at_work(scene, model)
+        works = loads_at_work(model)
         room = ROOM if scene.events else 0
         # First: a state of another run beside a file would be taken for its own.
         files.beside(Path(out)).unlink(missing_ok=True)

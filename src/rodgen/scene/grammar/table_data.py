@@ -98,17 +98,18 @@ class TableData:
         """What it is at x, of a kind of the grammar: it holds its first and last value outside of
         its knots; or its slope, or a number that changes its sign at its corners and only there."""
         knots, values = self.knots, self.values
-        if kind == LINEAR:
-            return np.interp(x, knots, values)
-        if kind == CUBIC:
-            return self._monotone_cubic(np.clip(x, knots[0], knots[-1]))
         if kind == CORNERS:
             return _alternating(x, self.corners)
+        if kind == CUBIC:
+            return self._monotone_cubic(np.clip(x, knots[0], knots[-1]))
         if kind == CUBIC + SLOPE:
             slopes = self._monotone_cubic.derivative()(x)
         else:
-            at = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(knots) - 2)
-            slopes = (np.diff(values) / np.diff(knots))[at]
+            at = _parts(x, knots)
+            slopes = (values[at + 1] - values[at]) / (knots[at + 1] - knots[at])
+        if kind == LINEAR:  # np.interp copies what is not to be written to
+            within = slopes * (np.clip(x, knots[0], knots[-1]) - knots[at]) + values[at]
+            return np.where(x >= knots[-1], values[-1], within)
         return np.where((x > knots[0]) & (x < knots[-1]), slopes, 0.0)
 
     @cached_property
@@ -118,8 +119,13 @@ class TableData:
         return PchipInterpolator(self.knots, self.values)
 
 
+def _parts(x: Any, knots: Array) -> Any:
+    """Numbers of the parts between knots in which x lies, or to which it is next."""
+    return np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(knots) - 2)
+
+
 def _alternating(x: Any, knots: Array) -> Any:
     """A number that is zero at knots alone and changes its sign there."""
-    at = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(knots) - 2)
+    at = _parts(x, knots)
     u = (x - knots[at]) / (knots[at + 1] - knots[at])
     return np.where(at % 2, -1.0, 1.0) * u * (1 - u)
