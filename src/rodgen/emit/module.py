@@ -170,7 +170,7 @@ def _context(
         "uneven_text": _tuple(structure.uneven) if structure.uneven else "",
         "spring": structure.spring,
         "expressions": structure.open_expressions,
-        "tables_text": repr(dict(structure.tables)) if structure.tables else "",
+        "table_rows": dict(structure.tables),
         "texts": structure.open_expressions | structure.open_along,
         "slot": _slots(hold.translates, moving),
         "state_places": _places(_slots(hold.translates, moving), hold.first)

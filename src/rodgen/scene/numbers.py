@@ -60,7 +60,7 @@ def row_of(name: str, rule: str = ANY) -> Parameter:
 
 def row_of_table(name: str) -> Parameter:
     """The parameter of a module that a table of an expression is."""
-    what = "a table in an expression"
+    what = "knots of a table in an expression, which ascend, and then a value for each"
     return Parameter(name=name, key=name, label=name, description=what, each=ROWS)
 
 
