@@ -12,7 +12,7 @@ from rodgen.scene.errors import SceneError
 from rodgen.scene.examples import example, examples
 from rodgen.scene.files import TABLES, with_tables
 from rodgen.scene.keys import check_named, put_values
-from rodgen.scene.lookup_table import in_lists
+from rodgen.scene.lookup_table import to_lists
 from rodgen.scene.plain import plain, read_table
 from rodgen.scene.structure import check_links
 from rodgen.scene.tables import Rod, Table
@@ -74,7 +74,7 @@ class Exchange(Table):
         """The tables of the scene, without what it leaves out; `from_dict` makes it of them."""
         made = self.model_dump(exclude_none=True)
         if TABLES in made:
-            made[TABLES] = {name: in_lists(table) for name, table in made[TABLES].items()}
+            made[TABLES] = {name: to_lists(table) for name, table in made[TABLES].items()}
         return made
 
     def to_toml(self) -> str:

@@ -1,4 +1,4 @@
-"""Tables of numbers that expressions name, as data: interp(t, 'thrust.csv')."""
+"""The [tables] of a scene, which expressions read: interp(t, 'thrust.csv')."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ MOST_ROWS = 200_000
 KNOTS, VALUES = "knots", "values"
 LookupTable = Annotated[
     TableData,
-    PlainValidator(lambda given: given),  # which checked_table has made, with its name in errors
-    PlainSerializer(lambda table: in_lists(table), when_used="json"),
+    PlainValidator(lambda given: given),  # which parse_table has made, with its name in errors
+    PlainSerializer(lambda table: to_lists(table), when_used="json"),
 ]
 
 
-def in_lists(table: TableData) -> dict[str, list[float]]:
-    """A table as a file has it."""
+def to_lists(table: TableData) -> dict[str, list[float]]:
+    """Convert a table to the lists that a file has."""
     return {KNOTS: table.knots.tolist(), VALUES: table.values.tolist()}
 
 
-def checked_table(name: str, given: Any) -> TableData:
-    """The table of this name from what a file has of it. Raises SceneError."""
+def parse_table(name: str, given: Any) -> TableData:
+    """Make the table of a name from its lists in a file. Raises SceneError."""
     if isinstance(given, TableData):
         return given
     field = f"tables.{name}"
@@ -48,7 +48,7 @@ def checked_table(name: str, given: Any) -> TableData:
 
 
 def _numbers(field: str, given: Any) -> NDArray[np.float64]:
-    """Numbers of a list. Raises SceneError for what is none of finite numbers."""
+    """Convert a list of finite numbers to an array. Raises SceneError."""
     if not isinstance(given, list) or not set(map(type, given)) <= {int, float}:
         raise SceneError(field, given, "a list of numbers")
     found = np.array(given, dtype=float)

@@ -35,7 +35,7 @@ from rodgen.scene.grammar import TableData
 from rodgen.scene.integration import AUTO, Integrate, Settings, spelt_out
 from rodgen.scene.law import Law
 from rodgen.scene.load_tables import FinFactor, Loads
-from rodgen.scene.lookup_table import LookupTable, checked_table
+from rodgen.scene.lookup_table import LookupTable, parse_table
 from rodgen.scene.mesh import with_links
 from rodgen.scene.numbers import check_names, check_states, mass_of
 from rodgen.scene.plain import plain
@@ -140,12 +140,12 @@ class Scene(Exchange, Shown):
 
     @field_validator("tables", mode="before")
     @classmethod
-    def _as_data(cls, tables: Any) -> Any:
+    def _parse_tables(cls, tables: Any) -> Any:
         """Each by itself, so that what is wrong is named by its name."""
         if not isinstance(tables, dict):
             return tables
         check_count("tables", tables)
-        return {name: checked_table(name, table) for name, table in tables.items()}
+        return {name: parse_table(name, table) for name, table in tables.items()}
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

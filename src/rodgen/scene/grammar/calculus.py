@@ -12,9 +12,9 @@ from rodgen.scene.grammar.syntax import (
     children,
     is_table,
     names_in,
-    of_kind,
     table_of,
     tables,
+    with_kind,
 )
 from rodgen.scene.grammar.vocabulary import CORNERS, FUNCTIONS, SLOPE
 
@@ -45,7 +45,7 @@ def derivative(node: ast.expr, by: str) -> ast.expr | None:
             _, body, orelse = slopes
             return _choice(test, body, orelse)
         case ast.Call() if is_table(node):
-            return _times(of_kind(node, table_of(node).kind + SLOPE), slopes[0])
+            return _times(with_kind(node, table_of(node).kind + SLOPE), slopes[0])
         case ast.Call(func=ast.Name(id="min" | "max" as name), args=[*first, last]) if first:
             rest = first[0] if len(first) == 1 else _call(name, *first)
             smaller = ast.Lt() if name == "min" else ast.Gt()
@@ -121,7 +121,7 @@ def _kinks(node: ast.AST, variable: str) -> Iterator[Pair]:
             yield from ((a, b) for at, a in enumerate(args) for b in args[at + 1 :])
         case ast.Call() if is_table(node):
             if not _is_variable(table_of(node).argument, variable):
-                yield of_kind(node, CORNERS), None
+                yield with_kind(node, CORNERS), None
     for child, _ in children(node):
         yield from kinks(child, variable)
 
@@ -133,7 +133,7 @@ def conditions(node: ast.AST) -> frozenset[Pair]:
 
 
 def tables_of(node: ast.AST, variable: str) -> Iterator[Table]:
-    """Tables of the variable itself."""
+    """Yield the tables whose argument is the variable itself."""
     return (one for one in tables(node) if _is_variable(one.argument, variable))
 
 

@@ -99,7 +99,7 @@ def source_of(
 def _lists(
     table: Table, language: Language, places: Mapping[str, slice], start: str
 ) -> tuple[list[str], int]:
-    """Knots and values of a table, and how many there are of each."""
+    """Return the code of the knots and the values of a table, and how many rows it has."""
     if not table.name:
         parts = table.knots, table.values
         return [_list(part, language, places, start) for part in parts], len(table.knots)

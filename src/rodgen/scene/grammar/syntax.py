@@ -207,14 +207,13 @@ def _names_in(node: ast.AST) -> tuple[str, ...]:
 
 
 def _table_names(node: ast.AST) -> list[ast.expr]:
-    """What stands in a tree, which need not be checked, for the numbers of tables."""
+    """Return the nodes of a tree, checked or not, that name tables."""
     found = (inner.args[1] for inner in ast.walk(node) if is_table(inner) and inner.args[1:])
     return [name for name in found if isinstance(name, ast.Constant | ast.Name)]
 
 
 def table_names(node: ast.AST) -> tuple[str, ...]:
-    """Names of the tables in a tree, which need not be checked, whose numbers are not in the text,
-    in the order of this."""
+    """Return the names of tables in a tree, checked or not, in the order of the text."""
     found = {*map(ast.unparse, _table_names(node))}
     return tuple(name for name in names_in(node) if name in found)
 
@@ -246,7 +245,7 @@ def table_of(node: ast.Call) -> Table:
 
 
 def _kind(said: Sequence[ast.expr]) -> str:
-    """How a table goes between its knots, by what is said of it."""
+    """Return the kind of interpolation from the last arguments of interp."""
     return str(said[0].value) if said and isinstance(said[0], ast.Constant) else LINEAR
 
 
@@ -258,8 +257,8 @@ def tables(node: ast.AST) -> Iterator[Table]:
         yield from tables(child)
 
 
-def of_kind(node: ast.Call, kind: str) -> ast.Call:
-    """The table of the same numbers that goes otherwise between its knots."""
+def with_kind(node: ast.Call, kind: str) -> ast.Call:
+    """Return the call of interp on the same table by another kind of interpolation."""
     numbers = 3 if isinstance(node.args[1], ast.List) else 2
     return ast.Call(node.func, [*node.args[:numbers], ast.Constant(kind)], [])
 

@@ -1,4 +1,4 @@
-"""The numbers of a table, and what they are between and beyond the knots."""
+"""Tables of numbers: interpolation, slopes, and the knots at which steps end."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 from rodgen.scene.grammar.vocabulary import CORNERS, CUBIC, LINEAR, SLOPE
 
 Array = NDArray[np.float64]
-# Steps end at all knots of a table, or at so many of a longer one, at fewer where straight lines
-# between these are off by no more than this share of its range. The others, which are closer than
-# steps or hardly bend it, a step meets as it meets a curve.
+# Steps end at all knots of a table of at most MOST rows. Of a longer one they end at up to so many,
+# fewer where chords between these miss it by at most BEND of its range: its other knots are closer
+# than steps, or hardly bend it, and a step crosses them as it does a curve.
 MOST, BEND = 500, 1e-2
 
 
 class TableData:
-    """The numbers of a table: knots, which ascend, and a value at each; they do not change.
+    """A table of numbers: knots, which ascend, and a value at each. It does not change.
 
     knots, values: (rows,).
     """
@@ -30,7 +30,8 @@ class TableData:
 
     @classmethod
     def of(cls, numbers: Any) -> Self:
-        """A table from its knots and, after them, its values, (2 rows,), or as it is."""
+        """Make a table from one array of its knots and then its values, (2 rows,); return a table
+        as it is."""
         return numbers if isinstance(numbers, cls) else cls(*np.split(np.asarray(numbers), 2))
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -61,19 +62,21 @@ class TableData:
 
     @property
     def knots(self) -> Array:
-        """Its knots, (rows,)."""
+        """Places of the values, (rows,)."""
         return self.numbers[: len(self)]
 
     @property
     def values(self) -> Array:
-        """Its values at them, (rows,)."""
+        """Values at the knots, (rows,)."""
         return self.numbers[len(self) :]
 
     @cached_property
     def corners(self) -> Array:
-        """Knots at which steps end, the first and the last among them: of a long table those that
-        tell what it is like (D. H. Douglas and T. K. Peucker 1973), which of a smooth curve are as
-        many, however many rows tell of it."""
+        """Knots at which steps end, the first and the last included.
+
+        Of a long table they are chosen by D. H. Douglas and T. K. Peucker (1973): a smooth curve
+        has as many, however many rows it is sampled in.
+        """
         if len(self) <= MOST:
             return self.knots
         least = BEND * np.ptp(self.values)
@@ -88,24 +91,26 @@ class TableData:
         return self.knots[sorted(kept)]
 
     def _bend(self, first: int, last: int) -> tuple[float, int, int, int]:
-        """How far a part of it is from a straight line, below zero, and where it is that most."""
+        """Return the largest distance of rows from their chord, negative for a heap, and where it
+        is."""
         x, y = self.knots[first : last + 1], self.values[first : last + 1]
         off = np.abs(y - y[0] - (y[-1] - y[0]) * ((x - x[0]) / (x[-1] - x[0])))
         at = int(np.argmax(off))
         return -float(off[at]), first, first + at, last
 
     def at(self, x: Any, kind: str) -> Any:
-        """What it is at x, of a kind of the grammar: it holds its first and last value outside of
-        its knots; or its slope, or a number that changes its sign at its corners and only there."""
+        """Evaluate the table at x: its value or its slope, by the kind of interpolation, or, for
+        CORNERS, a number that changes its sign at its corners alone. Outside of its knots it keeps
+        its first and last value."""
         knots, values = self.knots, self.values
         if kind == CORNERS:
-            return _alternating(x, self.corners)
+            return _sign_wave(x, self.corners)
         if kind == CUBIC:
             return self._monotone_cubic(np.clip(x, knots[0], knots[-1]))
         if kind == CUBIC + SLOPE:
             slopes = self._monotone_cubic.derivative()(x)
         else:
-            at = _parts(x, knots)
+            at = _interval(x, knots)
             slopes = (values[at + 1] - values[at]) / (knots[at + 1] - knots[at])
         if kind == LINEAR:  # np.interp copies what is not to be written to
             within = slopes * (np.clip(x, knots[0], knots[-1]) - knots[at]) + values[at]
@@ -119,13 +124,13 @@ class TableData:
         return PchipInterpolator(self.knots, self.values)
 
 
-def _parts(x: Any, knots: Array) -> Any:
-    """Numbers of the parts between knots in which x lies, or to which it is next."""
+def _interval(x: Any, knots: Array) -> Any:
+    """Find the interval between knots in which x lies, or which is next to it."""
     return np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(knots) - 2)
 
 
-def _alternating(x: Any, knots: Array) -> Any:
-    """A number that is zero at knots alone and changes its sign there."""
-    at = _parts(x, knots)
+def _sign_wave(x: Any, knots: Array) -> Any:
+    """Evaluate a function that is zero at knots alone and changes its sign at each."""
+    at = _interval(x, knots)
     u = (x - knots[at]) / (knots[at + 1] - knots[at])
     return np.where(at % 2, -1.0, 1.0) * u * (1 - u)

@@ -46,7 +46,7 @@ def value_of(node: ast.AST, names: Mapping[str, Any], functions: Functions | Non
 
 
 def data_of(table: Table, names: Mapping[str, Any]) -> TableData:
-    """The numbers of a table, by the values of names."""
+    """Return the numbers of a table, given the values of names."""
     if table.name:
         return TableData.of(names[table.name])
     return _data(*(tuple(float(value_of(e, names)) for e in part) for part in table[3:]))
@@ -54,7 +54,7 @@ def data_of(table: Table, names: Mapping[str, Any]) -> TableData:
 
 @lru_cache(maxsize=64)
 def _data(knots: tuple[float, ...], values: tuple[float, ...]) -> TableData:
-    """A table whose numbers stand in a text, once, as it is asked for again and again."""
+    """Make the table whose numbers stand in a text, once, as it is asked for again and again."""
     return TableData(knots, values)
 
 
