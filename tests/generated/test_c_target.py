@@ -229,6 +229,9 @@ def test_each_rod_is_what_it_is_by_itself(built: Built, structure: Structure) ->
     lanes, rng = model.LANES, np.random.default_rng(5)
     y = rng.normal(size=(LANES, len(model.STATE)))
     p = rng.uniform(0.5, 1.5, size=(LANES, len(model.PARAMETERS)))
+    for name, rows in structure.tables:
+        first = structure.positions[name]
+        p[:, first : first + rows].sort(axis=1)
     t = rng.uniform(0.1, 0.6, size=LANES)
     rates = call(lanes, "flow", t, y, p, lanes.states + len(lanes.works))
     seen = call(lanes, "observed", t, y, p, len(lanes.observed))
