@@ -62,20 +62,20 @@ def working(what: str, steps: int | None = None) -> Iterator[Tell]:
 @contextmanager
 def running(what: str, start: float, end: float) -> Iterator[Callable[[float], None]]:
     """A callback that shows how far a run from start to end has come, how fast it goes against
-    real time, and what time is left; nothing of it is shown within the bar of other work."""
+    real time, and what time is left; within the bar of other work, it names the time alone."""
     first: tuple[float, float] | None = None  # a run that is resumed does not begin at the start
 
     def speed(at: float) -> str:
         nonlocal first
         now = perf_counter()
         first = first or (at, now)
-        return f"{(at - first[0]) / (now - first[1]):.3g} s/s" if now > first[1] else ""
+        return f", {(at - first[0]) / (now - first[1]):.3g} s/s" if at > first[0] else ""
 
     def step(at: float) -> None:
-        bar.show(at - start, f"t = {at:.3f} s of {end:g} s, {speed(at)}")
+        bar.show(at - start, f"t = {at:.3f} s of {end:g} s{speed(at)}")
 
     if not _shows():
-        yield lambda _: None
+        yield lambda at: tell(f"t = {at:.3f} s of {end:g} s")
         return
     with _Bar(what, end - start, remaining=True) as bar, telling(lambda stage: bar.show(0, stage)):
         yield step
@@ -159,10 +159,16 @@ class _Bar:
         self._timer.daemon = True
 
     def __enter__(self) -> Self:
+        _bars.append(self)
         self._timer.start()
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.stop()
+        _bars.remove(self)
+
+    def stop(self) -> None:
+        """Take it away."""
         self._timer.cancel()
         self._timer.join()
         if self._drawn is not None:
@@ -178,6 +184,15 @@ class _Bar:
         kind = InNotebook if _in_notebook() else InTerminal
         self._drawn = kind(self._what, self._total, self._remaining)
         self._drawn.update(**self._far)  # what was shown meanwhile
+
+
+_bars: list[_Bar] = []
+
+
+def remove_bars() -> None:
+    """Take away what is seen, before the program ends at once."""
+    for bar in _bars:
+        bar.stop()
 
 
 class _Drawn(Protocol):

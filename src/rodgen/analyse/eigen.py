@@ -50,11 +50,10 @@ def all_values(pencil: Pencil | Dense, turns: bool = False) -> Values:
     turn = np.ones(pencil.cells)
     basis = null_space((dense.M @ turn)[None])
     found = _solved(dense.on(basis))
-    angles = basis @ found.vectors
-    for at, s in enumerate(found.s):
-        pull = turn @ dense.at(s) @ angles[:, at]
-        angles[:, at] -= pull / (s * s * (turn @ dense.M @ turn))
-    return Values(found.s, angles)
+    angles, s = basis @ found.vectors, found.s
+    pulls = [turn @ part @ angles for part in dense.parts]  # by K, C and M, on every motion
+    pull = pulls[0] + s * pulls[1] + s * s * pulls[2]
+    return Values(s, angles - pull / (s * s * (turn @ dense.M @ turn)))
 
 
 def _solved(dense: Dense, singular: bool = False) -> Values:

@@ -17,6 +17,7 @@ from rodgen.analyse.sizes import MODES, check_size
 from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.system import System, flown
 from rodgen.integrate.stepper import Array
+from rodgen.progress import tell
 from rodgen.scene import Scene, SceneError
 from rodgen.scene.mesh import mesh_notes
 from rodgen.scene.plain import plain
@@ -168,6 +169,7 @@ def modes_about(state: Steady, count: int) -> Modes:
 def _found(state: Steady, pencil: Pencil | Dense, count: int) -> Values:
     """All eigenvalues, or enough of them."""
     cells, turns = state.system.cells, state.turns_freely
+    tell("looking for eigenvalues")
     if isinstance(pencil, Dense):
         return all_values(pencil)
     if cells <= max(DENSE, 3 * count) or (pencil.damped and cells <= MOST_DENSE):

@@ -18,6 +18,7 @@ from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.springs import Softened, Springs
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
+from rodgen.progress import tell
 
 ITERATIONS = 40  # of Newton's method for one load
 FARTHEST = 0.2  # rad of a correction that is taken, else the step is halved
@@ -96,6 +97,7 @@ def follow(
     signature = at(0.0).balance(system, rest).signature()
     slope = _tangent(system, rest, at, done)
     while done < 1:
+        tell(f"{done:.3g} of {way}")
         fraction = min(done + step, 1.0)
         trial = Rest(rest.at, rest.iterations, pull=rest.pull)
         if slope is not None:

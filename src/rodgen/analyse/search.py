@@ -13,6 +13,7 @@ from rodgen.analyse.family import Family
 from rodgen.analyse.modal import Motions, arising
 from rodgen.analyse.onset import Onset
 from rodgen.integrate.stepper import Array
+from rodgen.progress import tell
 
 FINE, COARSE = 0.5, 0.01  # step of the search: EI/L^2, and of the force
 LEAST = 200  # forces at which a range is searched
@@ -58,6 +59,7 @@ class Search:
         before = int(last.count)
         for block in np.array_split(self.forces[1:], max(1, len(self.forces) // BLOCK)):
             for high, found in zip(block.tolist(), self._looked(block), strict=True):
+                tell(f"{high:.6g}")
                 after = int(found.count)
                 if after != before:
                     yield Event(low, high, before, after, (last, found))

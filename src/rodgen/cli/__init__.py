@@ -5,12 +5,13 @@ from __future__ import annotations
 import sys
 
 from rodgen.cli.errors import INTERRUPTED, reported
-from rodgen.cli.signals import lose_no_ctrl_c
+from rodgen.cli.signals import end_within_libraries, lose_no_ctrl_c
 
 
 def main() -> None:
     """Entry point of the `rodgen` command."""
     lose_no_ctrl_c()
+    end_within_libraries()
     with reported():
         from rodgen.cli.app import app  # inside, so that Ctrl-C is reported from the start
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from rodgen.cli.console import finite, out, warn, working, write_picture
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
 from rodgen.cli.options import LAST, point_of
-from rodgen.cli.signals import end_as_by_ctrl_c, hold_back_ctrl_c
+from rodgen.cli.signals import at_last, end_as_by_ctrl_c, hold_back_ctrl_c
 
 if TYPE_CHECKING:
     import xarray
@@ -146,7 +146,13 @@ def followed(
     from rodgen.scene import SceneError
 
     end_as_by_ctrl_c()
-    with working(f"following {what}") as said, written(journal):
+
+    def kept() -> str:
+        if journal is None or not journal.path.exists():
+            return ""
+        return f"; --resume {journal.path.with_suffix('')} goes on"
+
+    with working(f"following {what}") as said, written(journal), at_last(kept):
         try:
             return Followed(what, follow(said), False, journal)
         except BranchInterrupted as error:

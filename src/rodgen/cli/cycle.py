@@ -192,7 +192,8 @@ def cycle(
             from rodgen.analyse.cycles.nonlinear_modes import continue_mode
             from rodgen.show.cycle_pictures import family
 
-            data = continue_mode(scene, mode, energy, segments=segments or SEGMENTS)
+            with working("following the family of the mode"):
+                data = continue_mode(scene, mode, energy, segments=segments or SEGMENTS)
             write_picture(lambda: family(data, scene), folder, "mode")
 
 

@@ -9,6 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from rodgen.cli.console import err, warn
+from rodgen.cli.signals import at_last
 from rodgen.integrate.endings import INTERRUPTED
 from rodgen.integrate.files.checkpoint import beside
 from rodgen.integrate.files.checksums import RUNNING
@@ -39,12 +40,18 @@ def promised(folder: Path | None) -> Iterator[Path]:
         yield Path()
         return
     new = [path for path in (folder, *folder.parents) if not os.path.exists(path)]
-    try:
-        yield writable(folder)
-    finally:
+
+    def take_away() -> str:
         for path in new:
             with suppress(OSError):  # it is not empty
                 path.rmdir()
+        return ""
+
+    try:
+        with at_last(take_away):
+            yield writable(folder)
+    finally:
+        take_away()
 
 
 def unwritable(folder: Path, error: OSError) -> SceneError:

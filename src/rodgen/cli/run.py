@@ -129,7 +129,8 @@ def run(
         except Interrupted as error:
             hold_back_ctrl_c()
             solution, status = error.solution, INTERRUPTED
-            err.print(f"rodgen: {solution.message}; writing what was computed")
+    if status == INTERRUPTED:  # below the bar, which is gone
+        err.print(f"rodgen: {solution.message}; writing what was computed")
     if error_growth and not status:
         _find_error_growth(solution)
     with np.errstate(all="ignore"):  # a run that blew up has energies that overflow

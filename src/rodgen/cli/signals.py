@@ -2,14 +2,91 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import socket
 import sys
-from threading import Timer, main_thread
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from threading import Thread, Timer, main_thread
+from time import monotonic
+from types import FrameType
+from typing import NoReturn
+
+from rodgen.cli.errors import INTERRUPTED
+from rodgen.native.library import end_compilers
+from rodgen.progress import remove_bars
 
 SOON = 0.01  # s
+PATIENCE = 1.0  # seconds that Python has to come to a Ctrl-C
+CLOSE = 0.1  # seconds between a signal and its being seen by a thread
 # What ends a program as Ctrl-C does, where the system has it: a program that is killed by one of
 # these leaves what it has started.
 ENDING = ("SIGTERM", "SIGHUP", "SIGQUIT")
+
+
+_raise_interrupt = signal.default_int_handler
+_heard = -1.0  # when Python last came to a Ctrl-C
+_last: list[Callable[[], str]] = []
+
+
+def _hear(number: int, frame: FrameType | None) -> NoReturn:
+    """Raise KeyboardInterrupt, and note when."""
+    global _heard
+    _heard = monotonic()
+    _raise_interrupt(number, frame)
+
+
+def end_within_libraries() -> None:
+    """Let Ctrl-C end the program also while a library is at work that looks for no signals, such as
+    LAPACK on a large matrix: where Python does not come to it within PATIENCE, nothing is lost by
+    ending at once."""
+    if signal.default_int_handler is _hear:
+        return
+    # Whoever asks whether Ctrl-C has a handler of somebody's own compares it with this one.
+    vars(signal)["default_int_handler"] = _hear
+    if signal.getsignal(signal.SIGINT) is _raise_interrupt:
+        signal.signal(signal.SIGINT, _hear)
+    read, written = socket.socketpair()
+    written.setblocking(False)
+    signal.set_wakeup_fd(written.fileno(), warn_on_full_buffer=False)
+    Thread(target=_watch, args=(read, written), daemon=True).start()
+    if hasattr(os, "register_at_fork"):  # whose signals are not those of this process
+        os.register_at_fork(after_in_child=lambda: signal.set_wakeup_fd(-1))
+
+
+def _watch(read: socket.socket, written: socket.socket) -> None:
+    """Look after every signal whether Python comes to it; written: kept open for the others."""
+    ending = {signal.SIGINT, *_ending()}
+    while number := read.recv(1):
+        if number[0] in ending and signal.getsignal(signal.SIGINT) is _hear:
+            look = Timer(PATIENCE, _look, [monotonic()])
+            look.daemon = True
+            look.start()
+
+
+def _look(since: float) -> None:
+    """End the program, unless Python has come to the signal since then, or leaves it for later."""
+    if _heard < since - CLOSE and signal.getsignal(signal.SIGINT) is _hear:
+        end_compilers()
+        said = "".join(do() for do in _last)
+        remove_bars()
+        print(f"rodgen: interrupted{said}", file=sys.stderr, flush=True)
+        os._exit(INTERRUPTED)
+
+
+@contextmanager
+def at_last(do: Callable[[], str]) -> Iterator[None]:
+    """Call a function if the program is ended at once inside; what it returns is said as well."""
+    _last.append(do)
+    try:
+        yield
+    finally:
+        _last.remove(do)
+
+
+def _ending() -> list[signal.Signals]:
+    return [getattr(signal, name) for name in ENDING if hasattr(signal, name)]
 
 
 def end_as_by_ctrl_c() -> None:
@@ -18,7 +95,7 @@ def end_as_by_ctrl_c() -> None:
     # In the background of a script, Ctrl-C is ignored from the start: the other would be, too.
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         let_ctrl_c_through()
-    for number in (getattr(signal, name) for name in ENDING if hasattr(signal, name)):
+    for number in _ending():
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, lambda *_: signal.raise_signal(signal.SIGINT))
 

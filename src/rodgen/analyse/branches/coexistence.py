@@ -19,6 +19,7 @@ from rodgen.analyse.statics import Equilibrium, static_equilibrium
 from rodgen.analyse.steady import Steady, straight_state
 from rodgen.analyse.system import System
 from rodgen.integrate.stepper import Array
+from rodgen.progress import tell
 from rodgen.scene import Scene
 
 STEPS = Steps(first=0.01, longest=0.05, most=400)
@@ -143,6 +144,7 @@ def _deflated(problem: Equilibria, known: list[Array]) -> list[tuple[Array, int]
     while guesses and len(found) < MOST:
         guess = guesses.pop(0)
         while len(found) < MOST:
+            tell(f"{len(known)} found")
             try:
                 u, iterations = _newton(problem, guess, known)
             except AnalysisError:

@@ -277,7 +277,7 @@ def begun(scene: Scene, system: System, variable: Variable, where: str, value: f
     to which a run of it over its span leads ("run"). Raises SceneError, AnalysisError."""
     ways: dict[str, Callable[[], Array]] = {
         INITIAL: scene.initial_state,
-        RUN: lambda: simulate(scene, progress=False).y[-1],
+        RUN: lambda: simulate(scene).y[-1],
     }
     if where not in ways:
         raise SceneError("motion", where, " or ".join(map(repr, ways)))

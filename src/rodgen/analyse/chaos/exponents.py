@@ -165,6 +165,7 @@ def lyapunov_exponents(
     over = window(scene, start, start + length)
     model = model if model is not None else build_fastest(scene, PARTS)
     course = _Course(over, model, count or states, progress)
+    progress(start)
     try:
         if skipped:
             course.over(start, start + skipped, max(1, round(PIECES * skipped / length)))

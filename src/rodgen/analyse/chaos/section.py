@@ -81,9 +81,9 @@ def poincare_section(
     watching = Scene.from_dict(table | {"events": [*table.get("events", []), event]})
     if isinstance(motion, Solution):
         span = [float(motion.t[0]), float(motion.t[-1])]
-        run = simulate(watching, model=motion.model, y0=motion.y[0], span=span, progress=False)
+        run = simulate(watching, model=motion.model, y0=motion.y[0], span=span)
     else:
-        run = simulate(watching, progress=False)
+        run = simulate(watching)
     start = float(run.t[0]) + _seconds(transient)
     met = [one for one in run.events if one.name == CROSSING and one.t >= start]
     t = np.array([one.t for one in met])

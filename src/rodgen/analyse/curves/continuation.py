@@ -26,6 +26,7 @@ from rodgen.analyse.curves.journal import Step, current
 from rodgen.analyse.curves.special_points import between
 from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.stepper import Array
+from rodgen.progress import tell
 from rodgen.scene import SceneError
 from rodgen.scene.plain import is_number, plain
 
@@ -163,6 +164,7 @@ class _Walk:
             curve.special += step.special
             curve.notes += step.notes
             curve.points.append(step.point)
+            tell(f"{len(curve.points)} points")
             self.watch(step.point)
             self._finish(step.point, h)
 

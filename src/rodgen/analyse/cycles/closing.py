@@ -15,6 +15,7 @@ from rodgen.analyse.cycles.elimination import Complex, Condensed
 from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.stepper import Array
+from rodgen.progress import tell
 
 ITERATIONS = 20
 DONE = 1e-11  # of the size of the motion: the last correction of Newton's method
@@ -172,6 +173,7 @@ class Newton(Closing[O]):
         kept, at, least = orbit, self.linearised(orbit), list[float]()
         while kept.iterations - orbit.iterations < ITERATIONS:
             residual = float(np.abs(at.r).max()) / kept.scale
+            tell(f"a period of {kept.period:.6g} s, closed to {residual:.1g}")
             least.append(min([residual, *least[-1:]]))
             if not residual <= LOST * max(least[-1], NEARBY):
                 break

@@ -95,7 +95,7 @@ class Cycle(Shown):
         every = self.period / 128
         table = self.scene.model_dump(exclude_none=True)
         table["integrate"] = {"span": span, "output_every": every, "rtol": 1e-10, "atol": 1e-12}
-        return simulate(Scene.from_dict(table | {"events": []}), model=self.model, progress=False)
+        return simulate(Scene.from_dict(table | {"events": []}), model=self.model)
 
     @cached_property
     def drift(self) -> Array:

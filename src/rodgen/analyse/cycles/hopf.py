@@ -26,6 +26,7 @@ from scipy.optimize import brentq
 from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.stepper import Array
+from rodgen.progress import tell
 
 Complex = NDArray[np.complex128]
 Places = NDArray[np.intp]
@@ -102,6 +103,7 @@ def hopf_point(at: Callable[[float], Flow], t: float, x: Array, low: float, high
     x = equilibrium(at(values[0]), t, x)
     before = fastest_growing(jacobian(at(values[0]), t, x))
     for a, b in pairwise(values.tolist()):
+        tell(f"looking for a Hopf point at {b:.6g}")
         after_x = equilibrium(at(b), t, x)
         after = fastest_growing(jacobian(at(b), t, after_x))
         signs = {_growth(before), _growth(after)}

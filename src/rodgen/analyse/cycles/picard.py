@@ -18,6 +18,7 @@ from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.cycles.shooting import cut
 from rodgen.analyse.errors import AnalysisError
 from rodgen.integrate.stepper import Array
+from rodgen.progress import tell
 
 LEADING = 10  # multipliers, unless others are asked for
 GUARD = 4  # directions beside those that are asked for
@@ -49,6 +50,7 @@ class Picard(Closing[Orbit]):
         before: Complex | None = None
         for _ in range(ITERATIONS):
             last = orbit.change
+            tell(f"a period of {orbit.period:.6g} s, corrected by {last:.1g}")
             moved, V, mu = self._corrected(orbit, unit, V)
             off = np.inf
             if before is not None and len(before) == len(mu):

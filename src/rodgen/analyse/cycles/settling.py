@@ -47,7 +47,7 @@ def run_of(
     settings |= {"span": [t, t + span], "output_every": every}
     try:
         made = Scene.from_dict(table | {"integrate": settings, "events": []})
-        run = simulate(made, target=target, progress=False)
+        run = simulate(made, target=target)
     except RunError as error:
         raise AnalysisError(f"the run up to {t + span:g} s cannot be finished: {error}") from error
     return run.t, run.y
