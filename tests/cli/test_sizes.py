@@ -8,10 +8,13 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NamedTuple
 
 import pytest
 
+from rodgen.check.module import check_module
+from rodgen.scene import SceneError
 from rodgen.scene.structure import MOST_LINKS
 from tests.cli.conftest import Run, Write
 from tests.sets import sets
@@ -51,6 +54,7 @@ COMMANDS: dict[str, tuple[tuple[Any, ...], bool]] = {
     "cycle branch": (("--vary", FORCE, "--between", "1,2"), False),
     "cycle mode": (("--mode", 1, "--energy", 1.0), False),
     "precision": ((), False),
+    "show": ((), True),
 }
 QUICK = ("critical", "modes many")
 
@@ -78,7 +82,7 @@ class Done(NamedTuple):
 def measured(*words: Any, links: int) -> Done:
     """A command in a process of its own, with so many links."""
     env = {**os.environ, "RODGEN_MEMORY": str(SMALL)}
-    more = ("--set", f"rod.links={links}", "--no-pictures")
+    more = ("--set", f"rod.links={links}", *["--no-pictures"] * (words[0] != "show"))
     command = [sys.executable, "-m", "rodgen", *map(str, (*words, *more))]
     done = subprocess.run(
         [sys.executable, "-c", CHILD, *command], env=env, capture_output=True, text=True, check=True
@@ -125,6 +129,14 @@ def test_what_is_said_to_fit_does(
     done = measured(command, scene, *COMMANDS[command][0], links=most)
     assert done.status in (0, 3), done.err  # 3: of so few points
     assert done.memory < SMALL * 1e9 + OWN, f"{done.memory / 1e9:.3g} GB with {most} links"
+
+
+def test_a_module_with_too_many_links_is_not_compared() -> None:
+    module = ModuleType("large")
+    vars(module)["N"] = 1_000_000  # whose matrices have a million million numbers
+    with pytest.raises(SceneError) as info:
+        next(check_module(module))
+    assert info.value.field == "N"
 
 
 def test_a_limit_is_a_number(refused: Run, write: Write, monkeypatch: pytest.MonkeyPatch) -> None:

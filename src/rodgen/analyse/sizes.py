@@ -11,6 +11,7 @@ from rodgen.scene.scene import check_scene
 STATIC, EQUILIBRIA, MODES, CRITICAL = "an equilibrium", "all equilibria", "modes", "a critical load"
 BRANCH, BOUNDARY, CYCLE = "a branch", "a boundary", "a cycle"
 EXPONENTS, FLOQUET, PRECISION = "exponents", "multipliers", "a comparison of methods"
+SHOW = "the fastest motion"
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ SIZES = {
     EXPONENTS: Size(10e3),
     FLOQUET: Size(10e3, 1500),
     PRECISION: Size(100e3),
+    SHOW: Size(1.2e3),
 }
 TANGENT = 256.0  # bytes for every number of a tangent
 SHAPE = 200.0  # for every link of a mode

@@ -18,12 +18,15 @@ from mpmath import mpf
 
 from rodgen.check.by_hand import ByHand
 from rodgen.loading.module import asked, structure_of
+from rodgen.memory import check_memory
+from rodgen.progress import tell
 from rodgen.scene.errors import SceneError
 from rodgen.scene.law import POINTS, WEIGHTS
 from rodgen.scene.link_parts import present
 
 DIGITS = 50
 DRAWS = 100  # of parameters, until loads are finite
+PAIR = 1e3  # bytes for every pair of links, of matrices of so many digits
 LIMIT = 1e-10  # relative; about a thousand times what n = 50 reaches
 
 
@@ -40,8 +43,10 @@ def check_module(module: ModuleType, states: int = 3, seed: int = 1) -> Iterator
     """Compare all that a module computes at random states near to and far from straight.
 
     The error of a vector is its largest absolute error over its largest magnitude; that of
-    energies or powers is taken relative to the largest among them.
+    energies or powers is taken relative to the largest among them. Raises SceneError for so many
+    links that there is not enough memory.
     """
+    check_memory("matrices of many digits", module.N, lambda links: PAIR * links**2, "N")
     draw = np.random.default_rng(seed)
     for kind, spread, speed in (("near straight", 1e-3, 1e-2), ("far from straight", 3.0, 3.0)):
         worst: dict[str, float] = {}
@@ -50,6 +55,7 @@ def check_module(module: ModuleType, states: int = 3, seed: int = 1) -> Iterator
             values, y = _drawn(module, t, draw, spread, speed)
             for quantity, error in _compare(module, values, t, y):
                 worst[quantity] = max(worst.get(quantity, 0.0), error)
+                tell(f"{quantity}, {kind}")
         for quantity, error in worst.items():
             yield Deviation(quantity, kind, error)
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
+from rodgen.analyse.sizes import SHOW, check_size
 from rodgen.cli.console import finite_or_none, out, print_json, print_notes, warn, working
 from rodgen.cli.options import AsJson
 from rodgen.integrate import choose
@@ -21,6 +22,7 @@ from rodgen.integrate.methods.choose import Choice, described, fastest_motion
 from rodgen.integrate.stability import Dominant, limit
 from rodgen.loading import build_fastest
 from rodgen.model.methods import FIXED_STEP
+from rodgen.progress import tell
 from rodgen.scene import Scene
 from rodgen.scene.contents import contents
 from rodgen.scene.doubts import doubts
@@ -32,6 +34,7 @@ TABLED = re.compile(r"(_(?:knot|value))_\d+$")  # how the numbers of a table are
 
 def show(scene: Scene, as_json: AsJson = False) -> None:
     """Show what the module of SCENE will hold, and what is left out and why."""
+    check_size(SHOW, scene)
     if as_json:
         print_json(_object(scene))
         return
@@ -86,10 +89,11 @@ def _integrated(
     with working("generating"):
         model = build_fastest(scene)
         choice = choose(scene, model)
-    with suppress(ArithmeticError):  # the run will say so
-        fastest = fastest_motion(scene, model)
-        limits = {name: limit(name, fastest.value, fastest.partner) for name in FIXED_STEP}
-        return model, choice, fastest, limits
+        tell("looking for the fastest motion")
+        with suppress(ArithmeticError):  # the run will say so
+            fastest = fastest_motion(scene, model)
+            limits = {name: limit(name, fastest.value, fastest.partner) for name in FIXED_STEP}
+            return model, choice, fastest, limits
     return model, choice, None, {}
 
 

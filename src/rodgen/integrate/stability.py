@@ -26,6 +26,9 @@ DENSE = 30  # states up to which the whole matrix costs less than products with 
 SHIFT = 1e-5  # rad: errors of a difference are its square, and rounding over it
 TOLERANCE = 1e-4  # of ARPACK's residual; eigenvalues came out 100 times closer
 SPACE = 24  # Krylov vectors between restarts
+# States beyond which products and vectors cost seconds and gigabytes; there, among ever closer
+# neighbours, a few vectors come to within a percent.
+MANY, FEW = 100_000, 8
 # Restarts, of which 5 to 15 are the rule: near critical damping the fastest roots are double or
 # next to it, where an iteration comes to within a percent and then no further.
 RESTARTS = 40
@@ -169,10 +172,15 @@ def _iterated(system: _Scaled) -> tuple[complex, Complex, bool]:
     start = np.concatenate((system.start, system.start, np.zeros(system.added)))
     values: Complex = np.zeros(0, dtype=complex)
     # A pair and its neighbour; the second try takes what one Krylov space holds.
-    for tolerance in (TOLERANCE, 1.0):
+    for tolerance in (TOLERANCE, 1.0)[size > MANY :]:
         try:
             values, vectors = eigs(
-                operator, k=2, v0=start, ncv=SPACE, tol=tolerance, maxiter=RESTARTS
+                operator,
+                k=2,
+                v0=start,
+                ncv=FEW if size > MANY else SPACE,
+                tol=tolerance,
+                maxiter=RESTARTS,
             )
         except ArpackNoConvergence as error:
             values, vectors = error.eigenvalues, error.eigenvectors
