@@ -151,3 +151,18 @@ def test_a_signal_keeps_what_is_marked_and_ends_the_workers(
     _out, err = again.communicate(timeout=600)
     assert again.returncode == 0, err
     assert_same(read(path), rodgen.study(Study.from_toml(file), workers=1))
+
+
+def test_the_death_of_python_s_tracker_is_not_told(file: Path) -> None:
+    import psutil
+
+    process = command(file, "--workers", 2)
+    wait_for_marks(file, 3, process)
+    (tracker,) = [
+        one
+        for one in psutil.Process(process.pid).children()
+        if any("resource_tracker" in word for word in one.cmdline())
+    ]
+    tracker.kill()
+    _, err = process.communicate(timeout=600)
+    assert (process.returncode, err) == (0, "")

@@ -34,6 +34,7 @@ from rodgen.scene import SceneError
 from rodgen.studies import task
 from rodgen.studies.errors import StudyError
 from rodgen.studies.store import Store
+from rodgen.studies.tracker import outlive_tracker
 from rodgen.studies.worker import (
     SAFE,
     SAFE_PATH,
@@ -315,7 +316,7 @@ class Cluster:
 
 
 class _Nanny(distributed.Nanny):
-    """A process beside a worker that waits less for its end: blocks are kept whole or not at all."""
+    """A process beside a worker that waits less for its end: blocks are kept whole, or not."""
 
     async def close(self, timeout: float = ENDED, reason: str = "nanny-close") -> Any:
         """End the worker, whatever it computes."""
@@ -350,6 +351,7 @@ def _unheard() -> Iterator[None]:
     # Dask's thread begins here: all that it starts, now and later, inherit what is blocked.
     sent = {signal.SIGINT, signal.SIGHUP, signal.SIGQUIT}
     before = signal.pthread_sigmask(signal.SIG_BLOCK, sent)
+    outlive_tracker()
     resource_tracker.ensure_running()  # else with the first of them: it blocks SIGINT no longer
     signal.pthread_sigmask(signal.SIG_BLOCK, sent)
     try:
