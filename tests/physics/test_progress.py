@@ -168,9 +168,10 @@ def test_a_bar_within_another_speaks_in_that() -> None:
             outer("first")
             with progress.working("inner") as inner:
                 inner(DERIVING)
+                _wait_for(terminal, DERIVING)
             with progress.running("run", 0.0, 1.0) as update:
                 update(0.5)
-            _wait_for(terminal, DERIVING)
+            _wait_for(terminal, "t = 0.500 s of 1 s")
         assert progress._shows()  # again
     assert "inner" not in terminal.getvalue()
     assert "run" not in terminal.getvalue()

@@ -194,6 +194,18 @@ def test_a_study_of_which_every_point_failed_has_failed(tmp_path: Path, rodgen: 
     assert rodgen("study", "show", path, "--no-pictures").returncode == 0
 
 
+def test_a_file_is_no_store(tmp_path: Path, rodgen: Any) -> None:
+    """What it is, where that is known: a study, or another file."""
+    file = study_file(tmp_path / "study.toml", "swings", PENDULUM, {"parameters.A": {"values": [1]}})
+    other = tmp_path / "notes.txt"
+    other.write_text("nothing", encoding="utf-8")
+    for path, command in ((file, True), (other, False)):
+        done = rodgen("study", "show", path)
+        assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+        assert "zarr.json" not in done.stderr
+        assert ("for rodgen study" in done.stderr) == command
+
+
 def test_a_reason_has_no_numbers() -> None:
     assert reason("stopped at t = 0.25 s: x_2 beyond -1e-3") == "stopped at t = # s: x_2 beyond #"
 

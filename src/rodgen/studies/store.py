@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from rodgen.loading.cache import PACKAGES, source_hash
 from rodgen.scene import SceneError
+from rodgen.scene.plain import read_table
 from rodgen.shown import show_datasets
 from rodgen.studies.keep import variables
 from rodgen.studies.layout import Layout
@@ -223,6 +224,10 @@ def _group(path: Path) -> zarr.Group:
 
     from rodgen.studies.integrity import DESCRIPTION, WholeStore, damaged
 
+    if path.is_file():
+        if path.suffix == ".toml":
+            read_table(path, "store")  # which says of a scene or a study that it is one
+        raise SceneError("store", str(path), "the store of a study, a folder (this is a file)")
     try:
         store = WholeStore(path)
         group = zarr.open_group(store, mode="r+", zarr_format=3)
