@@ -196,7 +196,8 @@ def test_a_study_of_which_every_point_failed_has_failed(tmp_path: Path, rodgen: 
 
 def test_a_file_is_no_store(tmp_path: Path, rodgen: Any) -> None:
     """What it is, where that is known: a study, or another file."""
-    file = study_file(tmp_path / "study.toml", "swings", PENDULUM, {"parameters.A": {"values": [1]}})
+    vary = {"parameters.A": {"values": [1]}}
+    file = study_file(tmp_path / "study.toml", "swings", PENDULUM, vary)
     other = tmp_path / "notes.txt"
     other.write_text("nothing", encoding="utf-8")
     for path, command in ((file, True), (other, False)):
