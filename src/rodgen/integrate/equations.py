@@ -18,17 +18,20 @@ from rodgen.integrate.reductions import Numbers, Reduction, checked
 from rodgen.integrate.stepper import Array
 from rodgen.integrate.stretches import Stretches
 from rodgen.loading.module import structure_of
-from rodgen.model.parameter import ANY, NOT_NEGATIVE, POSITIVE
+from rodgen.memory import check_memory
+from rodgen.model.parameter import ANY, NOT_NEGATIVE, POSITIVE, ROWS
 from rodgen.model.rod import BOUNDARIES
 from rodgen.native.many import Lanes
 from rodgen.scene.along import Distribution
 from rodgen.scene.course import Course
 from rodgen.scene.errors import Missing, SceneError
 from rodgen.scene.expression import Expression
+from rodgen.scene.grammar import TableData
 from rodgen.scene.integration import Integrate
 from rodgen.scene.tables import Rod
 
-KEPT = 256  # plans and stretches that are remembered
+KEPT = 256  # plans, tables and stretches that are remembered
+COPIES = 4  # of the parameters of all rods that are held at once
 
 
 class Equations:
@@ -39,6 +42,7 @@ class Equations:
         self.states = len(model.STATE)
         self._plans: dict[Any, Plan | None] = {}
         self._reductions: dict[tuple[str, ...], tuple[Reduction, ...]] = {}
+        self._tables: dict[bytes, TableData] = {}
         self._courses: dict[Any, tuple[Courses, dict[int, str]]] = {}
 
     @property
@@ -130,7 +134,14 @@ class Equations:
         """The numbers and tables in its expressions, by name."""
         of = self.structure
         found: dict[str, Any] = {name: float(p[of.positions[name]]) for name in of.numbers}
-        return found | {name: p[of.places[name]] for name, _ in of.tables}
+        return found | {name: self._table(p[of.places[name]]) for name, _ in of.tables}
+
+    def _table(self, numbers: Array) -> TableData:
+        """A table of p, which many rods have in common."""
+        key = numbers.tobytes()
+        if key not in self._tables:
+            _remember(self._tables, key, TableData.of(numbers))
+        return self._tables[key]
 
     def timed(self, p: Array) -> dict[str, Expression]:
         """Loads that change with time alone, by the names of their parameters, for one rod."""
@@ -231,11 +242,15 @@ class Equations:
                 raise SceneError(f"p.{name}", Missing(), "given")
             count = places[name].stop - places[name].start if row.several else 0
             made[name] = _column(f"p.{name}", value, count, row.rule)
+            if row.each == ROWS and (np.diff(made[name][:, : count // 2]) <= 0).any():
+                raise SceneError(f"p.{name}", value, "knots that ascend, and then their values")
         rods = {len(column) for column in made.values() if len(column) != 1}
         if len(rods) > 1:
             shown = ", ".join(f"{n}: {len(c)}" for n, c in made.items() if len(c) != 1)
             raise SceneError("p", shown, "as many values of every parameter as there are rods")
-        p = np.empty((rods.pop() if rods else 1, self.width))
+        count = rods.pop() if rods else 1
+        check_memory("their parameters", count, lambda rods: COPIES * 8.0 * self.width * rods, "p")
+        p = np.empty((count, self.width))
         for name, column in made.items():
             p[:, places[name]] = column
         return p

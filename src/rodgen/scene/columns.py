@@ -15,7 +15,7 @@ from rodgen.scene.errors import SceneError, meant, short
 
 Rows = list[tuple[float, float]]
 Refused = Callable[[str], SceneError]
-COMMENT = "#"
+COMMENT, EMPTY = "#", ";,\t \x1a"  # what lines may have that have nothing
 DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
 UNIT = re.compile(r"\s*(\[[^]]*\]|\([^)]*\))\s*$")  # behind the name of a column
 MOST_HEADER = 10  # lines
@@ -45,10 +45,10 @@ def columns(text: str, name: str | None, refused: Refused) -> Rows:
     between: str | None = None
     for number, whole in enumerate(text.splitlines(), start=1):
         line = whole.partition(COMMENT)[0].strip()
-        if not line:
+        if not line.strip(EMPTY):
             continue
         if between is None:
-            between = _separator(line)
+            between = _separator(line, 2 if name is None else 1)
             if between is None and len(header) == MOST_HEADER:
                 break
             if between is None:
@@ -72,11 +72,13 @@ def _check_header(header: Sequence[str], between: str, refused: Refused) -> None
             raise refused(f"a table of columns of numbers (not the line {short(line)})")
 
 
-def _separator(line: str) -> str | None:
-    """What is between the numbers of a row, "" for blanks; None of a line that is no row."""
+def _separator(line: str, numbers: int) -> str | None:
+    """Return what is between the fields of a row that begins with so many numbers, "" for blanks;
+    None for a line that is no row."""
     for between in (";", "\t", "", ","):
-        first = _fields(line, between)[:2]
-        if len(first) == 2 and all(math.isfinite(_number(field)) for field in first):
+        fields = _fields(line, between)
+        first = map(_number, fields[:numbers])
+        if len(fields) > 1 and all(map(math.isfinite, first)):
             return between
     return None
 

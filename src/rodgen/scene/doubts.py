@@ -9,19 +9,29 @@ import numpy as np
 
 from rodgen.model.rod import CLAMP_ANGLE
 from rodgen.model.terms import PARAMETERS
+from rodgen.scene import grammar
 from rodgen.scene.errors import short
-from rodgen.scene.keys import NUMBERS, named_numbers
+from rodgen.scene.files import TABLES
+from rodgen.scene.grammar import TABLE
+from rodgen.scene.keys import NUMBERS, named_numbers, texts
 from rodgen.scene.scene import Scene
 
 TURN = 2 * math.pi
 
 
 def doubts(scene: Scene) -> Iterator[str]:
-    """Sentences on numbers that no expression names, and on angles that look like degrees."""
-    named = named_numbers(scene.model_dump(exclude_none=True))
+    """Sentences on numbers and tables that no expression names, and on angles that look like
+    degrees."""
+    given = scene.model_dump(exclude_none=True)
+    named = named_numbers(given)
     for name in scene.numbers:
         if name not in named:
             yield f"no expression names {NUMBERS}.{name}"
+    trees = [grammar.parse(text, "") for text in texts(given) if scene.tables and TABLE in text]
+    read = {name for tree in trees if tree for name in grammar.table_names(tree)}
+    for name in scene.tables:
+        if repr(name) not in read:
+            yield f"no expression names {TABLES}.{name}"
     parameters = scene.parameters
     for name in (CLAMP_ANGLE.name, *scene.loads.parameters):
         angle = name == CLAMP_ANGLE.name or PARAMETERS[name].angle

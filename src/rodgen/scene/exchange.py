@@ -30,7 +30,7 @@ class Exchange(Table):
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
-        """Read a scene from a TOML file, of at most 10 MB, 1e5 values, and 50 levels; tables of
+        """Read a scene from a TOML file, of at most 16 MB, 1e5 keys, and 50 levels; tables of
         numbers that an expression takes from a file are read from the folder of the scene.
 
         path: of the file.

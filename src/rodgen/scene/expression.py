@@ -273,8 +273,7 @@ class Expression:
     def kinks(self) -> list[Callable[[Any], Any]]:
         """Functions of the variable alone in whose zeros the expression is not smooth; knots of a
         table of the variable itself are not among them."""
-        pairs = grammar.kinks(self._tree, self.variable)
-        return [self._difference(a, b) for a, b in pairs if not self._follows(a, b)]
+        return [self._difference(a, b) for a, b in self._kinks if not self._follows(a, b)]
 
     def switches(self) -> dict[str, Difference]:
         """Functions of the variable and the signals in whose zeros the expression is not smooth as
@@ -291,11 +290,27 @@ class Expression:
         return self._differences(lambda *_: True)
 
     def _differences(self, taken: Callable[..., bool]) -> dict[str, Difference]:
-        return {
-            _compared(a, b): partial(self._apart, a, b)
+        return {_compared(a, b): partial(self._apart, a, b) for a, b in self._kinks if taken(a, b)}
+
+    @property
+    def _kinks(self) -> list[grammar.Pair]:
+        """Pairs whose difference is zero where it is not smooth: of a table, its argument and each
+        of the knots at which steps end."""
+        return [
+            pair
             for a, b in grammar.kinks(self._tree, self.variable)
-            if taken(a, b)
-        }
+            for pair in (self._corners(a, b) if b and grammar.is_table(b) else [(a, b)])
+        ]
+
+    def _corners(self, argument: ast.expr, call: ast.Call) -> list[grammar.Pair]:
+        table = grammar.table_of(call)
+        if not table.name:
+            return [(argument, knot) for knot in table.knots]
+        data = self._values[table.name]
+        if data is None:  # which a module alone knows
+            return [(argument, call)]
+        assert isinstance(data, grammar.TableData)
+        return list(_at_corners(argument, data))
 
     def _apart(self, a: ast.expr, b: ast.expr | None, at: Any, signals: Mapping[str, Any]) -> Any:
         with np.errstate(all="ignore"):
@@ -360,7 +375,13 @@ class Expression:
         return f"{self.field} = {short(self.text)} is not finite at {self.variable} = {at:.9g}"
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=64)
+def _at_corners(argument: ast.expr, table: grammar.TableData) -> tuple[grammar.Pair, ...]:
+    """Pair the argument of a table with each of the knots at which steps end."""
+    return tuple((argument, ast.Constant(knot)) for knot in table.corners.tolist())
+
+
+@lru_cache(maxsize=4096)
 def _compared(a: ast.expr, b: ast.expr | None) -> str:
     """Text of the difference of two expressions, or of the one alone."""
     return " - ".join(ast.unparse(part) for part in (a, b) if part)

@@ -17,7 +17,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from rodgen.scene.columns import Rows, columns, decoded
-from rodgen.scene.errors import SceneError, short
+from rodgen.scene.errors import SceneError, meant, short
 from rodgen.scene.grammar import CUBIC, LINEAR, TABLE, parse
 from rodgen.scene.lookup_table import KNOTS, MOST_ROWS, VALUES
 
@@ -49,7 +49,7 @@ class _Reader(ast.NodeTransformer):
     colon."""
 
     def __init__(self, folder: Path, known: Collection[str]):
-        self._folder, self._known, self._place = folder, known, ""
+        self._folder, self._known, self._place, self._changed = folder, known, "", False
         self.found: dict[str, dict[str, list[float]]] = {}
 
     def read(self, value: Any, place: str) -> Any:
@@ -60,19 +60,23 @@ class _Reader(ast.NodeTransformer):
             return [self.read(v, f"{place}[{at}]") for at, v in enumerate(value)]
         if not isinstance(value, str) or f"{TABLE}(" not in value:
             return value
-        self._place = place
+        self._place, self._changed = place, False
         tree = parse(value, place)
-        return value if tree is None else ast.unparse(self.visit(tree))
+        made = value if tree is None else ast.unparse(self.visit(tree))
+        return made if self._changed else value
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         self.generic_visit(node)
         match node:
             case ast.Call(
                 func=ast.Name(id="interp"), args=[x, ast.Constant(value=str() as name), *more]
-            ) if name not in self._known:
+            ):
                 column, kind = _column(more)
                 whole = name if column is None else f"{name}:{column}"
+                self._changed |= column is not None or whole not in self._known
                 table = ast.Call(node.func, [x, ast.Constant(whole), *kind], [])
+                if whole in self._known:
+                    return table
                 if whole not in self.found:
                     pair = map(list, zip(*self._rows(name, column), strict=True))
                     self.found[whole] = dict(zip((KNOTS, VALUES), pair, strict=True))
@@ -96,7 +100,8 @@ class _Reader(ast.NodeTransformer):
 
         path = self._folder / name
         if Path(name).name != name or path.suffix.lower() not in KINDS:
-            raise refused(f"a file beside the scene whose name ends in {', '.join(KINDS)}")
+            allowed = f"a file beside the scene whose name ends in {', '.join(KINDS)}"
+            raise refused(f"{allowed}, or a table of [tables]{meant(name, self._known)}")
         try:
             if not path.is_file():
                 raise refused("a file in the folder of the scene: there is none of this name")

@@ -13,7 +13,7 @@ from rodgen.scene.errors import SceneError
 from rodgen.scene.grammar import TableData
 from rodgen.scene.tables import LARGEST
 
-MOST_ROWS = 200_000
+MOST_ROWS = 200_000  # of all tables
 KNOTS, VALUES = "knots", "values"
 LookupTable = Annotated[
     TableData,
@@ -51,7 +51,10 @@ def _numbers(field: str, given: Any) -> NDArray[np.float64]:
     """Convert a list of finite numbers to an array. Raises SceneError."""
     if not isinstance(given, list) or not set(map(type, given)) <= {int, float}:
         raise SceneError(field, given, "a list of numbers")
-    found = np.array(given, dtype=float)
+    try:
+        found = np.array(given, dtype=float)
+    except OverflowError:  # of a whole number of hundreds of digits
+        found = np.array([one if abs(one) <= LARGEST else np.inf for one in given], dtype=float)
     wrong = ~(np.abs(found) <= LARGEST)
     if wrong.any():
         at = int(np.argmax(wrong))

@@ -22,7 +22,7 @@ DEEPEST = 50  # tables and lists, each in the one before
 MOST_KEYS = 10**5  # of all tables together, with what lists hold beside plain values
 MOST_VALUES = 5 * 10**5  # in lists of a file
 LONGEST = 2 * 10**6  # values of a list
-LARGEST = 10_000_000  # bytes of a file
+LARGEST = 16_000_000  # bytes of a file
 AROUND = 40  # characters to either side of what the parser cannot read
 # Kinds of files: a key that each has, one that it lacks, and the command that takes it.
 SCENE, STUDY = "scene", "study"

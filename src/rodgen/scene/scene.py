@@ -35,7 +35,7 @@ from rodgen.scene.grammar import TableData
 from rodgen.scene.integration import AUTO, Integrate, Settings, spelt_out
 from rodgen.scene.law import Law
 from rodgen.scene.load_tables import FinFactor, Loads
-from rodgen.scene.lookup_table import LookupTable, parse_table
+from rodgen.scene.lookup_table import MOST_ROWS, LookupTable, parse_table
 from rodgen.scene.mesh import with_links
 from rodgen.scene.numbers import check_names, check_states, mass_of
 from rodgen.scene.plain import plain
@@ -93,7 +93,7 @@ class Scene(Exchange, Shown):
         {},
         exclude_if=operator.not_,
         description="numbers that `interp(x, 'NAME')` reads: lists `knots`, which ascend, and "
-        "`values`, of 2 to 200000 rows",
+        "`values`; 200000 rows in all",
     )
     rod: Rod
     bodies: list[Body] = []
@@ -145,7 +145,10 @@ class Scene(Exchange, Shown):
         if not isinstance(tables, dict):
             return tables
         check_count("tables", tables)
-        return {name: parse_table(name, table) for name, table in tables.items()}
+        made = {name: parse_table(name, table) for name, table in tables.items()}
+        if (rows := sum(map(len, made.values()))) > MOST_ROWS:
+            raise SceneError("tables", rows, f"at most {MOST_ROWS} rows in all")
+        return made
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -315,7 +315,7 @@ class Cluster:
             self._cluster.scale(self.workers)
 
 
-class _Nanny(distributed.Nanny):
+class _Nanny(distributed.Nanny):  # type: ignore[misc]  # of a package without types
     """A process beside a worker that waits less for its end: blocks are kept whole, or not."""
 
     async def close(self, timeout: float = ENDED, reason: str = "nanny-close") -> Any:

@@ -177,7 +177,8 @@ class Compiled:
         if status != int(self._model.REACHED) or n.end == self._switch.goal:
             return False
         f = self._run.rates[: self._states]
-        n.end = self._switch.further(watch, n.t, self.y, f, n.t - n.before)
+        further = self._switch.further(watch, n.t, self.y, f, n.t - n.before)
+        n.end = min(further, self._switch.goal)
         return bool(n.end > n.t)
 
     def _first_switch(

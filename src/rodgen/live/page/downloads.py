@@ -61,9 +61,13 @@ class Downloads:
     async def _link(self) -> None:
         view = str(self.page.tab.get(VIEW, ""))
         link = await self.page.do(lambda: link_to(self.page.run, view))
+        try:
+            packed = link.pack()
+        except SceneError as error:
+            self.said.set_text(str(error))
+            return
         self._linked = link.scene
-        place = self.page.client.request.base_url
-        self.link.set_value(f"{place}?scene={link.pack()}")
+        self.link.set_value(f"{self.page.client.request.base_url}?scene={packed}")
         self.link.set_visibility(True)
         ui.clipboard.write(str(self.link.value))
         self.said.set_text("The link holds the scene as it is, plots, view, time and state.")

@@ -68,13 +68,17 @@ class Link:
     file: Scene | None = None
 
     def pack(self) -> str:
-        """The link in letters, digits, - and _, for an address."""
+        """Pack the link into letters, digits, - and _, for an address. Raises SceneError for a
+        scene that is too long for one."""
         page: dict[str, Any] = {"plots": list(self.plots), "view": self.view}
         if self.state is not None and len(self.state.y) <= MOST_STATES:
             page["state"] = self.state.to_dict()
         if self.file is not None:
             page["file"] = self.file.to_dict()
         text = self.scene.to_toml() + "\n" + tomli_w.dumps({PAGE: page})
+        if len(text.encode()) > LARGEST:
+            allowed = f"of at most {LARGEST} bytes in a link: save it as a file"
+            raise SceneError("scene", f"{len(text.encode())} bytes", allowed)
         return base64.urlsafe_b64encode(zlib.compress(text.encode(), 9)).decode().rstrip("=")
 
     @classmethod

@@ -11,7 +11,7 @@ the list above, and the tree is walked to compute values, to find break points a
 
 from rodgen.scene.grammar.advice import advice, mistake
 from rodgen.scene.grammar.affine import core, scale_and_offset
-from rodgen.scene.grammar.calculus import conditions, derivative, divisors, kinks, tables_of
+from rodgen.scene.grammar.calculus import Pair, conditions, derivative, divisors, kinks, tables_of
 from rodgen.scene.grammar.code import NUMPY, Language, source_of
 from rodgen.scene.grammar.substitution import in_brief, with_names, with_values
 from rodgen.scene.grammar.syntax import (
@@ -20,11 +20,13 @@ from rodgen.scene.grammar.syntax import (
     Table,
     check,
     children,
+    is_table,
     names_in,
     parse,
     sensors_in,
     signals_in,
     table_names,
+    table_of,
     tables,
 )
 from rodgen.scene.grammar.table_data import TableData
@@ -43,6 +45,7 @@ __all__ = [
     "TABLE",
     "Functions",
     "Language",
+    "Pair",
     "Sensor",
     "Table",
     "TableData",
@@ -56,6 +59,7 @@ __all__ = [
     "derivative",
     "divisors",
     "in_brief",
+    "is_table",
     "is_whole",
     "kinks",
     "mistake",
@@ -66,6 +70,7 @@ __all__ = [
     "signals_in",
     "source_of",
     "table_names",
+    "table_of",
     "tables",
     "tables_of",
     "value_of",

@@ -16,7 +16,7 @@ from rodgen.scene.grammar.syntax import (
     tables,
     with_kind,
 )
-from rodgen.scene.grammar.vocabulary import CORNERS, FUNCTIONS, SLOPE
+from rodgen.scene.grammar.vocabulary import FUNCTIONS, SLOPE
 
 
 def derivative(node: ast.expr, by: str) -> ast.expr | None:
@@ -106,8 +106,8 @@ Pair = tuple[ast.expr, ast.expr | None]
 
 @lru_cache(maxsize=KEPT)
 def kinks(node: ast.AST, variable: str) -> tuple[Pair, ...]:
-    """Pairs whose difference is zero where the tree is not smooth, as at the knots of a table
-    unless it is one of the variable itself (see ``tables_of``)."""
+    """Pairs whose difference is zero where the tree is not smooth; of a table, unless it is one of
+    the variable itself (see ``tables_of``), its argument and its call."""
     return tuple(_kinks(node, variable))
 
 
@@ -120,8 +120,9 @@ def _kinks(node: ast.AST, variable: str) -> Iterator[Pair]:
         case ast.Call(func=ast.Name(id="min" | "max"), args=args):
             yield from ((a, b) for at, a in enumerate(args) for b in args[at + 1 :])
         case ast.Call() if is_table(node):
-            if not _is_variable(table_of(node).argument, variable):
-                yield with_kind(node, CORNERS), None
+            argument = table_of(node).argument
+            if not _is_variable(argument, variable):
+                yield argument, node
     for child, _ in children(node):
         yield from kinks(child, variable)
 

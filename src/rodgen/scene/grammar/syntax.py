@@ -134,7 +134,7 @@ def check(
 def _check_table(
     node: ast.Call, numbers: Container[str], named: Container[str], refuse: Refusal
 ) -> None:
-    shape = "interp(x, [knots], [values]) with as many values as knots, at least 2 and at most "
+    shape = "interp(x, 'table') or interp(x, [knots], [values]), of as many values as knots, 2 to "
     match node.args:
         case [_, ast.List(), ast.List(), ast.Constant(value="linear" | "cubic")]:
             pass

@@ -9,13 +9,13 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rodgen.scene.grammar.vocabulary import CORNERS, CUBIC, LINEAR, SLOPE
+from rodgen.scene.grammar.vocabulary import CUBIC, LINEAR, SLOPE
 
 Array = NDArray[np.float64]
 # Steps end at all knots of a table of at most MOST rows. Of a longer one they end at up to so many,
 # fewer where chords between these miss it by at most BEND of its range: its other knots are closer
 # than steps, or hardly bend it, and a step crosses them as it does a curve.
-MOST, BEND = 500, 1e-2
+MOST, BEND = 500, 1e-3
 
 
 class TableData:
@@ -99,18 +99,15 @@ class TableData:
         return -float(off[at]), first, first + at, last
 
     def at(self, x: Any, kind: str) -> Any:
-        """Evaluate the table at x: its value or its slope, by the kind of interpolation, or, for
-        CORNERS, a number that changes its sign at its corners alone. Outside of its knots it keeps
-        its first and last value."""
+        """Evaluate the table or its slope at x, by the kind of interpolation. Outside of its knots
+        it keeps its first and last value."""
         knots, values = self.knots, self.values
-        if kind == CORNERS:
-            return _sign_wave(x, self.corners)
         if kind == CUBIC:
             return self._monotone_cubic(np.clip(x, knots[0], knots[-1]))
         if kind == CUBIC + SLOPE:
             slopes = self._monotone_cubic.derivative()(x)
         else:
-            at = _interval(x, knots)
+            at = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(knots) - 2)
             slopes = (values[at + 1] - values[at]) / (knots[at + 1] - knots[at])
         if kind == LINEAR:  # np.interp copies what is not to be written to
             within = slopes * (np.clip(x, knots[0], knots[-1]) - knots[at]) + values[at]
@@ -122,15 +119,3 @@ class TableData:
         from scipy.interpolate import PchipInterpolator
 
         return PchipInterpolator(self.knots, self.values)
-
-
-def _interval(x: Any, knots: Array) -> Any:
-    """Find the interval between knots in which x lies, or which is next to it."""
-    return np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(knots) - 2)
-
-
-def _sign_wave(x: Any, knots: Array) -> Any:
-    """Evaluate a function that is zero at knots alone and changes its sign at each."""
-    at = _interval(x, knots)
-    u = (x - knots[at]) / (knots[at + 1] - knots[at])
-    return np.where(at % 2, -1.0, 1.0) * u * (1 - u)

@@ -12,7 +12,6 @@ import numpy as np
 LINEAR, CUBIC = "linear", "cubic"
 TABLE = "interp"
 SLOPE = "_slope"  # of a table: what its kind ends in where its derivative is meant
-CORNERS = "corners"  # kind of a table that changes its sign where another is not smooth
 SENSORS = ("phi", "omega", "x", "y", "vx", "vy")
 FUNCTIONS: dict[str, tuple[int, int | None, Callable[..., Any]]] = {
     "sin": (1, 1, np.sin),
@@ -46,6 +45,6 @@ COMPARE: dict[type[ast.cmpop], tuple[str, Callable[..., Any]]] = {
 ALLOWED = (
     "an expression of numbers, {names}, pi, + - * / **, < <= > >=, `a if c else b`, "
     + " ".join(FUNCTIONS)
-    + " and interp(x, [knots], [values])"
+    + " and interp(x, [knots], [values]) or interp(x, 'table')"
 )
 SENSED = ", and " + " ".join(f"{name}(s)" for name in SENSORS) + " with a number s from 0 to 1"
