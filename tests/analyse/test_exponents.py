@@ -216,3 +216,15 @@ def test_command(pendulum: Scene, rodgen: Callable[..., Any], tmp_path: Path) ->
     done = rodgen("exponents", file, "--count", 9, cwd=tmp_path)
     assert done.returncode == 2
     assert "count = 9" in done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["dop853", "radau"])
+def test_a_law_that_chatters_ends_the_exponents(method: str) -> None:
+    """As it ends a run; without that, steps of nanoseconds would follow it for hours."""
+    rod = {"links": 1, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0}
+    states = {"relay": {"rate": "-1 if relay > 0 else 1", "initial": 0.01}}
+    integrate = {"span": [0.0, 0.05], "method": method}
+    scene = Scene.from_dict({"name": "relay", "rod": rod, "states": states, "integrate": integrate})
+    with pytest.raises(AnalysisError, match=r"states\.relay\.rate"):
+        rodgen.lyapunov_exponents(scene, count=1)

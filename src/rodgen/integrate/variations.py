@@ -17,13 +17,15 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rodgen.integrate.events import OFTEN, SHORT, Watch
 from rodgen.integrate.methods.compiled import FAILURES, FIRST, MOST, SLICE
-from rodgen.integrate.stepper import Array, StepError
+from rodgen.integrate.stepper import Array, ChatterError, StepError
 from rodgen.integrate.stretches import Stretches, inside
 from rodgen.loading import build_fastest
 from rodgen.model.methods import COLLOCATION, EITHER, TABLEAUX
 from rodgen.native import run
 from rodgen.scene import Scene
+from rodgen.scene.course import Switch
 from rodgen.scene.integration import Integrate
 
 PARTS = ("rhs", "tangents")  # of a module
@@ -37,7 +39,8 @@ METHODS = (
 @dataclass(frozen=True)
 class Steps:
     """How steps are taken: by a method of METHODS, with a fixed step [s] or tolerances; breaks:
-    times [s], ascending, that steps meet; longest: step [s] of a method that chooses its own."""
+    times [s], ascending, that steps meet; longest: step [s] of a method that chooses its own;
+    switches: where laws of the motion switch."""
 
     method: str = "dop853"
     step: float = 0.0
@@ -45,6 +48,7 @@ class Steps:
     atol: float = 1e-10
     breaks: Sequence[float] = ()
     longest: float = np.inf
+    switches: Sequence[Switch] = ()
 
     @classmethod
     def of(cls, scene: Scene) -> Steps:
@@ -54,7 +58,8 @@ class Steps:
         stretches = Stretches.of(scene.course, settings.fixed)
         step = settings.step if settings.step is not None and method == settings.method else 0.0
         tolerances = settings.model_copy(update={"method": method}).per_step
-        return cls(method, step, *tolerances, stretches.ends, stretches.swing)
+        switches = () if settings.fixed else scene.course.switches()
+        return cls(method, step, *tolerances, stretches.ends, stretches.swing, switches)
 
 
 class _Machine(Protocol):
@@ -108,6 +113,9 @@ class Variations:
         with np.errstate(all="ignore"):
             self._machine: _Machine = kind(model, self._p, t, y, np.array(tangents), self._steps)
         self._window, self._goal, self._quota = (t, t), np.nan, FIRST
+        self._watch = Watch((), model, self._p, self._steps.switches)
+        self._first = self._since = t  # start, and a time [s] with the steps up to it
+        self._before = 0
 
     @classmethod
     def of(
@@ -173,13 +181,36 @@ class Variations:
             self._goal, self._window = goal, inside(t, goal)
             self._machine.begin(goal, *self._window, self._steps.longest)
         start = time.perf_counter()
-        if self._machine.advance(min(self._quota, most)):
+        try:
+            reached = self._machine.advance(min(self._quota, most))
+        except StepError:
+            self._look_for_chatter()
+            raise
+        if reached:
             self._goal = np.nan
         elif self._quota <= most:
             took = time.perf_counter() - start
             change = min(4.0, max(0.25, SLICE / max(took, 1e-9)))
             self._quota = int(min(MOST, max(1, self._quota * change)))
+        if self.counts[0] - self._before >= OFTEN:
+            if self.t - self._since < OFTEN * SHORT * self._way:
+                self._look_for_chatter()
+            self._since, self._before = self.t, self.counts[0]
         return self.counts[0] - before
+
+    @property
+    def _way(self) -> float:
+        """Length of the stretch between breaks [s], as of a run: by that of a part of it, nothing
+        would tell steps that get nowhere."""
+        ends = [*self._steps.breaks, self._window[1]]
+        start = max((at for at in ends if at <= self.t), default=self._first)
+        return min((at for at in ends if at > self.t), default=self._window[1]) - start
+
+    def _look_for_chatter(self) -> None:
+        """Raise ChatterError where steps bring next to nothing since a law switches to and fro."""
+        for number in range(len(self._watch.events)):
+            if self._watch.slides(number, self.t, self.y, self._way) <= SHORT * self._way:
+                raise ChatterError(self._watch.cause(number))
 
 
 class _InC:

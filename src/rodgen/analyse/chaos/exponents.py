@@ -20,7 +20,7 @@ from rodgen.analyse.chaos.zero_exponents import zero_exponents
 from rodgen.analyse.chaos.zero_one import LEAST, spaced, zero_one_test
 from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.sizes import EXPONENTS, check_size
-from rodgen.integrate.stepper import Array, StepError
+from rodgen.integrate.stepper import Array, ChatterError, StepError
 from rodgen.integrate.stretches import window
 from rodgen.integrate.variations import METHODS, PARTS, Steps, Variations
 from rodgen.loading import build_fastest
@@ -237,6 +237,8 @@ class _Course:
                 self.on.on(goal)
                 grown, found = self._frame()
                 spread = float(np.ptp(np.append(grown, 0.0)))
+            except ChatterError:  # in shorter pieces, too
+                raise
             except StepError:
                 spread = math.inf
                 if self._parts * 0.5 < SHORTEST:
