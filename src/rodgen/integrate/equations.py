@@ -185,7 +185,7 @@ class Equations:
         # Rods of equal numbers share theirs: found by their bytes, as tables are long.
         firsts = dict[bytes, int]()
         found = (row.tobytes() for row in p[:, self._timed])
-        first = np.array([firsts.setdefault(row, at) for at, row in enumerate(found)])
+        first = np.array([firsts.setdefault(row, at) for at, row in enumerate(found)], dtype=int)
         distinct, which = np.unique(first, return_inverse=True)
         courses, refused = self._found(settings, p[distinct])
         which = which.reshape(-1).astype(np.int64)
