@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from sympy import And, Eq, Expr, Indexed, Matrix, Piecewise, S, Symbol
+from sympy import Add, And, Eq, Expr, Indexed, Matrix, Mul, Piecewise, S, Symbol
 from sympy.physics.mechanics import dynamicsymbols
 
 from .calculus import TIME
@@ -142,7 +142,7 @@ class ImplicitForm:
         """Partial derivative; the speed that drag divides by follows the velocity (at rest, where
         it is one, what it is a factor of vanishes). No array follows a number: those of a load do
         so by its law."""
-        total = expression.diff(variable) if expression.has(variable) else S.Zero
+        total = _differentiate(expression, variable)
         if isinstance(variable, Indexed) and variable.base in (joint_vx, joint_vy):
             speed = divisor[variable.indices[0]]
             total += expression.diff(speed) * variable / speed if expression.has(speed) else 0
@@ -198,9 +198,21 @@ class ImplicitForm:
         starts = place.first and self.equations.hold.translates
         ends = {i: (None if starts else phi[i - 1], phi[i])}
         ends[i + 1] = (phi[i], None if place.last else phi[i + 1])
+        laws: dict[Expr, Expr] = {}
         for load in self.equations.loads.values():
-            rows = rows.xreplace(load.near_link())
+            laws |= load.near_link()
             for at, angles in ends.items():
-                for force, law in load.near(at, *angles, self.equations).items():
-                    rows = rows.xreplace({force: law})
-        return rows
+                laws |= load.near(at, *angles, self.equations)
+        return rows.xreplace(laws)
+
+
+def _differentiate(e: Expr, x: Expr) -> Expr:
+    """Differentiate e by x; SymPy's own way goes through all that is free of x as well."""
+    if not e.has(x):
+        return S.Zero
+    if e.is_Add:
+        return Add(*(_differentiate(term, x) for term in e.args))
+    if e.is_Mul:
+        parts = [(at, _differentiate(one, x)) for at, one in enumerate(e.args)]
+        return Add(*(Mul(*e.args[:at], d, *e.args[at + 1 :]) for at, d in parts if d != 0))
+    return e.diff(x)

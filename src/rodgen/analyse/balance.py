@@ -17,7 +17,7 @@ from rodgen.analyse.springs import Softened
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
 
-NUDGE = 1e-7  # rad, of differences of the mass matrix: Newton's method corrects their error
+NUDGE = 1e-8  # rad, of differences of the mass matrix: Newton's method corrects their error
 LOOSE = 1e-12  # of the largest effect of a shift of the rod: one that has none, but for rounding
 
 
@@ -102,16 +102,20 @@ class WholeBalance:
         return np.asarray(rates)
 
     @cached_property
-    def _mass(self) -> Array:
-        return self._felt(np.asarray(self.system.model.mass_matrix(self.y, self.p)))
+    def _whole_mass(self) -> Array:
+        return np.asarray(self.system.model.mass_matrix(self.y, self.p))
 
-    def _felt(self, mass: Array) -> Array:
-        """The inertia of all other motions of a rod that moves as it may where nothing holds it."""
-        base = self.system.base
-        if not len(self.free):
-            return mass
-        moved = mass[:, :base] @ self.free.T
-        return mass - moved @ np.linalg.solve(self.free @ moved[:base], moved.T)
+    @cached_property
+    def _carried(self) -> Array:
+        """How forces on joint 0 act on all coordinates of a rod that moves as it may where nothing
+        holds it (base + cells, base)."""
+        moved = self._whole_mass[:, : self.system.base] @ self.free.T
+        return np.asarray(moved @ np.linalg.solve(self.free @ moved[: self.system.base], self.free))
+
+    @cached_property
+    def _mass(self) -> Array:
+        """The inertia of all other motions of such a rod."""
+        return self._whole_mass - self._carried @ self._whole_mass[: self.system.base]
 
     def _forced(self, rates: Array) -> Array:
         """Rows of accelerations as generalised forces."""
@@ -149,14 +153,22 @@ class WholeBalance:
 
     @cached_property
     def _by_mass(self) -> Array:
-        """Derivatives of generalised forces, as far as the mass matrix follows the angles."""
-        base, half, size = self.system.base, self._half, len(self.rates)
-        slope = np.zeros((size, size))
-        for at in range(base, half):
-            y = self.y.copy()
-            y[at] += NUDGE
-            change = self._felt(self.system.model.mass_matrix(y, self.p)) - self._mass
-            slope[:half, at] = change @ self.rates[:half] / NUDGE
+        """Derivatives of generalised forces, as far as the mass matrix follows the angles.
+
+        Each of its entries follows how two links are turned from each other, or from joint 0, which
+        does not turn: one difference has them all, of links that are turned by one more nudge each.
+        """
+        base, cells, half = self.system.base, self.system.cells, self._half
+        turned = NUDGE * np.append(np.zeros(base), 1.0 + np.arange(cells))
+        apart, y = turned[:, None] - turned, self.y.copy()
+        y[:half] += turned
+        change = self.system.model.mass_matrix(y, self.p) - self._whole_mass
+        by_turn = np.divide(change, apart, out=np.zeros_like(change), where=apart != 0)
+        rates = self.rates[:half]
+        rates = rates - np.append(self._carried.T @ rates, np.zeros(cells))
+        felt = (np.diag(by_turn @ rates) - by_turn * rates)[:, base:]
+        slope = np.zeros((len(self.rates), len(self.rates)))
+        slope[:half, base:half] = felt - self._carried @ felt[:base]
         return slope
 
     @cached_property

@@ -72,7 +72,12 @@ class Cells:
         parts = system.model.implicit(system.t, y, p, np.zeros(system.cells), force)
         if not all(np.isfinite(part).all() for part in parts):
             raise AnalysisError("the linearised equations are not finite")
-        return cls(*parts, *([_ways(system, y, p)] if system.anchored else []))
+        return cls(*parts, *([cls._ways(system, y, p)] if system.anchored else []))
+
+    @staticmethod
+    def _ways(system: System, y: Array, p: Array) -> Array:
+        """How the joints at the ends of moving links follow the angles."""
+        return system.joint_ways(y, p)[system.scene.held :, :, system.base :]
 
     @property
     def statics(self) -> Array:
@@ -343,15 +348,6 @@ def solve(blocks: Matrix, right: Matrix, transposed: bool = False) -> Matrix:
         return banded.solve(blocks, right, transposed)
     except np.linalg.LinAlgError:
         raise AnalysisError(SINGULAR) from None
-
-
-def _ways(system: System, y: Array, p: Array) -> Array:
-    """How the joints at the ends of moving links follow the angles, by virtual work."""
-    work, held = system.model.generalised_force, system.scene.held
-    ends = [(held + j, 0.0) for j in range(system.cells)] + [(held + system.cells - 1, 1.0)]
-    axes = ((1.0, 0.0), (0.0, 1.0))
-    rows = [[work(y, p, *end, axis)[system.base :] for axis in axes] for end in ends]
-    return np.array(rows)
 
 
 def forces(system: System, at: Unknowns, p: Array) -> tuple[Array, Array]:

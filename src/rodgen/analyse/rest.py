@@ -87,15 +87,16 @@ def follow(
     """The equilibrium at the end of the branch that begins with ``rest``, and the fractions of the
     way that were stepped through; at: the loading at every fraction; way: what they are of.
 
-    A step is taken where Newton's method converges from the tangent without a large correction and
-    the branch turns by no more than it should; where a motion has become unstable or stable on the
-    way, it is to be next to straight. Else it is halved, so that no other branch is jumped to.
-    Raises AnalysisError where the branch ends.
+    A step is taken where Newton's method converges without a large correction from where the
+    tangent and its last change lead, and the branch turns by no more than it should; where a motion
+    has become unstable or stable on the way, it is to be next to straight. Else it is halved, so
+    that no other branch is jumped to. Raises AnalysisError where the branch ends.
     """
     done, step, first = 0.0, 1.0, rest
     stages: list[float] = []
-    signature = at(0.0).balance(system, rest).signature()
-    slope = _tangent(system, rest, at, done)
+    here = at(0.0).balance(system, rest)
+    signature, slope = here.signature(), _tangent(here, at(ASIDE).balance(system, rest))
+    last, length = slope, np.inf  # the tangent before, and the step from there
     while done < 1:
         tell(f"{done:.3g} of {way}")
         fraction = min(done + step, 1.0)
@@ -103,8 +104,13 @@ def follow(
         if slope is not None:
             trial.move(system, at(done).p, slope, fraction - done)
         guess = trial.at
-        taken = newton(system, trial, at(fraction))
-        tangent = _tangent(system, trial, at, fraction) if taken else None
+        if slope is not None and last is not None:
+            ahead = fraction - done
+            trial.at = guess.moved(slope.moved(last, -1.0), min(1.0, ahead / length) * ahead / 2)
+        taken, tangent = newton(system, trial, at(fraction), passing=fraction < 1), None
+        if taken:
+            here = at(fraction).balance(system, trial)
+            tangent = _tangent(here, at(fraction + ASIDE).balance(system, trial))
         bent, smooth = False, step < SMALL
         if slope is not None and tangent is not None:
             # Where branches meet, the other one is next to the tangent, but leads elsewhere.
@@ -116,8 +122,9 @@ def follow(
             ahead = BENT * max(way_on, least) * (KINKED if step < SMALL else 1.0)
             bent = taken and away > ahead and 1 - done >= SMALL
             taken = taken and not bent
-        found = at(fraction).balance(system, trial).signature() if taken else signature
+        found = here.signature() if taken else signature
         if taken and (found == signature or smooth):
+            last, length = slope, fraction - done
             rest, done, signature, slope = trial, fraction, found, tangent
             stages.append(fraction)
             step *= 2
@@ -141,8 +148,9 @@ def follow(
     return rest, tuple(stages)
 
 
-def newton(system: System, rest: Rest, loading: Loading) -> bool:
-    """Iterate in place, with corrections below FARTHEST that shrink; whether it converged."""
+def newton(system: System, rest: Rest, loading: Loading, passing: bool = False) -> bool:
+    """Iterate in place, with corrections below FARTHEST that shrink; whether it converged, or, of a
+    state that is only passed, would with the next correction."""
     before = FARTHEST / CONTRACTED
     for _ in range(ITERATIONS):
         try:
@@ -154,6 +162,7 @@ def newton(system: System, rest: Rest, loading: Loading) -> bool:
         rest.iterations += 1
         rounded = change < NOISE or (change < NEAR and rest.is_rounding(system, here.residual))
         settled = change <= 4 * EPS or (rounded and change >= before / 2)
+        settled = settled or (passing and change * (change / before) ** 2 <= 4 * EPS)
         if not (settled or change < CONTRACTED * before):
             return False
         # What no load follows may come to rest later than the rod.
@@ -166,12 +175,9 @@ def newton(system: System, rest: Rest, loading: Loading) -> bool:
     return False
 
 
-def _tangent(
-    system: System, rest: Rest, at: Callable[[float], Loading], done: float
-) -> Unknowns | None:
-    """How an equilibrium changes along the way, None where that is not known."""
-    here = at(done).balance(system, rest)
-    further = at(done + ASIDE).balance(system, rest)
+def _tangent(here: Balance, further: Balance) -> Unknowns | None:
+    """How an equilibrium changes along the way, from its equations here and those a little further,
+    ASIDE; None where that is not known."""
     try:
         return here.solved((here.residual - further.residual) / ASIDE)
     except AnalysisError:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import Any
 
 import numpy as np
 
@@ -27,19 +27,18 @@ MOST_TURNED = 10.0  # of the tail: a rod that turns more elsewhere is not bent b
 
 
 def settle(
-    system: System, given: dict[str, float], start: Unknowns | None = None, bend: float = 0.0
+    system: System, p: Array, start: Unknowns | None = None, bend: float = 0.0
 ) -> tuple[Rest, tuple[float, ...]]:
     """The equilibrium under these parameters, and the fractions of the load in between.
 
     start: an equilibrium under loads close to these, from which Newton's method is tried first;
     bend: angle of the tail of the rod that is loaded, before it is made straight again [rad].
     """
-    p = system.parameters(**given)
     near = Rest(start) if start is not None else None
     if near is not None and newton(system, near, Loading(p)):
         return near, (1.0,)
     try:
-        rest, stages = _settled(system, given, bend)
+        rest, stages = _settled(system, p, bend)
     except AnalysisError as error:
         try:
             system.beside(system.straight)
@@ -59,33 +58,32 @@ def start_of(system: System, phi: Array) -> Unknowns:
         return system.unsettled(phi)
 
 
-def _settled(
-    system: System, given: dict[str, float], bend: float
-) -> tuple[Rest, tuple[float, ...]]:
-    if _hangs(system, given):
-        return _hung(system, given)
+def _settled(system: System, p: Array, bend: float) -> tuple[Rest, tuple[float, ...]]:
+    if _hangs(system, p):
+        return _hung(system, p)
     try:
-        return _load(system, given, bend)
+        return _load(system, p, bend)
     except FoldError:
         raise
     except AnalysisError:
         if bend:  # which says to which side
             raise
-        acting = [term for name, term in _grown(system) if np.any(given.get(name, 0.0))]
+        acting = [term for place, term in _grown(system) if p[place].any()]
         if not acting or any(_steers(term) for term in acting):
             raise
         # Springs too soft to keep the rod near its straight shape: it hangs like a chain.
         with suppress(AnalysisError):
-            return _hang(system, given), (1.0,)
+            return _hang(system, p), (1.0,)
         raise
 
 
-def _hangs(system: System, given: dict[str, float]) -> bool:
+def _hangs(system: System, p: Array) -> bool:
     """Whether nothing keeps the unloaded rod straight: no clamp, or no stiffness."""
     if system.steered:
         return False
     held = system.clamped or system.anchored
-    return not (held and np.any(given.get("bending_stiffness", 1.0)))
+    place = system.scene.structure.places.get("bending_stiffness")  # else joints have their own
+    return not held or (place is not None and not p[place].any())
 
 
 def _steers(term: Term) -> bool:
@@ -93,27 +91,31 @@ def _steers(term: Term) -> bool:
     return term.follows or term.kind == DRAG
 
 
-def _hung(system: System, given: dict[str, float]) -> tuple[Rest, tuple[float, ...]]:
+def _hung(system: System, p: Array) -> tuple[Rest, tuple[float, ...]]:
     """The rod as it hangs from its dead loads, and then as the others grow."""
-    steering = {
-        name: np.asarray(given[name])
-        for name, term in _grown(system)
-        if _steers(term) and np.any(given.get(name, 0.0))
-    }
-
-    def p(fraction: float) -> dict[str, Any]:
-        return given | {name: fraction * value for name, value in steering.items()}
-
-    rest = _hang(system, p(0.0))
-    if not steering:
+    growing = _growing(p, (place for place, term in _grown(system) if _steers(term)))
+    rest = _hang(system, growing(0.0))
+    if (growing(0.0) == p).all():
         return rest, (1.0,)
-    return follow(system, rest, lambda done: Loading(system.parameters(**p(done))))
+    return follow(system, rest, lambda done: Loading(growing(done)))
 
 
-def _grown(system: System) -> list[tuple[str, Term]]:
-    """Parameters that grow from zero as the rod is loaded, with their loads."""
-    terms = [TERMS[name] for name in system.scene.structure.loads]
-    return [(one.name, term) for term in terms for one in term.proportions]
+def _grown(system: System) -> list[tuple[slice, Term]]:
+    """Where in p the parameters lie that grow from zero as the rod is loaded, with their loads;
+    sizes that follow the motion are none."""
+    structure = system.scene.structure
+    terms = [TERMS[name] for name in structure.loads]
+    pairs = [(one.name, term) for term in terms for one in term.proportions]
+    places = structure.places
+    return [(places[name], term) for name, term in pairs if name in places]
+
+
+def _growing(p: Array, places: Iterable[slice]) -> Callable[[float], Array]:
+    """Parameters of which those in some places grow from zero to p, by the fraction of it."""
+    grows = np.zeros(len(p), dtype=bool)
+    for place in places:
+        grows[place] = True
+    return lambda done: np.where(grows, done * p, p)
 
 
 def _check_rest(system: System, rest: Rest, p: Array) -> None:
@@ -132,23 +134,19 @@ def _check_rest(system: System, rest: Rest, p: Array) -> None:
             )
 
 
-def _load(system: System, given: dict[str, float], bend: float) -> tuple[Rest, tuple[float, ...]]:
+def _load(system: System, p: Array, bend: float) -> tuple[Rest, tuple[float, ...]]:
     """The branch that begins with the unloaded rod: straight, or bent, by moments that keep it so
     (of springs at rest none, where it is straight) and their value while the load grows; they are
     taken away under the whole load."""
-    loads = {name: np.asarray(given[name]) for name, _ in _grown(system) if name in given}
-
-    def p(fraction: float) -> Array:
-        return system.parameters(**given | {k: fraction * value for k, value in loads.items()})
-
-    rest = Rest(_bent(system, start_of(system, system.straight), p(0.0), bend))
-    moments = Loading(p(0.0)).balance(system, rest).residual
+    growing = _growing(p, (place for place, _ in _grown(system)))
+    rest = Rest(_bent(system, start_of(system, system.straight), growing(0.0), bend))
+    moments = Loading(growing(0.0)).balance(system, rest).residual
     if not moments.any():
-        return follow(system, rest, lambda done: Loading(p(done)))
+        return follow(system, rest, lambda done: Loading(growing(done)))
     way = "the way back to a rod that is straight without load"
     try:
-        rest, stages = follow(system, rest, lambda done: Loading(p(done), moments))
-        rest, _ = follow(system, rest, lambda done: Loading(p(1.0), (1 - done) * moments), way)
+        rest, stages = follow(system, rest, lambda done: Loading(growing(done), moments))
+        rest, _ = follow(system, rest, lambda done: Loading(p, (1 - done) * moments), way)
     except FoldError as error:  # of a rod that these moments bend, not of the rod itself
         raise AnalysisError(str(error)) from None
     return rest, stages
@@ -168,12 +166,11 @@ def _bent(system: System, at: Unknowns, p: Array, bend: float) -> Unknowns:
     return at._replace(phi=at.phi + bend * (np.arange(system.scene.held, n) + 0.5) / n)
 
 
-def _hang(system: System, given: dict[str, float]) -> Rest:
+def _hang(system: System, p: Array) -> Rest:
     """A rod that hangs: from its shape without weight, along its dead loads, by Newton's method on
     the equations with inertia, M (phi - phi before) / tau^2, whose steps in a time that does not
     exist lead to stable equilibria alone."""
-    p = system.parameters(**given)
-    rest = Rest(start_of(system, hanging_shape(system, p, _pull(system, given))))
+    rest = Rest(start_of(system, hanging_shape(system, p, _pull(system, p))))
     first = 0.0
     while rest.iterations < 100 * ITERATIONS:
         here = Loading(p).balance(system, rest)
@@ -196,17 +193,17 @@ def _hang(system: System, given: dict[str, float]) -> Rest:
     )
 
 
-def _pull(system: System, given: dict[str, float]) -> Array:
+def _pull(system: System, p: Array) -> Array:
     """The dead loads of the straight rod, summed (2,) [N]. Raises AnalysisError where there are
     none."""
     y = system.at_rest(start_of(system, system.straight))
-    acting = system.model.forces(system.t, y, system.parameters(**given))
-    pull = np.zeros(2)
+    acting = system.model.forces(system.t, y, p)
+    places, pull = system.scene.structure.places, np.zeros(2)
     for term in map(TERMS.__getitem__, system.scene.loads.terms):
         if term.kind == FORCE and not term.follows:
             pull += acting[term.name].sum(axis=0)
         elif term.kind == WEIGHT:
-            pull[1] -= given[term.sizes[0].name] * system.scene.mass
+            pull[1] -= p[places[term.sizes[0].name]].item() * system.scene.mass
     if not pull.any():
         raise AnalysisError(
             "no equilibrium found: nothing gives a rod without gravity or tip load its direction"

@@ -18,8 +18,6 @@ from scipy.optimize import brentq
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
 
-AXES = ((1.0, 0.0), (0.0, 1.0))
-
 
 class Softened(NamedTuple):
     """Parameters with soft springs of supports, that pull with forces which were foretold, and what
@@ -62,11 +60,10 @@ class Springs:
         return self.stiffness * (self.fixed - self.points(at))
 
     def _ways(self, at: Unknowns) -> Array:
-        """How the points follow position and angles (k, 2, base + cells), by virtual work."""
-        y, work = self.system.at_rest(at), self.system.model.generalised_force
-        held = zip(self.links.tolist(), self.share.tolist(), strict=True)
-        rows = [[work(y, self.p, link, share, axis) for axis in AXES] for link, share in held]
-        return np.reshape(rows, (*self.fixed.shape, self.system.base + self.system.cells))
+        """How the points follow position and angles (k, 2, base + cells)."""
+        joints = self.system.joint_ways(self.system.at_rest(at), self.p)
+        share = self.share[:, None, None]
+        return np.asarray((1 - share) * joints[self.links] + share * joints[self.links + 1])
 
     def foretold(self, at: Unknowns, by: Unknowns, times: float) -> Array:
         """Forces (k, 2) [N] after so many times a change of the rod, to first order."""

@@ -117,7 +117,7 @@ def static_equilibrium(
     p = system.parameters()
     if system.base:
         _check_held(system, p)
-    rest, stages = settle(system, system.given, bend=bend)
+    rest, stages = settle(system, p, bend=bend)
     if not system.chain:  # Newton's method has found them too
         springs = rest.springs(system, p)
         known = p if springs is None else springs.p

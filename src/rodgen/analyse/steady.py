@@ -228,7 +228,6 @@ def steady(system: System, start: Steady | None = None, **changes: float) -> Ste
 
     Raises AnalysisError where there is none.
     """
-    given = system.given | changes
     p = system.parameters(**changes)
     found, turning = straight_state(system, p)
     if found is not None:
@@ -239,7 +238,7 @@ def steady(system: System, start: Steady | None = None, **changes: float) -> Ste
             f"turn with {turning:.3g} rad/s^2 (a load along the rod, or gravity "
             "alone, leaves it straight)"
         )
-    rest, _ = settle(system, given, start.at if start else None)
+    rest, _ = settle(system, p, start.at if start else None)
     return Steady(system, rest.at._replace(force=forces(system, rest.at, p)[1]), p)
 
 

@@ -184,28 +184,28 @@ class System:
         moving: Array = start.values("centre_velocity")
         return along_and_across(moving, float(self.straight[0]))
 
-    @property
+    @cached_property
     def anchored(self) -> bool:
         """Whether springs or dampers hold joints, so that equations follow their positions."""
         return any(TERMS[name].kind == ANCHOR for name in self.scene.structure.loads)
 
-    @property
+    @cached_property
     def steered(self) -> bool:
         """Whether loads follow the motion, or states are added."""
         return bool(self.scene.fed or self.scene.states)
 
-    @property
+    @cached_property
     def chain(self) -> bool:
         """Whether joint forces are unknowns at rest: joint 0 is held, nothing else is, and no load
         follows the motion."""
         return not (self.base or self.steered or self.anchored)
 
-    @property
+    @cached_property
     def base(self) -> int:
         """Coordinates of joint 0, before the angles."""
         return 2 * self.scene.hold.translates
 
-    @property
+    @cached_property
     def cells(self) -> int:
         """Links that move."""
         return self.scene.rod.links - self.scene.held
@@ -291,6 +291,15 @@ class System:
         """Angles of all n links, held ones included, from those of the moving ones (..., cells)."""
         held = np.full((*phi.shape[:-1], self.scene.held), self.scene.rod.clamp_angle or 0.0)
         return np.concatenate((held, phi), axis=-1)
+
+    def joint_ways(self, y: Array, p: Array) -> Array:
+        """How the joints follow position and angles (n + 1, 2, base + cells), by virtual work: the
+        tail follows all links, a joint those before it."""
+        work, n = self.model.generalised_force, self.scene.rod.links
+        tail = np.stack([work(y, p, n - 1, 1.0, axis) for axis in ((1.0, 0.0), (0.0, 1.0))])
+        before = np.arange(n + 1)[:, None] > np.arange(self.scene.held, n)
+        follows = np.hstack((np.ones((n + 1, self.base)), before))
+        return np.asarray(tail * follows[:, None])
 
     def rates(self, y: Array, p: Array) -> Array:
         """Accelerations (base + cells,) of the coordinates."""

@@ -256,7 +256,7 @@ def _bent(system: System, imperfection: float) -> Steady:
     from rodgen.analyse.statics import checked_imperfection
 
     p = system.parameters()
-    rest, _ = settle(system, system.given, bend=checked_imperfection(imperfection))
+    rest, _ = settle(system, p, bend=checked_imperfection(imperfection))
     return Steady(system, rest.at._replace(force=forces(system, rest.at, p)[1]), p)
 
 
