@@ -111,17 +111,22 @@ static double stable_step(struct run *r)
     return longest_stable(r->is, found[0], found[1]);
 }
 
-/* The largest stable step for the states that are added, each by what it does alone. */
+/* The largest stable step for the states that are added, each by what it does alone: on the side where it does less,
+   for beside a jump of its rate the slope over the jump says nothing. */
 static double stable_step_of_states(struct run *r)
 {
     double *const at = r->trial, most = INFINITY;
     copy(r, at, r->y);
     for (ptrdiff_t i = 2 * r->half; i < r->states; ++i) {
-        const double by = state_by(r->y[i]);
-        at[i] += by;
-        flow_at(r, r->is->t, at, r->k[15]);
+        double longest = 0.0;
+        for (int side = -1; side <= 1; side += 2) {
+            const double by = side * state_by(r->y[i]);
+            at[i] = r->y[i] + by;
+            flow_at(r, r->is->t, at, r->k[15]);
+            longest = fmax(longest, longest_of_state((r->k[15][i] - r->f[i]) / by));
+        }
         at[i] = r->y[i];
-        most = fmin(most, longest_of_state((r->k[15][i] - r->f[i]) / by));
+        most = fmin(most, longest);
     }
     return most;
 }
@@ -156,12 +161,12 @@ static void errors(struct run *r, double *five, double *three)
     *three = total(error3, r->states);
 }
 
-/* Rates of the stages of a step of DOP853, h from t and y, behind the first. */
-static void stages(struct run *r, const double *y, double t, double h)
+/* Rates of so many stages of a step of DOP853, h from t and y, the first of them in a row of k. */
+static void stages(struct run *r, const double *y, double t, double h, const struct stage *of, int count, int row)
 {
-    for (int stage = 0; stage < STEPS; ++stage) {
-        move(y, h, &dop853.stages[stage].sum, r->k, 0, r->all, r->trial);
-        flow_at(r, t + dop853.stages[stage].at * h, r->trial, r->k[stage + 1]);
+    for (int stage = 0; stage < count; ++stage) {
+        move(y, h, &of[stage].sum, r->k, 0, r->all, r->trial);
+        flow_at(r, t + of[stage].at * h, r->trial, r->k[row + stage]);
     }
 }
 
@@ -189,7 +194,7 @@ int rodgen_dop853_step(struct run *r)
         if (!(h > 0.0))
             return again ? (int)is->broken : TOO_SMALL;
         next = later(is, h, &lag);
-        stages(r, y, t, h);
+        stages(r, y, t, h, dop853.stages, STEPS, 1);
         move(y, h, &dop853.weights, k, 0, r->all, r->y);
         flow_at(r, next, r->y, k[STEPS + 1]);
         double five, three;
@@ -210,10 +215,7 @@ int rodgen_dop853_step(struct run *r)
 static void prepare_dense(struct run *r, const double *y, double t, double h)
 {
     double *const *const k = r->k;
-    for (int stage = 0; stage < MORE; ++stage) {
-        move(y, h, &dop853.more[stage].sum, k, 0, r->all, r->trial);
-        flow_at(r, t + dop853.more[stage].at * h, r->trial, k[FIRST + stage]);
-    }
+    stages(r, y, t, h, dop853.more, MORE, FIRST);
     for (int sum = 0; sum < 4; ++sum)
         add(&dop853.dense[sum], k, r->all, k[SUMS + sum]);
 }
@@ -246,7 +248,7 @@ static void reach(struct run *r, double h, int part)
         const double t = is->before + (double)is->part * h;
         copy(r, y, is->part == 0 ? r->before : on);
         copy(r, k[0], is->part == 0 ? r->f_before : after);
-        stages(r, y, t, h);
+        stages(r, y, t, h, dop853.stages, STEPS, 1);
         move(y, h, &dop853.weights, k, 0, r->all, on);
         flow_at(r, t + h, on, after);
         ++is->part;

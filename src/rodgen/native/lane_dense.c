@@ -2,24 +2,11 @@
 
 #include "lane_moves.h"
 
-/* Rates of the stages that dense output needs beside them. */
-static void more_stages(struct many *m, const double *mask, double *const *k, const double *y, const double *start,
-                        const double *h)
-{
-    double t[LANES];
-    for (int stage = 0; stage < MORE; ++stage) {
-        move(y, h, &dop853.more[stage].sum, k, 0, m->all, m->trial);
-        SIDE_BY_SIDE
-            t[w] = start[w] + dop853.more[stage].at * h[w];
-        rates(m, t, mask, m->trial, k[AFTER + 1 + stage]);
-    }
-}
-
 void rodgen_prepare_dense(struct many *m, const double *mask, const double *h)
 {
     double start[LANES], last[LANES] = {0.0};
     starts(m, start);
-    more_stages(m, mask, m->k, m->y, start, h);
+    stages(m, mask, m->k, m->y, start, h, dop853.more, MORE, AFTER + 1);
     for (int sum = 0; sum < 4; ++sum)
         add(&dop853.dense[sum], m->k, m->all, m->k[SUMS + sum]);
     add_squares(m, m->k[SUMS + 3], m->y, m->on, last);
@@ -61,14 +48,14 @@ static void reach(struct many *m, const double *mask, const double *h, const int
         blend(first, m->k[0], m->all, k[0]);
         blend(later_on, on, m->all, y);
         blend(later_on, k[AFTER], m->all, k[0]);
-        stages(m, going, k, y, start, length);
+        stages(m, going, k, y, start, length, dop853.stages, STEPS, 1);
         move(y, length, &dop853.weights, k, 0, m->all, m->trial);
         blend(going, m->trial, m->all, on);
         rates(m, end, going, on, m->trial);
         blend(going, m->trial, m->all, k[AFTER]);
         if (!reached)
             continue;
-        more_stages(m, last, k, y, start, length);
+        stages(m, last, k, y, start, length, dop853.more, MORE, AFTER + 1);
         for (int sum = 0; sum < 4; ++sum) {
             add(&dop853.dense[sum], k, m->all, m->trial);
             blend(last, m->trial, m->all, m->k[PART_SUMS + sum]);

@@ -62,16 +62,16 @@ static inline void add_squares(const struct many *m, const double *restrict erro
     }
 }
 
-/* Rates of the stages of steps of DOP853 from times and states of each, behind the first. */
+/* Rates k of so many stages of steps of DOP853 from times and states of each, the first of them in a row. */
 static inline void stages(struct many *m, const double *mask, double *const *k, const double *y, const double *start,
-                          const double *h)
+                          const double *h, const struct stage *of, int count, int row)
 {
     double t[LANES];
-    for (int stage = 0; stage < STEPS; ++stage) {
-        move(y, h, &dop853.stages[stage].sum, k, 0, m->all, m->trial);
+    for (int stage = 0; stage < count; ++stage) {
+        move(y, h, &of[stage].sum, k, 0, m->all, m->trial);
         SIDE_BY_SIDE
-            t[w] = start[w] + dop853.stages[stage].at * h[w];
-        rates(m, t, mask, m->trial, k[stage + 1]);
+            t[w] = start[w] + of[stage].at * h[w];
+        rates(m, t, mask, m->trial, k[row + stage]);
     }
 }
 

@@ -18,7 +18,7 @@ Record = dict[str, Any]
 CANDIDATES = "dop853", "gauss", "radau"
 DEAR = 1.5  # times the best, from which a choice is listed
 FEW = 1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5, 2e5, 5e5, np.inf
-DECAYS = 0.003, 0.01, 0.03, 0.1, 0.3, 0.6
+TRANSIENT = 0.003, 0.01, 0.03, 0.1, 0.3, 0.6
 STIFF = 0.0, 1e5, 3e5, 1e6, 3e6, np.inf
 
 
@@ -92,7 +92,7 @@ def best_rule(
     hundred times the best."""
     features = {line["seed"]: line["features"] for line in lines}
     best: tuple[tuple[float, float], Rule, list[float]] | None = None
-    for row in product(FEW, DECAYS, STIFF, ("dop853", "gauss")):
+    for row in product(FEW, TRANSIENT, STIFF, ("dop853", "gauss")):
         rule = Rule(*row)
         reached = [option.get(rule(features[seed]), 100.0) for (seed, _), option in options.items()]
         judged = float(np.percentile(reached, 95)), float(np.mean(np.log(reached)))

@@ -17,7 +17,7 @@ from rodgen.integrate.variations import Steps, Variations
 # what it is allowed, measured on stiff cycles of 20 to 200 links.
 TOLERANCES = {"dop853": (1e-11, 1e-14), "radau": (1e-9, 1e-12)}
 MANY = 7_000  # steps of dop853 in a period, beyond which those of radau are fewer and cheaper
-DECAYS = 0.3  # damping ratio of the fastest motion, from which it need not be followed
+ABSENT = 0.3  # damping ratio from which the fastest motion, gone before the cycle, stays away
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Flow:
             return self
         fastest = dominant(self.model, t, self.quotient.lifted(x), self.p)
         steps = period / limit("dop853", fastest.value, fastest.partner)
-        stiff = fastest.damping > DECAYS and steps > MANY
+        stiff = fastest.damping > ABSENT and steps > MANY
         return replace(self, method="radau" if stiff else "dop853")
 
     def rates(self, t: float, x: Array) -> Array:

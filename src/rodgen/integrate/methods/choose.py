@@ -16,7 +16,7 @@ from rodgen.scene.integration import AUTO, MOST_ADAPTIVE, Integrate
 # Measured at equal error on random scenes, see docs/methods.md.
 FEW = 4e3  # radians or decays, at FEW_AT, of a fastest motion that explicit steps follow in no time
 FEW_AT, FEW_POWER = 1e-4, 0.11  # a tolerance; radau's steps shrink more with it than dop853's
-DECAYS = 0.6  # damping ratio from which the fastest motion dies out instead of going on
+TRANSIENT = 0.6  # damping ratio from which the fastest motion dies out soon after the start
 LONG, GONE = 100.0, 1e3  # times FEW, and e-folds, after which one with less damping is gone too
 GROWS = 1e-3  # share of the rate from which a motion is taken to grow by itself
 MANY = 1e6  # radians beyond which following an oscillation takes long
@@ -83,7 +83,7 @@ def by_rule(fastest: Dominant, span: float, rtol: float, budget: int = MOST_ADAP
         return Choice("dop853", f"{motion}, few enough to follow")
     grows = max(fastest.value.real, fastest.partner.real) > GROWS * fastest.rate
     gone = cycles > LONG * _few(rtol) and fastest.damping * cycles > GONE
-    if (fastest.damping > DECAYS or gone) and not grows:
+    if (fastest.damping > TRANSIENT or gone) and not grows:
         return Choice("radau", f"{motion}; it decays, and need not be followed")
     if rtol >= LOOSE and cycles > MANY:
         return Choice("gauss", f"{motion}, too many to follow at rtol {rtol:g}")
