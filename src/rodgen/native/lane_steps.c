@@ -91,32 +91,25 @@ static void stable_steps(struct many *m, const double *mask)
         }
 }
 
-/* The largest stable steps for the states that are added, in the lanes of a mask, as explicit.c has them: no longer
-   than those of the rod. */
+/* The largest stable steps for the states that are added, in the lanes of a mask: no longer than those of the rod. A law
+   that switches is not run in lanes, so that one side is as good as the other. */
 static void stable_steps_of_states(struct many *m, const double *mask)
 {
-    double *const restrict at = m->trial, *const f = m->k[15], by[LANES], t[LANES], longest[LANES];
+    double *const restrict at = m->trial, *const f = m->k[15], by[LANES], t[LANES];
     memcpy(at, m->y, (size_t)(m->all * LANES) * sizeof *at);
     SIDE_BY_SIDE
         t[w] = m->lane[w].is.t;
     for (ptrdiff_t j = 2 * m->half; j < m->states; ++j) {
-        SIDE_BY_SIDE
-            longest[w] = 0.0;
-        for (int side = -1; side <= 1; side += 2) {
-            SIDE_BY_SIDE {
-                by[w] = side * state_by(m->y[j * LANES + w]);
-                at[j * LANES + w] = m->y[j * LANES + w] + by[w];
-            }
-            rates(m, t, mask, at, f);
-            SIDE_BY_SIDE {
-                const ptrdiff_t i = j * LANES + w;
-                longest[w] = fmax(longest[w], longest_of_state((f[i] - m->k[0][i]) / by[w]));
-            }
-        }
         SIDE_BY_SIDE {
+            by[w] = state_by(m->y[j * LANES + w]);
+            at[j * LANES + w] += by[w];
+        }
+        rates(m, t, mask, at, f);
+        SIDE_BY_SIDE {
+            const ptrdiff_t i = j * LANES + w;
             double *const most = &m->lane[w].is.most;
-            at[j * LANES + w] = m->y[j * LANES + w];
-            *most = mask[w] > 0.0 ? fmin(*most, longest[w]) : *most;
+            at[i] = m->y[i];
+            *most = mask[w] > 0.0 ? fmin(*most, longest_of_state((f[i] - m->k[0][i]) / by[w])) : *most;
         }
     }
 }
