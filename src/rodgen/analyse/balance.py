@@ -115,7 +115,8 @@ class WholeBalance:
     @cached_property
     def _mass(self) -> Array:
         """The inertia of all other motions of such a rod."""
-        return self._whole_mass - self._carried @ self._whole_mass[: self.system.base]
+        whole = self._whole_mass
+        return whole - self._carried @ whole[: self.system.base] if len(self.free) else whole
 
     def _forced(self, rates: Array) -> Array:
         """Rows of accelerations as generalised forces."""

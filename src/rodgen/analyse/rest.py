@@ -100,12 +100,12 @@ def follow(
     while done < 1:
         tell(f"{done:.3g} of {way}")
         fraction = min(done + step, 1.0)
+        ahead = fraction - done
         trial = Rest(rest.at, rest.iterations, pull=rest.pull)
         if slope is not None:
-            trial.move(system, at(done).p, slope, fraction - done)
+            trial.move(system, at(done).p, slope, ahead)
         guess = trial.at
         if slope is not None and last is not None:
-            ahead = fraction - done
             trial.at = guess.moved(slope.moved(last, -1.0), min(1.0, ahead / length) * ahead / 2)
         taken, tangent = newton(system, trial, at(fraction), passing=fraction < 1), None
         if taken:
@@ -115,16 +115,16 @@ def follow(
         if slope is not None and tangent is not None:
             # Where branches meet, the other one is next to the tangent, but leads elsewhere.
             way_on = _apart(guess, rest.at)
-            aside, turned = _apart(trial.at, guess), _apart(tangent, slope) * (fraction - done)
-            away, least = max(aside, turned / 2), FARTHEST * (fraction - done)
+            aside, turned = _apart(trial.at, guess), _apart(tangent, slope) * ahead
+            away, least = max(aside, turned / 2), FARTHEST * ahead
             smooth = smooth or away <= SMOOTH * way_on + NOISE
             # At a kink the tangent jumps, by no more in shorter steps; between branches by more.
-            ahead = BENT * max(way_on, least) * (KINKED if step < SMALL else 1.0)
-            bent = taken and away > ahead and 1 - done >= SMALL
+            most = BENT * max(way_on, least) * (KINKED if step < SMALL else 1.0)
+            bent = taken and away > most and 1 - done >= SMALL
             taken = taken and not bent
         found = here.signature() if taken else signature
         if taken and (found == signature or smooth):
-            last, length = slope, fraction - done
+            last, length = slope, ahead
             rest, done, signature, slope = trial, fraction, found, tangent
             stages.append(fraction)
             step *= 2
