@@ -77,7 +77,8 @@ class Cells:
     @staticmethod
     def _ways(system: System, y: Array, p: Array) -> Array:
         """How the joints at the ends of moving links follow the angles."""
-        return system.joint_ways(y, p)[system.scene.held :, :, system.base :]
+        joints = np.arange(system.scene.held, system.scene.rod.links + 1)
+        return system.joint_ways(y, p, joints)[..., system.base :]
 
     @property
     def statics(self) -> Array:

@@ -61,9 +61,11 @@ class Springs:
 
     def _ways(self, at: Unknowns) -> Array:
         """How the points follow position and angles (k, 2, base + cells)."""
-        joints = self.system.joint_ways(self.system.at_rest(at), self.p)
+        joints = np.append(self.links, self.links + 1)
+        ways = self.system.joint_ways(self.system.at_rest(at), self.p, joints)
+        starts, ends = np.split(ways, 2)
         share = self.share[:, None, None]
-        return np.asarray((1 - share) * joints[self.links] + share * joints[self.links + 1])
+        return np.asarray((1 - share) * starts + share * ends)
 
     def foretold(self, at: Unknowns, by: Unknowns, times: float) -> Array:
         """Forces (k, 2) [N] after so many times a change of the rod, to first order."""

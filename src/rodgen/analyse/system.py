@@ -292,13 +292,13 @@ class System:
         held = np.full((*phi.shape[:-1], self.scene.held), self.scene.rod.clamp_angle or 0.0)
         return np.concatenate((held, phi), axis=-1)
 
-    def joint_ways(self, y: Array, p: Array) -> Array:
-        """How the joints follow position and angles (n + 1, 2, base + cells), by virtual work: the
-        tail follows all links, a joint those before it."""
+    def joint_ways(self, y: Array, p: Array, joints: NDArray[np.intp]) -> Array:
+        """How joints of these numbers (k,) follow position and angles (k, 2, base + cells), by
+        virtual work: the tail follows all links, a joint those before it."""
         work, n = self.model.generalised_force, self.scene.rod.links
         tail = np.stack([work(y, p, n - 1, 1.0, axis) for axis in ((1.0, 0.0), (0.0, 1.0))])
-        before = np.arange(n + 1)[:, None] > np.arange(self.scene.held, n)
-        follows = np.hstack((np.ones((n + 1, self.base)), before))
+        before = joints[:, None] > np.arange(self.scene.held, n)
+        follows = np.hstack((np.ones((len(joints), self.base)), before))
         return np.asarray(tail * follows[:, None])
 
     def rates(self, y: Array, p: Array) -> Array:
