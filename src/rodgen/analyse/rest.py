@@ -106,7 +106,10 @@ def follow(
             trial.move(system, at(done).p, slope, ahead)
         guess = trial.at
         if slope is not None and last is not None:
-            trial.at = guess.moved(slope.moved(last, -1.0), min(1.0, ahead / length) * ahead / 2)
+            # As far again as over the step before, but never so far that it turns back.
+            turned = _apart(slope, last)
+            share = min(1.0, ahead / length, _largest(slope.phi) / turned if turned else 1.0)
+            trial.at = guess.moved(slope.moved(last, -1.0), share * ahead / 2)
         taken, tangent = newton(system, trial, at(fraction), passing=fraction < 1), None
         if taken:
             here = at(fraction).balance(system, trial)
