@@ -192,6 +192,22 @@ def command(**_):
 rodgen.cli.app.app = command
 rodgen.cli.main()
 """
+HOLDING = """
+import signal, time, rodgen.cli, rodgen.cli.app
+from rodgen.native.library import DeferredInterrupt
+def command(**_):
+    end = time.monotonic() + 2
+    try:
+        with DeferredInterrupt():
+            signal.raise_signal(signal.SIGINT)
+    except KeyboardInterrupt:
+        pass
+    while time.monotonic() < end:
+        pass
+    print("went on", flush=True)
+rodgen.cli.app.app = command
+rodgen.cli.main()
+"""
 
 
 @pytest.mark.slow
@@ -210,4 +226,6 @@ def test_ctrl_c_ends_a_library_at_work() -> None:
 def test_ctrl_c_leaves_time_to_what_has_heard_it() -> None:
     done = python(CLEANING)
     assert (done.returncode, done.stdout) == (130, "cleaned\n"), done.stderr
+    held = python(HOLDING)  # by whom it was not left to the program
+    assert (held.returncode, held.stdout) == (0, "went on\n"), held.stderr
     assert done.stderr.count("\n") == 1

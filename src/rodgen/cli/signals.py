@@ -8,7 +8,8 @@ import socket
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import Thread, Timer, main_thread
+from ctypes import PYFUNCTYPE, c_int, c_void_p, pythonapi
+from threading import Event, Thread, Timer, main_thread
 from time import monotonic
 from types import FrameType
 from typing import NoReturn
@@ -26,7 +27,8 @@ ENDING = ("SIGTERM", "SIGHUP", "SIGQUIT")
 
 
 _raise_interrupt = signal.default_int_handler
-_heard = -1.0  # when Python last came to a Ctrl-C
+_heard = -1.0  # when it was called last, by Ctrl-C
+_calls: list[object] = []  # kept, as Python may still make them
 _last: list[Callable[[], str]] = []
 
 
@@ -60,19 +62,30 @@ def _watch(read: socket.socket, written: socket.socket) -> None:
     ending = {signal.SIGINT, *_ending()}
     while number := read.recv(1):
         if number[0] in ending and signal.getsignal(signal.SIGINT) is _hear:
-            look = Timer(PATIENCE, _look, [monotonic()])
-            look.daemon = True
-            look.start()
+            Thread(target=_look, args=(monotonic(),), daemon=True).start()
 
 
 def _look(since: float) -> None:
-    """End the program, unless Python has come to the signal since then, or leaves it for later."""
-    if _heard < since - CLOSE and signal.getsignal(signal.SIGINT) is _hear:
-        end_compilers()
-        said = "".join(do() for do in _last)
-        remove_bars()
-        print(f"rodgen: interrupted{said}", file=sys.stderr, flush=True)
-        os._exit(INTERRUPTED)
+    """End the program unless its main thread comes to a signal soon, by whatever handler that has,
+    or leaves it for later."""
+    came = Event()
+
+    def come(_: object) -> int:
+        came.set()
+        return 0
+
+    # Python calls it where it comes to signals, after the handlers of these.
+    call = PYFUNCTYPE(c_int, c_void_p)(come)
+    _calls.append(call)
+    pythonapi.Py_AddPendingCall(call, None)
+    heard = came.wait(PATIENCE) or _heard >= since - CLOSE
+    if heard or signal.getsignal(signal.SIGINT) is not _hear:
+        return
+    end_compilers()
+    said = "".join(do() for do in _last)
+    remove_bars()
+    print(f"rodgen: interrupted{said}", file=sys.stderr, flush=True)
+    os._exit(INTERRUPTED)
 
 
 @contextmanager
