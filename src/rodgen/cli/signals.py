@@ -9,13 +9,14 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from ctypes import PYFUNCTYPE, c_int, c_void_p, pythonapi
+from functools import cache
 from threading import Event, Thread, Timer, main_thread
 from time import monotonic
 from types import FrameType
 from typing import NoReturn
 
 from rodgen.cli.errors import INTERRUPTED
-from rodgen.native.library import end_compilers
+from rodgen.native.library import ENDS, end_compilers
 from rodgen.progress import remove_bars
 
 SOON = 0.01  # s
@@ -26,7 +27,6 @@ CLOSE = 0.1  # seconds between a signal and its being seen by a thread
 ENDING = ("SIGTERM", "SIGHUP", "SIGQUIT")
 
 
-_raise_interrupt = signal.default_int_handler
 _heard = -1.0  # when it was called last, by Ctrl-C
 _calls: list[object] = []  # kept, as Python may still make them
 _last: list[Callable[[], str]] = []
@@ -36,19 +36,24 @@ def _hear(number: int, frame: FrameType | None) -> NoReturn:
     """Raise KeyboardInterrupt, and note when."""
     global _heard
     _heard = monotonic()
-    _raise_interrupt(number, frame)
+    signal.default_int_handler(number, frame)
+
+
+vars(_hear)[ENDS] = True
 
 
 def end_within_libraries() -> None:
     """Let Ctrl-C end the program also while a library is at work that looks for no signals, such as
     LAPACK on a large matrix: where Python does not come to it within PATIENCE, nothing is lost by
     ending at once."""
-    if signal.default_int_handler is _hear:
-        return
-    # Whoever asks whether Ctrl-C has a handler of somebody's own compares it with this one.
-    vars(signal)["default_int_handler"] = _hear
-    if signal.getsignal(signal.SIGINT) is _raise_interrupt:
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _hear)
+    _start_watch()
+
+
+@cache
+def _start_watch() -> None:
+    """Start the thread that looks after signals, once in a process."""
     read, written = socket.socketpair()
     written.setblocking(False)
     signal.set_wakeup_fd(written.fileno(), warn_on_full_buffer=False)
@@ -120,7 +125,7 @@ def hold_back_ctrl_c() -> None:
 
 def let_ctrl_c_through() -> None:
     """Let Ctrl-C end what it meets again."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGINT, _hear)
 
 
 def lose_no_ctrl_c() -> None:

@@ -347,6 +347,9 @@ def _kill(pid: int) -> None:
             os.kill(pid, signal.SIGTERM)
 
 
+ENDS = "ends_as_by_default"  # attribute of a handler of Ctrl-C that raises KeyboardInterrupt
+
+
 class DeferredInterrupt:
     """Within it, Ctrl-C only leaves a note, which `look` turns into KeyboardInterrupt.
 
@@ -361,7 +364,8 @@ class DeferredInterrupt:
 
     def __enter__(self) -> "DeferredInterrupt":
         main = threading.current_thread() is threading.main_thread()
-        if main and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        there = signal.getsignal(signal.SIGINT)
+        if main and (there is signal.default_int_handler or getattr(there, ENDS, False)):
             self._before = signal.signal(signal.SIGINT, self._note)
         return self
 
