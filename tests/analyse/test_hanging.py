@@ -54,6 +54,13 @@ def test_a_chain_between_two_points(n: int, k: float, to: tuple[float, float]) -
     assert np.abs(rates).max() < 64 * np.finfo(float).eps * (k + G) * n**2
 
 
+def test_a_chain_that_hangs_deep_begins_as_a_catenary() -> None:
+    """As it is one, a few corrections find it; from arcs they are three times as many."""
+    rest = static_equilibrium(chain([(1.0, 1e9, (0.3, 0.0))]))
+    assert rest.stable
+    assert rest.iterations <= 8
+
+
 @pytest.mark.parametrize(
     "supports",
     sets(

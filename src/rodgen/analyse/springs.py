@@ -13,10 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
+from scipy.optimize import minimize
 
 from rodgen.analyse.system import System, Unknowns
 from rodgen.integrate.stepper import Array
+
+TINY = 1e-6  # of the weight: tensions that give a chain no direction
+CLOSED = 1e-10  # of the length, by which a chain may miss its ends
 
 
 class Softened(NamedTuple):
@@ -101,8 +104,8 @@ def _of_links(system: System, p: Array, name: str) -> Array:
 
 
 def hanging_shape(system: System, p: Array, pull: Array) -> Array:
-    """Angles of the moving links (cells,) [rad] of a rod that hangs from its supports: an arc from
-    each to the next, towards the pull (2,) [N], and straight along the pull at its ends."""
+    """Angles of the moving links (cells,) [rad] of a rod that hangs from its supports: a catenary
+    from each to the next, towards the pull (2,) [N], and straight along the pull at its ends."""
     springs = Springs.of(system, p)
     held = springs.stiffness.all(axis=-1)
     at, points = (springs.links + springs.share)[held], springs.fixed[held]
@@ -119,23 +122,33 @@ def hanging_shape(system: System, p: Array, pull: Array) -> Array:
     for one, other in itertools.pairwise(order):
         within = (middles >= at[one]) & (middles < at[other])
         share = (middles[within] - at[one]) / (at[other] - at[one])
-        phi[within] = _arc(points[other] - points[one], link * (at[other] - at[one]), pull, share)
+        phi[within] = _catenary(
+            points[other] - points[one], link * (at[other] - at[one]), pull, share
+        )
     return phi[system.scene.held :]
 
 
-def _arc(chord: Array, length: float, pull: Array, share: Array) -> Array:
-    """Angles [rad], at these shares of its length [m], of an arc over a chord (2,) [m]; straight
-    where it is too short."""
-    distance = float(np.hypot(*chord))
-    left = chord[0] * pull[1] - chord[1] * pull[0] > 0
-    across, half = 1 - 2 * share, 0.0
+def _catenary(chord: Array, length: float, pull: Array, share: Array) -> Array:
+    """Angles [rad], at these shares of its length [m], of an even chain over a chord (2,) [m];
+    straight where it is too short.
 
-    def short(half: float) -> float:
-        """How much the links of such an arc reach beyond the chord, over the length."""
-        return float(np.cos(half * across).mean() - distance / length)
+    Its links lie along the tension, which falls from end to end by the weight. The tension at the
+    start, over the weight, is where a convex function is least, whose slope is by how much the
+    links miss the chord (as of the dual of a chain of least energy).
+    """
+    if np.hypot(*chord) >= length:
+        return np.full(len(share), np.arctan2(chord[1], chord[0]))
+    fall = share[:, None] * pull / np.hypot(*pull)
 
-    if distance < length:
-        half = brentq(short, 0.0, np.pi) if short(np.pi) < 0 else np.pi / 2
-    if not distance:
-        chord = np.array([pull[1], -pull[0]])
-    return np.asarray(np.arctan2(chord[1], chord[0]) + (1 if left else -1) * half * across)
+    def missed(tension: Array) -> tuple[float, Array]:
+        along = tension - fall
+        sizes = np.maximum(np.hypot(*along.T), TINY)
+        ends = length * (along / sizes[:, None]).mean(axis=0)
+        return float(length * sizes.mean() - chord @ tension), ends - chord
+
+    # From above the middle, a little to the side where the ends are one above the other.
+    aside = np.array([pull[1], -pull[0]]) / np.hypot(*pull) * TINY
+    start = fall.mean(axis=0) + chord / length + aside
+    found = minimize(missed, start, jac=True, method="BFGS", options={"gtol": CLOSED * length}).x
+    along = found - fall
+    return np.asarray(np.arctan2(along[:, 1], along[:, 0]))

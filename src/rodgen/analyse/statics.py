@@ -140,7 +140,9 @@ def static_equilibrium(
 
 def _check_held(system: System, p: Array) -> None:
     """Raise SceneError for a free rod whose place nothing follows."""
-    if len(free_ways(system, start_of(system, system.straight), p)) == system.base:
+    follows = system.anchored or system.steered  # else it need not be found out
+    start = start_of(system, system.straight)
+    if not follows or len(free_ways(system, start, p)) == system.base:
         allowed = "clamped, cantilever or pinned: nothing holds a free rod in place without "
         allowed += "[[supports]], [foundation] or loads that follow its place"
         raise SceneError("rod.boundary", system.scene.rod.boundary, allowed)
