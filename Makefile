@@ -130,7 +130,7 @@ lint: $(LAYOUT)
 	$(BIN)/ruff format --check .
 	$(BIN)/codespell $$(git ls-files | grep -vE '\.(svg|png|gif|json|netcdf|js|css)$$')
 	$(BIN)/proselint --config .proselintrc.json check $$(git ls-files '*.md' | grep -v docs/audit.md)
-	cd $(LAYOUT) && $(abspath $(BIN))/lint-imports --config ../../pyproject.toml --no-logo
+	cd $(LAYOUT) && PYTHONPATH=$(CURDIR) $(abspath $(BIN))/lint-imports --config ../../pyproject.toml --no-logo
 
 types: $(LAYOUT)
 	cd $(LAYOUT) && $(abspath $(BIN))/mypy --config-file ../../pyproject.toml -p rodgen -p rodgen_evidence

@@ -3,6 +3,7 @@
     symbols      the letters of the model, and the quantities along the chain
     chain        kinematics, written once
     inertia      how the mass of a link is spread along it
+    explicit_chain, generic_chain   n links, and any number of them, before their loads
     loads/       a file a load: its law, its closed form; kinds: what follows from it
     explicit     derivation 1: LagrangesMethod with n links
     general      derivation 2: for every n at once; what is emitted comes from here

@@ -7,26 +7,21 @@ from virtual work: a force F at r does the work F . dr/dq on a coordinate q.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
-from math import prod
 
 from sympy import Add, Expr, Mul, S
-from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
+from sympy.physics.mechanics import LagrangesMethod
 from sympy.polys.rings import PolyElement
 
-from rodgen.model.rod import BOUNDARIES
-
-from .calculus import TIME, Calculus, PolynomialMatrix
-from .chain import position, spring_potential
+from .calculus import TIME, PolynomialMatrix
+from .chain import spring_potential
+from .explicit_chain import ExplicitChain
 from .loads import LOADS, loads_of
-from .rod import Joint, Rod, centre, spread
-from .symbols import ALPHA, eta, k, l, m, xi
 
 PolyMatrix = list[list[PolyElement]]
 
 
 @dataclass
-class ExplicitDerivation:
+class ExplicitDerivation(ExplicitChain):
     """The equations M v' = Q omega^2 - K phi + loads of a chain with n links.
 
     Rows are the coordinates that move: x0, y0 where joint 0 is free, then the angles of the
@@ -34,78 +29,14 @@ class ExplicitDerivation:
     all links (a clamped angle has a column too).
     """
 
-    n: int
-    boundary: str = "free"
-    inertia: str = "uniform"
-    uneven: tuple[str, ...] = ()
     terms: tuple[str, ...] = ()  # beside one of each
 
     def __post_init__(self) -> None:
-        hold = BOUNDARIES[self.boundary]
-        moving = list(dynamicsymbols(f"phi{hold.first}:{self.n}", real=True))
-        self.angles: list[Expr] = [ALPHA] * hold.first + moving
-        # Every angle that a spring knows, and the springs between them.
-        root, tail = ([size] if size else [] for size in (hold.root, hold.tail))
-        self.bent = [ALPHA] * len(root) + self.angles + [ALPHA] * len(tail)
-        self.rod = Rod(self.inertia, self.uneven)
-        sizes = zip(hold.springs(self.n), [*root, *([1] * (self.n - 1)), *tail], strict=True)
-        self.joints = [self.rod.joint(at, size) for at, size in sizes]
-        self.base: list[Expr] = list(dynamicsymbols("x0 y0", real=True)) if hold.translates else []
-        self.coordinates: list[Expr] = self.base + moving
-        self.moving = moving
-        self.first_joint = hold.first_joint
-        held = [ALPHA] if hold.clamped else []
-        constants, angles = [m, l, k, xi], [*moving, *held]
-        constants += [eta] if self.rod.sided else []
-        differing = [joint.stiffness for joint in self.joints]
-        differing += map(self.rod.mass, range(self.n))
-        if "bodies" in self.uneven or "points" in self.uneven:
-            differing += [base[q] for q in range(self.n) for base in (*centre, *spread)]
-        constants += [e for e in differing if e.is_Indexed]
+        super().__post_init__()
         self.loads = LOADS | loads_of(self.terms)
         for load in self.loads.values():
-            constants += load.constants(self.first_joint, self.n)
-            angles += load.angles
-        self.calculus = Calculus(self.coordinates, angles, constants)
-
-    def point(
-        self, link: int, fraction: Expr, beside: Expr = S.Zero
-    ) -> tuple[PolyElement, PolyElement]:
-        """Position of a point of the chain, or of one beside it, as polynomials."""
-        origin = tuple(self.base) if self.base else (S.Zero, S.Zero)
-        x, y = position(origin, self.angles, link, fraction, beside)
-        return self.calculus.poly(x), self.calculus.poly(y)
-
-    def joint(self, s: int) -> tuple[PolyElement, PolyElement]:
-        """Position of joint s: the start of link s, for the tail the end of the last link."""
-        return self.point(s, S.Zero) if s < self.n else self.point(self.n - 1, S.One)
-
-    def rate(self, poly: PolyElement) -> PolyElement:
-        """Time derivative."""
-        return self.calculus.diff(poly, TIME)
-
-    def over_link(self, poly: PolyElement, link: int) -> PolyElement:
-        """Integral over the mass of a link."""
-        return self.calculus.poly(self.rod.mass(link)) * self.mean(poly, link)
-
-    def mean(self, poly: PolyElement, link: int = 0) -> PolyElement:
-        """Mean over the mass of a link: powers of xi, and of eta beside it, become moments."""
-        places = [xi, eta] if self.rod.sided else [xi]
-        parts = self.calculus.coefficients(poly, places)
-        return sum(
-            (self._moment(powers, link) * c for powers, c in parts.items()),
-            start=self.calculus.zero,
-        )
-
-    def _moment(self, powers: tuple[int, ...], link: int) -> PolyElement:
-        product = prod((x**p for x, p in zip((xi, eta), powers, strict=False)), start=S.One)
-        return self.calculus.poly(self.rod.mean(product, link))
-
-    @cached_property
-    def link_points(self) -> list[tuple[PolyElement, PolyElement]]:
-        """The point at xi of every link, and at eta beside it where there is mass."""
-        beside = eta if self.rod.sided else S.Zero
-        return [self.point(link, xi, beside) for link in range(self.n)]
+            self.constants += load.constants(self.first_joint, self.n)
+            self.turning += load.angles
 
     @cached_property
     def kinetic_energy(self) -> PolyElement:
@@ -120,12 +51,6 @@ class ExplicitDerivation:
         """Energy of the springs in all joints."""
         energies = (spring_potential(a, b, joint.stiffness) for joint, a, b in self.springs)
         return self.calculus.poly(Add(*energies))
-
-    @property
-    def springs(self) -> list[tuple[Joint, Expr, Expr]]:
-        """Joints with a spring, and the angles before and after them."""
-        ends = pairwise(self.bent)
-        return [(joint, *angles) for joint, angles in zip(self.joints, ends, strict=True)]
 
     @cached_property
     def lagranges_method(self) -> LagrangesMethod:
@@ -194,14 +119,6 @@ class ExplicitDerivation:
     def remainder(self) -> list[dict[Expr, PolyElement]]:
         """What of the loadless forcing is in neither Q nor K: must be empty."""
         return [row["other"] for row in self._forcing]
-
-    def virtual_work(
-        self, point: tuple[PolyElement, PolyElement], force: tuple[PolyElement, PolyElement]
-    ) -> list[PolyElement]:
-        """Generalised forces F . dr/dq of a force at a point, one for every coordinate."""
-        diff = self.calculus.diff
-        (x, y), (fx, fy) = point, force
-        return [diff(x, q) * fx + diff(y, q) * fy for q in self.coordinates]
 
     def load(self, term: str) -> list[PolyElement]:
         """Generalised forces of a load, one for every coordinate; of a kind of damping too."""

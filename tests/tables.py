@@ -18,7 +18,7 @@ from rodgen.scene import Scene
 from rodgen.scene.tables import Table
 from rodgen.studies.axis import Range, Sample
 from rodgen.studies.findings import FINDINGS, Finding
-from rodgen.studies.specification import KEYS
+from rodgen.studies.study import KEYS
 
 DOCS = Path(__file__).parents[1] / "docs"
 TIMED = "a number or an expression in t"

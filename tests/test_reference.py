@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rodgen.studies.findings import FINDINGS
-from rodgen.studies.specification import WHAT
+from rodgen.studies.study import WHAT
 from tests import reference
 
 

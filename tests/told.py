@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from rodgen.scene import SceneError
-from rodgen.scene.errors import Missing
+from rodgen.errors import InputError, Missing
 
 
 def numbers(text: object) -> list[float]:
@@ -37,7 +36,7 @@ def refused(make: Callable[..., object], *given: Any, **named: Any) -> Refusal:
     endless."""
     try:
         made = make(*given, **named)
-    except SceneError as error:
+    except InputError as error:
         told = error
     else:
         pytest.fail(f"{given or named} is taken: {made!r}")

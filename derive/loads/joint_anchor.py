@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sympy import Expr, Sum
 
 from ..chain import Vector
 from ..closed_form import Pair
+from ..generic_chain import GenericChain
 from ..symbols import joint, joint_vx, joint_vy, n
 from .joint_drag import JointDrag, JointMotion
 from .kinds import Value
-
-if TYPE_CHECKING:
-    from ..general import Equations
 
 
 class JointAnchor(JointDrag):
@@ -34,12 +32,12 @@ class JointAnchor(JointDrag):
         energy, (x, y) = self.stored(joint), self.damper(joint)
         return x - energy.diff(joint.x), y - energy.diff(joint.y)
 
-    def power(self, chain: Equations) -> Expr:
+    def power(self, chain: GenericChain) -> Expr:
         x, y = self.damper(self.motion(chain))
         power = x * joint_vx[joint] + y * joint_vy[joint]
         return Sum(power, (joint, chain.hold.first_joint, n))
 
-    def energy(self, chain: Equations) -> Expr:
+    def energy(self, chain: GenericChain) -> Expr:
         return Sum(self.stored(self.motion(chain)), (joint, chain.hold.first_joint, n))
 
     def force_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sympy import Eq, Expr, IndexedBase, Integer, Piecewise, S, Sum, sqrt
 from sympy.polys.rings import PolyElement
@@ -12,12 +12,10 @@ from rodgen.model.rod import Boundary
 
 from ..chain import Vector
 from ..closed_form import ClosedForm, Num, Pair
+from ..explicit_chain import ExplicitChain
+from ..generic_chain import GenericChain
 from ..symbols import i, joint, joint_vx, joint_vy, joint_x, joint_y, l, m, n, phi
 from .kinds import NOTHING, JointForces, Value, Work
-
-if TYPE_CHECKING:
-    from ..explicit import ExplicitDerivation
-    from ..general import Equations
 
 # At a joint: angle of the rod, mass and length gathered there, and the speed to divide by.
 rod_angle, mass_at = IndexedBase("rod_angle", real=True), IndexedBase("joint_mass", positive=True)
@@ -89,7 +87,7 @@ class JointDrag(JointForces):
     def constants(self, first_joint: int, links: int) -> list[Expr]:
         return [base[at] for at in range(first_joint, links + 1) for base in self.bases]
 
-    def rows(self, chain: ExplicitDerivation) -> list[list[PolyElement]]:
+    def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         x, y = self.bases
         generator = chain.calculus.generator
         return [
@@ -97,7 +95,7 @@ class JointDrag(JointForces):
             for at in range(chain.first_joint, chain.n + 1)
         ]
 
-    def work(self, chain: Equations) -> Work:
+    def work(self, chain: GenericChain) -> Work:
         def total(low: Expr) -> Vector:
             x, y = (Sum(base[joint], (joint, low, n)) for base in self.bases)
             return x, y
@@ -105,7 +103,7 @@ class JointDrag(JointForces):
         base, after = total(chain.hold.first_joint), total(i + 1)
         return Work(base, chain.reach * chain.lean(after))
 
-    def motion(self, chain: Equations) -> JointMotion:
+    def motion(self, chain: GenericChain) -> JointMotion:
         """What is known of every joint."""
         return JointMotion(
             *(joint_vx[joint], joint_vy[joint]),
@@ -132,7 +130,7 @@ class JointDrag(JointForces):
         still = JointMotion(S.Zero, S.Zero, S.One, phi[at], joint_mass(1), factors, *place, l / 2)
         return self.force(still)
 
-    def arrays(self, chain: Equations) -> dict[IndexedBase, Expr]:
+    def arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
         force = self.force(self.motion(chain))
         start, end = joint_angle([phi[0]]), joint_angle([phi[n - 1]])
         inner = joint_angle([phi[joint - 1], phi[joint]])
@@ -146,10 +144,11 @@ class JointDrag(JointForces):
         }
 
     def near(
-        self, at: Expr, before: Expr | None, after: Expr | None, chain: Equations
+        self, at: Expr, before: Expr | None, after: Expr | None, chain: GenericChain
     ) -> dict[Expr, Expr]:
         angle = joint_angle([a for a in (before, after) if a is not None])
-        laws = {base: chain.arrays[base].value.subs(joint, at) for base in self.bases}
+        arrays = self.arrays(chain)
+        laws = {base: arrays[base].subs(joint, at) for base in self.bases}
         return {base[at]: law.xreplace({rod_angle[at]: angle}) for base, law in laws.items()}
 
     def force_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:

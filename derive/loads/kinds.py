@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 from sympy import Expr, IndexedBase, Integer, S, Sum, Symbol
 from sympy.polys.rings import PolyElement
@@ -31,12 +31,10 @@ from rodgen.model.terms import TERMS
 from ..calculus import TIME
 from ..chain import Vector
 from ..closed_form import ClosedForm, Num, Pair
+from ..explicit_chain import ExplicitChain
+from ..generic_chain import GenericChain
 from ..rod import Joint
 from ..symbols import PARAMETERS, joint, joint_vx, joint_vy, n, omega, s
-
-if TYPE_CHECKING:
-    from ..explicit import ExplicitDerivation
-    from ..general import Equations
 
 # Number of a symbol, an array or an expression in the arithmetic of a proof.
 Value = Callable[[Any], Any]
@@ -124,13 +122,13 @@ class Load:
         single = [p for p in self.parameters if p not in self.angles]
         return [*single, *(base[link] for base in self.per_link for link in range(links))]
 
-    def rows(self, chain: ExplicitDerivation) -> list[list[PolyElement]]:
+    def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         """Generalised forces by virtual work, in parts to be added up."""
         raise NotImplementedError
 
     # Derivations 2 and 3 ----------------------------------------------------------------------
 
-    def work(self, chain: Equations) -> Work | None:
+    def work(self, chain: GenericChain) -> Work | None:
         """Generalised forces for any n; None of what acts across the joints."""
         return None
 
@@ -155,7 +153,7 @@ class Load:
         """Force that acts on the tail alone [N]."""
         return NOTHING
 
-    def arrays(self, chain: Equations) -> dict[IndexedBase, Expr]:
+    def arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
         """What on_joint refers to: values over the joints that move."""
         return {}
 
@@ -168,7 +166,7 @@ class Load:
         return {}
 
     def near(
-        self, at: Expr, before: Expr | None, after: Expr | None, chain: Equations
+        self, at: Expr, before: Expr | None, after: Expr | None, chain: GenericChain
     ) -> dict[Expr, Expr]:
         """Forces on a joint by what follows the state: elements of arrays, and their law in the
         angles of the links before and after it (None where there is no link)."""
@@ -180,11 +178,11 @@ class Load:
         """What is shown as forces on joints."""
         return None
 
-    def power(self, chain: Equations) -> Expr:
+    def power(self, chain: GenericChain) -> Expr:
         """Power [W] of what has no potential."""
         raise NotImplementedError
 
-    def energy(self, chain: Equations) -> Expr:
+    def energy(self, chain: GenericChain) -> Expr:
         """Energy of its springs [J]."""
         return S.Zero
 
@@ -209,12 +207,12 @@ class MassForce(Load):
 
     conservative = True
 
-    def rows(self, chain: ExplicitDerivation) -> list[list[PolyElement]]:
+    def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         fx, fy = (chain.calculus.poly(f) for f in self.weight(S.One))
         rows = [chain.virtual_work(point, (fx, fy)) for point in chain.link_points]
         return [[chain.over_link(e, link) for e in row] for link, row in enumerate(rows)]
 
-    def work(self, chain: Equations) -> Work:
+    def work(self, chain: GenericChain) -> Work:
         force = self.weight(S.One)
         x, y = (chain.lever_mass([], []) * f for f in force)
         return Work((x, y), chain.lean_of_mass(force))
@@ -243,7 +241,7 @@ class JointMoment(Load):
         before it, or the clamp, gets the opposite."""
         raise NotImplementedError
 
-    def rows(self, chain: ExplicitDerivation) -> list[list[PolyElement]]:
+    def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         poly, rows = chain.calculus.poly, []
         for spring, before, after in chain.springs:
             moment = poly(self.moment(before.diff(TIME), after.diff(TIME), spring))
@@ -251,19 +249,19 @@ class JointMoment(Load):
             rows.append([moment * chain.calculus.diff(opening, q) for q in chain.coordinates])
         return rows
 
-    def inner(self, chain: Equations) -> Expr:
+    def inner(self, chain: GenericChain) -> Expr:
         """Moment in joint s between two links."""
         return self.moment(omega[s - 1], omega[s], chain.rod.joint(s))
 
-    def root(self, chain: Equations) -> Expr:
+    def root(self, chain: GenericChain) -> Expr:
         """Moment in the root on link 0, whose clamp does not turn; zero without a spring."""
         return self.moment(S.Zero, omega[0], chain.rod.joint(0, chain.hold.root))
 
-    def tail(self, chain: Equations) -> Expr:
+    def tail(self, chain: GenericChain) -> Expr:
         """Moment in the tail on what holds it, which does not turn; zero without a spring."""
         return self.moment(omega[n - 1], S.Zero, chain.rod.joint(n, chain.hold.tail))
 
-    def power(self, chain: Equations) -> Expr:
+    def power(self, chain: GenericChain) -> Expr:
         opening = omega[s] - omega[s - 1]
         inner = Sum(self.inner(chain) * opening, (s, 1, n - 1))
         ends = self.root(chain) * omega[0] - self.tail(chain) * omega[n - 1]
@@ -294,7 +292,7 @@ class JointForces(Load):
     def acting(self, hold: Boundary) -> Acting:
         return Acting(Integer(hold.first_joint), n, self.on_joint(joint, hold))
 
-    def power(self, chain: Equations) -> Expr:
+    def power(self, chain: GenericChain) -> Expr:
         x, y = self.bases
         power = x[joint] * joint_vx[joint] + y[joint] * joint_vy[joint]
         return Sum(power, (joint, chain.hold.first_joint, n))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sympy import Expr, IndexedBase, S, Sum, symbols
 from sympy.physics.mechanics import dynamicsymbols
@@ -14,12 +14,10 @@ from rodgen.model.rod import Boundary
 from ..calculus import TIME
 from ..chain import OWN, Vector, combine, lever
 from ..closed_form import ClosedForm, Num, Pair
+from ..explicit_chain import ExplicitChain
+from ..generic_chain import GenericChain
 from ..symbols import i, joint, joint_vx, joint_vy, joint_x, joint_y, n, omega, other, phi
 from .kinds import JointForces, Value, Work
-
-if TYPE_CHECKING:
-    from ..explicit import ExplicitDerivation
-    from ..general import Equations
 
 PLACE = symbols("x y angle", real=True)  # of a link, of which energies are differentiated
 
@@ -83,7 +81,7 @@ class LinkAnchor(JointForces):
         pulls = [base[link] for base in self.opaque for link in range(links)]
         return [*super().constants(first_joint, links), *pulls]
 
-    def rows(self, chain: ExplicitDerivation) -> list[list[PolyElement]]:
+    def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         calculus, rows = chain.calculus, []
         for link in range(chain.n - len(chain.moving), chain.n):
             fx, fy, turn = (calculus.poly(base[link]) for base in self.opaque)
@@ -92,7 +90,7 @@ class LinkAnchor(JointForces):
             rows.append([turn * calculus.diff(angle, q) for q in chain.coordinates])
         return rows
 
-    def work(self, chain: Equations) -> Work:
+    def work(self, chain: GenericChain) -> Work:
         x, y, turn = self.opaque
 
         def behind(low: Expr) -> Vector:
@@ -112,7 +110,7 @@ class LinkAnchor(JointForces):
         laws = self._law(self._motion(i, i, self.share[i]))
         return dict(zip(self.opaque, laws, strict=True))
 
-    def arrays(self, chain: Equations) -> dict[IndexedBase, Expr]:
+    def arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
         found = {}
         for base, pull in zip(self.bases, self.opaque, strict=False):
             start = (1 - self.share[joint]) * pull[joint]
@@ -121,7 +119,7 @@ class LinkAnchor(JointForces):
         return found
 
     def near(
-        self, at: Expr, before: Expr | None, after: Expr | None, chain: Equations
+        self, at: Expr, before: Expr | None, after: Expr | None, chain: GenericChain
     ) -> dict[Expr, Expr]:
         laws = []
         if after is not None:
@@ -137,12 +135,12 @@ class LinkAnchor(JointForces):
         turn = self._law(self._motion(i, i, self.share[i]))[2]
         return {self.opaque[2][i]: turn}
 
-    def power(self, chain: Equations) -> Expr:
+    def power(self, chain: GenericChain) -> Expr:
         motion = self._motion(i, i, self.share[i])
         pairs = zip(self.damper(motion), motion.velocity, strict=True)
         return Sum(sum(f * v for f, v in pairs), (i, chain.hold.first, n - 1))
 
-    def energy(self, chain: Equations) -> Expr:
+    def energy(self, chain: GenericChain) -> Expr:
         stored = self.stored(self._motion(i, i, self.share[i]))
         return Sum(stored, (i, chain.hold.first, n - 1))
 

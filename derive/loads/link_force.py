@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from sympy import Expr, IndexedBase, Sum, expand
 from sympy.polys.rings import PolyElement
 
@@ -11,12 +9,10 @@ from rodgen.model.rod import Boundary
 
 from ..chain import Vector
 from ..closed_form import ClosedForm, Num, Pair
+from ..explicit_chain import ExplicitChain
+from ..generic_chain import GenericChain
 from ..symbols import HALF, i, joint, n, other, phi
 from .kinds import JointForces, Value, Work
-
-if TYPE_CHECKING:
-    from ..explicit import ExplicitDerivation
-    from ..general import Equations
 
 
 class LinkForce(JointForces):
@@ -29,14 +25,14 @@ class LinkForce(JointForces):
         """The force on a link [N], where that has this angle."""
         raise NotImplementedError
 
-    def rows(self, chain: ExplicitDerivation) -> list[list[PolyElement]]:
+    def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         poly, rows = chain.calculus.poly, []
         for link, angle in enumerate(chain.angles):
             fx, fy = map(poly, self.force(angle, link))
             rows.append(chain.virtual_work(chain.point(link, self.share), (fx, fy)))
         return rows
 
-    def work(self, chain: Equations) -> Work:
+    def work(self, chain: GenericChain) -> Work:
         def behind(low: Expr) -> Vector:
             x, y = (Sum(f, (other, low, n - 1)) for f in self.force(phi[other], other))
             return x, y
@@ -60,14 +56,14 @@ class LinkForce(JointForces):
         x, y = ((1 - self.share) * f for f in self.force(phi[link], link))
         return x, y
 
-    def arrays(self, chain: Equations) -> dict[IndexedBase, Expr]:
+    def arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
         start = self._law(joint, None, phi[joint])
         end = self._law(joint, phi[joint - 1], None)
         cases = zip(start, end, self._law(joint, phi[joint - 1], phi[joint]), strict=True)
         return {b: chain.at_ends(*case) for b, case in zip(self.bases, cases, strict=True)}
 
     def near(
-        self, at: Expr, before: Expr | None, after: Expr | None, chain: Equations
+        self, at: Expr, before: Expr | None, after: Expr | None, chain: GenericChain
     ) -> dict[Expr, Expr]:
         law = self._law(at, before, after)
         return {base[at]: f for base, f in zip(self.bases, law, strict=True)}

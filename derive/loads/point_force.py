@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 from sympy import Eq, Expr, IndexedBase, Integer, Piecewise, Rational, S
 from sympy.polys.rings import PolyElement
@@ -12,12 +12,10 @@ from rodgen.model.rod import Boundary
 
 from ..chain import Vector
 from ..closed_form import ClosedForm, Num, Pair
+from ..explicit_chain import ExplicitChain
+from ..generic_chain import GenericChain
 from ..symbols import i, joint, joint_vx, joint_vy, n, phi
 from .kinds import NOTHING, Acting, Load, Value, Work
-
-if TYPE_CHECKING:
-    from ..explicit import ExplicitDerivation
-    from ..general import Equations
 
 
 @dataclass(frozen=True)
@@ -82,12 +80,12 @@ class PointForce(Load):
         x, y = (IndexedBase(f"joint_{self.term}_{axis}", real=True) for axis in "xy")
         return x, y
 
-    def rows(self, chain: ExplicitDerivation) -> list[list[PolyElement]]:
+    def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         link = int(self.point.link.subs(n, chain.n))
         fx, fy = (chain.calculus.poly(f) for f in self.force(chain.angles[link]))
         return [chain.virtual_work(chain.point(link, self.point.share), (fx, fy))]
 
-    def work(self, chain: Equations) -> Work:
+    def work(self, chain: GenericChain) -> Work:
         if not self.inside:
             return Work(self._force, chain.reach * chain.lean(self._force))
         link, share = self.point.link, self.point.share
@@ -111,7 +109,7 @@ class PointForce(Load):
     def on_tail(self) -> Vector:
         return NOTHING if self.inside else self._force
 
-    def arrays(self, chain: Equations) -> dict[IndexedBase, Expr]:
+    def arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
         parts = self._moved(chain.hold) if self.inside else []
 
         def spread(value: Expr) -> Expr:
@@ -136,7 +134,7 @@ class PointForce(Load):
         ]
 
     def near(
-        self, at: Expr, before: Expr | None, after: Expr | None, chain: Equations
+        self, at: Expr, before: Expr | None, after: Expr | None, chain: GenericChain
     ) -> dict[Expr, Expr]:
         if not (self.inside and self._follows and self._moved(chain.hold)):
             return {}
@@ -154,7 +152,7 @@ class PointForce(Load):
         x, y = (Piecewise((first * f, Eq(joint, low)), (second * f, True)) for f in self._force)
         return Acting(low, high, (x, y))
 
-    def power(self, chain: Equations) -> Expr:
+    def power(self, chain: GenericChain) -> Expr:
         parts, (fx, fy) = self._moved(chain.hold), self._force
         return sum((x * (fx * joint_vx[at] + fy * joint_vy[at]) for at, x in parts), start=S.Zero)
 

@@ -16,10 +16,12 @@ from typing import Any
 
 import numpy as np
 
+from rodgen.errors import InputError, check_type
 from rodgen.extras import how_to_have
 from rodgen.loading.module import structure_of
 from rodgen.native.library import load_library
-from rodgen.scene.errors import SceneError, check_type
+from rodgen.scene import Scene
+from rodgen.system import System
 
 try:
     import jax
@@ -42,7 +44,7 @@ void *rodgen_jax_by(void *frame);
 Field = Callable[[Any, Any, Any], jax.Array]
 
 
-def rhs(model: ModuleType) -> Field:
+def rhs(system: System | Scene | ModuleType) -> Field:
     """The right-hand side f(t, y, p) of a compiled module as a function of JAX.
 
     Jitted code calls the C function itself; under `jax.vmap` all states go through its
@@ -54,9 +56,9 @@ def rhs(model: ModuleType) -> Field:
 
     Parameters
     ----------
-    model
-        A module that `rodgen.build(scene, "c")` made, or one that `rodgen derive --target c` wrote
-        with the parts rhs, batch and jac.
+    system
+        A System or a scene; or a module that `rodgen.build(scene, "c")` made, or one that `rodgen
+        derive --target c` wrote with the parts rhs, batch and jac.
 
     Returns
     -------
@@ -67,13 +69,15 @@ def rhs(model: ModuleType) -> Field:
     Raises
     ------
     TypeError
-        For what is no module.
-    SceneError
+        For what is no System, scene or module.
+    InputError
         For a module without C functions, for what are no real numbers, while JAX has no doubles
         (it has them after `jax.config.update("jax_enable_x64", True)`), and for other shapes.
     BuildError
         Where no C compiler is found.
     """
+    check_type("system", system, System, Scene, ModuleType, see="Scene.from_toml")
+    model = system if isinstance(system, ModuleType) else System.of(system).model("c")
     key, states, width = _known(model)
 
     def call(name: str, *shape: int) -> Field:
@@ -105,11 +109,11 @@ def rhs(model: ModuleType) -> Field:
     def f(t: Any, y: Any, p: Any) -> jax.Array:
         if not jax.config.jax_enable_x64:
             allowed = 'doubles: jax.config.update("jax_enable_x64", True) at the start'
-            raise SceneError("y", "numbers of 32 bits", allowed)
+            raise InputError("y", "numbers of 32 bits", allowed)
         given = [_doubles(name, one) for name, one in zip("typ", (t, y, p), strict=True)]
         for name, one, shape in zip("typ", given, ((), (states,), (width,)), strict=True):
             if one.shape != shape:
-                raise SceneError(name, one.shape, f"of shape {shape} (jax.vmap maps over others)")
+                raise InputError(name, one.shape, f"of shape {shape} (jax.vmap maps over others)")
         made: jax.Array = field(*given)
         return made
 
@@ -123,7 +127,7 @@ def _doubles(name: str, given: Any) -> jax.Array:
             return made.astype(np.float64)
     except (TypeError, ValueError):
         pass
-    raise SceneError(name, given, "real numbers, in an array")
+    raise InputError(name, given, "real numbers, in an array")
 
 
 # Modules whose functions compiled programs of JAX may call, for as long as the process lives.
@@ -132,10 +136,9 @@ _models: dict[int, ModuleType] = {}
 
 def _known(model: ModuleType) -> tuple[int, int, int]:
     """The key of a module, by which the calls of XLA know it from now on, and how many states and
-    parameters it has. Raises SceneError."""
-    check_type("model", model, ModuleType, see='rodgen.build(scene, "c")')
+    parameters it has. Raises InputError."""
     if not hasattr(getattr(model, "rhs", None), "compiled"):
-        raise SceneError("model", model.__name__, 'a module that is built for target "c"')
+        raise InputError("model", model.__name__, 'a module that is built for target "c"')
     structure = structure_of(model)
     states, width = len(model.STATE), structure.width
     made_of = f"{model.__name__} {structure.hash} {model.PROVENANCE['template_hash']}"
@@ -145,7 +148,7 @@ def _known(model: ModuleType) -> tuple[int, int, int]:
         addresses = (function.compiled.address for function in functions)
         timed = bool(structure.expressions or structure.states or structure.masses)
         if not _calls().rodgen_jax_add(key, states, width, timed, *addresses):
-            raise SceneError("model", model.__name__, "one of at most 4096 in a process")
+            raise InputError("model", model.__name__, "one of at most 4096 in a process")
         _models[key] = model
     return key, states, width
 

@@ -13,10 +13,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from rodgen.scene.errors import SceneError
+from rodgen.errors import InputError
 
 SET = "RODGEN_MEMORY"  # bytes that may be taken [GB], instead of what is found
 SHARE = 0.5  # of what there is
+SMALL = 2e7  # bytes that are there anyway
 UNKNOWN = 4e9  # bytes that a machine has which does not say
 GROUPS, OWN_GROUPS = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")  # of containers and jobs
 Need = Callable[[int], float]
@@ -24,13 +25,13 @@ Need = Callable[[int], float]
 
 def limit() -> float:
     """Bytes that a computation may take: half of what the machine, the container or the job has, or
-    the gigabytes of RODGEN_MEMORY. Raises SceneError where that is no number."""
+    the gigabytes of RODGEN_MEMORY. Raises InputError where that is no number."""
     given = os.environ.get(SET)
     if given:
         with suppress(ValueError):
             if 0 < float(given) < math.inf:
                 return 1e9 * float(given)
-        raise SceneError(SET, given, "a number of gigabytes")
+        raise InputError(SET, given, "a number of gigabytes")
     return SHARE * min(_found(), default=UNKNOWN)
 
 
@@ -69,21 +70,25 @@ def _group_files() -> list[Path]:
 
 
 def check_memory(what: str, links: int, need: Need, field: str = "rod.links") -> None:
-    """Raise SceneError, with how many links there may be, for a computation whose need [bytes] with
+    """Raise InputError, with how many links there may be, for a computation whose need [bytes] with
     so many is more than may be taken.
 
     what: the computation, in words; need: of a number of links, the more the more; field: that the
     message names.
     """
-    have = limit()
-    if need(links) <= have:
+    if is_small(need(links)) or need(links) <= (have := limit()):
         return
     most, beyond = 0, links
     while beyond - most > 1:
         middle = (most + beyond) // 2
         most, beyond = (middle, beyond) if need(middle) <= have else (most, middle)
     allowed = f"at most {most}: for {what} some {gigabytes(need(links))} of memory are needed with"
-    raise SceneError(field, links, f"{allowed} {links}, of {gigabytes(have)} here ({SET})")
+    raise InputError(field, links, f"{allowed} {links}, of {gigabytes(have)} here ({SET})")
+
+
+def is_small(count: float) -> bool:
+    """Whether so many bytes are there anyway, unless RODGEN_MEMORY says otherwise."""
+    return count <= SMALL and SET not in os.environ
 
 
 def gigabytes(count: float) -> str:

@@ -1,14 +1,14 @@
 """What shows itself: pictures by `plot`, and in notebooks a picture with a table.
 
-Pictures are drawn in rodgen.show, which knows everything that is drawn here and lies above it: it
-is looked up by its name, when a picture is asked for and not before.
+Pictures are drawn by what joins through the entry points of GROUP, which knows everything that is
+drawn here and lies above it: rodgen.show. It is looked up when a picture is asked for, not before.
 """
 
 from __future__ import annotations
 
 import sys
 from functools import cache
-from importlib import import_module
+from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
 
 
+GROUP = "rodgen.pictures"
+
+
 class Video(Protocol):
     """A film in memory: data as in a file; ending: of such a file, ".mp4" or ".gif"."""
 
@@ -26,17 +29,29 @@ class Video(Protocol):
     ending: str
 
     def save(self, path: str | Path) -> None:
-        """Write it to a file with its ending. Raises SceneError for another ending."""
+        """Write it to a file with its ending. Raises InputError for another ending."""
+
+
+@cache
+def drawer(of: str) -> ModuleType:
+    """Return the module that joins under a name. Raises ImportError where none does."""
+    for entry in entry_points(group=GROUP, name=of):
+        module: ModuleType = entry.load()
+        return module
+    raise ImportError(
+        f"nothing draws {of}: rodgen was installed before it had the entry points {GROUP!r}; "
+        "install it again (in a clone: make, or pip install --editable .)"
+    )
 
 
 def appearance() -> ModuleType:
     """The module that draws scenes and results."""
-    return import_module("rodgen.show.appearance")
+    return drawer("results")
 
 
 def dataset_appearance() -> ModuleType:
     """The module that draws Datasets."""
-    return import_module("rodgen.show.datasets")
+    return drawer("datasets")
 
 
 class DatasetPictures:
@@ -52,7 +67,7 @@ class DatasetPictures:
         of what it has kept; figure: the figure in which it is drawn, by default a new one of
         pyplot.
 
-        SceneError lists the names if there is no such picture, and refuses other Datasets.
+        InputError lists the names if there is no such picture, and refuses other Datasets.
         """
         axes: Axes = dataset_appearance().plot(self._data, picture, figure)
         return axes
@@ -109,7 +124,7 @@ class Shown(Told):
         picture: name of the picture, by default the first; figure: the figure in which it is drawn,
         by default a new one of pyplot.
 
-        SceneError lists the names if there is no such picture.
+        InputError lists the names if there is no such picture.
         """
         axes: Axes = appearance().plot(self, picture, figure)
         return axes

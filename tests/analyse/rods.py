@@ -11,10 +11,11 @@ import numpy as np
 
 import rodgen
 from rodgen.analyse.cycles.branches import hopf_of
-from rodgen.analyse.cycles.family import Variation
-from rodgen.analyse.cycles.search import Search, find_cycle
+from rodgen.analyse.cycles.periodic_motion import find_cycle
+from rodgen.analyse.cycles.search import Search
 from rodgen.check.by_hand import ByHand
 from rodgen.scene import Scene
+from rodgen.system import ParameterRange, System
 
 STIFFNESS, LENGTH, MASS = 100.0, 5.0, 50.0
 SIZES = {"length": LENGTH, "bending_stiffness": STIFFNESS, "mass": MASS}
@@ -93,7 +94,8 @@ def exact_rates(scene: Scene) -> list[Any]:
 def beside_hopf(scene: Scene, ends: tuple[float, float]) -> tuple[Any, list[float]]:
     """The Hopf point of a thrust between these; and of two cycles beside it, one of half the
     amplitude of the other, how far their periods are from those of the normal form."""
-    hopf, flow = hopf_of(Variation(Search.of(scene), scene, FORCE, ends))
+    search = Search.of(System(scene))
+    hopf, flow = hopf_of(search, ParameterRange(search.system, FORCE, ends))
     errors = []
     for amplitude in (0.06, 0.03):
         x, value, period = hopf.beside(amplitude)

@@ -9,7 +9,7 @@ import pytest
 from scipy.linalg import eigvals
 
 from rodgen.analyse.balance import WholeBalance
-from rodgen.analyse.system import System
+from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.scene import Scene
 from tests.analyse.rods import eigenvalues
 
@@ -29,17 +29,17 @@ STEERED: dict[str, Any] = {
 
 
 @pytest.fixture(params=["free", "clamped", "driven"])
-def system(request: pytest.FixtureRequest) -> System:
+def system(request: pytest.FixtureRequest) -> SteadyRod:
     """A driven rod is a free one of which no load follows the place."""
     rod = STEERED["rod"] | {"boundary": "free" if request.param == "driven" else request.param}
     table = STEERED | {"rod": rod}
     if request.param == "driven":
         table = table | {"loads": {"follower": {"force": 5.0, "angle": "-0.2*phi(0.5)"}}}
         table.pop("states")
-    return System.of(Scene.from_dict(table))
+    return SteadyRod.of(Scene.from_dict(table))
 
 
-def test_slope_of_what_is_out_of_balance(system: System) -> None:
+def test_slope_of_what_is_out_of_balance(system: SteadyRod) -> None:
     """With a bend that is to remain, the mass that multiplies the rates turns with the rod."""
     draw = np.random.default_rng(3)
     p = system.model.parameters(**system.scene.parameters)
@@ -61,7 +61,7 @@ def test_slope_of_what_is_out_of_balance(system: System) -> None:
     np.testing.assert_allclose(here.slope, slope, atol=1e-6 * np.abs(slope).max())
 
 
-def test_small_motions_are_those_of_the_jacobian(system: System) -> None:
+def test_small_motions_are_those_of_the_jacobian(system: SteadyRod) -> None:
     """All eigenvalues of K, C and M with the states' own: those of the module's Jacobian, but for
     the zeros of motions that nothing holds."""
     p = system.model.parameters(**system.scene.parameters)

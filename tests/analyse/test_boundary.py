@@ -12,8 +12,7 @@ from rodgen.analyse.branches.boundary import stability_boundary
 from rodgen.analyse.branches.boundary_equations import Boundary, Matrices, Scale
 from rodgen.analyse.branches.outline import Outline
 from rodgen.analyse.curves.continuation import Steps
-from rodgen.analyse.errors import AnalysisError
-from rodgen.scene.keys import with_value
+from rodgen.errors import AnalysisError
 from tests.analyse.rods import FORCE, ONES, eigenvalues, rod
 from tests.sets import sets
 from tests.told import refused
@@ -39,7 +38,7 @@ def test_ziegler_paradox_in_closed_form() -> None:
     assert (damping[at], force[at]) == pytest.approx((0.18, 13.4701714286), rel=1e-11)
     assert found.attrs["complete"]
     assert rodgen.critical_force(ziegler).force == pytest.approx(force[at], rel=1e-11)
-    without = with_value(ziegler, INTERNAL, 0.0)
+    without = ziegler.replace({INTERNAL: 0.0})
     assert rodgen.critical_force(without).force == pytest.approx(9 * (3.5 - np.sqrt(2)), rel=1e-10)
     other = stability_boundary(ziegler, (INTERNAL, FORCE))
     np.testing.assert_allclose(force, other["b"], rtol=1e-9)
@@ -68,7 +67,7 @@ def test_every_point_is_a_critical_force(
     last = found.sizes["point"] - 1
     assert found["b"].values[[0, -1]] == pytest.approx(ends)
     for at in (0, last // 2, last):
-        critical = rodgen.critical_force(with_value(scene, key, float(found["b"][at])))
+        critical = rodgen.critical_force(scene.replace({key: float(found["b"][at])}))
         assert float(found["a"][at]) == pytest.approx(critical.force, rel=1e-9)
         assert float(found["frequency"][at]) == pytest.approx(critical.frequency, rel=1e-6)
 
@@ -83,7 +82,7 @@ def test_divergence_under_two_dead_loads() -> None:
     assert found.attrs["kind"] == "divergence"
     assert not found["frequency"].any()
     for at in (0, found.sizes["point"] // 2, -1):
-        pulled = with_value(scene, keys[1], float(found["b"][at]))
+        pulled = scene.replace({keys[1]: float(found["b"][at])})
         critical = rodgen.critical_force(pulled, load="gravity")
         assert float(found["a"][at]) == pytest.approx(critical.force, rel=1e-9)
 
@@ -98,7 +97,7 @@ def test_much_damping_has_a_limit() -> None:
     assert found.attrs["complete"]
     force, damping = found["a"].values, found["b"].values
     assert damping[0] == 0.0
-    least = with_value(scene, EXTERNAL, 1e-6)
+    least = scene.replace({EXTERNAL: 1e-6})
     assert force[0] == pytest.approx(rodgen.critical_force(least).force, rel=1e-10)
     # Beyond where inertia counts, points go on as far as needed for the load to stand still.
     assert damping[-1] > 10.0
@@ -173,7 +172,7 @@ def test_flutter_goes_on_as_divergence(tau: float, corner: Any) -> None:
         grow = []
         for way in (-0.01, 0.01):
             a, b = (points[at] + way * across).tolist()
-            there = with_value(with_value(scene, FORCE, a), "loads.tip.x", b)
+            there = scene.replace({FORCE: a, "loads.tip.x": b})
             s = eigenvalues(there)
             grow.append(bool(s.real.max() > 1e-6 * np.abs(s).max()))
         assert sorted(grow) == [False, True]

@@ -13,10 +13,9 @@ import rodgen
 from rodgen.analyse.branches import branch_data
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.curves import files
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.references import elastica
-from rodgen.scene import SceneError
+from rodgen.errors import AnalysisError, InputError
 from tests.analyse.rods import AXIAL, FORCE, LENGTH, ONES, STIFFNESS, rod
 from tests.sets import sets
 
@@ -142,9 +141,9 @@ def test_a_file_is_gone_on_from(tmp_path: Path) -> None:
     back = continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read, at=0)
     # The first point is that of the unloaded rod, on its edge.
     assert back.sizes["point"] == part.sizes["point"]
-    with pytest.raises(SceneError, match=r"^resume = 'loads\.tip\.x'"):
+    with pytest.raises(InputError, match=r"^resume = 'loads\.tip\.x'"):
         continue_equilibria(scene, "loads.tip.y", (0.0, 1.0), resume=read)
-    with pytest.raises(SceneError, match=rf"^at = {len(part['value'])}"):
+    with pytest.raises(InputError, match=rf"^at = {len(part['value'])}"):
         continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read, at=len(part["value"]))
     read["y"].values[-1] += 0.1
     with pytest.raises(AnalysisError):
@@ -164,7 +163,7 @@ def test_a_scene_at_a_point_of_a_branch_is_at_rest() -> None:
         rates = model.rhs(0.0, there.initial_state(), model.parameters(**there.parameters))
         assert np.abs(rates).max() < 1e-8
         assert there.loads.value("tip_force_x") == float(found["value"][at])
-    with pytest.raises(SceneError, match=r"^at = "):
+    with pytest.raises(InputError, match=r"^at = "):
         branch_data.scene_at(found, found.sizes["point"])
 
 
@@ -193,3 +192,19 @@ def test_no_point_is_known_next_to_a_branch_point() -> None:
     assert found.attrs["complete"]
     assert found["special_kind"].values.tolist() == ["hopf", "branch"]
     assert found["unstable"].values[-1] == 3
+
+
+@pytest.mark.parametrize("key", ["foundation.stiffness", "loads.material_damping.time"])
+def test_a_branch_begins_and_ends_where_a_stiffness_or_damping_is_zero(key: str) -> None:
+    """Though the scene refuses what lies beyond."""
+    loads = {"follower": {"force": 3.0}, "gravity": {}, "material_damping": {"time": 0.01}}
+    scene = rod(4, "clamped", loads, bending_stiffness=30.0, foundation={"stiffness": 1.0})
+    for ends in ((0.0, 1.0), (1.0, 0.0)):
+        branch = continue_equilibria(scene, key, ends)
+        assert branch.value.values[[0, -1]].tolist() == list(ends)
+
+
+def test_a_number_takes_the_place_of_a_law_that_there_is_none_of_at_the_start() -> None:
+    scene = rod(4, "clamped", {"follower": {"force": "5/t"}, "gravity": {}}, bending_stiffness=30.0)
+    branch = continue_equilibria(scene, "loads.follower.force", (1.0, 5.0))
+    assert branch.value.values[[0, -1]].tolist() == [1.0, 5.0]

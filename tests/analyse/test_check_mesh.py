@@ -9,8 +9,8 @@ import pytest
 import rodgen
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.curves.twice import compared, cycle_notes
-from rodgen.analyse.cycles.search import find_cycle
-from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.cycles.periodic_motion import find_cycle
+from rodgen.errors import AnalysisError
 from tests.analyse.rods import FORCE, ONES, THRUST, ZIEGLER, rod
 from tests.told import numbers, refused
 

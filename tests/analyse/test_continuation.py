@@ -11,8 +11,8 @@ from scipy.sparse import csc_array
 from rodgen.analyse.curves.bordered import Bordered, Matrix
 from rodgen.analyse.curves.continuation import continued, started
 from rodgen.analyse.curves.curve import BRANCH, FOLD, Curve, Point, Problem
-from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 from tests.told import numbers
 
 Equations = Callable[[Array], tuple[list[float], list[list[float]]]]

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from rodgen.analyse.critical import critical_force
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.growth import simulated_critical_force
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.references.columns import Onset, beck, hauger, leipholz, thrust
+from rodgen.errors import AnalysisError
 from rodgen.scene import Scene
 from tests.analyse.rods import ONES, SIZES, THRUST, exact_rates, rod
 from tests.sets import sets

@@ -14,12 +14,13 @@ import rodgen
 from rodgen.analyse.curves import files
 from rodgen.analyse.cycles import branch_data
 from rodgen.analyse.cycles.branches import continue_cycles, hopf_of
-from rodgen.analyse.cycles.family import Variation
 from rodgen.analyse.cycles.hopf import fastest_growing
 from rodgen.analyse.cycles.nonlinear_modes import continue_mode, nonlinear_mode
-from rodgen.analyse.cycles.search import Search, find_cycle
-from rodgen.analyse.errors import AnalysisError
-from rodgen.scene import Scene, SceneError
+from rodgen.analyse.cycles.periodic_motion import find_cycle
+from rodgen.analyse.cycles.search import Search
+from rodgen.errors import AnalysisError, InputError
+from rodgen.scene import Scene
+from rodgen.system import ParameterRange, System
 from tests.analyse.rods import COLUMN, FORCE, NOTHING, ONES, ZIEGLER, beside_hopf, rod
 
 
@@ -30,7 +31,8 @@ def branch() -> Any:
 
 def test_flutter_of_zieglers_pendulum_is_a_hopf_point() -> None:
     """At the thrust of Herrmann and Jong (1965) for this damping, 9 (41/28 + 0.18/2)."""
-    hopf, _ = hopf_of(Variation(Search.of(ZIEGLER, "numpy"), ZIEGLER, FORCE, (12.0, 17.0)))
+    search = Search.of(System(ZIEGLER), "numpy")
+    hopf, _ = hopf_of(search, ParameterRange(search.system, FORCE, (12.0, 17.0)))
     assert hopf.value == pytest.approx(9 * (41 / 28 + 0.18 / 2), rel=1e-11)
     assert hopf.supercritical
 
@@ -102,7 +104,7 @@ def test_a_scene_at_a_point_of_a_branch_starts_on_its_cycle() -> None:
         assert start == 20.0
         run = rodgen.simulate(scene, span=[start, start + period], rtol=1e-10, atol=1e-12)
         np.testing.assert_allclose(run.y[-1], run.y[0], atol=1e-7 * np.abs(run.y).max())
-    with pytest.raises(SceneError, match=r"^at = "):
+    with pytest.raises(InputError, match=r"^at = "):
         branch_data.scene_at(found, found.sizes["point"])
 
 

@@ -9,8 +9,9 @@ import pytest
 
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.cycles.branches import continue_cycles
-from rodgen.analyse.cycles.search import find_cycle
-from rodgen.scene import Scene, SceneError
+from rodgen.analyse.cycles.periodic_motion import find_cycle
+from rodgen.errors import InputError
+from rodgen.scene import Scene
 from tests.analyse.rods import COLUMN, FORCE, ONES
 
 AMPLITUDE = "parameters.a"
@@ -48,7 +49,7 @@ def test_cycles_of_twice_the_period_go_from_a_period_doubling(doubled: Any) -> N
     assert (np.diff(value) > 0).all()
     assert amplitude[-1] > 3 * amplitude[0]
     assert (doubled["unstable"].values == 0).all()
-    with pytest.raises(SceneError, match=r"^switch = 1"):  # nothing doubles there
+    with pytest.raises(InputError, match=r"^switch = 1"):  # nothing doubles there
         continue_cycles(_pressed(0.45), AMPLITUDE, (0.44, 0.46), start="run", switch=1, most=3)
 
 
@@ -76,10 +77,10 @@ def test_cycles_begin_in_a_hopf_point_of_a_branch_of_equilibria() -> None:
     assert found.attrs["lyapunov"] == pytest.approx(expected.attrs["lyapunov"], rel=1e-6)
     np.testing.assert_allclose(found["period"].values, expected["period"].values, rtol=1e-7)
     for at in (number + 1, "first"):
-        with pytest.raises(SceneError, match=r"^at = "):
+        with pytest.raises(InputError, match=r"^at = "):
             continue_cycles(scene, FORCE, ends, start=branch, at=at)
     key = "loads.internal_damping.coefficient"
-    with pytest.raises(SceneError, match=rf"^from = '{FORCE}'"):
+    with pytest.raises(InputError, match=rf"^from = '{FORCE}'"):
         continue_cycles(scene, key, (0.1, 0.4), start=branch, at=number)
 
 

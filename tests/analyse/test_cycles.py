@@ -11,8 +11,10 @@ from scipy.integrate import solve_ivp
 
 import rodgen
 from rodgen.analyse.cycles.cycle import Cycle
-from rodgen.analyse.cycles.search import Search, find_cycle
+from rodgen.analyse.cycles.periodic_motion import find_cycle
+from rodgen.analyse.cycles.search import Search
 from rodgen.scene import Scene
+from rodgen.system import System
 from tests.analyse.rods import COLUMN
 
 # Near the cycle; three digits suffice to begin with.
@@ -70,9 +72,19 @@ def test_every_way_finds_the_cycle_of_a_run(cycle: Cycle, how: dict[str, Any], b
     assert sum(found.work.values()) == pytest.approx(0, abs=1e-9 * found.work["follower"])
 
 
+def test_of_loads_of_a_time(cycle: Cycle) -> None:
+    """A thrust that has risen by then is the column's own."""
+    risen = COLUMN.replace({"loads.follower.force": "20*min(t/2, 1)"})
+    frozen = System(risen).at(t=3.0)
+    found = find_cycle(frozen, y0=NEAR, period=ABOUT)
+    assert found.period == cycle.period
+    assert found.scene.loads == COLUMN.loads
+    assert found.work == pytest.approx(cycle.work, abs=1e-12)
+
+
 def test_tangents_of_an_implicit_stepper(cycle: Cycle) -> None:
     """By radau as by dop853, over an eighth of the period."""
-    flow = Search.of(COLUMN).flow(0.0, cycle.y0)
+    flow = Search.of(System(COLUMN)).flow(0.0, cycle.y0)
     x = cycle.y0[flow.quotient.kept]
     by = [
         replace(flow, method=method).with_tangents(0.0, x, cycle.period / 8)
@@ -89,7 +101,7 @@ def test_stiff_cycles_by_radau() -> None:
     finer = {"rod.links": 20, "loads.material_damping.time": 0.01}
     scene = Scene.example("beck_after_flutter").replace(finer)
     leading = find_cycle(scene, multipliers=3)
-    flow = Search.of(scene).flow(0.0, leading.y0)
+    flow = Search.of(System(scene)).flow(0.0, leading.y0)
     x = leading.y0[flow.quotient.kept]
     assert flow.suited(0.0, x, leading.period).method == "radau"
     whole = find_cycle(scene, y0=leading.y0, period=leading.period)

@@ -12,7 +12,7 @@ from rodgen.analyse.branches.coexistence import _newton
 from rodgen.analyse.chaos.exponents import Exponents, standard_errors, trends
 from rodgen.analyse.chaos.zero_one import zero_one_test
 from rodgen.analyse.curves.curve import Problem
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from tests.analyse.rods import ONES, rod
 
 ROD = rod(2, "pinned")

@@ -16,7 +16,7 @@ import rodgen
 from rodgen.analyse.chaos.exponents import lyapunov_exponents, standard_errors, trends
 from rodgen.analyse.chaos.volume import Kinetic
 from rodgen.analyse.chaos.zero_exponents import zero_exponents
-from rodgen.analyse.errors import AnalysisError
+from rodgen.errors import AnalysisError
 from rodgen.integrate.stepper import StepError
 from rodgen.integrate.variations import Variations
 from rodgen.scene import Scene

@@ -7,8 +7,8 @@ from math import e, inf, isnan, pi, sin
 import numpy as np
 import pytest
 
-from rodgen.analyse.errors import AnalysisError, MeshWarning
 from rodgen.analyse.extrapolate import richardson
+from rodgen.errors import AnalysisError, MeshWarning
 from tests.analyse.rods import rod
 
 N = (4, 6, 9, 13, 20, 31)

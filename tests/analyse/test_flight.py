@@ -13,8 +13,8 @@ from rodgen.analyse.critical import Critical, critical_force, family_of
 from rodgen.analyse.growth import SimulatedCritical, doubt, simulated_critical_force
 from rodgen.analyse.modes import Modes, natural_modes
 from rodgen.analyse.steady import steady
-from rodgen.analyse.system import System
-from rodgen.integrate.stepper import Array
+from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.arrays import Array
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
 from tests.analyse.rods import rod
@@ -47,7 +47,7 @@ def flying(
 def _motions(scene: Scene) -> tuple[Array, Array, Array]:
     """Eigenvalues, angles and displacements across the rod of joint 0, of all small motions, by
     central differences of the right-hand side."""
-    system = System.of(scene)
+    system = SteadyRod.of(scene)
     state = steady(system)
     y = system.flying(state.at)
     columns = [
@@ -118,7 +118,7 @@ def test_speed_of_the_initial_state(along: float, across: float, of_attack: floa
 
 def test_speed_of_a_spinning_rod_is_that_of_its_centre() -> None:
     """Joint 0 moves across at omega L/2, which the centre does not."""
-    system = System.of(flying(20.0, 3.0 * 2.5, initial={"omega": 3.0}))
+    system = SteadyRod.of(flying(20.0, 3.0 * 2.5, initial={"omega": 3.0}))
     # Differences over 1e-5 s of positions of size 1.
     assert system.speed == pytest.approx(20.0, abs=1e-8)
     assert abs(system.across) < 1e-8

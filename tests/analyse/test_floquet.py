@@ -12,8 +12,9 @@ from scipy.special import mathieu_a, mathieu_b
 import rodgen
 from rodgen.analyse.cycles import elimination
 from rodgen.analyse.cycles.floquet import floquet, multipliers_of
-from rodgen.analyse.errors import AnalysisError
+from rodgen.errors import AnalysisError
 from rodgen.scene import Scene
+from rodgen.system import System
 from tests.analyse.rods import eigenvalues, rod
 
 pytestmark = pytest.mark.compiler
@@ -99,7 +100,9 @@ def test_forced_motion_is_found_and_its_multipliers_are_those_of_the_matrix() ->
     found = floquet(scene)
     assert found.closed < 1e-9
     assert np.abs(found.y).max() > 1e-7
-    sol = rodgen.simulate(scene, span=[0.0, found.period], y0=found.y, rtol=1e-12, atol=1e-14)
+    sol = rodgen.simulate(
+        System(scene).at(y0=found.y), span=[0.0, found.period], rtol=1e-12, atol=1e-14
+    )
     np.testing.assert_allclose(sol.y[-1], found.y, atol=1e-9)
     exact = np.exp(eigenvalues(scene, np.zeros(6)) * found.period)
     for one in exact[np.abs(exact) > 1e-6]:

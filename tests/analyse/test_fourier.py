@@ -10,8 +10,8 @@ import pytest
 from scipy.linalg import eigh
 
 import rodgen
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.fourier import WINDOWS, peaks_of, spectrum
+from rodgen.errors import AnalysisError
 from rodgen.scene import Scene
 from tests.analyse.rods import jacobian, rod
 from tests.told import numbers

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.system import in_words, instant, silent
 from rodgen.scene import Scene
+from rodgen.system.instant import describe_instant, inactive_loads, instant
 from tests.analyse.rods import rod
 
 BURN = "300 if t < 5 else 0"  # a burn of 5 s in a span of 8 s
@@ -56,5 +56,5 @@ def test_both_ends_of_the_span_are_in_it() -> None:
 )
 def test_loads_that_rest_then_alone_are_named(force: Any, t: float, names: bool) -> None:
     scene = timed({"follower": {"force": force}})
-    assert silent(scene, t) == (("loads.follower.force",) if names else ())
-    assert ("loads.follower.force" in in_words(scene, t)) is names
+    assert inactive_loads(scene, t) == (("loads.follower.force",) if names else ())
+    assert ("loads.follower.force" in describe_instant(scene, t)) is names

@@ -14,7 +14,7 @@ import xarray as xr
 from rodgen.analyse.curves import continuation
 from rodgen.analyse.curves.curve import Point, Problem, Special
 from rodgen.analyse.curves.journal import Journal, Step, written
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from tests.analyse.test_interruption import _boundary, _cycles, _equilibria
 from tests.sets import sets
 

@@ -14,9 +14,10 @@ from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.modes_about import modes_about
 from rodgen.analyse.references.continuum import chain_frequency, natural_frequency
+from rodgen.errors import InputError
 from rodgen.live.run.aside_process import MOST_LINKS, WORKS
 from rodgen.model.rod import BOUNDARIES, INERTIAS
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from tests.analyse.rods import SIZES, THRUST, eigenvalues, exact_rates, rod
 from tests.live.conftest import ROD
 from tests.palette import cases
@@ -183,5 +184,5 @@ def test_modes_for_the_page_have_names_and_displacements() -> None:
     assert modes[0]["name"].endswith(" Hz")
     assert len(modes[0]["re"]) == len(modes[0]["im"]) == 12
     long = scene.with_links(MOST_LINKS + 1)
-    with pytest.raises(SceneError, match=rf"\b{MOST_LINKS}\b"):
+    with pytest.raises(InputError, match=rf"\b{MOST_LINKS}\b"):
         next(WORKS["modes"](long, t=0.0, y=long.initial_state().tolist(), p=[]))  # before p counts

@@ -12,8 +12,8 @@ import rodgen
 from rodgen.analyse.branches import branch_data
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.curves import files
-from rodgen.analyse.errors import AnalysisError
-from rodgen.scene import Scene, SceneError
+from rodgen.errors import AnalysisError, InputError
+from rodgen.scene import Scene
 from tests.analyse.rods import AXIAL, FORCE, ONES, jacobian, rod
 
 DRAG = {"normal": 0.8, "tangential": 0.05}
@@ -150,7 +150,7 @@ def test_what_is_no_steady_motion() -> None:
     with pytest.raises(AnalysisError):
         continue_equilibria(flat, STIFFNESS, (1.0, 2.0), motion="initial")
     held = _scene(2, "free", {"gravity": {}}, supports=[{"at": 0.5, "stiffness": [1.0, 1.0]}])
-    with pytest.raises(SceneError, match=r"^motion = "):
+    with pytest.raises(InputError, match=r"^motion = "):
         continue_equilibria(held, STIFFNESS, (1.0, 2.0), motion="initial")
 
 

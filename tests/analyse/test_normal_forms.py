@@ -11,11 +11,11 @@ from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.curves.continuation import continued, started
 from rodgen.analyse.curves.curve import BRANCH, Problem
 from rodgen.analyse.cycles.branches import hopf_of
-from rodgen.analyse.cycles.family import Variation
 from rodgen.analyse.cycles.hopf import normal_form
 from rodgen.analyse.cycles.search import Search
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from rodgen.scene import Scene
+from rodgen.system import ParameterRange, System
 from tests.analyse.rods import COLUMN, FORCE, ONES, beside_hopf, exact_rates, rod
 
 OMEGA, DECAY = 1.7, 0.6
@@ -53,7 +53,8 @@ def test_the_motion_of_a_hopf_point_has_its_largest_angle_one() -> None:
     """Also where added states, which follow a thousandfold, come behind the rates."""
     states = {name: {"rate": f"1000*phi({at}) - {name}"} for name, at in (("a", 0.5), ("b", 1.0))}
     scene = Scene.from_dict(COLUMN.model_dump(exclude_none=True) | {"states": states})
-    hopf, _ = hopf_of(Variation(Search.of(scene, "numpy"), scene, FORCE, (8.0, 22.0)))
+    search = Search.of(System(scene), "numpy")
+    hopf, _ = hopf_of(search, ParameterRange(search.system, FORCE, (8.0, 22.0)))
     assert np.abs(hopf.way[:3]).max() == pytest.approx(1.0)
     assert np.abs(hopf.way).max() > 10
 

@@ -21,10 +21,10 @@ import pytest
 from scipy.optimize import brentq
 
 from rodgen.analyse.critical import critical_force
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.onset import digits
+from rodgen.errors import AnalysisError
 from rodgen.scene import Scene
 from tests.analyse.rods import ONES, rod
 from tests.told import numbers

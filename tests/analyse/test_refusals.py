@@ -17,8 +17,7 @@ from rodgen.analyse.critical import critical_force
 from rodgen.analyse.cycles.branches import continue_cycles
 from rodgen.analyse.cycles.floquet import floquet
 from rodgen.analyse.cycles.nonlinear_modes import nonlinear_mode
-from rodgen.analyse.cycles.search import find_cycle
-from rodgen.analyse.errors import AnalysisError
+from rodgen.analyse.cycles.periodic_motion import find_cycle
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.fourier import peaks_of
 from rodgen.analyse.growth import simulated_critical_force
@@ -33,6 +32,7 @@ from rodgen.analyse.references.continuum import (
 )
 from rodgen.analyse.references.elastica import axial_force, own_weight, tip_force
 from rodgen.analyse.statics import static_equilibrium
+from rodgen.errors import AnalysisError
 from rodgen.scene import Scene
 from tests.analyse.rods import AXIAL, COLUMN, FORCE, THRUST, ZIEGLER, rod
 from tests.sets import sets

@@ -10,9 +10,9 @@ import pytest
 
 import rodgen
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.statics import static_equilibrium
+from rodgen.errors import AnalysisError
 from rodgen.scene import Scene
 from tests.analyse.rods import FORCE, ONES, eigenvalues, rod
 

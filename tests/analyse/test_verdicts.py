@@ -10,8 +10,8 @@ import pytest
 
 import rodgen
 from rodgen.analyse.branches.coexistence import static_equilibria
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.statics import static_equilibrium
+from rodgen.errors import AnalysisError
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.scene import Scene
 from tests.analyse.rods import FORCE, ONES, jacobian, rod

@@ -12,7 +12,7 @@ import pytest
 import rodgen as package
 from rodgen.analyse import growth
 from rodgen.analyse.critical import family_of
-from rodgen.analyse.errors import AnalysisError
+from rodgen.errors import AnalysisError
 from rodgen.show.analysis_pictures import stability_curves
 from tests.cli.conftest import LENGTH, Run, Write, one_object
 from tests.told import numbers

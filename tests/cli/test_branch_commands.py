@@ -15,6 +15,7 @@ from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.curves import files
 from rodgen.integrate import simulate
 from rodgen.scene import Scene
+from rodgen.system import System
 from tests.cli.conftest import Run, Write, one_object, python
 from tests.told import numbers
 
@@ -163,7 +164,9 @@ def test_a_cycle_as_json_and_as_a_table(works: Run, flutter: Path, tmp_path: Pat
     found = json.loads(works("cycle", flutter, "--json").stdout)
     assert list(found) == ["period", "multipliers", "energy", "y0", "notes"]
     scene = Scene.from_toml(flutter)
-    run = simulate(scene, y0=found["y0"], span=[0, found["period"]], rtol=1e-10, atol=1e-12)
+    run = simulate(
+        System(scene).at(y0=found["y0"]), span=[0, found["period"]], rtol=1e-10, atol=1e-12
+    )
     np.testing.assert_allclose(run.y[-1], found["y0"], atol=1e-7)
     assert found["energy"] == pytest.approx(run.energy.total[0], rel=1e-12)
     mu = [complex(*one) for one in found["multipliers"]]

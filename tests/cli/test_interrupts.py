@@ -18,7 +18,7 @@ import psutil
 import pytest
 
 import rodgen
-from rodgen.studies.specification import Study
+from rodgen.studies.study import Study
 from tests.cli.conftest import Write, python
 from tests.sets import sets
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rodgen.scene import Scene
 from rodgen.scene.examples import studies
-from rodgen.studies.specification import Study
+from rodgen.studies.study import Study
 from tests.cli.conftest import Run
 
 FORGETTING = studies()["studies/forgetting"]

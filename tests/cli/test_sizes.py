@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from rodgen.check.module import check_module
-from rodgen.scene import SceneError
+from rodgen.errors import InputError
 from rodgen.scene.structure import MOST_LINKS
 from tests.cli.conftest import Run, Write
 from tests.sets import sets
@@ -134,7 +134,7 @@ def test_what_is_said_to_fit_does(
 def test_a_module_with_too_many_links_is_not_compared() -> None:
     module = ModuleType("large")
     vars(module)["N"] = 1_000_000  # whose matrices have a million million numbers
-    with pytest.raises(SceneError) as info:
+    with pytest.raises(InputError) as info:
         next(check_module(module))
     assert info.value.field == "N"
 

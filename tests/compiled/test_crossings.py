@@ -11,6 +11,7 @@ import rodgen
 from rodgen import Scene
 from rodgen.integrate.crossings import Crossing
 from rodgen.integrate.many import watched_many
+from rodgen.system import System
 from tests.compiled.conftest import NO_LOADS
 
 G, STEP = 9.81, 0.8
@@ -68,7 +69,7 @@ def test_both_are_found_in_a_run(thrown: Scene, target: str) -> None:
     for number in ("y0", "centre_of_gravity_y"):
         scene = thrown.replace({"events": [{"quantity": number, "value": 0.0}]})
         for y0, highest, apart in zip(_starts(model), HIGHEST, APART, strict=True):
-            sol = rodgen.simulate(scene, model=model, y0=y0)
+            sol = rodgen.simulate(System(scene).at(y0=y0), model=model)
             assert sol.stats.steps == 1
             found = [event.t for event in sol.events]
             assert found == pytest.approx([highest - apart, highest + apart], abs=1e-13)

@@ -12,6 +12,7 @@ import rodgen
 from rodgen import Scene
 from rodgen.integrate import Solution
 from rodgen.integrate.diagnosis import drift_warning
+from rodgen.system import System
 from tests.compiled.conftest import SMOOTH, WITHOUT_LOADS
 from tests.told import refused
 
@@ -39,7 +40,7 @@ def test_going_back_leads_to_the_start(bent: Scene, models: list[ModuleType]) ->
         turned = np.concatenate((there.y[-1, :half], -there.y[-1, half:]))
         # The error there is 1e-5; what the way back leaves is rounding, which 250 steps carry.
         for how, least, most in (({}, 0.0, 1e-11), ({"rtol": 1e-6, "atol": 1e-8}, 1e-8, np.inf)):
-            end = rodgen.simulate(bent, model=model, y0=turned, **how).y[-1]
+            end = rodgen.simulate(System(bent).at(y0=turned), model=model, **how).y[-1]
             assert least < np.abs(end[:half] - there.y[0, :half]).max() < most
 
 
@@ -71,7 +72,8 @@ def test_the_last_step_is_as_long_as_what_is_left(bent: Scene, models: list[Modu
 
         def run(start: float, end: float, model: ModuleType = model, **how: Any) -> Solution:
             span = {"span": [start, end], "output_every": end - start}
-            return rodgen.simulate(bent, model=model, **span, **how)
+            system = System(bent).at(y0=how.pop("y0", None))
+            return rodgen.simulate(system, model=model, **span, **how)
 
         whole, first = run(0.0, 0.014), run(0.0, 0.012)
         second = run(0.012, 0.014, y0=first.y[-1], step=0.002)

@@ -16,6 +16,7 @@ from rodgen.integrate.reductions import REDUCTIONS
 from rodgen.native import many
 from rodgen.native.many import LANES
 from rodgen.native.run import METHODS
+from rodgen.system import System
 from tests.compiled.conftest import SMOOTH
 from tests.told import refused
 
@@ -252,8 +253,20 @@ def test_bad_input_is_refused(model: ModuleType, smooth: Scene) -> None:
         assert (told.field, bool(told.allowed)) == (field, True)
     p[1, 3] = np.nan
     assert refused(rodgen.simulate_many, model, **fine).field == "p[1, 3]"
-    with pytest.raises(TypeError, match=r"^model"):
-        rodgen.simulate_many(smooth, [], [])
+    for name in ("p", "y0"):
+        assert refused(rodgen.simulate_many, model, **fine | {name: None}).field == name
+    with pytest.raises(TypeError, match=r"^system"):
+        rodgen.simulate_many("missile.toml", [], [])  # type: ignore[arg-type]
+
+
+def test_many_runs_of_a_system_are_those_of_its_module(model: ModuleType, smooth: Scene) -> None:
+    """With its own settings, and what differs by keys of its scene."""
+    masses = [1.0, 1.5, 2.0]
+    found = rodgen.simulate_many(smooth, {"rod.mass": masses}, keep=["last(tip_x)"])
+    p = smooth.parameters | {"mass": masses}
+    settings = System(smooth).with_settings(method="dop853").settings.used
+    same = rodgen.simulate_many(model, p, smooth.initial_state(), keep=["last(tip_x)"], **settings)
+    np.testing.assert_array_equal(found.values["last(tip_x)"], same.values["last(tip_x)"])
 
 
 # The loops ---------------------------------------------------------------------------------------

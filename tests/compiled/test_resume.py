@@ -6,6 +6,7 @@ import signal
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
@@ -69,29 +70,34 @@ def test_checkpoints_that_cannot_be_are_refused(missile: Scene, tmp_path: Path, 
     assert refused(rodgen.resume, file).field == "checkpoint"
 
 
-@pytest.mark.parametrize("call", [1, 2])
+@pytest.mark.parametrize("name", ["STATE", "Run"])
 def test_ctrl_c_while_a_run_is_set_up_leaves_one_to_go_on_with(
-    tmp_path: Path, missile: Scene, monkeypatch: pytest.MonkeyPatch, call: int
+    tmp_path: Path, missile: Scene, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
     """While its file is made, and between that and the first step."""
     scene = missile.with_integrate(method="rk4", step=1e-4)
-    model = rodgen.build(scene, "c")
-    whole = rodgen.simulate(scene, model=model)
-    calls = iter(range(1, 100))
-    parameters = model.parameters
-
-    def interrupting(**given: object) -> object:
-        if next(calls) == call:
-            signal.raise_signal(signal.SIGINT)
-        return parameters(**given)
-
-    monkeypatch.setattr(model, "parameters", interrupting)
+    whole = rodgen.simulate(scene, target="c")
+    model = Interrupting(whole.model, name)
     file = tmp_path / "a.nc"
     with pytest.raises(rodgen.Interrupted):
         rodgen.simulate(scene, model=model, out=file)
     assert rodgen.load(file).status == "interrupted"
     rodgen.resume(file)
     assert rodgen.load(file).y.tobytes() == whole.y.tobytes()
+
+
+class Interrupting(ModuleType):
+    """A module that interrupts whoever asks for one of its names."""
+
+    def __init__(self, model: ModuleType, name: str):
+        super().__init__(model.__name__)
+        self.__dict__.update(_model=model, _name=name)
+
+    def __getattr__(self, name: str) -> Any:
+        if name == self._name:
+            self.__dict__["_name"] = ""
+            signal.raise_signal(signal.SIGINT)
+        return getattr(self._model, name)
 
 
 def test_ctrl_c_that_comes_too_late_for_the_run_is_not_lost(

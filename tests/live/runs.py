@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import rodgen
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from rodgen.live.catalogue import Catalogue
 from rodgen.live.run.live_run import LiveRun
 from rodgen.live.samples import Chunk

@@ -8,14 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rodgen.arrays import Array
+from rodgen.errors import InputError
 from rodgen.integrate.catalogue import Piece
-from rodgen.integrate.stepper import Array
 from rodgen.live.catalogue import KINDS, Catalogue
 from rodgen.live.samples import Chunk
 from rodgen.model.quantities import watched
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import TERMS, THESIS_TERMS
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from tests.live.runs import prepared
 from tests.palette import ENDS
 
@@ -142,7 +143,7 @@ def test_what_a_rod_does_not_have_is_neither_offered_nor_known(make_scene: Make)
     every = [name for names in catalogue.kinds.values() for name in names]
     assert sorted(every) == sorted(catalogue.quantities)
     for name in ("phi_4", "kinetic", 3, None):
-        with pytest.raises(SceneError, match=r"^quantity = .*tip_x"):
+        with pytest.raises(InputError, match=r"^quantity = .*tip_x"):
             catalogue.columns([name], chunk)
-        with pytest.raises(SceneError, match=r"^plot"):
+        with pytest.raises(InputError, match=r"^plot"):
             catalogue.expand(name, "plot")

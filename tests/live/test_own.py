@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 import rodgen
+from rodgen.errors import InputError
 from rodgen.live.catalogue import MOST_OWN, Catalogue
 from rodgen.live.own import LONGEST
 from rodgen.live.page.names import which
 from rodgen.live.run.plot_spec import PlotSpec, transfer
 from rodgen.live.samples import Chunk
 from rodgen.loading import build_fastest
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from tests.live.conftest import SCENE, SHORT
 from tests.live.runs import prepared
 
@@ -87,7 +88,7 @@ def test_what_is_no_expression_is_refused(catalogue: Catalogue) -> None:
         ("__import__('os')", ""),
         ("1+" * LONGEST + "1", str(LONGEST)),
     ):
-        with pytest.raises(SceneError, match=said or None) as refused:
+        with pytest.raises(InputError, match=said or None) as refused:
             catalogue.quantity(text, "plot.y[0]")
         assert refused.value.field.startswith("plot.y[0]")
         assert text not in catalogue.quantities
@@ -96,7 +97,7 @@ def test_what_is_no_expression_is_refused(catalogue: Catalogue) -> None:
 def test_expressions_are_not_kept_without_end(catalogue: Catalogue) -> None:
     for number in range(MOST_OWN):
         catalogue.quantity(f"phi_0 + {number}")
-    with pytest.raises(SceneError, match=str(MOST_OWN)):
+    with pytest.raises(InputError, match=str(MOST_OWN)):
         catalogue.quantity("phi_0 - 1")
 
 
@@ -120,5 +121,5 @@ def test_numbers_and_stretches() -> None:
         assert which(text, TWENTY, several=True) == numbers
     assert which("4", TWENTY, several=False) == [4]
     for text, several in [(text, True) for text in REFUSED] + [("all", False), ("1, 2", False)]:
-        with pytest.raises(SceneError, match="0 to 19"):
+        with pytest.raises(InputError, match="0 to 19"):
             which(text, TWENTY, several=several)

@@ -10,17 +10,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rodgen.errors import InputError
 from rodgen.integrate.pull import Pull
 from rodgen.live.page.runs import PageRun
 from rodgen.live.run import live_run, pulling
 from rodgen.live.run.live_run import LiveRun
-from rodgen.live.run.scenes import edit
 from rodgen.loading import build
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from tests.live.conftest import SCENE, finished
 from tests.live.runs import does, to
 
-MASS, GRAVITY, LINKS = ("rod", "mass"), ("loads", "gravity", "g"), ("rod", "links")
+MASS, GRAVITY, LINKS = "rod.mass", "loads.gravity.g", "rod.links"
 
 
 class Making:
@@ -64,7 +64,7 @@ def test_edits_close_together_are_both_kept(page: PageRun) -> None:
     async def both() -> None:
         busy = page.run.do(free.wait)
         edits = asyncio.gather(
-            page.change([(MASS, 25.0)], "mass = 25"), page.change([(GRAVITY, 1.5)], "g = 1.5")
+            page.change({MASS: 25.0}, "mass = 25"), page.change({GRAVITY: 1.5}, "g = 1.5")
         )
         await asyncio.sleep(0.05)
         free.set()
@@ -77,15 +77,15 @@ def test_edits_close_together_are_both_kept(page: PageRun) -> None:
 
 def test_changes_while_a_module_is_made_are_kept(page: PageRun, making: Making) -> None:
     """One of a value, and one of the structure, which is made of the scene that is there then."""
-    tip = ("loads", "tip"), {"x": 0.0, "y": -1.0}
+    tip = {"loads.tip": {"x": 0.0, "y": -1.0}}
 
     async def meanwhile() -> None:
         making.meanwhile = None
-        await page.change([(GRAVITY, 1.5)], "g = 1.5")
+        await page.change({GRAVITY: 1.5}, "g = 1.5")
         assert page.scene.rod.links == 5  # the old one goes on
 
     async def both() -> None:
-        await asyncio.gather(page.change([(LINKS, 3)], ""), page.change([tip], ""))
+        await asyncio.gather(page.change({LINKS: 3}, ""), page.change(tip, ""))
 
     making.meanwhile = meanwhile
     finished(both())
@@ -100,10 +100,10 @@ def test_changes_are_undone_and_redone(page: PageRun) -> None:
 
     async def changes() -> None:
         for mass in (4.0, 5.0, 6.0):
-            await page.change([(MASS, mass)], f"rod.mass = {mass}")
-        await page.change([(GRAVITY, 1.5)], "loads.gravity.g = 1.5")
-        with pytest.raises(SceneError, match=r"rod\.mass"):
-            await page.change([(MASS, -1.0)], "mass = -1")
+            await page.change({MASS: mass}, f"rod.mass = {mass}")
+        await page.change({GRAVITY: 1.5}, "loads.gravity.g = 1.5")
+        with pytest.raises(InputError, match=r"rod\.mass"):
+            await page.change({MASS: -1.0}, "mass = -1")
 
     finished(changes())
     seen = [values(page)]
@@ -114,7 +114,7 @@ def test_changes_are_undone_and_redone(page: PageRun) -> None:
     assert seen == there
     assert page.run.undo.file == SCENE
     finished(page.undo())
-    finished(page.change([(MASS, 7.0)], "rod.mass = 7"))
+    finished(page.change({MASS: 7.0}, "rod.mass = 7"))
     finished(page.undo(forth=True))  # there is nothing to redo after another change
     assert values(page) == (7.0, 9.81)
 
@@ -124,7 +124,7 @@ def test_kick_and_pull_are_undone(page: PageRun, other: LiveRun) -> None:
     before and after are undone as ever."""
     run = page.run
     to(run, 0.1)
-    finished(page.change([(MASS, 4.0)], "rod.mass = 4"))
+    finished(page.change({MASS: 4.0}, "rod.mass = 4"))
     to(run, 0.2)
     before = run.shown
     run.do(lambda: run.kick(2, 0.5, (3.0, 1.0))).result()
@@ -132,7 +132,7 @@ def test_kick_and_pull_are_undone(page: PageRun, other: LiveRun) -> None:
     finished(page.allow_pulls())
     run.do(lambda: run.pull(Pull(3, 0.25, (1.3, 0.4), 60.0, 1.5))).result()
     to(run, 0.4)
-    finished(page.change([(GRAVITY, 1.5)], "loads.gravity.g = 1.5"))
+    finished(page.change({GRAVITY: 1.5}, "loads.gravity.g = 1.5"))
     finished(page.undo())
     assert run.shown.t[-1] > 0.3
     assert page.scene.loads.value("gravity") == 9.81
@@ -144,7 +144,7 @@ def test_kick_and_pull_are_undone(page: PageRun, other: LiveRun) -> None:
     assert run.live.given == pytest.approx(before.given, abs=1e-12)
     to(run, 0.4)
     to(other, 0.1)
-    does(other, lambda: other.change(edit(SCENE, [(MASS, 4.0)])))
+    does(other, lambda: other.change(SCENE.replace({MASS: 4.0})))
     to(other, 0.4)
     # Its method began anew at 0.2 s, at rtol 1e-8.
     np.testing.assert_allclose(run.shown.y, other.shown.y, rtol=1e-6, atol=1e-6)

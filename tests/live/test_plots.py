@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from rodgen.live.catalogue import Catalogue
 from rodgen.live.run.curves import MOST_ROWS
 from rodgen.live.run.plot import Plot, PlotSpec

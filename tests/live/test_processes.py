@@ -12,9 +12,11 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
 
+import numpy as np
 import pytest
 
 import rodgen
+from rodgen.errors import InputError
 from rodgen.live.page import module_process
 from rodgen.live.page.module_process import Modules
 from rodgen.live.page.sweep_picture import HEIGHT, WIDTH, Diagram, Point, picture
@@ -24,8 +26,9 @@ from rodgen.live.run.aside_process import WORKS, Works
 from rodgen.live.run.critical import COMPUTING, Critical
 from rodgen.live.run.live_run import LiveRun
 from rodgen.live.run.sweep import sweep
-from rodgen.scene import Scene, SceneError, Structure
-from tests.live.conftest import ROD, SCENE, SCENES, finished, runs, varied
+from rodgen.scene import Scene, Structure
+from rodgen.system import System
+from tests.live.conftest import ROD, SCENE, SCENES, SHORT, finished, runs, varied
 from tests.live.view import PATIENT
 
 FREE = Scene.from_dict({**ROD, "loads": {}})
@@ -101,7 +104,7 @@ def test_force_of_a_scene_that_changes_is_asked_for_once(
     one = Critical(lambda work: work(), lambda: done.append(one.value), clock)
 
     def look(force: float) -> None:
-        one.look(Scene.from_dict({**ROD, "loads": {"follower": {"force": force}}}))
+        one.look(System(Scene.from_dict({**ROD, "loads": {"follower": {"force": force}}})))
 
     for force in (1.0, 2.0, 3.0):
         look(force)
@@ -128,15 +131,32 @@ def test_sweep_of_a_dead_load_has_its_equilibria() -> None:
     """After the span: the column buckles, and the branch of its straight equilibria, whose states
     lead on from there, has a point where another leaves it."""
     scene = Scene.from_toml(SCENES / "euler_column.toml")
-    *_, found = sweep(scene, ["loads", "tip", "y"], -30.0, -1.0, t=1e3)
+    *_, found = sweep(scene, "loads.tip.y", -30.0, -1.0, t=1e3)
     assert len(found["branch"]["state"][0]) == len(scene.initial_state())
     assert {*found["branch"]["away"]} == {0.0}  # straight, but for rounding
     assert "branch" in [kind for _, kind in found["special"]]
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("text", "at"), [("2*min(t/0.5, 1)", 0), ("interp(t, [0, 1, 9], [1, 3, 3])", 4)]
+)
+def test_number_in_an_expression_is_swept_as_a_load_of_that_size(text: str, at: int) -> None:
+    """At a time when it is the load."""
+    key, ends = "loads.follower.force", (2.0, 9.0)
+    plain = Scene.from_dict(SHORT).replace({"loads.gravity.g": 0.0})
+    timed = plain.replace({key: text})
+    given, expected = (
+        np.array(next(sweep(scene, name, *ends, t=1.0))["rows"], dtype=float)
+        for scene, name in ((timed, f"{key}.{at}"), (plain, key))
+    )
+    assert np.ptp(expected[:, 2]) > 0.005  # Hz: the number is felt
+    np.testing.assert_allclose(given, expected, rtol=1e-9)  # the same, but for rounding
+
+
 def test_rods_of_very_many_links_are_not_swept() -> None:
-    with pytest.raises(SceneError, match=r"^rod\.links = 300"):
-        next(sweep(Scene.from_dict(varied(links=300)), ["rod", "mass"], 1.0, 2.0, t=0.0))
+    with pytest.raises(InputError, match=r"^rod\.links = 300"):
+        next(sweep(Scene.from_dict(varied(links=300)), "rod.mass", 1.0, 2.0, t=0.0))
 
 
 def test_picture_shows_what_is_stable_and_where_that_ends() -> None:
@@ -196,7 +216,7 @@ def test_cancelled_making_ends_its_compiler(
     assert not any(map(runs, before))
     modules = Modules()
     modules.close()
-    with pytest.raises(SceneError, match="module"):
+    with pytest.raises(InputError, match="module"):
         finished(modules.make(Structure(2, terms=()), quiet))
     assert started() == before
 
@@ -224,5 +244,5 @@ def test_two_at_a_time_and_none_of_too_many_links(monkeypatch: pytest.MonkeyPatc
 
     monkeypatch.setattr(module_process, "_make", endless)
     finished(three())
-    with pytest.raises(SceneError, match="2000"):
+    with pytest.raises(InputError, match="2000"):
         finished(Modules().make(Structure(2001), quiet))

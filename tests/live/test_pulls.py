@@ -17,7 +17,8 @@ from rodgen.live.run.link import follow, link_to
 from rodgen.live.run.live_run import LiveRun
 from rodgen.loading import build
 from rodgen.loading.module import asked
-from rodgen.scene import Scene
+from rodgen.scene import Scene, Structure
+from rodgen.system import System
 from tests.live.conftest import ROD, varied
 from tests.live.runs import does
 from tests.live.view import until
@@ -31,9 +32,9 @@ def scene(**integrate: Any) -> Scene:
     return Scene.from_dict({**ROD, "integrate": ROD["integrate"] | integrate})
 
 
-def module(scene: Scene) -> ModuleType:
+def module(structure: Structure) -> ModuleType:
     """In NumPy: nothing is compiled."""
-    return build(scene.structure, "numpy")
+    return build(structure, "numpy")
 
 
 @pytest.mark.parametrize(
@@ -48,10 +49,10 @@ def module(scene: Scene) -> ModuleType:
 def test_work_of_the_hand_is_what_the_energy_lacks(settings: Any, error: float) -> None:
     """By the energies of the module, and by k/2 (d'^2 - d^2) for each move of the far end from the
     distance d of its point to d'. error: of the balance [J], of some 10 J."""
-    live = Live(scene(**settings), module(scene()), 0.01)
+    live = Live(scene(**settings), module(scene().structure), 0.01)
     live.advance(0.05, np.inf)
     before = live.here()
-    live.allow_pulls(module(with_place(live.scene)))
+    live.allow_pulls(module(with_place(live.system).structure))
     np.testing.assert_array_equal(live.here().y, before.y)
     by_hand, ends = 0.0, [None, *((1.3 + 0.1 * k, 0.4 + 0.05 * k) for k in range(5)), None]
     for start, to in zip(ends, [*ends[1:], None], strict=True):
@@ -84,7 +85,7 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Any:
 
 def pulls(run: LiveRun) -> None:
     """Step, and pull to two places."""
-    does(run, partial(run.allow_pulls, with_place(run.live.scene).structure), run.one_step)
+    does(run, partial(run.allow_pulls, with_place(run.live.system).structure), run.one_step)
     does(run, lambda: run.pull(PULL), run.one_step, lambda: run.move_pull((1.5, 0.6)))
     until(lambda: run.live.pulling and run.live.pulling.to, (1.5, 0.6), "not moved")
     does(run, run.one_step)
@@ -124,9 +125,9 @@ def test_first_spring_suits_a_rod_along_which_the_stiffness_differs() -> None:
 
 def test_what_cannot_be_pulled_is_refused() -> None:
     table = varied(boundary="clamped", links=4)
-    held = Scene.from_dict({**table, "supports": [{"at": 0.625, "stiffness": [1.0, 0.0]}]})
+    held = System(Scene.from_dict({**table, "supports": [{"at": 0.625, "stiffness": [1.0, 0.0]}]}))
     allowed = {"link": 1, "share": 0.5, "to": (1.0, 0.0), "stiffness": 2.0, "damping": 0.0}
-    assert len(pulled(held, Pull(**allowed)).supports) == 2
+    assert len(pulled(held, Pull(**allowed)).scene.supports) == 2
     ended = with_place(Scene.from_dict(varied(boundary="cantilever", links=4)))
     for one, changed, field in (
         (held, {"link": 4}, "link"),

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from rodgen import simulate
+from rodgen.errors import InputError
 from rodgen.integrate import Solution
 from rodgen.live.page.export import FILES, export
 from rodgen.live.replay import replay
 from rodgen.live.run.live_run import LiveRun
-from rodgen.live.run.scenes import edit
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from tests.live.conftest import ROD
 from tests.live.runs import decoded, to
 from tests.live.view import View, expect
@@ -58,15 +58,15 @@ def test_long_runs_are_shown_by_some_of_their_samples(
     assert len(made.times) == most
     assert (made.times[0], made.times[-1]) == (0.0, 1.0)
     assert np.ptp(np.diff(made.times)) <= 1.01 / (count - 1)  # evenly, but for one sample
-    with pytest.raises(SceneError):
+    with pytest.raises(InputError):
         replay(replace(solution, t=solution.t[:1], y=solution.y[:1], work={}), [])  # of one
 
 
 def test_changes_and_kicks_of_a_live_run_are_in_its_solution(run: LiveRun) -> None:
     """The energy that they gave, and what held when; both are marked."""
     to(run, 0.2)
-    changes = [(("rod", "mass"), 4.0), (("loads", "gravity", "g"), 1.0)]
-    run.do(lambda: run.change(edit(run.live.scene, changes), "change")).result()
+    changes = {"rod.mass": 4.0, "loads.gravity.g": 1.0}
+    run.do(lambda: run.change(run.live.system.at(changes), "change")).result()
     to(run, 0.3)
     run.do(lambda: run.kick(1, 0.25, (0.5, 2.0))).result()
     to(run, 0.4)
@@ -99,7 +99,7 @@ def test_folder_holds_the_page_and_can_be_written_again(solution: Solution, tmp_
         other = tmp_path / foreign.partition(".")[0]
         other.mkdir()
         (other / foreign).write_text("kept")
-        with pytest.raises(SceneError, match="--export"):
+        with pytest.raises(InputError, match="--export"):
             export(solution, other)
         assert [(path.name, path.read_text()) for path in other.iterdir()] == [(foreign, "kept")]
 

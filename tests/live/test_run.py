@@ -8,12 +8,12 @@ from functools import partial
 import numpy as np
 import pytest
 
+from rodgen.errors import InputError
 from rodgen.integrate.live import FOR_LOOKING
 from rodgen.live.run.live_run import PAUSED, RUNNING, STOPPED, LiveRun
 from rodgen.live.run.page_state import AHEAD
-from rodgen.live.run.scenes import edit
 from rodgen.live.run.worker import Pace
-from rodgen.scene import SceneError
+from rodgen.scene import Scene
 from tests.live.conftest import SCENE
 from tests.live.runs import Page, does, gets, to
 from tests.live.view import until
@@ -28,7 +28,7 @@ def test_run_goes_round_until_somebody_changes_it(run: LiveRun) -> None:
     """It begins again where the span of its scene is over, goes on beyond that once kicked, and
     stands once it is paused."""
     assert run.status == PAUSED
-    does(run, lambda: run.take(edit(SCENE, [(("integrate", "span"), [0.0, 0.05])])), run.go_round)
+    does(run, lambda: run.take(SCENE.replace({"integrate.span": [0.0, 0.05]})), run.go_round)
     until(lambda: run.begun, lambda count: count > 3, "it does not begin again")
     assert run.status == RUNNING
     does(run, lambda: run.kick(0, 0.5, (0.1, 0.0)))
@@ -47,7 +47,7 @@ def test_blow_up_stops_and_a_change_mends(run: LiveRun) -> None:
     run.told = lambda: told.append(run.status)
     does(run, lambda: run.failed("a defect"))
     assert (run.status, run.lost, told) == (STOPPED, False, [STOPPED])
-    wild = edit(SCENE, [(("integrate", "method"), "euler"), (("integrate", "step"), 0.2)])
+    wild = SCENE.replace({"integrate.method": "euler", "integrate.step": 0.2})
     does(run, lambda: run.set_speed(np.inf), lambda: run.change(wild), run.go)
     until(lambda: run.status, STOPPED, "it goes on")
     assert (run.lost, told[-1]) == (True, STOPPED)
@@ -67,14 +67,26 @@ STEPS: dict[str, tuple[float, Callable[[complex], float]]] = {
 }
 
 
+def test_number_that_is_moved_makes_no_scene(run: LiveRun, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Until one is shown; it takes effect and is on the record as any other change."""
+    does(run, run.one_step)
+    with monkeypatch.context() as patch:
+        patch.setattr(Scene, "from_dict", None)
+        does(run, lambda: run.change(run.live.system.at({"rod.mass": 4.0}), "rod.mass = 4"))
+    at = run.model.PARAMETERS.index("mass")
+    assert (run.live.p[at], run.shown.p[at]) == (4.0, 4.0)
+    assert [mark.what for mark in run.marks.every] == ["rod.mass = 4"]
+    assert run.live.scene == SCENE.replace({"rod.mass": 4.0})
+
+
 def test_step_for_a_method_is_half_its_limit(run: LiveRun) -> None:
     """Textbook limits (Hairer, Norsett, Wanner 1993, II and IV.2), by the fastest root of the
     module's own Jacobian, with a damping. There is none for a method that blows a rod up that is
     not damped."""
-    with pytest.raises(SceneError, match="euler"):
+    with pytest.raises(InputError, match="euler"):
         does(run, lambda: run.live.step_for("euler"))
     for method, (damping, half) in STEPS.items():
-        damped = edit(SCENE, [(("loads", "internal_damping", "coefficient"), damping)])
+        damped = SCENE.replace({"loads.internal_damping.coefficient": damping})
         does(run, partial(run.change, damped))
         roots = np.linalg.eigvals(run.model.jac(0.0, damped.initial_state(), run.live.p))
         fastest = roots[np.argmax(np.abs(roots))]
@@ -113,7 +125,7 @@ def test_tolerance_for_looking_is_taken_where_real_time_is_missed(run: LiveRun) 
     past(run, float(run.shown.t[-1]) + 0.1)
     assert not run.live.rough
     assert run.live.settings == SCENE.integrate
-    does(run, lambda: run.change(edit(SCENE, [(("integrate", "rtol"), 1e-7)])))
+    does(run, lambda: run.change(SCENE.replace({"integrate.rtol": 1e-7})))
     until(lambda: run.live.rough, len(FOR_LOOKING), "it is not taken")
     does(run, run.pause, lambda: run.change(SCENE))
     assert run.live.settings == SCENE.integrate

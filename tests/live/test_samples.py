@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rodgen.arrays import Array
 from rodgen.integrate.live import Samples
-from rodgen.integrate.stepper import Array
 from rodgen.live import samples
 from rodgen.live.run.curves import ROWS, Window, spectrum
 from rodgen.live.run.plot import Plot, PlotSpec

@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
+from rodgen.errors import InputError
 from rodgen.live.page.runs import Sessions
 from rodgen.live.run.live_run import LiveRun
 from rodgen.live.run.worker import Pace
-from rodgen.scene import SceneError
 from tests.live.conftest import SCENE
 
 
@@ -106,7 +106,7 @@ def test_runs_that_are_being_made_count(sessions: Sessions) -> None:
     with ExitStack() as making:
         for _ in range(15):
             making.enter_context(sessions.room())
-        with pytest.raises(SceneError, match="16"), sessions.room():
+        with pytest.raises(InputError, match="16"), sessions.room():
             pass
     with sessions.room():  # those were cancelled
         pass

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.integrate.stepper import Array, Counts
+from rodgen.arrays import Array
+from rodgen.integrate.stepper import Counts
 from rodgen.live.samples import Chunk
 from rodgen.live.texts import WIDTH, Present, digits, fixed, groups, texts, whole
 from rodgen.model.rod import BOUNDARIES

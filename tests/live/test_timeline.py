@@ -10,7 +10,6 @@ import pytest
 from rodgen.live.page.answers import take_up
 from rodgen.live.run.live_run import LiveRun
 from rodgen.live.run.marks import MOST, Mark, Marks
-from rodgen.live.run.scenes import edit
 from rodgen.scene import Scene
 from tests.live.conftest import SCENE, SHORT
 from tests.live.runs import Page, does, gets, to
@@ -77,7 +76,7 @@ def test_places_that_are_asked_for_are_shown_while_the_run_goes_on(run: LiveRun)
 def test_what_moves_the_rod_is_seen_in_the_present(run: LiveRun) -> None:
     """A kick, a change, a step or a start shows what it does, wherever the page looked."""
     page = gets(run)
-    heavier = edit(run.live.scene, [(("rod", "mass"), 4.0)])
+    heavier = run.live.system.at({"rod.mass": 4.0})
     for act in (
         lambda: run.kick(4, 1.0, (0.0, 0.1)),
         lambda: run.change(heavier, "rod.mass = 4"),
@@ -127,7 +126,7 @@ def plotted(kept: LiveRun, **choice: Any) -> str:
 
 
 def heavier(kept: LiveRun) -> None:
-    heavy = edit(kept.live.scene, [(("rod", "mass"), 4.0)])
+    heavy = kept.live.system.at({"rod.mass": 4.0})
     kept.do(lambda: kept.change(heavy, "rod.mass = 4")).result()
 
 

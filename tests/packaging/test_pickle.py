@@ -27,7 +27,7 @@ BAD = TABLE | {"name": 3}
 
 
 def _refusal() -> BaseException:
-    with pytest.raises(rodgen.SceneError) as found:
+    with pytest.raises(rodgen.InputError) as found:
         Scene.from_dict(BAD)
     return found.value
 
@@ -39,11 +39,12 @@ EXAMPLES: dict[str, Callable[[], Any]] = {
     "BranchInterrupted": lambda: rodgen.BranchInterrupted(xarray.Dataset({"a": ("point", [1.0])})),
     "BuildError": lambda: rodgen.BuildError("no compiler"),
     "Event": lambda: made("Solution").events[0],
+    "System": lambda: rodgen.System(rodgen.Scene.example("ziegler")).at(t=0.0),
     "FileWarning": lambda: rodgen.FileWarning("damaged"),
     "Interrupted": lambda: rodgen.Interrupted(made("Solution")),
     "MeshWarning": lambda: rodgen.MeshWarning("damping was not converted"),
     "RunError": lambda: rodgen.RunError("stopped at t = 1 s", made("Solution")),
-    "SceneError": _refusal,
+    "InputError": _refusal,
     "StepWarning": lambda: rodgen.StepWarning("the step is too long"),
     "Structure": lambda: SCENE.structure,
     "StudyError": lambda: rodgen.StudyError("the scheduler does not answer any more"),
@@ -123,7 +124,7 @@ def test_errors_of_all_kinds_keep_their_words() -> None:
     """Also with a value that cannot be pickled, and of parts that are not public."""
     from rodgen.derive.proofs import DisagreementError
 
-    unportable = rodgen.SceneError("rod.mass", lambda: None, "a number")
+    unportable = rodgen.InputError("rod.mass", lambda: None, "a number")
     inner = (LiveError("stopped", 1.0, None), DisagreementError("any n", "M[0]", 1, 2))
     for through in WAYS.values():
         assert str(through(unportable)) == str(unportable)
@@ -139,7 +140,7 @@ def test_one_bad_scene_spares_its_pool() -> None:
         before = pool.submit(rodgen.simulate, SCENE, target="numpy")
         bad = pool.submit(Scene.from_dict, BAD)
         after = pool.submit(Scene.from_dict, TABLE)
-        with pytest.raises(rodgen.SceneError, match=r"^name = 3") as found:
+        with pytest.raises(rodgen.InputError, match=r"^name = 3") as found:
             bad.result(600)
         assert (found.value.field, found.value.value) == ("name", 3)
         assert after.result(600) == SCENE
@@ -150,6 +151,6 @@ def test_one_bad_scene_spares_its_pool() -> None:
 def test_one_bad_scene_spares_the_other_pool() -> None:
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         bad, good = (pool.apply_async(Scene.from_dict, (table,)) for table in (BAD, TABLE))
-        with pytest.raises(rodgen.SceneError, match=r"^name = 3"):
+        with pytest.raises(rodgen.InputError, match=r"^name = 3"):
             bad.get(600)
         assert good.get(600) == SCENE

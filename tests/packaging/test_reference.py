@@ -84,9 +84,10 @@ def test_lists_of_names_are_shown_as_lists() -> None:
 
 
 def _fields(kind: Any) -> dict[str, str]:
-    """Fields of a dataclass, a named tuple or a scene, with their types as text."""
+    """Fields of a dataclass, a named tuple, a scene or a system, with their types as text."""
     places = ("__dataclass_fields__", "model_fields", "_fields")
-    names = next(getattr(kind, place) for place in places if hasattr(kind, place))
+    listed = (getattr(kind, place) for place in places if hasattr(kind, place))
+    names = next(listed, _types(kind))
     types = {name: of for one in kind.__mro__[::-1] for name, of in _types(one).items()}
     return {name: types[name] for name in names}
 

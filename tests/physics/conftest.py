@@ -6,11 +6,11 @@ import sys
 
 import pytest
 
-from rodgen.integrate import simulate
 from rodgen.loading import build
+from rodgen.system import System
 
 
 @pytest.fixture(autouse=True)
 def _numpy_unless_asked(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = sys.modules[simulate.__module__]
-    monkeypatch.setattr(module, "build_fastest", lambda scene, *_: build(scene, "numpy"))
+    module = sys.modules[System.__module__]
+    monkeypatch.setattr(module, "build_fastest", lambda structure, *_: build(structure, "numpy"))

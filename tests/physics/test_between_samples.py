@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import pytest
 
 import rodgen
 from rodgen.integrate.dense_output import DenseOutput
-from rodgen.integrate.samples import Changes
+from rodgen.integrate.trajectory import Changes
 from rodgen.model.methods import ADAPTIVE, FIXED_STEP
 from rodgen.scene import Scene
 from tests.sets import sets
@@ -118,6 +119,13 @@ def test_a_run_that_failed_is_known_up_to_its_last_sample() -> None:
     between = (sol.t[-1] + sol.t[-2]) / 2
     assert np.isfinite(sol(between)).all()
     assert refused(sol, 1.0).field == "t"
+
+
+def test_a_step_that_fails_between_samples_carries_the_run(sol: rodgen.Solution) -> None:
+    lost = replace(sol, y=np.full_like(sol.y, np.nan))
+    with pytest.raises(rodgen.RunError) as found:
+        lost((sol.t[0] + sol.t[1]) / 2)
+    assert found.value.solution is lost
 
 
 def test_a_changed_run_is_refused(sol: rodgen.Solution) -> None:

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 import rodgen
+from rodgen.errors import InputError
 from rodgen.integrate.error_growth import error_growth
-from rodgen.integrate.samples import Changes
-from rodgen.scene import Scene, SceneError
+from rodgen.integrate.trajectory import Changes
+from rodgen.scene import Scene
+from rodgen.system import System
 from tests.sets import sets
 
 G = 11.94  # m/s^2
@@ -43,7 +45,7 @@ def test_chaos_is_told_and_true() -> None:
     off *= 1e-9 / np.linalg.norm(off)
     y0 = scene.initial_state()
     tight = {"target": "c", "rtol": 1e-12, "atol": 1e-14}
-    one, other = (rodgen.simulate(scene, y0=y, **tight) for y in (y0, y0 + off))
+    one, other = (rodgen.simulate(System(scene).at(y0=y), **tight) for y in (y0, y0 + off))
     apart = np.linalg.norm(one.phi - other.phi, axis=1)
     truth = apart.max() / 1e-9
     assert truth / 10 < run.error_growth < truth * 10
@@ -100,9 +102,9 @@ def test_where_it_is_kept_and_where_it_cannot_be_had(tmp_path: Path) -> None:
     run = rodgen.simulate(scene, target="numpy", error_growth=True, out=file, t_eval=[0.5, 1.0])
     whole = rodgen.simulate(scene, target="numpy", error_growth=True)
     assert run.errors == whole.errors
-    with pytest.raises(SceneError, match="error_growth"):
+    with pytest.raises(InputError, match="error_growth"):
         _ = rodgen.load(file).error_growth
-    changed = Changes(np.tile(whole._p, (len(whole.t), 1)), np.zeros(len(whole.t)))
+    changed = Changes(np.tile(whole.system.p, (len(whole.t), 1)), np.zeros(len(whole.t)))
     whole.changes = changed
-    with pytest.raises(SceneError):
+    with pytest.raises(InputError):
         error_growth(whole)

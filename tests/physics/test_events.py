@@ -16,6 +16,7 @@ from rodgen.loading import build
 from rodgen.model.quantities import watched
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import Scene
+from rodgen.system import System
 from tests.sets import Make
 
 Array = NDArray[np.float64]
@@ -78,7 +79,9 @@ def test_a_run_goes_on_from_an_event_without_meeting_it_again(make_scene: Make) 
     (event,) = sol.events
     assert sol.t[-1] < 1.0
     assert event.y[0] <= -math.pi / 2
-    after = rodgen.simulate(scene, target="numpy", y0=event.y, span=(event.t, event.t + 0.5))
+    after = rodgen.simulate(
+        System(scene).at(y0=event.y), target="numpy", span=(event.t, event.t + 0.5)
+    )
     assert not after.events
 
 

@@ -129,7 +129,7 @@ def test_interrupt_at_any_place_leaves_whole_samples(
 
 
 def test_too_many_links_for_the_dense_form_are_refused(make_scene: Make) -> None:
-    with pytest.raises(rodgen.SceneError, match="links = 100000"):
+    with pytest.raises(rodgen.InputError, match="links = 100000"):
         rodgen.build(make_scene(100_000), form="dense")
 
 

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rodgen.errors import InputError
 from rodgen.integrate import live as live_module
 from rodgen.model.terms import THESIS_TERMS
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from tests.palette import cases
 from tests.physics.live_runs import bar, live_of
 from tests.sets import Make, sets
@@ -151,14 +152,14 @@ def test_what_is_refused_leaves_the_run_as_it_was(make_scene: Make) -> None:
         (1, 0.5, (1.0, 0.0, 0.0), "kick.impulse"),
         (1, 0.5, (1e300, 0.0), "kick.impulse"),
     ):
-        with pytest.raises(SceneError, match=f"^{field} = "):
+        with pytest.raises(InputError, match=f"^{field} = "):
             live.kick(link, share, impulse)
     for terms, links in ((THESIS_TERMS[:3], 5), (THESIS_TERMS, 4)):
         for asked in (live.change, live.restart):
-            with pytest.raises(SceneError, match=r"^scene = "):
+            with pytest.raises(InputError, match=r"^scene = "):
                 asked(make_scene(links, terms=terms))
     for every in (0.0, -1.0, math.nan):
-        with pytest.raises(SceneError, match=r"^every = "):
+        with pytest.raises(InputError, match=r"^every = "):
             live.sample_every(every)
     live.change(scene.replace({"initial.phi": 1.0}))  # of which a restart alone knows
     for a, b in zip(live.advance(1.3, 60.0), twin.advance(1.3, 60.0), strict=True):

@@ -12,12 +12,14 @@ import numpy as np
 import pytest
 
 import rodgen
+from rodgen.arrays import Array
 from rodgen.integrate.methods.python_steps import stepper
 from rodgen.integrate.stability import limit
-from rodgen.integrate.stepper import Array, Problem, StepError, Stepper
+from rodgen.integrate.stepper import Problem, StepError, Stepper
 from rodgen.model.method import Tableau
 from rodgen.model.methods import ADAPTIVE, EITHER, FIXED_STEP, METHODS
 from rodgen.scene.integration import Integrate
+from rodgen.system import System
 from tests.palette import ENDS
 from tests.sets import Make, sets
 
@@ -155,8 +157,8 @@ def test_break_points_are_stepped_onto(make_scene: Make, how: dict[str, Any]) ->
     assert jumping.breaks() == [pytest.approx(0.437, abs=1e-12)]
     whole, end = rodgen.simulate(jumping, **how), None
     for force, span in ((40.0, (0.0, 0.437)), (-20.0, (0.437, 1.0))):
-        given: dict[str, Any] = {"parameters": {"follower_force": force}, "span": span, "y0": end}
-        end = rodgen.simulate(scene, rtol=1e-10, **given).y[-1]
+        system = System(scene).at({"loads.follower.force": force}, y0=end)
+        end = rodgen.simulate(system, rtol=1e-10, span=span).y[-1]
     # rk4's error at this step is 1e-8; one stage on the wrong side of the jump makes it 1e-3.
     np.testing.assert_allclose(whole.y[-1], end, rtol=0, atol=1e-7)
 

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rodgen.arrays import Array
 from rodgen.integrate.catalogue import Piece
-from rodgen.integrate.stepper import Array
 from rodgen.loading import build
 from rodgen.scene import Scene
 

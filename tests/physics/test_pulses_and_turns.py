@@ -78,7 +78,7 @@ def test_turns_cost_no_digits(method: str, target: str) -> None:
 def test_a_rod_of_next_to_no_mass_is_refused() -> None:
     """A denormal divided by what is not is zero, and what is divided by that is no number."""
     for name in ("mass", "length"):
-        with pytest.raises(rodgen.SceneError, match=f"{name} = 5e-324"):
+        with pytest.raises(rodgen.InputError, match=f"{name} = 5e-324"):
             STRUCK.replace({f"rod.{name}": 5e-324})
 
 

@@ -12,9 +12,10 @@ from scipy.optimize import brentq
 import rodgen
 from rodgen.check.module import check_module
 from rodgen.emit.targets import FORMS
+from rodgen.errors import InputError
 from rodgen.loading import build
 from rodgen.model.rod import BOUNDARIES, INERTIAS
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from tests.agreement import assert_implicit_steps_are_explicit, differences
 from tests.palette import cases
 from tests.sets import sets
@@ -102,7 +103,7 @@ def test_a_straight_rod_buckles_by_the_slope_at_zero() -> None:
         rodgen.critical_force(_scene(spring, loads=load)).force for spring in ("k*d", "k*sin(2*d)")
     )
     assert twice == pytest.approx(2 * linear, rel=1e-9)
-    with pytest.raises(SceneError, match=r"rod\.spring"):
+    with pytest.raises(InputError, match=r"rod\.spring"):
         rodgen.critical_force(_scene("k*d**3", loads=load))
 
 

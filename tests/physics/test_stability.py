@@ -10,11 +10,12 @@ import pytest
 from scipy.integrate import DOP853, RK23, RK45, OdeSolver
 
 import rodgen
+from rodgen.arrays import Array
 from rodgen.integrate import RunError, stability
 from rodgen.integrate.endings import StepWarning
 from rodgen.integrate.methods.fixed_step import advance
 from rodgen.integrate.stability import LIMITS, Dominant, dominant, limit, warn_of_step
-from rodgen.integrate.stepper import Array, Rhs, StepError
+from rodgen.integrate.stepper import Rhs, StepError
 from rodgen.model.methods import TABLEAUX
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.model.terms import TERMS

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from rodgen import Scene
+from rodgen.errors import Missing
 from rodgen.model.rod import BOUNDARIES
-from rodgen.scene.errors import Missing
-from rodgen.scene.overrides import with_parameters
 from tests.scene.tables import table_of
 from tests.told import refused
 
@@ -64,12 +63,12 @@ def test_numbers_by_name_are_those_of_the_scene() -> None:
     tables = {"name": "along", "rod": rod, "parameters": {"EI0": 100.0, "mu": 1.0}}
     scene = Scene.from_dict(tables)
     assert scene.mass == pytest.approx(2.0 * 1.5)
-    other = with_parameters(scene, {"EI0": 200.0, "mu": 2.0})
+    other = scene.replace({"parameters.EI0": 200.0, "parameters.mu": 2.0})
     assert other.structure == scene.structure
     twice = np.array(other.parameters["joint_stiffness"]) / scene.parameters["joint_stiffness"]
     np.testing.assert_allclose(twice, 2.0, rtol=1e-14)
     assert other.mass == pytest.approx(2.0 * 2.5)
-    assert refused(with_parameters, scene, {"mu": -0.5})[:2] == ("rod.mass_per_length", "mu + s")
+    assert refused(scene.replace, {"parameters.mu": -0.5})[:2] == ("rod.mass_per_length", "mu + s")
 
 
 def test_a_stiffness_that_no_rod_has_is_refused() -> None:

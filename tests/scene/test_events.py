@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from rodgen.errors import InputError, Missing
 from rodgen.loading import build
 from rodgen.model.rod import BOUNDARIES
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.errors import Missing
+from rodgen.scene import Scene
 from tests.scene.tables import scene_of
 from tests.told import refused
 
@@ -49,7 +49,7 @@ def test_names_are_those_of_the_module() -> None:
     def allowed(name: str, boundary: str) -> bool:
         try:
             _scene(_event(quantity=name), boundary=boundary, links=2)
-        except SceneError:
+        except InputError:
             return False
         return True
 

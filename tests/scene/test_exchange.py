@@ -12,12 +12,11 @@ from typing import Any
 import pytest
 
 import rodgen
+from rodgen.errors import Missing
 from rodgen.integrate.reductions import checked
 from rodgen.scene import Scene
-from rodgen.scene.errors import Missing
 from rodgen.scene.examples import copies, example, examples
 from rodgen.scene.integration import Integrate, Settings
-from rodgen.scene.keys import with_value
 from tests.scene.tables import ROD, table_of
 from tests.scene.tables import scene_of as scene
 from tests.told import refused
@@ -157,7 +156,7 @@ def test_of_a_misspelt_name_the_nearest_is_told() -> None:
         ("dop853", given.replace, {"integrate.method": "dopp853"}),
         ("tip_x", given.replace, watched),
         ("missile", Scene.example, "missil"),
-        ("follower", with_value, given, "loads.followr.force", 1.0),
+        ("follower", given.value_of, "loads.followr.force"),
         ("tip_x", checked, ["last(tipx)"], ["tip_y", "tip_x"]),
     ):
         assert near in refused(make, *of).allowed.rpartition(";")[2]

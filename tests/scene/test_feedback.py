@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from rodgen.errors import Missing
 from rodgen.scene import Scene
-from rodgen.scene.errors import Missing
-from rodgen.scene.overrides import with_parameters, with_state
+from rodgen.system import System
 from tests.scene.tables import put
 from tests.told import refused
 
@@ -31,7 +31,7 @@ def test_states_stand_behind_those_of_the_rod() -> None:
     scene = _with()
     assert scene.initial_state().tolist()[-2:] == [0.25, 0.0]
     assert len(scene.initial_state()) == 2 * 6 + 2
-    moved = with_state(scene, np.arange(14.0))
+    moved = System(scene).at(y0=np.arange(14.0)).scene
     assert [state.initial for state in moved.states.values()] == [12.0, 13.0]
     assert moved.structure == scene.structure
     assert Scene.from_dict(scene.model_dump(exclude_none=True)) == scene
@@ -41,7 +41,7 @@ def test_numbers_of_laws_are_parameters() -> None:
     scene = _with()
     angle, rate = (tuple(f"{of}_{at}" for at in (1, 2)) for of in ("follower_angle", "gimbal_rate"))
     assert tuple(scene.structure.numbers) == (*angle, *rate, "lag")
-    changed = with_parameters(scene, {"gimbal_rate_2": 0.75, "lag": 0.1})
+    changed = scene.replace({"states.gimbal.rate.1": 0.75, "parameters.lag": 0.1})
     assert changed.structure == scene.structure
     assert changed.parameters["gimbal_rate_2"] == 0.75
     assert changed.parameters["lag"] == 0.1

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import rodgen
+from rodgen.errors import Missing
 from rodgen.scene import Scene
-from rodgen.scene.errors import Missing
 from tests.scene.tables import ROD, scene_of
 from tests.told import refused
 

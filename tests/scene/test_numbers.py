@@ -13,7 +13,6 @@ from scipy.interpolate import PchipInterpolator
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.literals import literals, with_literal
-from rodgen.scene.overrides import with_parameters
 from tests.scene.tables import TOML, scene_of
 from tests.told import refused
 
@@ -46,8 +45,10 @@ def test_scenes_that_differ_in_numbers_share_a_module() -> None:
     assert one.structure.stem == other.structure.stem
     assert one.parameters | {"follower_force_1": 301.0} != one.parameters
     assert other.parameters["follower_force_2"] == 0.25
-    named = {f"follower_force_{at}": value for at, value in enumerate((301.0, 0.25, 2.0), 1)}
-    assert with_parameters(one, named).expression("follower_force")(0.125) == 150.5
+    places = {f"loads.follower.force.{at}": v for at, v in enumerate((301.0, 0.25, 2.0))}
+    assert [one.value_of(key) for key in places] == [300.0, 0.5, 1.0]
+    assert refused(one.value_of, "loads.follower.force.3").field == "vary"
+    assert one.replace(places).expression("follower_force")(0.125) == 150.5
     assert scene("300*min(t/0.5, t)").structure != one.structure
 
 
@@ -64,7 +65,7 @@ def test_a_named_number_serves_in_several_places() -> None:
     assert made.breaks() == [2.0]
     np.testing.assert_allclose(made.initial_state()[2:5], 0.3 * (np.arange(3) + 0.5) / 3)
     assert Scene.from_dict(made.model_dump(exclude_none=True)) == made
-    assert with_parameters(made, {"P0": 200.0}).parameters["P0"] == 200.0
+    assert made.replace({"parameters.P0": 200.0}).parameters["P0"] == 200.0
 
 
 def test_a_name_that_cannot_be_is_refused() -> None:
@@ -258,12 +259,12 @@ def test_literals_are_the_numbers_that_a_module_has_as_parameters() -> None:
 
 
 def test_numbers_of_tables_have_their_signs() -> None:
-    """Others are in parentheses where a power would take the sign."""
+    """Those of others stand before them."""
     found = literals(TEXTS[3])
     assert [one.value for one in found] == [0.0, -1.5, 2.0, 1.0, -3.0, 5.0]
     assert [one.signed for one in found] == [True] * 5 + [False]
     assert with_literal(TEXTS[3], 1, 0.5, "force").startswith("interp(t, [0, 0.5, 2], ")
-    assert Expression(with_literal("2**t", 0, -2.5, ""), "t")(2.0) == 6.25
+    assert refused(with_literal, "2**t", 0, -2.5, "force").field == "force"
 
 
 def test_amplitude_is_what_all_that_changes_is_multiplied_by() -> None:

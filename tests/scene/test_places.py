@@ -8,9 +8,8 @@ from typing import Any
 import pytest
 
 from rodgen.analyse.critical import critical_force
+from rodgen.errors import Missing
 from rodgen.scene import Scene
-from rodgen.scene.errors import Missing
-from rodgen.scene.overrides import with_parameters
 from rodgen.scene.places import place_of
 from rodgen.scene.structure import Structure, parse_terms
 from tests.told import refused
@@ -38,7 +37,7 @@ def test_each_has_parameters_of_its_own() -> None:
     given = scene.parameters
     assert (given["follower_force"], given["follower_3_force"]) == (3.0, 5.0)
     assert (given["follower_2_angle"], given["follower_2_force_1"]) == (0.1, 4.0)
-    changed = with_parameters(scene, {"follower_3_angle": 0.2, "follower_2_force_1": 8.0})
+    changed = scene.replace({"loads.follower.2.angle": 0.2, "loads.follower.1.force.0": 8.0})
     assert changed.parameters == given | {"follower_3_angle": 0.2, "follower_2_force_1": 8.0}
     assert changed.structure == scene.structure
     assert Scene.from_dict(changed.to_dict()) == changed

@@ -12,12 +12,12 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rodgen.errors import InputError, Missing
 from rodgen.model.parameter import JOINTS, POSITIVE
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import PARAMETERS, PLACES, TERMS
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.scene.doubts import doubts
-from rodgen.scene.errors import Missing
 from rodgen.scene.structure import MOST_LINKS
 from tests.scene.tables import ROD, put, scene_of, table_of
 from tests.told import refused
@@ -207,5 +207,5 @@ def test_junk_anywhere_is_accepted_or_refused_in_one_line(field: str, value: obj
     put(table, field, value)
     try:
         Scene.from_dict(table)
-    except SceneError:
+    except InputError:
         assert refused(Scene.from_dict, table).field

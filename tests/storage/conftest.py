@@ -11,13 +11,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from rodgen.arrays import Array
 from rodgen.integrate.files.checksums import NO_STATS
 from rodgen.integrate.files.stream import Stream
-from rodgen.integrate.solution import Solution, Stats
-from rodgen.integrate.stepper import Array
+from rodgen.integrate.solution import Solution
+from rodgen.integrate.stepper import Stats
 from rodgen.loading import build
 from rodgen.model.terms import THESIS_TERMS
 from rodgen.scene import Scene
+from rodgen.system import System
 
 STATS = Stats(10, 2, 30, 4, 5, 0.25)
 EVENTS = [{"quantity": "phi_1", "value": 0.0}, {"quantity": "tip_y", "value": 1.0, "name": "high"}]
@@ -35,7 +37,7 @@ class Samples:
     work: dict[str, Array]
 
     def create(self, path: Path, events: int = 0) -> Stream:
-        return Stream.create(path, self.scene, self.model, self.p, list(self.work), events)
+        return Stream.create(path, System(self.scene), self.model, list(self.work), events)
 
     def append(self, stream: Stream, first: int, last: int) -> None:
         part = slice(first, last)
@@ -44,7 +46,7 @@ class Samples:
 
     @property
     def solution(self) -> Solution:
-        return Solution(self.scene, self.t, self.y, self.work, NO_STATS, model=self.model)
+        return Solution(System(self.scene), self.t, self.y, self.work, NO_STATS, model=self.model)
 
 
 def same(one: Solution, other: Solution) -> None:

@@ -13,11 +13,12 @@ import xarray as xr
 
 import rodgen
 from rodgen.integrate.files import stream
-from rodgen.integrate.files.storage import Excerpt
+from rodgen.integrate.files.reader import Excerpt
 from rodgen.integrate.files.stream import Stream
-from rodgen.integrate.samples import Changes
 from rodgen.integrate.solution import Solution
+from rodgen.integrate.trajectory import Changes
 from rodgen.scene import Scene
+from rodgen.system import System
 
 Make = Callable[..., Any]
 EDGES = 0, 70, 71, 130, 200
@@ -39,11 +40,11 @@ def changed(samples: Make) -> Callable[..., tuple[Solution, list[Solution]]]:
             table["loads"]["gravity"]["g"] = 9.81 / (1 + k)
             table["loads"]["external_damping"]["fin_factor"]["tail"] = 5.0 + k
             part = sol.taken(slice(first, last))
-            part.scene, part.model = Scene.from_dict(table), sol.model
+            part.system, part.model = System(Scene.from_dict(table)), sol.model
             pieces.append(part)
         p = [sol.model.parameters(**piece.scene.parameters) for piece in pieces]
         sol.changes = Changes(np.repeat(p, np.diff(EDGES), axis=0), GIVEN)
-        sol.scene = pieces[-1].scene
+        sol.system = pieces[-1].system
         return sol, pieces
 
     return make
@@ -101,7 +102,7 @@ def test_changes_grow_in_blocks_and_are_due(
     monkeypatch.setattr(stream, "BLOCK", 10**9)
     sol.save(tmp_path / "at_once.nc")
     monkeypatch.setattr(stream, "BLOCK", 20_000)  # some samples at a time
-    path, parts = tmp_path / "in_blocks.nc", (sol.scene, sol.model, sol._p, list(sol.work))
+    path, parts = tmp_path / "in_blocks.nc", (sol.system, sol.model, list(sol.work))
     Stream.create(path, *parts, changed=True).close()
     for first, last in ((0, 50), (50, 71), (71, 200)):
         with Stream.reopen(path, sol.model) as file:

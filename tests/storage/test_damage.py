@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 
 import rodgen
+from rodgen.integrate.files.reader import Excerpt
 from rodgen.integrate.files.result_file import FileWarning
-from rodgen.integrate.files.storage import Excerpt
 from rodgen.integrate.files.stream import Stream
 from tests.storage.conftest import STATS, same
 from tests.told import numbers, refused
 
 Make = Callable[..., Any]
 FORMER = Path(__file__).with_name("format_2.netcdf")  # written by rodgen before checksums
-REFUSED = rodgen.SceneError
+REFUSED = rodgen.InputError
 
 
 @pytest.fixture

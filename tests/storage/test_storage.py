@@ -15,7 +15,7 @@ from rodgen.integrate.files import result_file
 from rodgen.integrate.files.checksums import NO_STATS
 from rodgen.integrate.files.result_file import header_of
 from rodgen.integrate.files.stream import Stream
-from rodgen.integrate.solution import Event
+from rodgen.integrate.trajectory import Event
 from tests.storage.conftest import same
 from tests.told import numbers, refused
 

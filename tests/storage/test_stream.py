@@ -107,7 +107,7 @@ def test_going_back_and_on_is_never_having_stopped(samples: Make, tmp_path: Path
             for k in (10, 20, 30)[file.events : events]:
                 file.add_event(k % 2, given.t[k], given.y[k])
     with Stream.reopen(back, given.model) as file:
-        assert (file.count, file.events, file.scene) == (30, 1, given.scene)
+        assert (file.count, file.events, file.system.scene) == (30, 1, given.scene)
         with pytest.raises(ValueError, match=r"31"):
             file.truncate(31)
         given.append(file, 30, 90)

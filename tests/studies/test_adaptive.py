@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen import SceneError
+from rodgen import InputError
 from rodgen.studies import adaptive
 from rodgen.studies.block import evaluate
 from rodgen.studies.points import points
-from rodgen.studies.specification import Study
+from rodgen.studies.study import Study
 from tests.studies.conftest import BECK, scene
 
 FORCE, TIME = "loads.follower.force", "loads.material_damping.time"
@@ -117,5 +117,5 @@ def test_what_cannot_be_refined() -> None:
         *((two, how) for how in ((2.0,), (None, "force"), (None, "largest_growth > 1-1"))),
     ):
         study = Study.of(scene(BECK), vary, what="modes", keep=["stable", "largest_growth"])
-        with pytest.raises(SceneError):
+        with pytest.raises(InputError):
             next(adaptive.rounds(study, *how))

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen import Scene, SceneError, Solution
-from rodgen.analyse.errors import AnalysisError
+from rodgen import InputError, Scene, Solution
 from rodgen.analyse.fourier import peaks_of
-from rodgen.studies import runs, vectors
+from rodgen.errors import AnalysisError
+from rodgen.studies import point_batch, runs
 from rodgen.studies.block import evaluate
 from rodgen.studies.points import points
-from rodgen.studies.specification import Study
+from rodgen.studies.study import Study
+from rodgen.system import System
 from tests.studies.conftest import BECK, PENDULUM, scene
 from tests.told import numbers
 
@@ -74,38 +75,38 @@ def test_blocks_and_their_order_do_not_matter(grid: Study) -> None:
         same(every, computed(grid, part), part)
 
 
-def test_what_is_copied_is_what_a_scene_makes_of_it(grid: Study) -> None:
-    """To the bit; and what more follows from is not copied."""
-    names = vectors.copied(grid)
+def test_what_has_a_slot_is_what_a_scene_makes_of_it(grid: Study) -> None:
+    """To the bit; and what more follows from has none."""
+    names = point_batch.slot_names(grid)
     assert names == ("parameters.A", "initial.phi", "rod.length")
     bodies = [{"name": "tip", "at": 1.0, "mass": 1.0, "offset": [0.1, 0.0]}]
     other = Study.of(scene(PENDULUM, bodies=bodies), {"rod.length": [1.0, 2.0]}, keep="last(tip_x)")
-    assert vectors.copied(other) == ()
+    assert point_batch.slot_names(other) == ()
     every = points(grid, range(grid.count))
-    (_, members), *_ = vectors.groups(every, ["integrate.rtol"])
-    share = vectors.copying(grid, every[0], names)
+    (_, members), *_ = point_batch.groups(every, ["integrate.rtol"])
+    share = point_batch.PointBatch.of(grid, every[0], names)
     assert share is not None
     p, y, taken = share.rows([every[at] for at in members])
     assert all(taken)
     for row, at in enumerate(members):
-        alone = vectors.packed(grid.scene_at(every[at]))
-        np.testing.assert_array_equal(p[row], alone[0])
-        np.testing.assert_array_equal(y[row], alone[1])
+        alone = System(grid.scene_at(every[at]))
+        np.testing.assert_array_equal(p[row], alone.p)
+        np.testing.assert_array_equal(y[row], alone.y0)
 
 
-def test_what_an_expression_makes_of_a_number_is_not_copied() -> None:
+def test_what_an_expression_makes_of_a_number_has_no_slot() -> None:
     """It may switch at a value that was not tried; and a law may have a value that it refuses."""
     switching = scene(PENDULUM, initial={"phi": "0.5 + s if A < 100 else 0.2"})
     study = Study.of(switching, {"parameters.A": [0.5, 1.0, 2.0, 200.0]}, keep=["last(tip_x)"])
-    assert vectors.copied(study) == ()
+    assert point_batch.slot_names(study) == ()
     alone = rodgen.simulate(study.scene_at({"parameters.A": 200.0}), target="c")
     np.testing.assert_allclose(computed(study)["last(tip_x)"][3], alone.tip[-1, 0], rtol=1e-7)
     divided = scene(PENDULUM, parameters={"A": 2.0}, loads={"tip": {"x": "sin(w*t)*(1/(A - 1))"}})
     study = Study.of(divided, {"parameters.A": [0.5, 1.0, 2.0, 3.0, 4.0]}, keep=["last(tip_x)"])
-    assert vectors.copied(study) == ("parameters.A",)
+    assert point_batch.slot_names(study) == ("parameters.A",)
     found = computed(study)
     assert found["status"].tolist() == ["finished", "failed", *["finished"] * 3]
-    with pytest.raises(SceneError) as refused:
+    with pytest.raises(InputError) as refused:
         study.scene_at({"parameters.A": 1.0})
     assert found["message"][1] == str(refused.value)[:200]
 
@@ -277,7 +278,7 @@ def test_analyses_are_those_of_their_scenes(analysis: tuple[Any, ...]) -> None:
     assert failed.sum() == failures
     for at, point in enumerate(points(study, range(study.count))):
         if failed[at]:
-            with pytest.raises((SceneError, AnalysisError)) as refused:
+            with pytest.raises((InputError, AnalysisError)) as refused:
                 alone(study.scene_at(point), **options)
             assert found["message"][at] == str(refused.value)[:200]
         else:

@@ -11,7 +11,7 @@ from rodgen.studies import runs
 from rodgen.studies.block_arrays import Made
 from rodgen.studies.keep import kept, variables
 from rodgen.studies.points import points
-from rodgen.studies.specification import Study
+from rodgen.studies.study import Study
 from tests.studies.conftest import PENDULUM, scene
 from tests.studies.test_block import computed, same
 from tests.told import numbers

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rodgen import SceneError, Study, StudyError
+from rodgen import InputError, Study, StudyError
 from rodgen.studies.engine import run
 from rodgen.studies.store import Store, read
 from rodgen.studies.tally import tally
@@ -105,7 +105,7 @@ def points_of(study: Study, path: Path, data: xr.Dataset, again: bool) -> int | 
         if again:
             run(study, path, workers=1, resume=True)
         return there(read(path), data)
-    except SceneError as error:
+    except InputError as error:
         return f"{error}" if error.value == str(path) else f"{error}\nanother value"
     except StudyError as error:
         return str(error)

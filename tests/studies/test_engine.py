@@ -15,8 +15,8 @@ from rodgen.integrate import Solution
 from rodgen.studies import here, task
 from rodgen.studies.engine import run
 from rodgen.studies.here import Here
-from rodgen.studies.specification import Study
 from rodgen.studies.store import read
+from rodgen.studies.study import Study
 from tests.studies.conftest import PENDULUM, scene
 
 SHORT = scene(PENDULUM, integrate={"span": [0.0, 0.1]})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rodgen.studies.keep import variables
-from rodgen.studies.specification import Study
+from rodgen.studies.study import Study
 from tests.studies.conftest import BECK, PENDULUM, scene
 from tests.told import refused
 

@@ -11,7 +11,7 @@ import pytest
 import tomli_w
 
 import rodgen
-from rodgen import SceneError, Study
+from rodgen import InputError, Study
 from rodgen.studies.block import evaluate
 from rodgen.studies.points import points
 from tests.cli.conftest import names
@@ -152,7 +152,7 @@ def test_files_that_are_none_are_refused(file: Path, rodgen: Any, tmp_path: Path
 def test_more_points_than_anybody_wants_are_asked_for_twice(tmp_path: Path) -> None:
     axis = {"from": 1, "to": 2, "count": 10**4 + 1}
     vary = {"rod.mass": axis, "rod.length": axis}
-    with pytest.raises(SceneError, match="--yes"):
+    with pytest.raises(InputError, match="--yes"):
         rodgen.study(scene(BECK), vary, what="critical", out=tmp_path / "a.zarr", workers=1)
     assert not list(tmp_path.iterdir())
 

@@ -14,7 +14,7 @@ import pytest
 import xarray as xr
 
 import rodgen
-from rodgen import SceneError, Study, StudyError
+from rodgen import InputError, Study, StudyError
 from rodgen.studies import engine, here, store
 from rodgen.studies.engine import run
 from rodgen.studies.store import Store, read
@@ -107,7 +107,7 @@ def test_a_study_that_is_extended_is_the_larger_one(method: str, tmp_path: Path)
     assert_same(data, rodgen.study(many, workers=1))
     assert_same(data.isel(point=slice(10)), before)
     np.testing.assert_array_equal(data.seconds[:8], before.seconds[:8])  # whole blocks are kept
-    with pytest.raises(SceneError, match=r"\b25\b"):
+    with pytest.raises(InputError, match=r"\b25\b"):
         run(few, path, workers=1, resume=True)
     assert {*xr.open_zarr(path, consolidated=False).coords} == {"parameters.A", "rod.mass"}
 
@@ -123,13 +123,13 @@ def test_the_store_of_another_study_or_version_is_left_alone(
         (Study.of(scene(PENDULUM), {"parameters.A": [1]}, keep=KEEP), "scene, vary"),
         (sampled(4), "sample"),
     ):
-        with pytest.raises(SceneError, match=keys):
+        with pytest.raises(InputError, match=keys):
             run(other, stored, workers=1, resume=True)
-    with pytest.raises(SceneError, match="--resume"):
+    with pytest.raises(InputError, match="--resume"):
         run(grid(), stored, workers=1)
     for key in ("rodgen", "sources"):
         monkeypatch.setattr(store, "identity", lambda key=key: {**own, key: "another"})
-        with pytest.raises(SceneError, match=rf"{key} {re.escape(own[key])}\b"):
+        with pytest.raises(InputError, match=rf"{key} {re.escape(own[key])}\b"):
             run(grid(), stored, workers=1, resume=True)
     assert contents(stored) == before
 
@@ -143,7 +143,7 @@ def test_what_is_no_store_is_refused(tmp_path: Path) -> None:
         assert str(refused(read, path).value) == str(path)
         if path.exists():
             assert str(refused(run, grid(), path, workers=1, resume=True).value) == str(path)
-    with pytest.raises(SceneError, match=r"^out = "):
+    with pytest.raises(InputError, match=r"^out = "):
         run(grid(), tmp_path / "b.zarr" / "inside.zarr", workers=1)
 
 

@@ -17,6 +17,7 @@ from rodgen.studies.engine import run
 from rodgen.studies.store import read
 from rodgen.studies.tally import tally
 from rodgen.studies.time_limit import TooLong
+from rodgen.system import System
 from tests.studies.conftest import PENDULUM
 from tests.told import refused
 
@@ -68,12 +69,13 @@ def test_a_point_that_never_ends_is_left(tmp_path: Path) -> None:
 def test_an_analysis_that_never_ends_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     analysed = rodgen.studies.analyses.analysed
 
-    def slow(what: str, scene: Any, *given: Any) -> Any:
-        if scene.numbers["A"] == HANGS:
+    def slow(what: str, system: System, *given: Any) -> Any:
+        if system.value_of("parameters.A") == HANGS:
             _hang(600.0)
-        return analysed(what, scene, *given)
+        return analysed(what, system, *given)
 
     monkeypatch.setattr("rodgen.studies.analyses.analysed", slow)
+    rodgen.static_equilibrium(SCENE)  # whose module takes longer to be made than a point may
     vary = {"parameters.A": [1.0, HANGS]}
     found = rodgen.study(SCENE, vary, what="static", time_limit=LIMIT, workers=1)
     assert found.status.values.tolist() == ["finished", "too long"]

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen import SceneError, Study, StudyError
+from rodgen import InputError, Study, StudyError
 from rodgen.studies.engine import run
 from rodgen.studies.here import FORKS
 from rodgen.studies.store import Store, read
@@ -133,7 +133,7 @@ def test_workers_of_another_version_are_refused(
     own = worker.who()
     for key in ("rodgen", "sources", "Python"):
         monkeypatch.setattr(cluster, "of_client", lambda key=key: {**own, key: "another"})
-        with pytest.raises(SceneError, match=rf"{key} {re.escape(str(own[key]))}\b"):
+        with pytest.raises(InputError, match=rf"{key} {re.escape(str(own[key]))}\b"):
             run(study_of(), tmp_path / "a.zarr", scheduler=scheduler.scheduler_address)
     assert not list(tmp_path.iterdir())
 

@@ -13,8 +13,8 @@ from rodgen.derive.chain import spring_energy, spring_potential
 from rodgen.derive.general import Equations
 from rodgen.derive.symbols import ALPHA, bend, k, n, phi, s
 from rodgen.emit.spring import law_of
+from rodgen.errors import InputError
 from rodgen.model.rod import BOUNDARIES
-from rodgen.scene import SceneError
 from rodgen.scene.structure import Structure
 from tests.palette import cases
 
@@ -71,6 +71,6 @@ def test_energy_is_the_integral_of_the_moment() -> None:
 
 @pytest.mark.parametrize("text", ["k * exp(sin(d))", "k * d * exp(a * d) / (b + d ** 4)"])
 def test_a_law_without_an_elementary_integral_is_refused(text: str) -> None:
-    with pytest.raises(SceneError, match=r"rod\.spring") as caught:
+    with pytest.raises(InputError, match=r"rod\.spring") as caught:
         _law(text)
     assert caught.value.value == text

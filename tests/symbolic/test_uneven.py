@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import pytest
 from sympy import Expr
 
-from rodgen.derive import general
+from rodgen.derive import generic_chain
 from rodgen.derive.proofs import Comparison, DisagreementError, comparisons
 from rodgen.derive.proofs.any_n import prove_any_n
 from rodgen.derive.proofs.joint_forces import prove_joint_forces
@@ -39,7 +39,7 @@ def test_the_spring_of_another_joint_is_found(
     links: tuple[int, ...],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(general, "Rod", NextJoint)
+    monkeypatch.setattr(generic_chain, "Rod", NextJoint)
     with pytest.raises(DisagreementError):
         list(prove(*links, "free", "uniform", (), ("stiffness",)))
 

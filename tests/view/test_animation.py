@@ -15,14 +15,16 @@ import pytest
 from matplotlib.quiver import QuiverKey
 from PIL import Image, ImageSequence
 
+from rodgen.errors import InputError
 from rodgen.integrate import Solution
 from rodgen.integrate.files.checksums import NO_STATS
 from rodgen.model.palette import LIGHT, shades
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.show.animation.files import ffmpeg
 from rodgen.show.animation.film import Picture, animate
 from rodgen.show.animation.motion import motion
 from rodgen.show.animation.times import Settings, nearest, plan
+from rodgen.system import System
 from tests.palette import cases
 from tests.told import refused
 
@@ -40,7 +42,9 @@ def moved(make_scene: Callable[..., Scene]) -> Make:
     """A solution with the given states over time; no integration is needed for a picture."""
 
     def make(t: Any, y: Any, **rod: Any) -> Solution:
-        return Solution(make_scene(**rod), np.array(t, float), np.array(y, float), {}, NO_STATS)
+        return Solution(
+            System(make_scene(**rod)), np.array(t, float), np.array(y, float), {}, NO_STATS
+        )
 
     return make
 
@@ -150,7 +154,7 @@ def test_a_body_is_drawn_beside_its_link(moved: Make, tmp_path: Path) -> None:
     body = {"name": "tank", "at": 0.5, "mass": 6.0, "offset": [0.0, 0.6]}
     scene = Scene.from_dict(sol.scene.model_dump(exclude_none=True) | {"bodies": [body]})
     path = tmp_path / "film.gif"
-    animate(replace(sol, scene=scene, model=None), path, **SMALL)
+    animate(replace(sol, system=System(scene), model=None), path, **SMALL)
     shown = list(frames(path))
     ends, bodies = (np.array([tail(f, 4, colour=c) for f in shown]) for c in (TAIL, BODY))
     middle, half = ends.mean(axis=0), (ends[0] - ends[1]) / 2
@@ -182,7 +186,7 @@ def test_run_that_blew_up_is_drawn_up_to_there(pendulum: Solution, tmp_path: Pat
         assert "t = 0.7 s" in film.notes[0]
     pendulum.y[0] = np.nan
     path.unlink()
-    with pytest.raises(SceneError):
+    with pytest.raises(InputError):
         animate(pendulum, path, **SMALL)
     assert not list(tmp_path.iterdir())
 
@@ -231,12 +235,12 @@ def test_ffmpeg_that_is_missing_or_fails_is_told_of(
     """How it is installed; and what it says itself."""
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(SceneError, match=r"pip install"):
+    with pytest.raises(InputError, match=r"pip install"):
         animate(pendulum, tmp_path / "film.mp4", **SMALL)
     program = tmp_path / "ffmpeg"
     program.write_text("#!/bin/sh\necho 'Unknown encoder libx264' >&2\nexit 1\n")
     program.chmod(0o755)
-    with pytest.raises(SceneError, match="Unknown encoder libx264"):
+    with pytest.raises(InputError, match="Unknown encoder libx264"):
         animate(pendulum, tmp_path / "film.mp4", **SMALL)
     assert list(tmp_path.iterdir()) == [program]
 
@@ -273,7 +277,7 @@ def test_the_arrow_of_the_key_is_as_long_as_its_force(make_scene: Callable[..., 
     changes = {"loads.follower.force": 7.0, "loads.follower.at": 0.0}
     scene = make_scene(1, "free", ("follower",)).replace(changes)
     states = np.array([[0.0] * 6, [0.1, 0.0, 0.0, 0.0, 0.0, 0.0]])
-    sol = Solution(scene, np.array([0.0, 1.0]), states, {}, NO_STATS)
+    sol = Solution(System(scene), np.array([0.0, 1.0]), states, {}, NO_STATS)
     stage = Picture(motion(sol), scene, Settings(view="fixed", width=640, height=480), 1.0)._stage
     stage.canvas.draw()
     key = next(one for one in stage.axes.get_children() if isinstance(one, QuiverKey))

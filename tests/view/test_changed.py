@@ -10,12 +10,13 @@ import pytest
 
 from rodgen.integrate import Solution
 from rodgen.integrate.files.checksums import NO_STATS
-from rodgen.integrate.files.storage import Excerpt
-from rodgen.integrate.samples import Changes
+from rodgen.integrate.files.reader import Excerpt
+from rodgen.integrate.trajectory import Changes
 from rodgen.scene import Scene
 from rodgen.show.animation.film import animate, film
 from rodgen.show.animation.motion import motion
 from rodgen.show.animation.times import Settings, plan
+from rodgen.system import System
 from tests.view.test_animation import SMALL
 
 SAMPLES, CHANGE = 1001, 400
@@ -27,13 +28,13 @@ def swinging(make_scene: Callable[..., Scene]) -> Solution:
     scene = make_scene(3, "pinned", ("follower", "gravity"))
     t = np.arange(SAMPLES) / 1000
     y = np.c_[np.outer(t, [1.0, 1.3, 1.5]), np.ones((SAMPLES, 3))]
-    return Solution(scene, t, y, {}, NO_STATS)
+    return Solution(System(scene), t, y, {}, NO_STATS)
 
 
 @pytest.fixture
 def changed(swinging: Solution) -> Solution:
     """The swinging rod, of which g, mass, stiffness and thrust were others in the first 0.4 s."""
-    p = np.tile(swinging._p, (SAMPLES, 1))
+    p = np.tile(swinging.system.p, (SAMPLES, 1))
     names = swinging.scene.structure.parameters
     before = {"gravity": 2.0, "mass": 5.0, "bending_stiffness": 60.0, "follower_force": 10.0}
     for name, value in before.items():
@@ -60,7 +61,7 @@ def test_frames_are_samples_with_what_held(changed: Solution) -> None:
 
 
 def test_rod_that_gets_longer_and_had_no_stiffness(swinging: Solution) -> None:
-    p = np.tile(swinging._p, (SAMPLES, 1))
+    p = np.tile(swinging.system.p, (SAMPLES, 1))
     names = swinging.scene.structure.parameters
     p[:, names.index("bending_stiffness")] = 0.0
     p[CHANGE:, names.index("length")] = 4.0

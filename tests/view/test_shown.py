@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterator
 from functools import cache
 from html import escape
+from importlib.metadata import EntryPoints, entry_points
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -19,8 +20,9 @@ from matplotlib.axes import Axes
 from PIL import Image
 
 import rodgen
+from rodgen import shown
 from rodgen.analyse.curves.files import read, save
-from rodgen.scene import SceneError
+from rodgen.errors import InputError
 from rodgen.show.animation import files
 from rodgen.show.appearance import LOOKS
 from rodgen.shown import Shown, Told, show_in_notebook
@@ -46,7 +48,7 @@ SHOWN: dict[str, Callable[[Any], str]] = {
 QUICKLY = ("Modes", "Spectrum")  # in next to no time
 DRAWN = [name for name in SHOWN if issubclass(getattr(rodgen, name), Shown)]
 # What says itself in a line as it is: named tuples and descriptions, errors apart.
-PLAIN = {"Event", "Structure"}
+PLAIN = {"Event", "Structure", "System"}
 
 
 @pytest.fixture(autouse=True)
@@ -98,8 +100,33 @@ def test_plots_are_those_of_pyplot_and_return_axes(name: str) -> None:
     for picture, part in zip(LOOKS[type(one)].pictures, (left, right), strict=False):
         assert one.plot(picture, figure=part).figure is part
     assert tuple(figure.get_size_inches()) == (8, 4)
-    with pytest.raises(SceneError, match=r"^picture = 'none'"):
+    with pytest.raises(InputError, match=r"^picture = 'none'"):
         one.plot("none")
+
+
+def test_what_draws_is_looked_up_once_and_not_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[dict[str, str]] = []
+
+    def looked_up(**group: str) -> EntryPoints:
+        asked.append(group)
+        return entry_points(**group)
+
+    monkeypatch.setattr(shown, "entry_points", looked_up)
+    shown.drawer.cache_clear()
+    modes = made("Modes")
+    assert repr(modes)
+    assert asked == []
+    assert modes.plot().has_data()
+    assert modes._repr_html_()
+    assert asked == [{"group": "rodgen.pictures", "name": "results"}]
+
+
+def test_an_installation_without_pictures_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shown, "entry_points", lambda **_: EntryPoints(()))
+    shown.drawer.cache_clear()
+    for draw in (made("Modes").plot, made("Modes")._repr_html_):
+        with pytest.raises(ImportError, match=re.escape("rodgen.pictures")):
+            draw()
 
 
 def test_what_has_no_table_is_a_line() -> None:
@@ -166,7 +193,7 @@ def test_a_film_for_a_notebook(
     path = tmp_path / f"film{ending}"
     video.save(path)
     assert path.read_bytes() == video.data
-    with pytest.raises(SceneError, match=re.escape(ending)):
+    with pytest.raises(InputError, match=re.escape(ending)):
         video.save(tmp_path / "film.avi")
     assert [one.name for one in tmp_path.iterdir()] == [path.name]
 
@@ -202,9 +229,9 @@ def test_datasets_draw_themselves(make: Callable[[], Any]) -> None:
     assert isinstance(axes, Axes)
     assert axes.figure is pyplot.gcf()
     assert any(len(np.atleast_1d(line.get_xdata())) > 1 for line in axes.get_lines())
-    with pytest.raises(SceneError, match=r"^picture = 'none'"):
+    with pytest.raises(InputError, match=r"^picture = 'none'"):
         data.rodgen.plot("none")
-    with pytest.raises(SceneError):
+    with pytest.raises(InputError):
         xarray.Dataset().rodgen.plot()
     line, html = repr(data.rodgen), data.rodgen._repr_html_()
     assert re.fullmatch(rf"<.*pressed.*\b{len(data[next(iter(data.dims))])} .*>", line)

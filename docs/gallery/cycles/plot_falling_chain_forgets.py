@@ -15,11 +15,11 @@ from matplotlib.animation import FuncAnimation
 import rodgen
 
 scene = rodgen.Scene.example("falling_chain")
-model = rodgen.build(scene, target="c")
-y0 = np.array(scene.initial_state())
-one = rodgen.simulate(scene, model=model, span=[0.0, 4.0], progress=False)
+system = rodgen.System(scene)
+y0 = np.array(system.y0)
+one = rodgen.simulate(system, span=[0.0, 4.0], progress=False)
 y0[0] += 1e-9
-other = rodgen.simulate(scene, model=model, y0=y0, span=[0.0, 4.0], progress=False)
+other = rodgen.simulate(system.at(y0=y0), span=[0.0, 4.0], progress=False)
 found = rodgen.lyapunov_exponents(scene, count=1, span=50.0)
 
 figure, axes = plt.subplots()

@@ -10,12 +10,12 @@ from scipy.linalg import eigvalsh
 from scipy.sparse.linalg import splu
 
 from rodgen.analyse.curves.bordered import sign_of
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.modal import MOST_DENSE
 from rodgen.analyse.pencil import SINGULAR, Cells, Dense, sparse
 from rodgen.analyse.springs import Softened
-from rodgen.analyse.system import System, Unknowns
-from rodgen.integrate.stepper import Array
+from rodgen.analyse.steady_rod import SteadyRod, Unknowns
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 
 NUDGE = 1e-8  # rad, of differences of the mass matrix: Newton's method corrects their error
 LOOSE = 1e-12  # of the largest effect of a shift of the rod: one that has none, but for rounding
@@ -77,7 +77,7 @@ class WholeBalance:
     generalised forces and the rates of added states are to vanish, by the Jacobian of the module;
     springs: of its supports, with the forces that were foretold."""
 
-    system: System
+    rod: SteadyRod
     y: Array
     p: Array
     bend: Array | float
@@ -85,7 +85,7 @@ class WholeBalance:
 
     @cached_property
     def _half(self) -> int:
-        return self.system.base + self.system.cells
+        return self.rod.base + self.rod.cells
 
     @property
     def _foretold(self) -> Array:
@@ -96,27 +96,27 @@ class WholeBalance:
     def rates(self) -> Array:
         """Accelerations of joint 0 and of the angles, rates of added states, with the forces of
         supports that were foretold."""
-        rates = self.system.model.rhs(self.system.t, self.y, self._foretold)[self._half :]
+        rates = self.rod.model.rhs(self.rod.t, self.y, self._foretold)[self._half :]
         if not np.isfinite(rates).all():
             raise AnalysisError("the equations of rest are not finite")
         return np.asarray(rates)
 
     @cached_property
     def _whole_mass(self) -> Array:
-        return np.asarray(self.system.model.mass_matrix(self.y, self.p))
+        return np.asarray(self.rod.model.mass_matrix(self.y, self.p))
 
     @cached_property
     def _carried(self) -> Array:
         """How forces on joint 0 act on all coordinates of a rod that moves as it may where nothing
         holds it (base + cells, base)."""
-        moved = self._whole_mass[:, : self.system.base] @ self.free.T
-        return np.asarray(moved @ np.linalg.solve(self.free @ moved[: self.system.base], self.free))
+        moved = self._whole_mass[:, : self.rod.base] @ self.free.T
+        return np.asarray(moved @ np.linalg.solve(self.free @ moved[: self.rod.base], self.free))
 
     @cached_property
     def _mass(self) -> Array:
         """The inertia of all other motions of such a rod."""
         whole = self._whole_mass
-        return whole - self._carried @ whole[: self.system.base] if len(self.free) else whole
+        return whole - self._carried @ whole[: self.rod.base] if len(self.free) else whole
 
     def _forced(self, rates: Array) -> Array:
         """Rows of accelerations as generalised forces."""
@@ -133,9 +133,7 @@ class WholeBalance:
 
     @cached_property
     def _jacobian(self) -> Array:
-        return np.asarray(
-            self.system.model.jac(self.system.t, self.y, self._foretold)[self._half :]
-        )
+        return np.asarray(self.rod.model.jac(self.rod.t, self.y, self._foretold)[self._half :])
 
     @cached_property
     def _by_place(self) -> Array:
@@ -159,11 +157,11 @@ class WholeBalance:
         Each of its entries follows how two links are turned from each other, or from joint 0, which
         does not turn: one difference has them all, of links that are turned by one more nudge each.
         """
-        base, cells, half = self.system.base, self.system.cells, self._half
+        base, cells, half = self.rod.base, self.rod.cells, self._half
         turned = NUDGE * np.append(np.zeros(base), 1.0 + np.arange(cells))
         apart, y = turned[:, None] - turned, self.y.copy()
         y[:half] += turned
-        change = self.system.model.mass_matrix(y, self.p) - self._whole_mass
+        change = self.rod.model.mass_matrix(y, self.p) - self._whole_mass
         by_turn = np.divide(change, apart, out=np.zeros_like(change), where=apart != 0)
         rates = self.rates[:half]
         rates = rates - np.append(self._carried.T @ rates, np.zeros(cells))
@@ -175,14 +173,14 @@ class WholeBalance:
     @cached_property
     def free(self) -> Array:
         """Directions (k, 2) in which joint 0 moves the whole rod without any effect."""
-        base = self.system.base
+        base = self.rod.base
         _, sizes, ways = np.linalg.svd(self._by_place[:, :base])
         return np.asarray(ways[sizes <= LOOSE * max(sizes, default=0.0)])
 
     @cached_property
     def basis(self) -> Array:
         """Columns of changes that have an effect."""
-        base, size = self.system.base, len(self.residual)
+        base, size = self.rod.base, len(self.residual)
         if not len(self.free):
             return np.eye(size)
         ways = np.linalg.svd(self.free)[2][len(self.free) :]
@@ -208,7 +206,7 @@ class WholeBalance:
             raise AnalysisError(SINGULAR) from None
         if not np.isfinite(found).all():
             raise AnalysisError(SINGULAR)
-        base, cells = self.system.base, self.system.cells
+        base, cells = self.rod.base, self.rod.cells
         change: Array = self.basis @ found
         position, phi, added = np.split(change, [base, base + cells])
         return Unknowns(phi, np.zeros((cells, 2)), position, added)
@@ -220,13 +218,13 @@ class WholeBalance:
 
     def push(self) -> Array:
         """Force of all loads on the whole rod in the directions that are free (k,) [N]."""
-        mass = self.system.model.mass_matrix(self.y, self.p)[: self.system.base]
+        mass = self.rod.model.mass_matrix(self.y, self.p)[: self.rod.base]
         return np.asarray(self.free @ (mass @ self.rates[: self._half]))
 
     def hold(self) -> float:
         """How the whole rod is held against being moved by its own length [N]."""
-        base = self.system.base
-        return float(np.abs(self.slope[:base, :base]).max()) * self.system.scene.rod.length
+        base = self.rod.base
+        return float(np.abs(self.slope[:base, :base]).max()) * self.rod.scene.rod.length
 
     def dense(self) -> Dense:
         """The matrices of small motions about it; what follows rates counts only where loads follow
@@ -234,7 +232,7 @@ class WholeBalance:
         half, size = self._half, len(self.rates)
         inertia, by_rate = np.zeros((2, size, size))
         inertia[:half, :half] = self._mass
-        if self.system.steered:
+        if self.rod.steered:
             by_rate[:, :half] = -self._forced(self._jacobian[:, half : 2 * half])
             by_rate[half:, half:] = np.eye(size - half)
         parts = -self.slope, by_rate, inertia
@@ -243,7 +241,7 @@ class WholeBalance:
 
     def falls(self) -> float:
         """Square of the fastest growth of a motion without damping [1/s^2], as of ChainBalance."""
-        if self.system.cells > MOST_DENSE:
+        if self.rod.cells > MOST_DENSE:
             return 0.0
         K, M = (-self.basis.T @ self.slope @ self.basis, self.basis.T @ self._mass @ self.basis)
         return _fastest(Dense(K, np.zeros_like(K), M))
@@ -252,7 +250,7 @@ class WholeBalance:
         """How many motions are unstable without damping; with added states, and beyond MOST_DENSE
         links, the sign of the determinant, which tells odd changes alone."""
         slope = self.basis.T @ self.slope @ self.basis
-        if self.system.scene.states or self.system.cells > MOST_DENSE:
+        if self.rod.scene.states or self.rod.cells > MOST_DENSE:
             return int(np.linalg.slogdet(slope)[0])
         mass = self.basis.T @ self._mass @ self.basis
         return int((np.linalg.eigvals(np.linalg.solve(mass, slope)).real > 0).sum())
@@ -271,7 +269,7 @@ Balance = ChainBalance | WholeBalance
 
 
 def balance(
-    system: System,
+    rod: SteadyRod,
     at: Unknowns,
     p: Array,
     bend: Array | float = 0.0,
@@ -279,11 +277,11 @@ def balance(
 ) -> Balance:
     """The equations of rest of a system; bend: what is to remain of them instead of zero; springs:
     those of its supports, with the forces that were foretold."""
-    if not system.chain:
-        return WholeBalance(system, system.at_rest(at), p, bend, springs)
-    return ChainBalance(Cells.at(system, at, p), bend)
+    if not rod.chain:
+        return WholeBalance(rod, rod.at_rest(at), p, bend, springs)
+    return ChainBalance(Cells.at(rod, at, p), bend)
 
 
-def free_ways(system: System, at: Unknowns, p: Array) -> Array:
+def free_ways(rod: SteadyRod, at: Unknowns, p: Array) -> Array:
     """Directions (k, 2) in which nothing holds a free rod, nor follows its place."""
-    return WholeBalance(system, system.at_rest(at), p, 0.0).free
+    return WholeBalance(rod, rod.at_rest(at), p, 0.0).free

@@ -14,7 +14,7 @@ from rodgen.analyse.modal import MOST_DENSE, ROUNDING, Modal, Motions, condition
 from rodgen.analyse.onset import Onset
 from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.search import Search
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 
 ALIKE = 2.0  # times: growths by two routes that differ by less are one
 NOISE = 1024 * ROUNDING  # of a matrix: roundings of what it was made of
@@ -98,7 +98,7 @@ def eigenvalues(family: Family, load: float, near: complex | None = None) -> Eig
     """Of the linearised equations under a load; of many links those next to a rate, which is zero
     where none is given."""
     most = MOST_DENSE if near is None else MANY
-    if family.system.cells > most and isinstance(family.at(load), Pencil):
+    if family.rod.cells > most and isinstance(family.at(load), Pencil):
         return Eigenvalues.beside(family, load, near or 0j)
     return Eigenvalues.of(family.equations(load), family.lowest)
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from rodgen.analyse.confirm import ALIKE, doubt, doubt_of_onset, eigenvalues
-from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.family import (
     BASIS,
     FOLLOWER,
@@ -19,19 +18,21 @@ from rodgen.analyse.family import (
     scaled,
     unit_of,
 )
+from rodgen.analyse.guard import guarded
 from rodgen.analyse.modal import DIVERGENCE, FLUTTER, MOST_DENSE, slight
 from rodgen.analyse.onset import At, Onset, digits, onset
 from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.search import Event, Search, grid
 from rodgen.analyse.sizes import CRITICAL, check_size
-from rodgen.analyse.system import System, flown
+from rodgen.analyse.steady_rod import SteadyRod, state_after
 from rodgen.analyse.zero_onset import zero_onset
-from rodgen.scene import Scene, SceneError
+from rodgen.errors import AnalysisError, InputError
+from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
-from rodgen.scene.overrides import with_parameters
 from rodgen.scene.plain import is_number, plain
 from rodgen.scene.tables import LARGEST
 from rodgen.shown import Shown
+from rodgen.system import System
 
 HIGHEST = 1000.0  # EI/L^2: ten times what a free rod bears
 NARROWEST = 1e-6, 1e-9  # range that is searched: of EI/L^2, and of its ends
@@ -121,7 +122,7 @@ class Critical(Shown):
 
 @guarded
 def critical_force(
-    scene: Scene,
+    system: System | Scene,
     *,
     lowest: float | None = None,
     highest: float | None = None,
@@ -143,8 +144,8 @@ def critical_force(
 
     Parameters
     ----------
-    scene
-        The scene. The size of the load that is scaled is not used.
+    system
+        The scene, or a System. The size of the load that is scaled is not used.
     lowest, highest
         Forces at which the search begins and ends [N]. By default 0 and 1000 EI/L^2.
     t
@@ -173,7 +174,7 @@ def critical_force(
 
     Raises
     ------
-    SceneError
+    InputError
         For a scene without that load, and for an empty range.
     AnalysisError
         If there is no steady state, if it does not lose its stability in the range, or if it is
@@ -188,11 +189,11 @@ def critical_force(
     >>> found.kind, round(found.factor, 4)
     ('flutter', 20.0268)
     """
-    family = family_of(scene, t, speed, after, load)
+    family = family_of(system, t, speed, after, load)
     if not family.whole:
         raise AnalysisError("no mode can become unstable: all motions move the rod as a whole")
     if end not in (UPPER, LOWER):
-        raise SceneError("end", end, f"{UPPER} or {LOWER}")
+        raise InputError("end", end, f"{UPPER} or {LOWER}")
     low, high = _range(lowest, highest, family.unit)
     forces = grid(low, high, family.unit)
     search = Search(family, forces, BASIS, elastic)
@@ -203,9 +204,9 @@ def critical_force(
         raise AnalysisError(_unstable(search, growth))
     found = _first(search, end, growth)
     looked = forces[: int(np.searchsorted(forces, found.force)) + 1]
-    complete = family.system.cells <= MOST_DENSE
+    complete = family.rod.cells <= MOST_DENSE
     # A rod that is held and stays straight is what it is without the load.
-    same = family.straight and not family.system.base
+    same = family.straight and not family.rod.base
     state = family.state(0.0 if same else found.force)
     return Critical(
         force=found.force,
@@ -218,9 +219,9 @@ def critical_force(
         searched=(low, float(looked[-1]), len(looked)),
         state=state.words,
         complete=complete,
-        t=family.system.t,
-        speed=family.system.speed,
-        notes=state.notes + mesh_notes(scene),
+        t=family.rod.t,
+        speed=family.rod.speed,
+        notes=state.notes + mesh_notes(family.rod.system.source),
         applied=family.load.applied,
         load=family.load.name,
         unit=unit_of(family.load.name),
@@ -229,50 +230,51 @@ def critical_force(
         elastic=elastic,
         stable=tuple(_windows(search)) if windows else None,
         frequency_error=found.rate_error / (2 * np.pi),
-        scene=family.system.scene,
+        scene=family.rod.scene,
     )
 
 
 def family_of(
-    scene: Scene,
+    system: System | Scene,
     t: float | None = None,
     speed: float | None = None,
     after: float | None = None,
     load: str | None = None,
 ) -> Family:
-    """The linearised scene for every size of a load. Raises SceneError, AnalysisError."""
-    check_size(CRITICAL, scene)
-    scene, t = flown(scene, t, speed, after)
-    load = default_load(scene) if load is None else load
+    """The linearised scene for every size of a load. Raises InputError, AnalysisError."""
+    system = System.of(system)
+    check_size(CRITICAL, system)
+    system, t = state_after(system, t, speed, after)
+    load = default_load(system) if load is None else load
     term, law = scaled(load), None
-    if term and term.name in scene.loads.terms and term.has_size:
+    if term and term.name in system.load_terms and term.has_size:
         # Its size is not used by what follows; one that is a function of time is no parameter.
         name = term.sizes[0].name
-        law = scene.expression(name)
+        law = system.laws.get(name)
         if law is not None:
-            scene = with_parameters(scene, {name: 0.0})
-    system = System.of(scene, t, speed)
-    made = ScaledLoad.of(load, system)
+            system = system.at({system.field(name): 0.0})
+    rod = SteadyRod.of(system, t, speed)
+    made = ScaledLoad.of(load, rod)
     if law is not None:
-        applied = math.nan if law.signals else float(law(system.t))
+        applied = math.nan if law.signals else float(law(rod.t))
         made = replace(made, applied=applied)
-    return Family(system, made)
+    return Family(rod, made)
 
 
 def _range(lowest: float | None, highest: float | None, unit: float) -> tuple[float, float]:
-    """Ends of the search; raises SceneError for what are none."""
+    """Ends of the search; raises InputError for what are none."""
     low = 0.0 if lowest is None else _number("lowest", lowest)
     high = HIGHEST * unit if highest is None else _number("highest", highest)
     least = max(NARROWEST[0] * unit, NARROWEST[1] * max(abs(low), abs(high)))
     if not high - low >= least:
-        raise SceneError("highest", high, f"above lowest = {low:g} by {least:.3g} or more")
+        raise InputError("highest", high, f"above lowest = {low:g} by {least:.3g} or more")
     return low, high
 
 
 def _number(name: str, value: float) -> float:
     value = plain(value, name)
     if not (is_number(value) and np.isfinite(value) and abs(value) <= LARGEST):
-        raise SceneError(name, value, f"a finite number, at most {LARGEST:g} in size")
+        raise InputError(name, value, f"a finite number, at most {LARGEST:g} in size")
     return float(value)
 
 
@@ -310,7 +312,7 @@ def _first(search: Search, end: str, growth: float) -> Onset:
     """The first onset with all links, from a search in a few modes; in all of them where those did
     not do. Raises AnalysisError, too where what grows is not what the eigenvalues say."""
     family, why = search.family, AnalysisError("")
-    many = family.system.cells > MOST_DENSE
+    many = family.rod.cells > MOST_DENSE
     enough = many or family.whole <= BASIS
     for one in [search] if enough else [search, replace(search, modes=family.whole)]:
         near = _found(one, end)
@@ -387,9 +389,9 @@ def _equations(family: Family, near: Onset) -> At:
 def _kind(search: Search, found: Onset) -> str:
     """Flutter, divergence, or the turning of the whole rod, by the angles of what grows."""
     family, here = search.family, search.family.at(found.force)
-    turns = family.bare is not None and family.system.base and not search.elastic
+    turns = family.bare is not None and family.rod.base and not search.elastic
     if isinstance(here, Dense) and turns:
-        shape = np.linalg.svd(here.at(found.s))[2][-1, -family.system.cells :]
+        shape = np.linalg.svd(here.at(found.s))[2][-1, -family.rod.cells :]
         common = abs(shape.mean()) ** 2 * len(shape)
         if common >= WHOLE * np.linalg.norm(shape) ** 2 and not family.diverges(found.force):
             return TURNING

@@ -12,9 +12,9 @@ from scipy.linalg import eigh, null_space
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
 
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import Dense, Parts, Pencil, first_order, product
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 
 ZERO = 1e-7  # of the largest frequency: zero, and the square root of rounding
 LEAST = 1e-13  # of the largest |s|

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from rodgen.analyse.errors import AnalysisError, MeshWarning
-from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene, SceneError
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError, MeshWarning
+from rodgen.scene import Scene
 from rodgen.scene.mesh import unlike_damping
 from rodgen.shown import Told
 
@@ -85,7 +85,7 @@ def richardson(
 
     Raises
     ------
-    SceneError
+    InputError
         For fewer than three values, or fewer than two if the order is given.
     AnalysisError
         If the finest values do not converge.
@@ -100,7 +100,7 @@ def richardson(
     """
     count, v = _checked(_links(n), values, 3 if order is None else 2)
     if noise is not None and not 0 <= noise < np.inf:
-        raise SceneError("noise", noise, "a finite number of at least 0")
+        raise InputError("noise", noise, "a finite number of at least 0")
     floor = max(noise or 0.0, ROUNDING * float(np.abs(v).max()))
     orders = tuple(_triple(count[i : i + 3], v[i : i + 3], floor) for i in range(len(v) - 2))
     if np.ptp(v[-3:]) <= floor:
@@ -121,7 +121,7 @@ def _links(n: Sequence[float] | Sequence[Scene] | Array) -> Sequence[float] | Ar
         # None is a scene, which no annotation can tell.
         return n  # type: ignore[return-value]
     if len(scenes) < len(n):
-        raise SceneError("n", [type(one).__name__ for one in n], "numbers, or scenes, not both")
+        raise InputError("n", [type(one).__name__ for one in n], "numbers, or scenes, not both")
     if unlike := unlike_damping(scenes):
         text = f"{' and '.join(unlike)}: not the same damping for every number of links"
         warnings.warn(f"{text}; take Scene.with_links", MeshWarning, stacklevel=3)
@@ -134,15 +134,15 @@ def _checked(
     """Both as arrays, n rising."""
     count, v = np.asarray(n, dtype=float), np.asarray(values, dtype=float)
     if count.ndim != 1 or len(count) < least:
-        raise SceneError("n", count.tolist(), f"a list of at least {least} numbers")
+        raise InputError("n", count.tolist(), f"a list of at least {least} numbers")
     if v.shape != count.shape:
-        raise SceneError("values", v.tolist(), f"a list of {len(count)} numbers, one for each n")
+        raise InputError("values", v.tolist(), f"a list of {len(count)} numbers, one for each n")
     if not (np.isfinite(count).all() and (count > 0).all()):
-        raise SceneError("n", count.tolist(), "finite numbers greater than 0")
+        raise InputError("n", count.tolist(), "finite numbers greater than 0")
     if len(np.unique(count)) < len(count):
-        raise SceneError("n", count.tolist(), "numbers that all differ")
+        raise InputError("n", count.tolist(), "numbers that all differ")
     if not np.isfinite(v).all():
-        raise SceneError("values", v.tolist(), "finite numbers")
+        raise InputError("values", v.tolist(), "finite numbers")
     rising = np.argsort(count)
     return count[rising], v[rising]
 
@@ -200,9 +200,9 @@ def _second(n: Array, v: Array, first: float) -> float:
 def _given(order: float | Sequence[float], most: int) -> tuple[float, ...]:
     exponents = np.atleast_1d(np.asarray(order, dtype=float))
     if exponents.ndim != 1 or not (np.isfinite(exponents).all() and (exponents > 0).all()):
-        raise SceneError("order", order, "a finite number greater than 0, or a list of such")
+        raise InputError("order", order, "a finite number greater than 0, or a list of such")
     if not (np.diff(exponents) > 0).all():
-        raise SceneError("order", order, "a list of rising numbers")
+        raise InputError("order", order, "a list of rising numbers")
     return tuple(map(float, exponents[:most]))
 
 

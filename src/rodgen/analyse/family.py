@@ -13,17 +13,17 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 
 from rodgen.analyse.eigen import Complex, all_shapes, lowest_shapes
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.modal import MOST_DENSE, Modal, Motions
 from rodgen.analyse.neutral import NONE, Neutral
 from rodgen.analyse.pencil import Dense, Parts, Pencil
 from rodgen.analyse.steady import Steady, linearised, steady
-from rodgen.analyse.system import System, without
-from rodgen.integrate.stepper import Array
+from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError, Missing
 from rodgen.model.term import WEIGHT, Term
 from rodgen.model.terms import TERMS
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.errors import Missing
+from rodgen.scene import Scene
+from rodgen.system import ParameterLine, System
 
 FOLLOWER, FOLLOWERS, ALL = "follower", "followers", "all"
 # Several loads that are scaled by one factor.
@@ -42,13 +42,13 @@ SOME = 0.37, 1.61, FAR  # loads of no importance
 
 
 def scaled(load: str) -> Term | None:
-    """The load of a name, None of a group. Raises SceneError for one that cannot be scaled."""
+    """The load of a name, None of a group. Raises InputError for one that cannot be scaled."""
     if load in GROUPS:
         return None
     tables = {term.table: term for term in TERMS.values()}
     term = TERMS[load] if load in TERMS else tables.get(load)
     if term is None or not term.sizes:
-        raise SceneError("load", load, f"one of {', '.join(SCALABLE)}")
+        raise InputError("load", load, f"one of {', '.join(SCALABLE)}")
     return term
 
 
@@ -70,54 +70,50 @@ def factor_of(load: str) -> str:
     return GROUPS[load] if term is None else f"{term.symbol} L^2/EI"
 
 
-def default_load(scene: Scene) -> str:
-    """The first load of a scene that follows the rod; the follower force, where there is none."""
-    return next(iter(scene.loads.following), FOLLOWER)
+def default_load(system: System) -> str:
+    """The first load of a system that follows the rod; the follower force, where there is none."""
+    return next((name for name in system.load_terms if TERMS[name].follows), FOLLOWER)
 
 
 @dataclass(frozen=True)
 class ScaledLoad:
-    """name: which load; direction: its parameters at the size one; unit: a size that matters, by
+    """name: which load; parts: its parameters at the size one; unit: a size that matters, by
     which a search steps; reference: the size whose multiple is the factor of a critical load;
     applied: the size that the scene itself has."""
 
     name: str
-    direction: dict[str, Any]
+    parts: dict[str, Any]
     unit: float
     reference: float
     applied: float
 
-    def parameters(self, size: float) -> dict[str, Any]:
-        """Parameters of the module at a size."""
-        return {name: size * part for name, part in self.direction.items()}
-
     @classmethod
-    def of(cls, name: str, system: System) -> ScaledLoad:
+    def of(cls, name: str, rod: SteadyRod) -> ScaledLoad:
         """A load of one size, such as a follower force [N] or gravity [m/s^2], whatever the scene's
         own is; one of several components, such as a dead force [N], in the direction of the
         scene's; one of a number for every link as a force [N] on the whole rod that is distributed
-        as the scene's; or a group of them as multiples of what the scene has. Raises SceneError for
+        as the scene's; or a group of them as multiples of what the scene has. Raises InputError for
         a load that the scene lacks."""
-        scene, given, term = system.scene, system.given, scaled(name)
+        scene, term = rod.scene, scaled(name)
         along = scene.distribution
         if along.usual_stiffness == 0:
-            raise SceneError("rod.bending_stiffness", 0.0, "positive: a chain bears no thrust")
+            raise InputError("rod.bending_stiffness", 0.0, "positive: a chain bears no thrust")
         if scene.slack:
             allowed = "of a slope above 0 at d = 0: a straight rod bears no thrust"
-            raise SceneError("rod.spring", scene.rod.spring, allowed)
+            raise InputError("rod.spring", scene.rod.spring, allowed)
         every = [TERMS[one] for one in scene.loads.terms]
         terms = [row for row in every if row.name == term.name] if term else every
         if name == FOLLOWERS:
             terms = [row for row in every if row.follows]
         here = {
-            one.name: (np.asarray(given[one.name], dtype=float), _per_size(row, scene))
+            one.name: (np.asarray(rod.system.values(one.name)), _per_size(row, scene))
             for row in terms
             for one in row.sizes
         }
         place = f"loads.{name}" if term else "loads"
         if not here:
             found = ", ".join((*(row.name for row in every if row.sizes), *GROUPS))
-            raise SceneError(place, Missing(), f"given: its size is asked for (there is {found})")
+            raise InputError(place, Missing(), f"given: its size is asked for (there is {found})")
         force = along.usual_stiffness / scene.rod.length**2
         if term and term.has_size:
             unit = force / _per_size(term, scene)
@@ -125,13 +121,13 @@ class ScaledLoad:
             return cls(name, dict.fromkeys(here, 1.0), unit, unit, own)
         forces = [np.abs(value).sum() * per_size for value, per_size in here.values()]
         if not any(forces):
-            raise SceneError(place, 0.0, "not zero: its direction is that of the scene")
-        direction = {key: value for key, (value, _) in here.items()}
+            raise InputError(place, 0.0, "not zero: its direction is that of the scene")
+        parts = {key: value for key, (value, _) in here.items()}
         if term:
             size = float(np.hypot.reduce(forces))
-            parts = {key: value / size for key, value in direction.items()}
+            parts = {key: value / size for key, value in parts.items()}
             return cls(name, parts, force, force, size)
-        return cls(name, direction, force / float(sum(forces)), 1.0, 1.0)
+        return cls(name, parts, force / float(sum(forces)), 1.0, 1.0)
 
 
 def _per_size(term: Term, scene: Scene) -> float:
@@ -147,8 +143,9 @@ class Family:
     A rod that stays straight has S linear in P; else the state is followed by Newton's method.
     """
 
-    def __init__(self, system: System, load: ScaledLoad):
-        self.system, self.load, self.unit = system, load, load.unit
+    def __init__(self, rod: SteadyRod, load: ScaledLoad):
+        self.rod, self.load, self.unit = rod, load, load.unit
+        self._line = ParameterLine.of(rod.system, load.parts)
         self._states: dict[float, Steady] = {}
         self._projected: dict[tuple[float, int], Dense] = {}
         self._dense: dict[float, Dense] = {}
@@ -161,7 +158,7 @@ class Family:
         if force not in self._states:
             near = min(self._states, key=lambda P: abs(P - force), default=None)
             start = None if near is None else self._states[near]
-            made = steady(self.system, start, **self.load.parameters(force))
+            made = steady(self.rod, start, self._line.parameters(force))
             while len(self._states) > KEPT:
                 self._states.pop(next(iter(self._states)))
             self._states[force] = made
@@ -185,7 +182,7 @@ class Family:
         """The linearised equations under a load without external damping, turning the whole rod
         taken away."""
         state = self.state(force)
-        if self.system.steered or self.system.anchored:
+        if self.rod.steered or self.rod.anchored:
             here = self.at(force)
             assert not isinstance(here, Pencil)
             return Parts.of(here)
@@ -228,8 +225,8 @@ class Family:
     def _translated(self, shapes: Array) -> Array:
         """Shapes among which are the translations that nothing holds, each on its own, for which
         no stiffness follows from rounding."""
-        moved = len(shapes) - self.system.cells  # coordinates of joint 0
-        if self.system.anchored or self.system.steered or not moved:
+        moved = len(shapes) - self.rod.cells  # coordinates of joint 0
+        if self.rod.anchored or self.rod.steered or not moved:
             return shapes
         rigid = moved + self.state(0.0).turns_freely
         parts, still = shapes[:moved, :rigid], shapes.copy()
@@ -257,7 +254,7 @@ class Family:
         turns a free rod with external damping, the real one that grows most, at any load, unless
         the rod without that damping diverges, which is a matter of its stiffness alone."""
         found = self._modal(forces, modes, self.neutral).motions()
-        if not (elastic and self.bare is not None and self.system.base):
+        if not (elastic and self.bare is not None and self.rod.base):
             return found
         away = self._turns(found.s, np.asarray(forces), modes)
         return Motions(np.where(away, np.nan, found.s), np.where(away, 0.0, found.growth))
@@ -288,8 +285,8 @@ class Family:
         """The rod without damping, where external damping acts on one that turns freely."""
         if not (self.dragged and self.state(0.0).turns_freely):
             return None
-        damping = (term.table for term in TERMS.values() if term.damps)
-        return Family(System.of(without(self.system.scene, *damping)), self.load)
+        damping = {f"loads.{term.table}": None for term in TERMS.values() if term.damps}
+        return Family(SteadyRod.of(self.rod.system.at(damping)), self.load)
 
     def diverges(self, force: float) -> bool:
         """Whether the rod without damping grows without oscillating."""
@@ -298,7 +295,7 @@ class Family:
 
     def turning(self, force: float) -> float:
         """Growth [1/s] of a slow turning of the whole rod; zero where there is none."""
-        if self.bare is None or not self.system.base:
+        if self.bare is None or not self.rod.base:
             return 0.0
         s = self.rates(np.array([force]), self.whole)[0]
         real = s.real[(np.abs(s.imag) <= self.rigid) & (s.real > self.rigid)]
@@ -344,12 +341,12 @@ class Family:
     @cached_property
     def _added(self) -> int:
         """States that are added."""
-        return len(self.system.scene.states)
+        return len(self.rod.system.added)
 
     def _on(self, force: float, modes: int) -> Dense:
         """By virtual work of so many motions."""
         if (force, modes) not in self._projected:
-            here = self.at(force) if self.system.cells > MOST_DENSE else self.equations(force)
+            here = self.at(force) if self.rod.cells > MOST_DENSE else self.equations(force)
             self._projected[force, modes] = here.on(self._modes[1][:, :modes])
         return self._projected[force, modes]
 

@@ -10,10 +10,9 @@ from scipy.fft import rfft, rfftfreq
 from scipy.signal import detrend
 from scipy.signal.windows import general_cosine
 
-from rodgen.analyse.errors import AnalysisError
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError, check_type
 from rodgen.integrate import Solution
-from rodgen.integrate.stepper import Array
-from rodgen.scene.errors import SceneError, check_type
 from rodgen.shown import Shown
 
 # Windows of maximal sidelobe decay, sin^(2 H - 2): their H cosine terms.
@@ -84,15 +83,15 @@ def peaks_of(
     two bins is found by the formula for these windows from the ratio r of the larger neighbour to
     the largest bin, (H r - H + 1) / (r + 1) bins: D. Belega and D. Dallet, Measurement 42 (2009)
     420-427. Peaks are above the noise, the leakage of stronger ones and ``floor`` times the
-    strongest, and at least H bins from 0. Raises SceneError for bad input, AnalysisError for
+    strongest, and at least H bins from 0. Raises InputError for bad input, AnalysisError for
     a signal too short or too coarsely sampled, or without peaks.
     """
     if window not in WINDOWS:
-        raise SceneError("window", window, " or ".join(f'"{name}"' for name in WINDOWS))
+        raise InputError("window", window, " or ".join(f'"{name}"' for name in WINDOWS))
     if not isinstance(peaks, int) or peaks < 1:
-        raise SceneError("peaks", peaks, "a whole number of at least 1")
+        raise InputError("peaks", peaks, "a whole number of at least 1")
     if not 0 <= floor < 1:
-        raise SceneError("floor", floor, "a number of at least 0 and less than 1")
+        raise InputError("floor", floor, "a number of at least 0 and less than 1")
     H = len(WINDOWS[window])
     dt, x = _sampled(t, signal)
     _long_enough(dt, len(x), H, lowest)
@@ -131,9 +130,9 @@ def _sampled(t: Array, signal: Array) -> tuple[float, Array]:
     t, x = np.asarray(t, dtype=float), np.asarray(signal, dtype=float)
     if t.ndim != 1 or x.ndim not in (1, 2) or len(x) != len(t):
         shape = f"an array (T,) or (T, channels) with T = {t.size}, the number of times"
-        raise SceneError("signal", f"array {x.shape}", shape)
+        raise InputError("signal", f"array {x.shape}", shape)
     if not (np.isfinite(t).all() and np.isfinite(x).all()):
-        raise SceneError("signal", "nan or inf", "finite, and its times as well")
+        raise InputError("signal", "nan or inf", "finite, and its times as well")
     if len(t) < 16:
         raise AnalysisError(f"spectrum of {len(t)} samples: at least 16 are needed")
     dt = float(t[-1] - t[0]) / (len(t) - 1)
@@ -141,7 +140,7 @@ def _sampled(t: Array, signal: Array) -> tuple[float, Array]:
     if not dt > 0 or scatter.max() > UNIFORM * dt + 8 * np.finfo(float).eps * np.abs(t).max():
         worst = int(np.argmax(scatter)) + 1
         rule = f"{dt:.9g} s after the sample before, like the others on the mean: uniform"
-        raise SceneError(f"t[{worst}]", float(t[worst]), rule)
+        raise InputError(f"t[{worst}]", float(t[worst]), rule)
     return dt, x.reshape(len(x), -1)
 
 
@@ -149,7 +148,7 @@ def _long_enough(dt: float, count: int, H: int, lowest: float | None) -> None:
     if lowest is None:
         return
     if not (np.isfinite(lowest) and lowest > 0):
-        raise SceneError("lowest", lowest, "a finite number greater than 0")
+        raise InputError("lowest", lowest, "a finite number greater than 0")
     if count * dt * lowest < 2 * H * (1 - 1e-9):
         raise AnalysisError(
             f"signal of {count * dt:.6g} s is too short for {lowest:.6g} Hz: {2 * H} periods, "

@@ -11,19 +11,18 @@ from typing import Any
 import numpy as np
 
 from rodgen.analyse.critical import HIGHEST, Critical, family_of
-from rodgen.analyse.errors import AnalysisError, guarded
 from rodgen.analyse.family import Family
-from rodgen.analyse.system import Unknowns
-from rodgen.integrate.endings import RunError
+from rodgen.analyse.guard import guarded
+from rodgen.analyse.steady_rod import Unknowns
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.simulate import simulate
-from rodgen.integrate.solution import Solution
-from rodgen.integrate.stepper import Array
-from rodgen.loading import build, build_fastest
-from rodgen.scene import Scene, SceneError
+from rodgen.integrate.solution import RunError, Solution
+from rodgen.scene import Scene
 from rodgen.scene.expression import Expression
-from rodgen.scene.integration import Settings
-from rodgen.scene.overrides import check_used, initial_tables, with_parameters
+from rodgen.scene.integration import Settings, check_used
 from rodgen.shown import Told
+from rodgen.system import System
 
 FAINT = 1e-6  # of the strongest direction: what is weaker is lost in errors of the run
 NOISE = 4.0  # times the tolerance, what the steps of a run may be off by together
@@ -108,7 +107,7 @@ class SimulatedCritical(Told):
 
 @guarded
 def simulated_critical_force(
-    scene: Scene,
+    system: System | Scene,
     *,
     span: float = 200.0,
     growth: float | None = None,
@@ -137,8 +136,8 @@ def simulated_critical_force(
 
     Parameters
     ----------
-    scene
-        The scene.
+    system
+        The scene, or a System.
     span
         Length of every run [s].
     growth
@@ -172,7 +171,7 @@ def simulated_critical_force(
 
     Raises
     ------
-    SceneError
+    InputError
         For values that cannot be used.
     AnalysisError
         If there is no steady state, or if no motion grows up to 1000 EI/L^2.
@@ -186,7 +185,7 @@ def simulated_critical_force(
     True
     """
     # Refuses a scene without a follower force, or without a stiffness.
-    family = family_of(scene, t, speed, after)
+    family = family_of(system, t, speed, after)
     given: Settings = {
         "method": method,
         "step": step,
@@ -194,11 +193,11 @@ def simulated_critical_force(
         "atol": atol,
         "max_steps": max_steps,
     }
-    check_used(scene.with_integrate(**given).integrate, given)
+    check_used(family.rod.system.with_settings(**given).settings, given)
     over = 1.0 if growth is None else growth - 1
     for name, value in (("span", span), ("growth - 1", over), ("tolerance", tolerance)):
         if not (np.isfinite(value) and value > 0):
-            raise SceneError(name, value, "positive")
+            raise InputError(name, value, "positive")
     begun = time.perf_counter()
     settings: dict[str, Any] = TOLERANCES[growth is None] | {
         name: value for name, value in given.items() if value is not None
@@ -217,7 +216,7 @@ def simulated_critical_force(
         runs=run.count,
         seconds=time.perf_counter() - begun,
         target=run.model.PROVENANCE["target"],
-        speed=family.system.speed,
+        speed=family.rod.speed,
     )
 
 
@@ -273,18 +272,17 @@ class _Run:
     ):
         self.family, self.span, self.growth, self.progress = family, span, growth, progress
         self.settings, self.count = settings, 0
-        scene = family.system.scene
-        self.model = build(scene, target) if target else build_fastest(scene)
+        system = family.rod.system
+        self.model = system.model(target)
         self.seen = growth or MEASURED
-        self.start = _angles(scene, disturbance, AMPLITUDE[growth is None])
+        self.start = _angles(system.scene, disturbance, AMPLITUDE[growth is None])
         self.ends = np.linspace(0.0, span, PIECES + 1)
-        given = scene.with_integrate(**settings).integrate
+        given = system.with_settings(**settings).settings
         if given.fixed and (step := given.step):
             # A piece of whole steps: every shortened one would disturb the fastest motions.
             piece = max(1, round(span / PIECES / step)) * step
             self.ends = np.append(np.arange(0.0, span - piece / 2, piece), span)
-        self.integrate = scene.integrate.model_dump(exclude_none=True, exclude={"t_eval"})
-        self.integrate["output_every"] = self.ends[1] * PIECES / SAMPLES
+        settings["output_every"] = self.ends[1] * PIECES / SAMPLES
 
     def grows(self, force: float) -> bool:
         """Whether a motion has grown; in a run that blows up it has."""
@@ -295,27 +293,25 @@ class _Run:
 
     def _grows(self, force: float) -> bool:
         """The span is gone through in pieces, since a motion that has grown costs the most."""
-        system, at = self.family.system, self.family.state(force).at
-        y = system.flying(at)
-        y[system.base : system.base + system.cells] += self.start
-        loaded = with_parameters(system.scene, self.family.load.parameters(force))
-        table = loaded.model_dump(exclude_none=True) | initial_tables(system.scene, y)
-        table["integrate"] = dict(self.integrate)
+        rod, at = self.family.rod, self.family.state(force).at
+        y = rod.flying(at)
+        y[rod.base : rod.base + rod.cells] += self.start
+        load = self.family.load.parts.items()
+        system = rod.system.at({rod.system.field(name): force * part for name, part in load})
         most, bent = np.inf, []
         for start, end in pairwise(self.ends.tolist()):
-            table["integrate"]["span"] = [start, end]
             try:
-                scene = Scene.from_dict(table).with_integrate(**self.settings)
-                solution = simulate(scene, model=self.model)
+                piece = system.with_settings(span=[start, end], **self.settings).at(y0=y)
+                solution = simulate(piece, model=self.model)
             except RunError:
                 return True
-            angles, rates = _bending(solution, system.all_links(at.phi))
+            angles, rates = _bending(solution, rod.all_links(at.phi))
             states = solution.y[:, solution.y.shape[1] - len(at.added) :] - at.added
             if start == 0:
                 most = (self.growth or FAR) * np.abs(angles[0]).max()
             if np.abs(angles).max() > most:
                 return True
-            table |= initial_tables(scene, solution.y[-1])
+            y = solution.y[-1]
             # The last sample of a piece is the first of the next.
             turned = self._turned(solution, at.phi)
             bent.append((angles[:-1], rates[:-1], states[:-1], turned[:-1]))
@@ -327,7 +323,7 @@ class _Run:
     def _turned(self, solution: Solution, steady: Array) -> Array:
         """Mean angle of the links at every sample [rad], less that of the steady state, and its
         rate [rad/s], of a free rod that loads steer (samples, 2); else nothing (samples, 0)."""
-        if not (self.family.system.base and self.family.system.steered):
+        if not (self.family.rod.base and self.family.rod.steered):
             return np.zeros((len(solution.t), 0))
         means = solution.phi.mean(axis=1) - steady.mean(), solution.omega.mean(axis=1)
         return np.stack(means, axis=1)
@@ -336,7 +332,7 @@ class _Run:
         """Of the strongest direction, what is lost in errors of a run beside a steady state: where
         angles or added states are not zero, errors are relative to these, not to the disturbance.
         """
-        integrate = self.family.system.scene.with_integrate(**self.settings).integrate
+        integrate = self.family.rod.system.with_settings(**self.settings).settings
         size = float(max(np.abs(at.phi).max(initial=0.0), np.abs(at.added).max(initial=0.0)))
         small = float(np.abs(self.start).max())
         if integrate.fixed or size <= small:
@@ -352,7 +348,7 @@ def _angles(scene: Scene, disturbance: str | None, amplitude: float) -> Array:
     links = np.arange(scene.held, n)
     values = np.broadcast_to(Expression(text, "s", "disturbance")((links + 0.5) / n), links.shape)
     if not (np.isfinite(values).all() and values.any()):
-        raise SceneError("disturbance", disturbance, "finite, and not zero on every link")
+        raise InputError("disturbance", disturbance, "finite, and not zero on every link")
     return np.asarray(values, dtype=float)
 
 

@@ -14,7 +14,7 @@ from scipy.linalg.lapack import dgeev
 from rodgen.analyse.eigen import Complex, roots
 from rodgen.analyse.neutral import NONE, Neutral
 from rodgen.analyse.pencil import first_order
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 
 FLUTTER, DIVERGENCE = "flutter", "divergence"  # growing with a frequency, and without one
 MOST_DENSE = 200  # links up to which all motions are looked at

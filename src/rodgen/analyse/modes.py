@@ -10,18 +10,20 @@ from numpy.typing import NDArray
 
 from rodgen.analyse.balance import free_ways
 from rodgen.analyse.eigen import MOST_DENSE, Values, all_values, lowest_values, refined
-from rodgen.analyse.errors import guarded
+from rodgen.analyse.guard import guarded
 from rodgen.analyse.modal import CRUDE, ROUNDING
 from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.sizes import MODES, check_size
 from rodgen.analyse.steady import Steady, linearised, steady
-from rodgen.analyse.system import System, flown
-from rodgen.integrate.stepper import Array
+from rodgen.analyse.steady_rod import SteadyRod, state_after
+from rodgen.arrays import Array
+from rodgen.errors import InputError
 from rodgen.progress import tell
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
 from rodgen.scene.plain import plain
 from rodgen.shown import Shown
+from rodgen.system import System
 
 DENSE = 24  # links up to which all eigenvalues are computed; the lowest alone beyond
 FARTHEST = 16  # times the asked count of eigenvalues are looked at beyond MOST_DENSE links
@@ -76,7 +78,7 @@ class Modes(Shown):
 
 @guarded
 def natural_modes(
-    scene: Scene,
+    system: System | Scene,
     count: int = 10,
     *,
     t: float | None = None,
@@ -95,8 +97,8 @@ def natural_modes(
 
     Parameters
     ----------
-    scene
-        The scene.
+    system
+        The scene, or a System.
     count
         Largest number of modes, from the lowest on. All that grow are added.
     t
@@ -114,7 +116,7 @@ def natural_modes(
 
     Raises
     ------
-    SceneError
+    InputError
         For values that cannot be used.
     AnalysisError
         If there is no steady state.
@@ -130,17 +132,18 @@ def natural_modes(
     """
     count = plain(count, "count")
     if not isinstance(count, int) or count < 1:
-        raise SceneError("count", count, "a whole number of at least 1")
-    check_size(MODES, scene, count=count, few=max(DENSE, 3 * count))
-    scene, t = flown(scene, t, speed, after)
-    system = System.of(scene, t, speed)
-    return modes_about(steady(system), count)
+        raise InputError("count", count, "a whole number of at least 1")
+    system = System.of(system)
+    check_size(MODES, system, count=count, few=max(DENSE, 3 * count))
+    system, t = state_after(system, t, speed, after)
+    rod = SteadyRod.of(system, t, speed)
+    return modes_about(steady(rod), count)
 
 
 def modes_about(state: Steady, count: int) -> Modes:
     """The lowest natural frequencies and mode shapes about a steady state, ``count`` at most."""
-    system = state.system
-    pencil = state.dense(whole=True) if system.steered else linearised(state)
+    rod = state.rod
+    pencil = state.dense(whole=True) if rod.steered else linearised(state)
     found = _found(state, pencil, count)
     s, vectors = found.s, found.vectors
     moves, kept = _oscillating(s, count)
@@ -155,20 +158,20 @@ def modes_about(state: Steady, count: int) -> Modes:
         growth=growth,
         phi=phi,
         displacements=moved,
-        joints=system.model.joints(system.at_rest(state.at), state.p),
+        joints=rod.model.joints(rod.at_rest(state.at), state.p),
         state=state.words,
         rigid=_rigid(state),
         overdamped=int((~moves & (s.real < 0)).sum()),
-        t=system.t,
-        speed=system.speed,
-        notes=state.notes + mesh_notes(system.scene) + (SLACK,) * system.scene.slack,
-        scene=system.scene,
+        t=rod.t,
+        speed=rod.speed,
+        notes=state.notes + mesh_notes(rod.scene) + (SLACK,) * rod.scene.slack,
+        scene=rod.scene,
     )
 
 
 def _found(state: Steady, pencil: Pencil | Dense, count: int) -> Values:
     """All eigenvalues, or enough of them."""
-    cells, turns = state.system.cells, state.turns_freely
+    cells, turns = state.rod.cells, state.turns_freely
     tell("looking for eigenvalues")
     if isinstance(pencil, Dense):
         return all_values(pencil)
@@ -195,10 +198,10 @@ def _oscillating(s: NDArray[Any], count: int) -> tuple[NDArray[Any], NDArray[Any
 
 def _rigid(state: Steady) -> int:
     """Motions that move or turn the rod as a whole, without a frequency."""
-    system = state.system
-    if system.base and system.anchored:
-        return len(free_ways(system, state.at, state.p))
-    return system.base + state.turns_freely
+    rod = state.rod
+    if rod.base and rod.anchored:
+        return len(free_ways(rod, state.at, state.p))
+    return rod.base + state.turns_freely
 
 
 def _shapes(
@@ -206,23 +209,23 @@ def _shapes(
 ) -> tuple[NDArray[Any], NDArray[Any]]:
     """Angles (k, n) and displacements (k, n+1, 2) of modes from their vectors (k, coordinates):
     those of the angles, or before them the displacement of joint 0 across the rod."""
-    system, across = state.system, vectors[:, : -state.system.cells]
-    q = np.zeros((len(s), system.base + system.cells), dtype=complex)
-    q[:, system.base :] = vectors[:, -system.cells :]
+    rod, across = state.rod, vectors[:, : -state.rod.cells]
+    q = np.zeros((len(s), rod.base + rod.cells), dtype=complex)
+    q[:, rod.base :] = vectors[:, -rod.cells :]
     if across.shape[1] == 1:
         across = across * [-np.sin(state.phi[0]), np.cos(state.phi[0])]
     if across.size:
         q[:, :2] = across
     q /= np.abs(q).max(axis=1, keepdims=True)
-    if system.base and not across.size:
+    if rod.base and not across.size:
         q[:, :2] = _base(state, s, q)
     parts = [_displaced(state, part) for part in (q.real, q.imag)]
     moved = parts[0] + 1j * parts[1]
     flat = moved.reshape(len(s), moved[0].size if len(s) else 1)
     at = np.abs(flat).argmax(axis=1)
     largest = flat[np.arange(len(s)), at][:, None]
-    phi = system.all_links(q[:, system.base :])
-    phi[:, : system.scene.held] = 0.0
+    phi = rod.all_links(q[:, rod.base :])
+    phi[:, : rod.scene.held] = 0.0
     phi, moved = phi / largest, moved / largest[..., None]
     real = np.abs(phi.imag).max(initial=0.0) <= 1e3 * STILL * np.abs(phi).max(initial=0.0)
     return (phi.real, moved.real) if real else (phi, moved)
@@ -230,24 +233,24 @@ def _shapes(
 
 def _base(state: Steady, s: NDArray[Any], q: NDArray[Any]) -> NDArray[Any]:
     """Displacements (k, 2) of joint 0 that go with the angles: its acceleration over s^2."""
-    system, y = state.system, state.system.flying(state.at)
+    rod, y = state.rod, state.rod.flying(state.at)
     base = np.zeros((len(s), 2), dtype=complex)
     for at, (rate, shape) in enumerate(zip(s, q, strict=True)):
         change = np.concatenate((shape, np.zeros_like(shape)))
         # Rates are small and their effect linear: internal damping.
         change[len(shape) :] = rate * shape
         for unit, part in ((1.0, change.real), (1j, change.imag)):
-            up, down = (system.rates(y + sign * NUDGE * part, state.p) for sign in (1, -1))
+            up, down = (rod.rates(y + sign * NUDGE * part, state.p) for sign in (1, -1))
             base[at] += unit * (up - down)[:2] / (2 * NUDGE * rate**2)
     return base
 
 
 def _displaced(state: Steady, q: Array) -> Array:
     """Displacements (k, n+1, 2) of the joints for coordinates (k, coordinates)."""
-    system = state.system
-    y = np.tile(system.at_rest(state.at), (len(q), 1))
+    rod = state.rod
+    y = np.tile(rod.at_rest(state.at), (len(q), 1))
     y[:, : q.shape[1]] += NUDGE * q
-    up = system.model.joints(y, state.p)
+    up = rod.model.joints(y, state.p)
     y[:, : q.shape[1]] -= 2 * NUDGE * q
-    moved: Array = (up - system.model.joints(y, state.p)) / (2 * NUDGE)
+    moved: Array = (up - rod.model.joints(y, state.p)) / (2 * NUDGE)
     return moved

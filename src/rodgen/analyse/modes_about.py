@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 
 STILL = 1e-7  # of the largest modulus: an imaginary part below it is rounding
 NUDGE = 1e-6  # rad, of the differences by which shapes are drawn: errors are its square

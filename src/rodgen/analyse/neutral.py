@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg.lapack import dgeqp3, dorgqr
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 
 NOTHING = 1e-11  # of the largest singular value: zero but for rounding
 

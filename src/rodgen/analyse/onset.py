@@ -12,11 +12,11 @@ from scipy.linalg.lapack import get_lapack_funcs
 from scipy.sparse import block_array, csc_array, issparse
 from scipy.sparse.linalg import splu
 
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.modal import ROUNDING
 from rodgen.analyse.pencil import Dense, Linear, Parts
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 from rodgen.integrate.blocks import Matrix
-from rodgen.integrate.stepper import Array
 
 At = Callable[[float], Linear]  # the equations linearised at a load
 DIFFERENCE = 1e-4  # relative, of derivatives by the load: exact where S is linear in it

@@ -14,11 +14,11 @@ import numpy as np
 from scipy.linalg import block_diag
 from scipy.sparse import block_array, csc_array, issparse
 
-from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.system import System, Unknowns
+from rodgen.analyse.steady_rod import SteadyRod, Unknowns
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 from rodgen.integrate import blocks as banded
 from rodgen.integrate.blocks import Matrix, places
-from rodgen.integrate.stepper import Array
 
 Scales = tuple[Array, Array]
 NUDGE = 2.0**-52  # of the largest entry: a rounding
@@ -44,41 +44,39 @@ class Cells:
     ways: Array | None = None
 
     @classmethod
-    def at(cls, system: System, at: Unknowns, p: Array) -> Cells:
+    def at(cls, rod: SteadyRod, at: Unknowns, p: Array) -> Cells:
         """Of a rod that flies straight ahead with the speed of the system, or is at rest.
 
         In flight a law may have a kink, as that of external damping has: derivatives are the means
         of both of its sides.
         """
-        made = cls._in(system, system.flying(at), at.force, p)
-        if not system.speed:
+        made = cls._in(rod, rod.flying(at), at.force, p)
+        if not rod.speed:
             return made
-        aside = ASIDE * system.speed
-        left, right = (
-            cls._in(system, system.flying(at, side), at.force, p) for side in (aside, -aside)
-        )
+        aside = ASIDE * rod.speed
+        left, right = (cls._in(rod, rod.flying(at, side), at.force, p) for side in (aside, -aside))
         names = [field.name for field in fields(cls)][1:6]
         means = {k: (getattr(left, k) + getattr(right, k)) / 2 for k in names[:4]}
         return replace(made, **means)
 
     @classmethod
-    def across(cls, system: System, at: Unknowns, p: Array) -> Cells:
+    def across(cls, rod: SteadyRod, at: Unknowns, p: Array) -> Cells:
         """Of a free rod that moves across its axis alone, as fast as it flies."""
-        y = replace(system, speed=0.0).flying(at, system.speed)
-        return cls._in(system, y, at.force, p)
+        y = replace(rod, speed=0.0).flying(at, rod.speed)
+        return cls._in(rod, y, at.force, p)
 
     @classmethod
-    def _in(cls, system: System, y: Array, force: Array, p: Array) -> Cells:
-        parts = system.model.implicit(system.t, y, p, np.zeros(system.cells), force)
+    def _in(cls, rod: SteadyRod, y: Array, force: Array, p: Array) -> Cells:
+        parts = rod.model.implicit(rod.t, y, p, np.zeros(rod.cells), force)
         if not all(np.isfinite(part).all() for part in parts):
             raise AnalysisError("the linearised equations are not finite")
-        return cls(*parts, *([cls._ways(system, y, p)] if system.anchored else []))
+        return cls(*parts, *([cls._ways(rod, y, p)] if rod.anchored else []))
 
     @staticmethod
-    def _ways(system: System, y: Array, p: Array) -> Array:
+    def _ways(rod: SteadyRod, y: Array, p: Array) -> Array:
         """How the joints at the ends of moving links follow the angles."""
-        joints = np.arange(system.scene.held, system.scene.rod.links + 1)
-        return system.joint_ways(y, p, joints)[..., system.base :]
+        joints = np.arange(rod.scene.held, rod.scene.rod.links + 1)
+        return rod.joint_ways(y, p, joints)[..., rod.base :]
 
     @property
     def statics(self) -> Array:
@@ -351,9 +349,9 @@ def solve(blocks: Matrix, right: Matrix, transposed: bool = False) -> Matrix:
         raise AnalysisError(SINGULAR) from None
 
 
-def forces(system: System, at: Unknowns, p: Array) -> tuple[Array, Array]:
+def forces(rod: SteadyRod, at: Unknowns, p: Array) -> tuple[Array, Array]:
     """Angular accelerations (cells,) [rad/s^2] and joint forces over the mass of a link (cells, 2)
     [m/s^2] of the rod at rest, or in flight: the implicit form is linear in both."""
-    cells = Cells.at(system, at._replace(force=np.zeros((system.cells, 2))), p)
+    cells = Cells.at(rod, at._replace(force=np.zeros((rod.cells, 2))), p)
     unknowns = solve(cells.by_unknown, -cells.residual.ravel()).reshape(-1, 3)
     return unknowns[:, 0], unknowns[:, 1:]

@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from rodgen.analyse.balance import Balance, balance
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.springs import Softened, Springs
-from rodgen.analyse.system import System, Unknowns
-from rodgen.integrate.stepper import Array
+from rodgen.analyse.steady_rod import SteadyRod, Unknowns
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 from rodgen.progress import tell
 
 ITERATIONS = 40  # of Newton's method for one load
@@ -47,22 +47,22 @@ class Rest:
     change: float = np.inf
     pull: Array | None = None
 
-    def move(self, system: System, p: Array, by: Unknowns, times: float = 1.0) -> None:
+    def move(self, rod: SteadyRod, p: Array, by: Unknowns, times: float = 1.0) -> None:
         """Change the rod, and foretell the forces of its supports with it."""
-        springs = Springs.of(system, p)
+        springs = Springs.of(rod, p)
         self.pull = springs.foretold(self.at, by, times) if len(springs.links) else None
         self.at = self.at.moved(by, times)
 
-    def is_rounding(self, system: System, residual: Array) -> bool:
+    def is_rounding(self, rod: SteadyRod, residual: Array) -> bool:
         """Whether what is not in balance is rounding of the forces of supports."""
         if self.pull is None:
             return False
-        forces = float(np.abs(self.pull).max()) * max(1.0, system.scene.rod.length)
-        return float(np.abs(residual).max()) <= ROUNDINGS * EPS * system.cells * forces
+        forces = float(np.abs(self.pull).max()) * max(1.0, rod.scene.rod.length)
+        return float(np.abs(residual).max()) <= ROUNDINGS * EPS * rod.cells * forces
 
-    def springs(self, system: System, p: Array) -> Softened | None:
+    def springs(self, rod: SteadyRod, p: Array) -> Softened | None:
         """Those of its supports, that pull as foretold."""
-        return None if self.pull is None else Springs.of(system, p).softened(self.at, self.pull)
+        return None if self.pull is None else Springs.of(rod, p).softened(self.at, self.pull)
 
 
 class FoldError(AnalysisError):
@@ -76,13 +76,13 @@ class Loading(NamedTuple):
     p: Array
     bend: Array | float = 0.0
 
-    def balance(self, system: System, rest: Rest) -> Balance:
+    def balance(self, rod: SteadyRod, rest: Rest) -> Balance:
         """The equations of rest, in which an equilibrium has no residual."""
-        return balance(system, rest.at, self.p, self.bend, rest.springs(system, self.p))
+        return balance(rod, rest.at, self.p, self.bend, rest.springs(rod, self.p))
 
 
 def follow(
-    system: System, rest: Rest, at: Callable[[float], Loading], way: str = "the load"
+    rod: SteadyRod, rest: Rest, at: Callable[[float], Loading], way: str = "the load"
 ) -> tuple[Rest, tuple[float, ...]]:
     """The equilibrium at the end of the branch that begins with ``rest``, and the fractions of the
     way that were stepped through; at: the loading at every fraction; way: what they are of.
@@ -94,8 +94,8 @@ def follow(
     """
     done, step, first = 0.0, 1.0, rest
     stages: list[float] = []
-    here = at(0.0).balance(system, rest)
-    signature, slope = here.signature(), _tangent(here, at(ASIDE).balance(system, rest))
+    here = at(0.0).balance(rod, rest)
+    signature, slope = here.signature(), _tangent(here, at(ASIDE).balance(rod, rest))
     last, length = slope, np.inf  # the tangent before, and the step from there
     while done < 1:
         tell(f"{done:.3g} of {way}")
@@ -103,17 +103,17 @@ def follow(
         ahead = fraction - done
         trial = Rest(rest.at, rest.iterations, pull=rest.pull)
         if slope is not None:
-            trial.move(system, at(done).p, slope, ahead)
+            trial.move(rod, at(done).p, slope, ahead)
         guess = trial.at
         if slope is not None and last is not None:
             # As far again as over the step before, but never so far that it turns back.
             turned = _apart(slope, last)
             share = min(1.0, ahead / length, _largest(slope.phi) / turned if turned else 1.0)
             trial.at = guess.moved(slope.moved(last, -1.0), share * ahead / 2)
-        taken, tangent = newton(system, trial, at(fraction), passing=fraction < 1), None
+        taken, tangent = newton(rod, trial, at(fraction), passing=fraction < 1), None
         if taken:
-            here = at(fraction).balance(system, trial)
-            tangent = _tangent(here, at(fraction + ASIDE).balance(system, trial))
+            here = at(fraction).balance(rod, trial)
+            tangent = _tangent(here, at(fraction + ASIDE).balance(rod, trial))
         bent, smooth = False, step < SMALL
         if slope is not None and tangent is not None:
             # Where branches meet, the other one is next to the tangent, but leads elsewhere.
@@ -136,7 +136,7 @@ def follow(
             step /= 2
         if step < LEAST:
             stiff, stiff_first = (
-                _stiffness(at(f).balance(system, r)) for f, r in ((done, rest), (0.0, first))
+                _stiffness(at(f).balance(rod, r)) for f, r in ((done, rest), (0.0, first))
             )
             if stiff < FOLDED * stiff_first:
                 raise FoldError(
@@ -151,26 +151,26 @@ def follow(
     return rest, tuple(stages)
 
 
-def newton(system: System, rest: Rest, loading: Loading, passing: bool = False) -> bool:
+def newton(rod: SteadyRod, rest: Rest, loading: Loading, passing: bool = False) -> bool:
     """Iterate in place, with corrections below FARTHEST that shrink; whether it converged, or, of a
     state that is only passed, would with the next correction."""
     before = FARTHEST / CONTRACTED
     for _ in range(ITERATIONS):
         try:
-            here = loading.balance(system, rest)
+            here = loading.balance(rod, rest)
             by = here.solved(-here.residual)
         except AnalysisError:
             return False
-        change = max(_largest(by.phi), _largest(by.position) / system.scene.rod.length)
+        change = max(_largest(by.phi), _largest(by.position) / rod.scene.rod.length)
         rest.iterations += 1
-        rounded = change < NOISE or (change < NEAR and rest.is_rounding(system, here.residual))
+        rounded = change < NOISE or (change < NEAR and rest.is_rounding(rod, here.residual))
         settled = change <= 4 * EPS or (rounded and change >= before / 2)
         settled = settled or (passing and change * (change / before) ** 2 <= 4 * EPS)
         if not (settled or change < CONTRACTED * before):
             return False
         # What no load follows may come to rest later than the rod.
         settled = settled and _largest(by.added) <= NOISE * (1 + _largest(rest.at.added))
-        rest.move(system, loading.p, by)
+        rest.move(rod, loading.p, by)
         rest.change = change
         if settled:
             return True

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rodgen.analyse.family import Family
 from rodgen.analyse.modal import Motions, arising
 from rodgen.analyse.onset import Onset
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from rodgen.progress import tell
 
 FINE, COARSE = 0.5, 0.01  # step of the search: EI/L^2, and of the force

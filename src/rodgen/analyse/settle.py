@@ -8,12 +8,12 @@ from contextlib import suppress
 import numpy as np
 
 from rodgen.analyse.balance import WholeBalance, balance
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import forces
 from rodgen.analyse.rest import ITERATIONS, FoldError, Loading, Rest, follow, newton
 from rodgen.analyse.springs import hanging_shape
-from rodgen.analyse.system import System, Unknowns
-from rodgen.integrate.stepper import Array
+from rodgen.analyse.steady_rod import SteadyRod, Unknowns
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 from rodgen.model.term import DRAG, FORCE, WEIGHT, Term
 from rodgen.model.terms import TERMS
 
@@ -27,7 +27,7 @@ MOST_TURNED = 10.0  # of the tail: a rod that turns more elsewhere is not bent b
 
 
 def settle(
-    system: System, p: Array, start: Unknowns | None = None, bend: float = 0.0
+    rod: SteadyRod, p: Array, start: Unknowns | None = None, bend: float = 0.0
 ) -> tuple[Rest, tuple[float, ...]]:
     """The equilibrium under these parameters, and the fractions of the load in between.
 
@@ -35,54 +35,54 @@ def settle(
     bend: angle of the tail of the rod that is loaded, before it is made straight again [rad].
     """
     near = Rest(start) if start is not None else None
-    if near is not None and newton(system, near, Loading(p)):
+    if near is not None and newton(rod, near, Loading(p)):
         return near, (1.0,)
     try:
-        rest, stages = _settled(system, p, bend)
+        rest, stages = _settled(rod, p, bend)
     except AnalysisError as error:
         try:
-            system.beside(system.straight)
+            rod.beside(rod.straight)
         except AnalysisError as restless:
             raise AnalysisError(f"{error}; {restless}") from None
         raise
-    _check_rest(system, rest, p)
+    _check_rest(rod, rest, p)
     return rest, stages
 
 
-def start_of(system: System, phi: Array) -> Unknowns:
+def start_of(rod: SteadyRod, phi: Array) -> Unknowns:
     """A rod from which an equilibrium is looked for: its added states where they stay, and as they
     are at the start where they follow what the rod will be."""
     try:
-        return system.beside(phi)
+        return rod.beside(phi)
     except AnalysisError:
-        return system.unsettled(phi)
+        return rod.unsettled(phi)
 
 
-def _settled(system: System, p: Array, bend: float) -> tuple[Rest, tuple[float, ...]]:
-    if _hangs(system, p):
-        return _hung(system, p)
+def _settled(rod: SteadyRod, p: Array, bend: float) -> tuple[Rest, tuple[float, ...]]:
+    if _hangs(rod, p):
+        return _hung(rod, p)
     try:
-        return _load(system, p, bend)
+        return _load(rod, p, bend)
     except FoldError:
         raise
     except AnalysisError:
         if bend:  # which says to which side
             raise
-        acting = [term for place, term in _grown(system) if p[place].any()]
+        acting = [term for place, term in _grown(rod) if p[place].any()]
         if not acting or any(_steers(term) for term in acting):
             raise
         # Springs too soft to keep the rod near its straight shape: it hangs like a chain.
         with suppress(AnalysisError):
-            return _hang(system, p), (1.0,)
+            return _hang(rod, p), (1.0,)
         raise
 
 
-def _hangs(system: System, p: Array) -> bool:
+def _hangs(rod: SteadyRod, p: Array) -> bool:
     """Whether nothing keeps the unloaded rod straight: no clamp, or no stiffness."""
-    if system.steered:
+    if rod.steered:
         return False
-    held = system.clamped or system.anchored
-    place = system.scene.structure.places.get("bending_stiffness")  # else joints have their own
+    held = rod.clamped or rod.anchored
+    place = rod.scene.structure.places.get("bending_stiffness")  # else joints have their own
     return not held or (place is not None and not p[place].any())
 
 
@@ -91,19 +91,19 @@ def _steers(term: Term) -> bool:
     return term.follows or term.kind == DRAG
 
 
-def _hung(system: System, p: Array) -> tuple[Rest, tuple[float, ...]]:
+def _hung(rod: SteadyRod, p: Array) -> tuple[Rest, tuple[float, ...]]:
     """The rod as it hangs from its dead loads, and then as the others grow."""
-    growing = _growing(p, (place for place, term in _grown(system) if _steers(term)))
-    rest = _hang(system, growing(0.0))
+    growing = _growing(p, (place for place, term in _grown(rod) if _steers(term)))
+    rest = _hang(rod, growing(0.0))
     if (growing(0.0) == p).all():
         return rest, (1.0,)
-    return follow(system, rest, lambda done: Loading(growing(done)))
+    return follow(rod, rest, lambda done: Loading(growing(done)))
 
 
-def _grown(system: System) -> list[tuple[slice, Term]]:
+def _grown(rod: SteadyRod) -> list[tuple[slice, Term]]:
     """Where in p the parameters lie that grow from zero as the rod is loaded, with their loads;
     sizes that follow the motion are none."""
-    structure = system.scene.structure
+    structure = rod.scene.structure
     terms = [TERMS[name] for name in structure.loads]
     pairs = [(one.name, term) for term in terms for one in term.proportions]
     places = structure.places
@@ -118,12 +118,12 @@ def _growing(p: Array, places: Iterable[slice]) -> Callable[[float], Array]:
     return lambda done: np.where(grows, done * p, p)
 
 
-def _check_rest(system: System, rest: Rest, p: Array) -> None:
+def _check_rest(rod: SteadyRod, rest: Rest, p: Array) -> None:
     """Raise AnalysisError where loads push a rod in a direction in which nothing holds it."""
-    here = balance(system, rest.at, p)
+    here = balance(rod, rest.at, p)
     if not isinstance(here, WholeBalance) or not len(here.free):
         return
-    pull = np.abs(forces(system, rest.at, p)[1]).max() * system.scene.mass / system.scene.rod.links
+    pull = np.abs(forces(rod, rest.at, p)[1]).max() * rod.scene.mass / rod.scene.rod.links
     scale = here.hold() + pull
     for way, push in zip(here.free, here.push(), strict=True):
         if abs(push) > UNBALANCED * scale:
@@ -134,46 +134,46 @@ def _check_rest(system: System, rest: Rest, p: Array) -> None:
             )
 
 
-def _load(system: System, p: Array, bend: float) -> tuple[Rest, tuple[float, ...]]:
+def _load(rod: SteadyRod, p: Array, bend: float) -> tuple[Rest, tuple[float, ...]]:
     """The branch that begins with the unloaded rod: straight, or bent, by moments that keep it so
     (of springs at rest none, where it is straight) and their value while the load grows; they are
     taken away under the whole load."""
-    growing = _growing(p, (place for place, _ in _grown(system)))
-    rest = Rest(_bent(system, start_of(system, system.straight), growing(0.0), bend))
-    moments = Loading(growing(0.0)).balance(system, rest).residual
+    growing = _growing(p, (place for place, _ in _grown(rod)))
+    rest = Rest(_bent(rod, start_of(rod, rod.straight), growing(0.0), bend))
+    moments = Loading(growing(0.0)).balance(rod, rest).residual
     if not moments.any():
-        return follow(system, rest, lambda done: Loading(growing(done)))
+        return follow(rod, rest, lambda done: Loading(growing(done)))
     way = "the way back to a rod that is straight without load"
     try:
-        rest, stages = follow(system, rest, lambda done: Loading(growing(done), moments))
-        rest, _ = follow(system, rest, lambda done: Loading(p, (1 - done) * moments), way)
+        rest, stages = follow(rod, rest, lambda done: Loading(growing(done), moments))
+        rest, _ = follow(rod, rest, lambda done: Loading(p, (1 - done) * moments), way)
     except FoldError as error:  # of a rod that these moments bend, not of the rod itself
         raise AnalysisError(str(error)) from None
     return rest, stages
 
 
-def _bent(system: System, at: Unknowns, p: Array, bend: float) -> Unknowns:
+def _bent(rod: SteadyRod, at: Unknowns, p: Array, bend: float) -> Unknowns:
     """The unloaded rod as a moment bends it that turns its tail by so much [rad], to first order;
     evenly, where it does not resist."""
     if not bend:
         return at
-    here = balance(system, at, p)
+    here = balance(rod, at, p)
     with suppress(AnalysisError):
         by = here.solved(here.tail_moment)
         if by.phi[-1] and np.abs(by.phi).max() < MOST_TURNED * abs(by.phi[-1]):
             return at.moved(by._replace(force=0.0 * by.force), bend / by.phi[-1])
-    n = system.scene.rod.links
-    return at._replace(phi=at.phi + bend * (np.arange(system.scene.held, n) + 0.5) / n)
+    n = rod.scene.rod.links
+    return at._replace(phi=at.phi + bend * (np.arange(rod.scene.held, n) + 0.5) / n)
 
 
-def _hang(system: System, p: Array) -> Rest:
+def _hang(rod: SteadyRod, p: Array) -> Rest:
     """A rod that hangs: from its shape without weight, along its dead loads, by Newton's method on
     the equations with inertia, M (phi - phi before) / tau^2, whose steps in a time that does not
     exist lead to stable equilibria alone."""
-    rest = Rest(start_of(system, hanging_shape(system, p, _pull(system, p))))
+    rest = Rest(start_of(rod, hanging_shape(rod, p, _pull(rod, p))))
     first = 0.0
     while rest.iterations < 100 * ITERATIONS:
-        here = Loading(p).balance(system, rest)
+        here = Loading(p).balance(rod, rest)
         residual = float(np.abs(here.rates).max())
         first, falls = first or residual, here.falls()
         shift = CAUTION * falls
@@ -183,27 +183,27 @@ def _hang(system: System, p: Array) -> Rest:
         while np.abs(by.phi).max() > FARTHEST:
             shift = SHORTER * max(shift, residual)
             by = here.solved(-here.residual, shift)
-        rest.move(system, p, by)
+        rest.move(rod, p, by)
         rest.iterations += 1
         near = not falls and np.abs(by.phi).max() < NEAR_END
-        if near and newton(system, rest, Loading(p)):
+        if near and newton(rod, rest, Loading(p)):
             return rest
     raise AnalysisError(
         f"no equilibrium found: the rod did not come to rest in {rest.iterations} iterations"
     )
 
 
-def _pull(system: System, p: Array) -> Array:
+def _pull(rod: SteadyRod, p: Array) -> Array:
     """The dead loads of the straight rod, summed (2,) [N]. Raises AnalysisError where there are
     none."""
-    y = system.at_rest(start_of(system, system.straight))
-    acting = system.model.forces(system.t, y, p)
-    places, pull = system.scene.structure.places, np.zeros(2)
-    for term in map(TERMS.__getitem__, system.scene.loads.terms):
+    y = rod.at_rest(start_of(rod, rod.straight))
+    acting = rod.model.forces(rod.t, y, p)
+    places, pull = rod.scene.structure.places, np.zeros(2)
+    for term in map(TERMS.__getitem__, rod.scene.loads.terms):
         if term.kind == FORCE and not term.follows:
             pull += acting[term.name].sum(axis=0)
         elif term.kind == WEIGHT:
-            pull[1] -= p[places[term.sizes[0].name]].item() * system.scene.mass
+            pull[1] -= p[places[term.sizes[0].name]].item() * rod.scene.mass
     if not pull.any():
         raise AnalysisError(
             "no equilibrium found: nothing gives a rod without gravity or tip load its direction"

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rodgen.memory import check_memory
-from rodgen.scene import Scene
-from rodgen.scene.scene import check_scene
+from rodgen.model.term import ANCHOR
+from rodgen.model.terms import TERMS
+from rodgen.system import System
 
 STATIC, EQUILIBRIA, MODES, CRITICAL = "an equilibrium", "all equilibria", "modes", "a critical load"
 BRANCH, BOUNDARY, CYCLE = "a branch", "a boundary", "a cycle"
@@ -45,20 +46,19 @@ ALL_MODES = 250.0  # for every pair of links, where all modes are computed
 
 def check_size(
     analysis: str,
-    scene: Scene,
+    system: System,
     whole: bool = False,
     count: int = 0,
     few: int = 0,
 ) -> None:
-    """Raise SceneError for an analysis that needs more memory than it may take, and TypeError for
-    what is no Scene.
+    """Raise InputError for an analysis that needs more memory than it may take.
 
     analysis: of SIZES; whole: whether all equations are full in any case; count: of modes, or of
     tangents, 0 for all; few: links of which all modes are computed.
     """
-    check_scene(scene)
-    size, states = SIZES[analysis], len(scene.states)
-    full = whole or bool(scene.states or scene.fed or scene.anchors.terms)
+    size, states, structure = SIZES[analysis], len(system.added), system.structure
+    anchored = any(TERMS[name].kind == ANCHOR for name in structure.loads)
+    full = whole or bool(states or structure.follows or anchored)
 
     def need(links: int) -> float:
         pairs = size.pair + size.whole * full + ALL_MODES * (links <= few)
@@ -70,4 +70,4 @@ def check_size(
             bytes_ += SHAPE * links * min(count, links)
         return bytes_
 
-    check_memory(analysis, scene.rod.links, need)
+    check_memory(analysis, structure.links, need)

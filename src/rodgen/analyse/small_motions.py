@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from rodgen.analyse.eigen import Complex, all_shapes, lowest_shapes
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import RIGID
 from rodgen.analyse.modal import DIVERGENCE, FLUTTER, MOST_DENSE, Modal, Motions
 from rodgen.analyse.neutral import Neutral
 from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.steady import Steady, is_kinked, linearised
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 
 MODES = 24  # of the rod at the start of a branch, in which its motions are counted
 REAL = 1e-6  # of the modulus: an imaginary part below it is rounding
@@ -25,9 +25,9 @@ class Growing:
     def __init__(self, start: Steady, every: bool = False, smooth: bool = False):
         """smooth: without what has no linear part, such as external damping of a bent rod."""
         self.start, self.smooth = start, smooth
-        every = every or start.system.cells <= MODES
+        every = every or start.rod.cells <= MODES
         linear = self._linear(start)
-        self.added = len(start.system.scene.states)
+        self.added = len(start.rod.scene.states)
         self.dragged = isinstance(linear, Dense)
         squares, self.basis = _modes(start, linear, every)
         rates = np.sqrt(np.abs(squares))
@@ -36,7 +36,7 @@ class Growing:
             raise AnalysisError("nothing holds the rod in the state at which a branch begins")
         self.lowest = float(elastic.min())
         self.frequencies = np.maximum(rates, self.lowest)
-        held = self.dragged or not start.system.base
+        held = self.dragged or not start.rod.base
         self.rigid = 0.0 if held else RIGID * self.lowest
 
     def motions(self, state: Steady) -> Motions:
@@ -76,10 +76,10 @@ def instability(state: Steady) -> str | None:
     oscillate, "flutter" if it does, "" if none grows. None where that was not looked at, beyond 200
     links, or is not known: external damping, which has no linear part about a bent rod, may heal or
     harm where loads can do work around a loop."""
-    system = state.system
-    if system.cells > MOST_DENSE:
+    rod = state.rod
+    if rod.cells > MOST_DENSE:
         return None
-    smooth = is_kinked(system) and not state.straight
+    smooth = is_kinked(rod) and not state.straight
     found = Growing(state, every=True, smooth=smooth).motions(state)
     grows = found.s[found.growth > 0]
     real = np.abs(grows.imag) <= REAL * np.abs(grows)

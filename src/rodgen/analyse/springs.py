@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from rodgen.analyse.system import System, Unknowns
-from rodgen.integrate.stepper import Array
+from rodgen.analyse.steady_rod import SteadyRod, Unknowns
+from rodgen.arrays import Array
 
 TINY = 1e-6  # of the weight: tensions that give a chain no direction
 CLOSED = 1e-10  # of the length, by which a chain may miss its ends
@@ -37,7 +37,7 @@ class Springs:
     """The springs of the supports of a system with parameters p: links (k,) that they hold, share
     (k,) of each before the point, stiffness (k, 2) [N/m] and fixed points (k, 2) [m]."""
 
-    system: System
+    rod: SteadyRod
     p: Array
     links: NDArray[np.intp]
     share: Array
@@ -45,16 +45,16 @@ class Springs:
     fixed: Array
 
     @classmethod
-    def of(cls, system: System, p: Array) -> Springs:
+    def of(cls, rod: SteadyRod, p: Array) -> Springs:
         """Those that pull; none of a rod without supports."""
-        share, *rest = (_of_links(system, p, name) for name in NAMES)
+        share, *rest = (_of_links(rod, p, name) for name in NAMES)
         stiffness, fixed = (np.stack(pair, axis=-1) for pair in (rest[:2], rest[2:]))
         pulling = np.flatnonzero(stiffness.any(axis=-1))
-        return cls(system, p, pulling, share[pulling], stiffness[pulling], fixed[pulling])
+        return cls(rod, p, pulling, share[pulling], stiffness[pulling], fixed[pulling])
 
     def points(self, at: Unknowns) -> Array:
         """Where the rod is held (k, 2) [m]."""
-        joints = self.system.model.joints(self.system.at_rest(at), self.p)
+        joints = self.rod.model.joints(self.rod.at_rest(at), self.p)
         share = self.share[:, None]
         return np.asarray((1 - share) * joints[self.links] + share * joints[self.links + 1])
 
@@ -65,7 +65,7 @@ class Springs:
     def _ways(self, at: Unknowns) -> Array:
         """How the points follow position and angles (k, 2, base + cells)."""
         joints = np.append(self.links, self.links + 1)
-        ways = self.system.joint_ways(self.system.at_rest(at), self.p, joints)
+        ways = self.rod.joint_ways(self.rod.at_rest(at), self.p, joints)
         starts, ends = np.split(ways, 2)
         share = self.share[:, None, None]
         return np.asarray((1 - share) * starts + share * ends)
@@ -78,11 +78,11 @@ class Springs:
     def softened(self, at: Unknowns, forces: Array) -> Softened:
         """Springs that pull with these forces (k, 2) [N] from points as far as the rod is long, so
         that rounding of a place is none of a force."""
-        most = np.abs(forces).max(axis=-1, keepdims=True) / self.system.scene.rod.length
+        most = np.abs(forces).max(axis=-1, keepdims=True) / self.rod.scene.rod.length
         soft = np.where(most > 0, np.minimum(self.stiffness, most), self.stiffness)
         off = np.divide(forces, soft, out=np.zeros_like(forces), where=soft > 0)
         fixed = np.where(soft > 0, self.points(at) + off, self.fixed)
-        p, places = self.p.copy(), self.system.scene.structure.places
+        p, places = self.p.copy(), self.rod.scene.structure.places
         for name, values in zip(NAMES[1:], (*soft.T, *fixed.T), strict=True):
             p[places[name]][self.links] = values
         ways = self._ways(at)
@@ -97,35 +97,35 @@ NAMES = (
 )
 
 
-def _of_links(system: System, p: Array, name: str) -> Array:
+def _of_links(rod: SteadyRod, p: Array, name: str) -> Array:
     """A parameter of all links; zeros where the rod has no supports."""
-    places = system.scene.structure.places
-    return p[places[name]] if name in places else np.zeros(system.scene.rod.links)
+    places = rod.scene.structure.places
+    return p[places[name]] if name in places else np.zeros(rod.scene.rod.links)
 
 
-def hanging_shape(system: System, p: Array, pull: Array) -> Array:
+def hanging_shape(rod: SteadyRod, p: Array, pull: Array) -> Array:
     """Angles of the moving links (cells,) [rad] of a rod that hangs from its supports: a catenary
     from each to the next, towards the pull (2,) [N], and straight along the pull at its ends."""
-    springs = Springs.of(system, p)
+    springs = Springs.of(rod, p)
     held = springs.stiffness.all(axis=-1)
     at, points = (springs.links + springs.share)[held], springs.fixed[held]
-    if not system.base:  # held at its start too
-        start = system.model.joints(system.at_rest(system.unsettled(system.straight)), p)[0]
+    if not rod.base:  # held at its start too
+        start = rod.model.joints(rod.at_rest(rod.unsettled(rod.straight)), p)[0]
         at, points = np.append(0.0, at), np.vstack((start, points))
     order = np.argsort(at)
-    middles = np.arange(system.scene.rod.links) + 0.5
+    middles = np.arange(rod.scene.rod.links) + 0.5
     along = float(np.arctan2(pull[1], pull[0]))
     phi = np.full(len(middles), along)
     if len(at):
         phi[middles < at.min()] = along + np.pi
-    link = system.scene.rod.length / len(middles)
+    link = rod.scene.rod.length / len(middles)
     for one, other in itertools.pairwise(order):
         within = (middles >= at[one]) & (middles < at[other])
         share = (middles[within] - at[one]) / (at[other] - at[one])
         phi[within] = _catenary(
             points[other] - points[one], link * (at[other] - at[one]), pull, share
         )
-    return phi[system.scene.held :]
+    return phi[rod.scene.held :]
 
 
 def _catenary(chord: Array, length: float, pull: Array, share: Array) -> Array:

@@ -5,17 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from rodgen.analyse.balance import free_ways
-from rodgen.analyse.errors import guarded
+from rodgen.analyse.guard import guarded
 from rodgen.analyse.pencil import forces
 from rodgen.analyse.settle import settle, start_of
 from rodgen.analyse.sizes import STATIC, check_size
 from rodgen.analyse.small_motions import instability
 from rodgen.analyse.steady import Steady
-from rodgen.analyse.system import System
-from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene, SceneError
+from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.arrays import Array
+from rodgen.errors import InputError
+from rodgen.scene import Scene
 from rodgen.scene.plain import is_number, plain
 from rodgen.shown import Shown
+from rodgen.system import System
 
 MOST_BENT = 1.0  # rad
 
@@ -71,7 +73,7 @@ class Equilibrium(Shown):
 
 @guarded
 def static_equilibrium(
-    scene: Scene, *, t: float | None = None, imperfection: float | None = None
+    system: System | Scene, *, t: float | None = None, imperfection: float | None = None
 ) -> Equilibrium:
     """Return the equilibrium that a straight rod reaches as its loads grow from zero.
 
@@ -82,8 +84,8 @@ def static_equilibrium(
 
     Parameters
     ----------
-    scene
-        The scene.
+    system
+        The scene, or a System.
     t
         Time whose loads are taken [s]; by default the start of the scene's span.
     imperfection
@@ -99,7 +101,7 @@ def static_equilibrium(
 
     Raises
     ------
-    SceneError
+    InputError
         For a free rod that nothing holds, and an imperfection out of range.
     AnalysisError
         If no equilibrium is found, with the reason.
@@ -112,45 +114,46 @@ def static_equilibrium(
     (True, 2)
     """
     bend = 0.0 if imperfection is None else checked_imperfection(imperfection)
-    check_size(STATIC, scene)
-    system = System.of(scene, t)
-    p = system.parameters()
-    if system.base:
-        _check_held(system, p)
-    rest, stages = settle(system, p, bend=bend)
-    if not system.chain:  # Newton's method has found them too
-        springs = rest.springs(system, p)
+    system = System.of(system)
+    check_size(STATIC, system)
+    rod = SteadyRod.of(system, t)
+    p = rod.system.p
+    if rod.base:
+        _check_held(rod, p)
+    rest, stages = settle(rod, p, bend=bend)
+    if not rod.chain:  # Newton's method has found them too
+        springs = rest.springs(rod, p)
         known = p if springs is None else springs.p
-        rest.at = rest.at._replace(force=forces(system, rest.at, known)[1])
-    y = system.at_rest(rest.at)
+        rest.at = rest.at._replace(force=forces(rod, rest.at, known)[1])
+    y = rod.at_rest(rest.at)
     return Equilibrium(
         y=y,
-        phi=system.all_links(rest.at.phi),
-        joints=system.model.joints(y, p),
+        phi=rod.all_links(rest.at.phi),
+        joints=rod.model.joints(y, p),
         force=rest.at.force,
         change=rest.change,
         iterations=rest.iterations,
         stages=stages,
-        instability=instability(Steady(system, rest.at, p)),
-        t=system.t,
-        states=dict(zip(scene.states, rest.at.added.tolist(), strict=True)),
-        scene=scene,
+        instability=instability(Steady(rod, rest.at, p)),
+        t=rod.t,
+        states=dict(zip(system.added, rest.at.added.tolist(), strict=True)),
+        scene=system.scene,
     )
 
 
-def _check_held(system: System, p: Array) -> None:
-    """Raise SceneError for a free rod whose place nothing follows."""
-    follows = system.anchored or system.steered  # else it need not be found out
-    start = start_of(system, system.straight)
-    if not follows or len(free_ways(system, start, p)) == system.base:
+def _check_held(rod: SteadyRod, p: Array) -> None:
+    """Raise InputError for a free rod whose place nothing follows."""
+    follows = rod.anchored or rod.steered  # else it need not be found out
+    start = start_of(rod, rod.straight)
+    if not follows or len(free_ways(rod, start, p)) == rod.base:
         allowed = "clamped, cantilever or pinned: nothing holds a free rod in place without "
         allowed += "[[supports]], [foundation] or loads that follow its place"
-        raise SceneError("rod.boundary", system.scene.rod.boundary, allowed)
+        raise InputError("rod.boundary", rod.system.structure.boundary, allowed)
 
 
 def checked_imperfection(imperfection: float) -> float:
     size = plain(imperfection, "imperfection")
     if not (is_number(size) and 0 < size <= MOST_BENT):
         allowed = f"an angle of the tail above 0 and at most {MOST_BENT:g} rad"
-        raise SceneError("imperfection", imperfection, allowed)
+        raise InputError("imperfection", imperfection, allowed)
     return float(size)

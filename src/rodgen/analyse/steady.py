@@ -10,11 +10,11 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from rodgen.analyse.balance import free_ways
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import Cells, Dense, Pencil, forces, product
 from rodgen.analyse.settle import settle
-from rodgen.analyse.system import System, Unknowns
-from rodgen.integrate.stepper import Array
+from rodgen.analyse.steady_rod import SteadyRod, Unknowns
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 from rodgen.model.term import DRAG
 from rodgen.model.terms import TERMS
 
@@ -29,14 +29,14 @@ ASKEW = 5.0  # degrees between the velocity and the axis, up to which a rod flie
 class Steady:
     """A state in which no angle changes; p: parameters of the module."""
 
-    system: System
+    rod: SteadyRod
     at: Unknowns
     p: Array
 
     @property
     def y(self) -> Array:
         """The state (states,), without velocities."""
-        return self.system.at_rest(self.at)
+        return self.rod.at_rest(self.at)
 
     @property
     def phi(self) -> Array:
@@ -51,17 +51,17 @@ class Steady:
     @property
     def straight(self) -> bool:
         """Whether all links have the direction of the clamp, or one and the same."""
-        return bool(np.abs(self.phi - self.system.straight).max() <= STRAIGHT)
+        return bool(np.abs(self.phi - self.rod.straight).max() <= STRAIGHT)
 
     @property
     def words(self) -> str:
         """What the state is, for a reader."""
-        if self.system.anchored or not self.system.base:
+        if self.rod.anchored or not self.rod.base:
             if self._driven:
                 return "straight, steadily accelerating"
             return "straight, at rest" if self.straight else "static equilibrium"
-        _, force = forces(replace(self.system, speed=0.0), self.at, self.p)
-        pushed, speed = np.abs(force).max(initial=0.0) > 0, self.system.speed
+        _, force = forces(replace(self.rod, speed=0.0), self.at, self.p)
+        pushed, speed = np.abs(force).max(initial=0.0) > 0, self.rod.speed
         if not speed:
             return f"straight, {'steadily accelerating' if pushed else 'at rest or falling freely'}"
         flies = f"flying at {abs(speed):.6g} m/s{' tail first' * (speed < 0)}"
@@ -70,25 +70,25 @@ class Steady:
     @property
     def _driven(self) -> bool:
         """Whether loads accelerate an anchored rod in a direction in which nothing holds it."""
-        if not self.system.base:
+        if not self.rod.base:
             return False
-        free = free_ways(self.system, self.at, self.p)
-        gained = np.abs(free @ self.system.rates(self.y, self.p)[:2]).max(initial=0.0)
+        free = free_ways(self.rod, self.at, self.p)
+        gained = np.abs(free @ self.rod.rates(self.y, self.p)[:2]).max(initial=0.0)
         return bool(gained > STEADY * np.abs(self.force).max(initial=0.0))
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader has to know of the speed, where it counts: nothing for a rod that is held,
         and where no load depends on it."""
-        system = self.system
-        if not (has_drag(system) and system.scene.hold.translates):
+        rod = self.rod
+        if not (has_drag(rod) and rod.scene.hold.translates):
             return ()
-        if is_kinked(system) and not (system.speed or system.across):
+        if is_kinked(rod) and not (rod.speed or rod.across):
             return (
                 "linearised about a rod at rest, where external damping brakes small motions "
                 "across it; of one that moves along its axis it brakes none (give a speed)",
             )
-        angle = np.degrees(np.arctan2(abs(system.across), abs(system.speed)))
+        angle = np.degrees(np.arctan2(abs(rod.across), abs(rod.speed)))
         if angle <= ASKEW:
             return ()
         return (
@@ -100,15 +100,15 @@ class Steady:
     def turns_freely(self) -> bool:
         """Whether turning the whole rod makes no moment: a rigid-body motion of frequency zero.
         Its loads turn with it, or there are none."""
-        if self.system.anchored or self.system.steered:
+        if self.rod.anchored or self.rod.steered:
             return False
         here = self.cells
         # Row by row, for a soft spring counts beside a hard one.
         angles = np.abs(here.by_angle).sum(axis=0)
         pulls = np.abs(here.by_unknown[..., 1:]).sum(axis=(0, 3))
         sizes = angles + pulls * np.abs(self.force).max(initial=0.0)
-        if self.system.speed:
-            sizes += np.abs(self._drag_across).sum(axis=(0, 3)) * abs(self.system.speed)
+        if self.rod.speed:
+            sizes += np.abs(self._drag_across).sum(axis=(0, 3)) * abs(self.rod.speed)
         made = product(Pencil.of(here).S0, self.turning).reshape(sizes.shape)
         return bool((np.abs(made) <= STEADY * sizes).all())
 
@@ -120,7 +120,7 @@ class Steady:
 
     @cached_property
     def cells(self) -> Cells:
-        return Cells.at(self.system, self.at, self.p)
+        return Cells.at(self.rod, self.at, self.p)
 
     def pencil(self) -> Pencil:
         """The equations linearised here, without what follows the velocities of the joints."""
@@ -130,16 +130,16 @@ class Steady:
     def _drag_across(self) -> Array:
         """How drag follows the velocities of the joints (2, cells, 3, 2) where the rod moves across
         itself as fast as it flies: a measure of what is small."""
-        return Cells.across(self.system, self.at, self.p).by_velocity
+        return Cells.across(self.rod, self.at, self.p).by_velocity
 
     @property
     def follows_velocity(self) -> bool:
         """Whether drag answers a small velocity of a joint, to first order, by more than a force
         along the straight rod, which does not act on small motions across it."""
-        system = self.system
-        if is_kinked(system) and not system.speed:
+        rod = self.rod
+        if is_kinked(rod) and not rod.speed:
             return True
-        if not (has_drag(system) and system.speed):
+        if not (has_drag(rod) and rod.speed):
             return bool(self.cells.by_velocity.any())
         c, s = np.cos(self.phi[0]), np.sin(self.phi[0])
         felt, all_of_it = (
@@ -161,31 +161,31 @@ class Steady:
         x0 and y0 as well; then the added states. Raises AnalysisError for a bent rod with external
         damping, unless this is left out (smooth).
         """
-        system, y = self.system, self.system.flying(self.at)
-        if is_kinked(system) and not self.straight and not smooth:
+        rod, y = self.rod, self.rod.flying(self.at)
+        if is_kinked(rod) and not self.straight and not smooth:
             raise AnalysisError(
                 "external damping has no linear part about a bent state (its force depends on the "
                 "share of the velocity across the rod): leave out loads.external_damping"
             )
-        base, half = system.base, system.base + system.cells
-        J, mass = system.model.jac(system.t, y, self.p), system.model.mass_matrix(y, self.p)
+        base, half = rod.base, rod.base + rod.cells
+        J, mass = rod.model.jac(rod.t, y, self.p), rod.model.mass_matrix(y, self.p)
         ways, moving = np.eye(half), y.copy()
         across = ways[:, base // 2 :].copy()
         if base:
             across[:2, 0] = -np.sin(self.phi[0]), np.cos(self.phi[0])
-        if has_drag(system) and not (system.speed or smooth):
+        if has_drag(rod) and not (rod.speed or smooth):
             # At any speed across the rod, however small, that has the same derivative.
             moving[half : 2 * half] = AT_REST * (across[:, 0] if base else 1.0)
-        J[:, half : 2 * half] = system.model.jac(system.t, moving, self.p)[:, half : 2 * half]
-        if base and has_drag(system) and not (system.speed or smooth):
+        J[:, half : 2 * half] = rod.model.jac(rod.t, moving, self.p)[:, half : 2 * half]
+        if base and has_drag(rod) and not (rod.speed or smooth):
             # Along the straight rod the share is none.
             axis = np.array([np.cos(self.phi[0]), np.sin(self.phi[0])])
             moving[half : 2 * half] = 0.0
             moving[half : half + 2] = AT_REST * axis
-            along = system.model.jac(system.t, moving, self.p)[:, half : half + 2] @ axis
+            along = rod.model.jac(rod.t, moving, self.p)[:, half : half + 2] @ axis
             J[:, half : half + 2] += np.outer(along - J[:, half : half + 2] @ axis, axis)
-        whole = whole or system.anchored
-        if not system.anchored and (has_drag(system) or not system.steered):
+        whole = whole or rod.anchored
+        if not rod.anchored and (has_drag(rod) or not rod.steered):
             ways = across
         elif base and not (whole or self._follows_joint):
             inner = mass[base:, :base] @ np.linalg.solve(mass[:base, :base], mass[:base, base:])
@@ -198,7 +198,7 @@ class Steady:
     def _follows_joint(self) -> bool:
         """Whether loads or added states follow the place or the velocity of a joint, however large
         the loads are."""
-        return any(one.what not in TURNS for one in self.system.scene.structure.sensors)
+        return any(one.what not in TURNS for one in self.rod.scene.structure.sensors)
 
 
 def _closed(J: Array, mass: Array, ways: Array) -> Dense:
@@ -223,67 +223,67 @@ def _closed(J: Array, mass: Array, ways: Array) -> Dense:
     )
 
 
-def steady(system: System, start: Steady | None = None, **changes: float) -> Steady:
-    """The steady state with other values for some parameters; start: one under similar loads.
+def steady(rod: SteadyRod, start: Steady | None = None, p: Array | None = None) -> Steady:
+    """The steady state; start: one under similar loads; p: parameters, by default those of the rod.
 
     Raises AnalysisError where there is none.
     """
-    p = system.parameters(**changes)
-    found, turning = straight_state(system, p)
+    p = rod.system.p if p is None else p
+    found, turning = straight_state(rod, p)
     if found is not None:
         return found
-    if system.scene.hold.translates and not system.anchored:
+    if rod.scene.hold.translates and not rod.anchored:
         raise AnalysisError(
             "the free rod has no steady state to linearise about: straight and at rest, its links "
             f"turn with {turning:.3g} rad/s^2 (a load along the rod, or gravity "
             "alone, leaves it straight)"
         )
-    rest, _ = settle(system, p, start.at if start else None)
-    return Steady(system, rest.at._replace(force=forces(system, rest.at, p)[1]), p)
+    rest, _ = settle(rod, p, start.at if start else None)
+    return Steady(rod, rest.at._replace(force=forces(rod, rest.at, p)[1]), p)
 
 
-def straight_state(system: System, p: Array) -> tuple[Steady | None, float]:
+def straight_state(rod: SteadyRod, p: Array) -> tuple[Steady | None, float]:
     """The straight rod under parameters p, None where it does not stay straight, and how fast its
     links begin to turn [rad/s^2]."""
-    at = system.beside_straight
-    turning, force = forces(system, at, p)
-    scale = np.abs(force).max(initial=0.0) * system.scene.rod.links / system.scene.rod.length
+    at = rod.beside_straight
+    turning, force = forces(rod, at, p)
+    scale = np.abs(force).max(initial=0.0) * rod.scene.rod.links / rod.scene.rod.length
     largest = float(np.abs(turning).max())
-    if largest <= STEADY * scale and _settled(system, at, p):
-        return Steady(system, at._replace(force=force), p), largest
+    if largest <= STEADY * scale and _settled(rod, at, p):
+        return Steady(rod, at._replace(force=force), p), largest
     return None, largest
 
 
-def _settled(system: System, at: Unknowns, p: Array) -> bool:
+def _settled(rod: SteadyRod, at: Unknowns, p: Array) -> bool:
     """Whether joint 0 of a straight rod does not begin to move where springs hold it, in comparison
     with one that is a length away; where nothing does, the rod may be driven along itself."""
-    if not (system.base and system.anchored):
+    if not (rod.base and rod.anchored):
         return True
-    y = system.at_rest(at)
+    y = rod.at_rest(at)
     away = y.copy()
-    away[:2] += system.scene.rod.length
-    free = free_ways(system, at, p)
+    away[:2] += rod.scene.rod.length
+    free = free_ways(rod, at, p)
     held = np.eye(2) - free.T @ free
-    here, there = (np.abs(held @ system.rates(one, p)[:2]).max() for one in (y, away))
+    here, there = (np.abs(held @ rod.rates(one, p)[:2]).max() for one in (y, away))
     return bool(here <= STEADY * there)
 
 
-def has_drag(system: System) -> bool:
+def has_drag(rod: SteadyRod) -> bool:
     """Whether a load follows the velocities of the joints."""
-    return any(TERMS[term].kind == DRAG for term in system.scene.loads.terms)
+    return any(TERMS[term].kind == DRAG for term in rod.scene.loads.terms)
 
 
-def is_kinked(system: System) -> bool:
+def is_kinked(rod: SteadyRod) -> bool:
     """Whether one of them has no linear part about a rest that is bent."""
-    return any(TERMS[term].kinked for term in system.scene.loads.terms)
+    return any(TERMS[term].kinked for term in rod.scene.loads.terms)
 
 
 def linearised(state: Steady) -> Pencil | Dense:
     """The equations linearised about a steady state, in O(n) where no velocity of a joint counts:
     without external damping, and in flight."""
-    within = not (state.system.base or has_drag(state.system) or state.system.steered)
-    if state.system.anchored and within:
-        return Cells.at(state.system, state.at, state.p).reduced()
-    if state.system.anchored or state.system.steered:
+    within = not (state.rod.base or has_drag(state.rod) or state.rod.steered)
+    if state.rod.anchored and within:
+        return Cells.at(state.rod, state.at, state.p).reduced()
+    if state.rod.anchored or state.rod.steered:
         return state.dense()
     return state.dense() if state.follows_velocity else state.pencil()

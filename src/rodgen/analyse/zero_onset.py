@@ -9,10 +9,10 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import brentq
 
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.modal import ROUNDING
 from rodgen.analyse.onset import APART, Onset, unfound
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 
 WIDER = 4.0  # times the way to either side in which an onset is looked for
 CLOSE = 1e-13  # of a load: rounding

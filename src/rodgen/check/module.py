@@ -17,10 +17,10 @@ import numpy as np
 from mpmath import mpf
 
 from rodgen.check.by_hand import ByHand
+from rodgen.errors import InputError
 from rodgen.loading.module import asked, structure_of
 from rodgen.memory import check_memory
 from rodgen.progress import tell
-from rodgen.scene.errors import SceneError
 from rodgen.scene.law import POINTS, WEIGHTS
 from rodgen.scene.link_parts import present
 
@@ -43,7 +43,7 @@ def check_module(module: ModuleType, states: int = 3, seed: int = 1) -> Iterator
     """Compare all that a module computes at random states near to and far from straight.
 
     The error of a vector is its largest absolute error over its largest magnitude; that of
-    energies or powers is taken relative to the largest among them. Raises SceneError for so many
+    energies or powers is taken relative to the largest among them. Raises InputError for so many
     links that there is not enough memory.
     """
     check_memory("matrices of many digits", module.N, lambda links: PAIR * links**2, "N")
@@ -69,7 +69,7 @@ def _drawn(
         if np.isfinite(module.rhs(t, y, module.parameters(**values))).all():
             return values, y
     allowed = f"one whose loads are finite in one of {DRAWS} random states"
-    raise SceneError("module", module.__name__, allowed)
+    raise InputError("module", module.__name__, allowed)
 
 
 def _parameters(module: ModuleType, t: float, draw: np.random.Generator) -> dict[str, Any]:
@@ -96,7 +96,7 @@ def _parameters(module: ModuleType, t: float, draw: np.random.Generator) -> dict
         if all(map(math.isfinite, _loads(module, values, t).values())):
             return values
     allowed = f"one whose loads are finite for one of {DRAWS} random sets of parameters"
-    raise SceneError("module", module.__name__, allowed)
+    raise InputError("module", module.__name__, allowed)
 
 
 def _state(

@@ -46,7 +46,7 @@ def animate(
     ] = False,
 ) -> None:
     """Draw the run in RESULT as a film: a GIF, or an MP4, which needs ffmpeg."""
-    from rodgen.integrate.files.storage import Excerpt
+    from rodgen.integrate.files.reader import Excerpt
     from rodgen.loading import build_fastest
     from rodgen.show.animation.files import check_file
     from rodgen.show.animation.film import film

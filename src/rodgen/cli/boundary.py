@@ -60,11 +60,11 @@ def boundary(
     The boundary includes the limit of vanishing damping.
     """
     from rodgen.analyse.branches.boundary import read, stability_boundary
-    from rodgen.scene import SceneError
+    from rodgen.errors import InputError
 
     keys = vary.split(",")
     if len(keys) != 2:
-        raise SceneError("--vary", vary, "two numbers of the scene with a comma between them")
+        raise InputError("--vary", vary, "two numbers of the scene with a comma between them")
     finite("--t", t)
     given = (("--a", first), ("--b", second))
     ranges = [(text and numbers(option, text, ":")) or None for option, text in given]

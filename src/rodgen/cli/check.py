@@ -11,8 +11,8 @@ from rodgen.cli.console import out, print_json, print_table, working
 from rodgen.cli.errors import DISPROVEN, fail
 from rodgen.cli.options import AsJson
 from rodgen.cli.results import is_generated
+from rodgen.errors import InputError
 from rodgen.loading import load_module
-from rodgen.scene import SceneError
 
 
 def check(
@@ -25,10 +25,10 @@ def check(
     from rodgen.show.result_tables import ResultTable
 
     if not module_file.exists():
-        raise SceneError("module", str(module_file), "a file that is there")
+        raise InputError("module", str(module_file), "a file that is there")
     if module_file.suffix != ".py" or not is_generated(module_file):  # nothing else is run
         allowed = "a .py that rodgen derive wrote (of a C module, the .py beside the .c)"
-        raise SceneError("module", str(module_file), allowed)
+        raise InputError("module", str(module_file), allowed)
     module = load_module(module_file)
     deviations = []
     with working(f"comparing {module_file.name}") as step:

@@ -47,11 +47,11 @@ def drawn() -> bool:
 
 
 def finite(option: str, value: float | None) -> float | None:
-    """The value of an option; raises SceneError for one that is not finite."""
-    from rodgen.scene import SceneError
+    """The value of an option; raises InputError for one that is not finite."""
+    from rodgen.errors import InputError
 
     if value is not None and not math.isfinite(value):
-        raise SceneError(option, value, "a finite number")
+        raise InputError(option, value, "a finite number")
     return value
 
 

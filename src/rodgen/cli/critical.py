@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rodgen.analyse.errors import AnalysisError
 from rodgen.cli.completion import words
 from rodgen.cli.console import (
     err,
@@ -26,14 +25,16 @@ from rodgen.cli.console import (
 from rodgen.cli.errors import FAILED_RUN, fail
 from rodgen.cli.options import After, AsJson, AtTime, OutFolder, Speed
 from rodgen.cli.results import promised
+from rodgen.errors import AnalysisError, InputError
 from rodgen.model.terms import TERMS
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
+from rodgen.system import System
 
 if TYPE_CHECKING:
     from rodgen.analyse.critical import Critical
     from rodgen.analyse.family import Family
     from rodgen.analyse.growth import SimulatedCritical
-    from rodgen.analyse.system import System
+    from rodgen.analyse.steady_rod import SteadyRod
 
     Simulated = SimulatedCritical | AnalysisError
 
@@ -95,19 +96,20 @@ def critical(
     """
     from rodgen.analyse.critical import critical_force, family_of
     from rodgen.analyse.family import FOLLOWER, GROUPS, label_of
-    from rodgen.analyse.system import flown, in_words, silent
+    from rodgen.analyse.steady_rod import state_after
+    from rodgen.system.instant import describe_instant, inactive_loads
 
     for option, value in (("--lowest", lowest), ("--highest", highest), ("--t", t)):
         finite(option, value)
     if simulate is not None and not 0 < simulate < math.inf:
-        raise SceneError("--simulate", simulate, "a positive number of seconds")
+        raise InputError("--simulate", simulate, "a positive number of seconds")
     if simulate is not None and load not in (None, FOLLOWER):
-        raise SceneError("--simulate", simulate, "absent: runs find a follower force alone")
+        raise InputError("--simulate", simulate, "absent: runs find a follower force alone")
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("searching"):
-            scene, t = flown(scene, t, speed, after)
+            system, t = state_after(System(scene), t, speed, after)
             found = critical_force(
-                scene,
+                system,
                 lowest=lowest,
                 highest=highest,
                 t=t,
@@ -117,15 +119,16 @@ def critical(
                 windows=windows,
                 elastic=elastic,
             )
-            family = family_of(scene, t, speed, load=load)
-            own = () if found.load in GROUPS else tuple(family.load.direction)
-        simulated = _simulated(family.system, simulate) if simulate else None
+            family = family_of(system, t, speed, load=load)
+            own = () if found.load in GROUPS else tuple(family.load.parts)
+        simulated = _simulated(family.rod, simulate) if simulate else None
         doubted = _doubt(found, simulated, family)
         if as_json:
-            print_json(_object(found, simulated, doubted) | {"silent": silent(scene, found.t, own)})
+            inactive = inactive_loads(system.source, found.t, own)
+            print_json(_object(found, simulated, doubted) | {"silent": inactive})
         else:
             print_notes(found.notes)
-            out.print(f"{scene.name}: other {in_words(scene, found.t, own)}")
+            out.print(f"{scene.name}: other {describe_instant(system.source, found.t, own)}")
             from rodgen.show.analysis_pictures import stability_curves
             from rodgen.show.result_tables import of_critical
 
@@ -137,12 +140,12 @@ def critical(
         fail(f"by simulation: {simulated}", FAILED_RUN)
 
 
-def _simulated(system: System, span: float) -> Simulated:
+def _simulated(rod: SteadyRod, span: float) -> Simulated:
     """The critical force by simulations, or why there is none."""
     from rodgen.analyse.growth import simulated_critical_force
     from rodgen.loading import build_fastest
 
-    scene = system.scene
+    scene = rod.scene
     with working("generating"):
         target = build_fastest(scene).PROVENANCE["target"]
     if target == "numpy":
@@ -152,7 +155,7 @@ def _simulated(system: System, span: float) -> Simulated:
             return simulated_critical_force(
                 scene,
                 span=span,
-                speed=system.speed if system.base else None,
+                speed=rod.speed if rod.base else None,
                 progress=lambda force, grew: step(f"{force:.6g} N {'grows' if grew else 'stays'}"),
             )
         except AnalysisError as error:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rodgen.analyse.curves.journal import Journal
-    from rodgen.scene import SceneError
+    from rodgen.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ def going_on(
     """What a command that writes a file, or none, goes on with by --resume: its own steps, which a
     kill has left beside the file, else the curve in the file of --resume.
 
-    command: all that its curve follows from. Raises SceneError; also without --resume where steps
+    command: all that its curve follows from. Raises InputError; also without --resume where steps
     were left, which would be lost.
     """
     from rodgen.analyse.curves.journal import Journal, beside, identity
-    from rodgen.scene import SceneError
+    from rodgen.errors import InputError
 
     number = point_of(resume, at, "--resume")
     if file is None:
@@ -64,7 +64,7 @@ def going_on(
     if left is not None and here and not resume.exists():
         changed = [name for name in own if own[name] != left.command.get(name)]
         allowed = f"the file of the command that was stopped (changed: {', '.join(changed)})"
-        raise SceneError("--resume", str(resume), allowed)
+        raise InputError("--resume", str(resume), allowed)
     curve = read(resume)
     own |= {"resume": content_of(resume), "at": number}
     if left is not None and left.command == own:
@@ -76,23 +76,23 @@ def going_on(
     return Going(Journal(path, own), curve, number)
 
 
-def _left(path: Path, file: Path, left: Journal) -> SceneError:
+def _left(path: Path, file: Path, left: Journal) -> InputError:
     """The error for steps that were left, and would be lost."""
-    from rodgen.scene import SceneError
+    from rodgen.errors import InputError
 
     what = f"{left.steps} steps of a command that was stopped"
     allowed = f"given as {file}, with the options of then, or {path} away, which has {what}"
-    return SceneError("--resume", None, allowed)
+    return InputError("--resume", None, allowed)
 
 
 def content_of(file: Path) -> str:
-    """A hash of what is in a file; raises SceneError for one that cannot be read."""
-    from rodgen.scene import SceneError
+    """A hash of what is in a file; raises InputError for one that cannot be read."""
+    from rodgen.errors import InputError
 
     try:
         return hashlib.sha256(file.read_bytes()).hexdigest()
     except OSError as error:
-        raise SceneError("file", str(file), f"one that can be read ({error.strerror})") from None
+        raise InputError("file", str(file), f"one that can be read ({error.strerror})") from None
 
 
 @dataclass(frozen=True)
@@ -142,8 +142,7 @@ def followed(
 ) -> Followed:
     """The curve that is followed by a function, which is given what to say of every point to."""
     from rodgen.analyse.curves.journal import written
-    from rodgen.analyse.errors import AnalysisError, BranchInterrupted
-    from rodgen.scene import SceneError
+    from rodgen.errors import AnalysisError, BranchInterrupted, InputError
 
     end_as_by_ctrl_c()
 
@@ -158,20 +157,20 @@ def followed(
         except BranchInterrupted as error:
             hold_back_ctrl_c()
             return Followed(what, error.found, True, journal)
-        except (AnalysisError, SceneError):  # as it would again
+        except (AnalysisError, InputError):  # as it would again
             if journal is not None:
                 journal.discard()
             raise
 
 
 def numbers(option: str, text: str, mark: str) -> tuple[float, float]:
-    """Two finite numbers with a mark between them. Raises SceneError."""
-    from rodgen.scene import SceneError
+    """Two finite numbers with a mark between them. Raises InputError."""
+    from rodgen.errors import InputError
 
     try:
         low, high = (float(part) for part in text.split(mark))
     except ValueError:
-        raise SceneError(option, text, f"two numbers, as 0{mark}20") from None
+        raise InputError(option, text, f"two numbers, as 0{mark}20") from None
     finite(option, low)
     finite(option, high)
     return low, high

@@ -21,6 +21,7 @@ from rodgen.cli.options import (
 )
 from rodgen.cli.results import promised
 from rodgen.scene import Scene
+from rodgen.system import System
 
 if TYPE_CHECKING:
     import xarray
@@ -113,27 +114,27 @@ def cycle(
 
     With --vary, follow periodic motions along a number of SCENE.
     """
-    from rodgen.scene import SceneError
+    from rodgen.errors import InputError
 
     if vary is None and between is not None:
-        raise SceneError("--between", between, "given with --vary, the key that is varied")
+        raise InputError("--between", between, "given with --vary, the key that is varied")
     if vary is None and resume is not None:
-        raise SceneError("--resume", str(resume), "given with --vary, the key that is varied")
+        raise InputError("--resume", str(resume), "given with --vary, the key that is varied")
     if vary is None and switch is not None:
-        raise SceneError("--switch", switch, "given with --vary, the key that is varied")
+        raise InputError("--switch", switch, "given with --vary, the key that is varied")
     point_of(branch_file or resume, at, "--from or --resume")
     if (mode is None) != (energy is None):
         name, other = ("--mode", "--energy") if energy is None else ("--energy", "--mode")
-        raise SceneError(name, energy if mode is None else mode, f"given with {other}")
+        raise InputError(name, energy if mode is None else mode, f"given with {other}")
     if mode is not None:
         others = {"--vary": vary, "--from": branch_file, "--check-mesh": check_mesh or None}
         for option, value in others.items():
             if value is not None:
-                raise SceneError(option, str(value), "absent beside --mode")
+                raise InputError(option, str(value), "absent beside --mode")
     if vary is not None:
         for option, asked in (("--by", by), ("--multipliers", multipliers)):
             if asked is not None:
-                raise SceneError(option, asked, "absent beside --vary: branches are shot")
+                raise InputError(option, asked, "absent beside --vary: branches are shot")
         from rodgen.analyse.branches.branch_data import read as equilibria
         from rodgen.analyse.cycles.branch_data import read
 
@@ -205,7 +206,7 @@ def _of_mode(scene: Scene, mode: int, energy: float, segments: int) -> Cycle:
 
 def _found(scene: Scene, branch_file: Path | None, at: int | None, **given: Any) -> Cycle:
     """given: to `find_cycle`."""
-    from rodgen.analyse.cycles.search import find_cycle
+    from rodgen.analyse.cycles.periodic_motion import find_cycle
 
     if branch_file is None:
         return find_cycle(scene, **given)
@@ -213,9 +214,8 @@ def _found(scene: Scene, branch_file: Path | None, at: int | None, **given: Any)
 
     data = read(branch_file)
     there, known = on_branch(data, nearest(data, scene) if at is None else at)
-    if at is not None:
-        scene = there
-    return find_cycle(scene, y0=known.y0, period=known.period, **given)
+    beside = System(scene) if at is None else there
+    return find_cycle(beside, y0=known.y0, period=known.period, **given)
 
 
 def _branch(
@@ -229,10 +229,10 @@ def _branch(
     """Follow a branch; file: that is written, unless the curve is printed; given: to
     `continue_cycles`."""
     from rodgen.analyse.cycles.branches import continue_cycles
-    from rodgen.scene import SceneError
+    from rodgen.errors import InputError
 
     if between is None:
-        raise SceneError("--between", None, "two numbers A,B between which the key of --vary goes")
+        raise InputError("--between", None, "two numbers A,B between which the key of --vary goes")
     ends = numbers("--between", between, ",")
     with promised(file and file.parent) as folder:
         made = followed(

@@ -18,12 +18,12 @@ from rodgen.cli.options import AsJson
 from rodgen.cli.results import promised, unwritable
 from rodgen.cli.shared import Changes, read_scene
 from rodgen.emit.targets import FORMS, TARGETS, check_output, closed, offered
+from rodgen.errors import InputError, Missing
 from rodgen.loading import companions, sources
 from rodgen.loading.cache import write_whole
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.model.terms import TERMS, THESIS_TERMS
-from rodgen.scene import SceneError, Structure
-from rodgen.scene.errors import Missing
+from rodgen.scene import Structure
 from rodgen.scene.structure import choose, parse_terms
 
 OTHERS = ", ".join(name for name in TERMS if name not in THESIS_TERMS)
@@ -124,17 +124,17 @@ def derive(
 def _structure(
     given: Mapping[str, str | None], scene_file: Path | None, changes: Sequence[str] | None
 ) -> Structure:
-    """What is derived: of a scene, or of what options say. Raises SceneError."""
+    """What is derived: of a scene, or of what options say. Raises InputError."""
     if scene_file is not None:
         for option, value in given.items():
             if value is not None:
-                raise SceneError(option, value, "absent beside --scene, which says it")
+                raise InputError(option, value, "absent beside --scene, which says it")
         return read_scene(scene_file, changes).structure
     if changes:
-        raise SceneError("--set", changes, "given with --scene, whose keys it changes")
+        raise InputError("--set", changes, "given with --scene, whose keys it changes")
     links, boundary, inertia, terms = given.values()
     if links is None:
-        raise SceneError("N", Missing(), "given, the number of links, or else --scene FILE")
+        raise InputError("N", Missing(), "given, the number of links, or else --scene FILE")
     return Structure(
         _whole(links), boundary or "free", inertia or "uniform", parse_terms(terms or "all")
     )
@@ -155,7 +155,7 @@ def _object(structure: Structure, proof: Proof, files: Sequence[Path]) -> dict[s
 
 def _whole(text: str) -> int:
     if not re.fullmatch(r"-?[0-9]{1,18}", text):
-        raise SceneError("links", text, "a whole number")
+        raise InputError("links", text, "a whole number")
     return int(text)
 
 

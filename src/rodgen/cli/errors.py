@@ -38,14 +38,12 @@ def reported() -> Iterator[None]:
 
 def _explain(error: Exception) -> None:
     """End with one line for what the user can mend."""
-    from rodgen.analyse.errors import AnalysisError
+    from rodgen.errors import AnalysisError, InputError, StudyError
     from rodgen.loading import BuildError
-    from rodgen.scene import SceneError
-    from rodgen.studies.errors import StudyError
 
     if isinstance(error, AnalysisError | StudyError):
         fail(str(error), FAILED_RUN)
-    if isinstance(error, SceneError):
+    if isinstance(error, InputError):
         notes = "".join(f" ({note})" for note in getattr(error, "__notes__", ()))
         fail(f"{error}{notes}", BAD_INPUT)
     if isinstance(error, BuildError):

@@ -36,17 +36,17 @@ def modes(
 ) -> None:
     """Compute the natural frequencies of SCENE about its steady state, and draw the mode shapes."""
     from rodgen.analyse.modes import natural_modes
-    from rodgen.analyse.system import in_words, silent
+    from rodgen.system.instant import describe_instant, inactive_loads
 
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("linearising"):
             found = natural_modes(scene, count, t=finite("--t", t), speed=speed, after=after)
         _warn(found)
         if as_json:
-            print_json(_object(found) | {"silent": silent(scene, found.t)})
+            print_json(_object(found) | {"silent": inactive_loads(scene, found.t)})
             return
         print_notes(found.notes)
-        out.print(f"{scene.name}: {in_words(scene, found.t)}")
+        out.print(f"{scene.name}: {describe_instant(scene, found.t)}")
         if len(found.frequencies):
             from rodgen.show.result_tables import of_modes
 

@@ -74,10 +74,10 @@ LAST = -1  # the number of a point, if not given
 
 
 def point_of(file: Path | None, at: int | None, option: str) -> int:
-    """The number of a point of a file, given with that option. Raises SceneError for one without a
+    """The number of a point of a file, given with that option. Raises InputError for one without a
     file."""
-    from rodgen.scene import SceneError
+    from rodgen.errors import InputError
 
     if at is not None and file is None:
-        raise SceneError("--at", at, f"given with {option}, the file whose point it is")
+        raise InputError("--at", at, f"given with {option}, the file whose point it is")
     return LAST if at is None else at

@@ -39,8 +39,8 @@ from rodgen.loading.cache import write_whole
 from rodgen.model.methods import METHODS
 from rodgen.scene import Scene
 from rodgen.scene.doubts import doubts
-from rodgen.scene.integration import AUTO, Settings
-from rodgen.scene.overrides import check_used
+from rodgen.scene.integration import AUTO, Settings, check_used
+from rodgen.system import System
 
 RESULT, SUMMARY = "solution.nc", "summary.txt"
 
@@ -96,7 +96,7 @@ def run(
     }
     scene = scene.with_integrate(**overrides)
     check_used(scene.integrate, overrides, prefix="--")
-    check_samples(scene, to_file=True)
+    check_samples(System.of(scene), to_file=True)
     for doubt in doubts(scene):
         warn(doubt)
     start, end = scene.integrate.span

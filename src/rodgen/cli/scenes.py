@@ -12,8 +12,9 @@ from rodgen.cli.completion import words
 from rodgen.cli.console import out, print_json
 from rodgen.cli.options import AsJson
 from rodgen.cli.results import unwritable
+from rodgen.errors import InputError
 from rodgen.loading.cache import write_whole
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.scene.examples import STUDIES, about, copies, example, examples, folder, studies
 
 
@@ -60,7 +61,7 @@ def new(
     made = copies(file, name)
     for path in (folder / one for one in made):
         if path.exists():
-            raise SceneError("NAME", name, f"new: {path} is there already")
+            raise InputError("NAME", name, f"new: {path} is there already")
     try:
         for one, text in made.items():
             write_whole(folder / one, text)
@@ -75,6 +76,6 @@ def _scene(file: Path, study: bool) -> Scene:
     """The scene of a file, or that of a study."""
     if not study:
         return Scene.from_toml(file)
-    from rodgen.studies.specification import Study
+    from rodgen.studies.study import Study
 
-    return Study.from_toml(file).base
+    return Study.from_toml(file).system.scene

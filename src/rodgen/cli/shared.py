@@ -20,7 +20,8 @@ import typer
 from rodgen.cli.completion import keys
 from rodgen.cli.console import printing
 from rodgen.cli.options import OutFolder
-from rodgen.scene import Scene, SceneError
+from rodgen.errors import InputError
+from rodgen.scene import Scene
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene, in TOML.")]
 Changes = Annotated[
@@ -74,7 +75,7 @@ def with_shared(command: Callable[..., object]) -> Callable[..., object]:
 
 
 def read_scene(path: Path, changes: Sequence[str] | None) -> Scene:
-    """The scene of a file with other values of some keys, each as KEY=VALUE. Raises SceneError."""
+    """The scene of a file with other values of some keys, each as KEY=VALUE. Raises InputError."""
     scene = Scene.from_toml(path)
     return scene.replace(dict(map(_change, changes))) if changes else scene
 
@@ -82,7 +83,7 @@ def read_scene(path: Path, changes: Sequence[str] | None) -> Scene:
 def _change(text: str) -> tuple[str, Any]:
     key, equals, value = (part.strip() for part in text.partition("="))
     if not (equals and re.fullmatch(r"[\w-]+(\.[\w-]+)*", key)):
-        raise SceneError("--set", text, "KEY=VALUE, such as loads.follower.force=300")
+        raise InputError("--set", text, "KEY=VALUE, such as loads.follower.force=300")
     return key, _value(value)
 
 

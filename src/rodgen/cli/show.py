@@ -27,6 +27,7 @@ from rodgen.scene import Scene
 from rodgen.scene.contents import contents
 from rodgen.scene.doubts import doubts
 from rodgen.scene.mesh import mesh_notes
+from rodgen.system import System
 
 MOST_LISTED = 10  # break points
 TABLED = re.compile(r"(_(?:knot|value))_\d+$")  # how the numbers of a table are called
@@ -34,7 +35,7 @@ TABLED = re.compile(r"(_(?:knot|value))_\d+$")  # how the numbers of a table are
 
 def show(scene: Scene, as_json: AsJson = False) -> None:
     """Show what the module of SCENE will hold, and what is left out and why."""
-    check_size(SHOW, scene)
+    check_size(SHOW, System(scene))
     if as_json:
         print_json(_object(scene))
         return
@@ -91,7 +92,7 @@ def _integrated(
         choice = choose(scene, model)
         tell("looking for the fastest motion")
         with suppress(ArithmeticError):  # the run will say so
-            fastest = fastest_motion(scene, model)
+            fastest = fastest_motion(System.of(scene), model)
             limits = {name: limit(name, fastest.value, fastest.partner) for name in FIXED_STEP}
             return model, choice, fastest, limits
     return model, choice, None, {}

@@ -39,12 +39,13 @@ def static(
 ) -> None:
     """Find the static equilibrium of SCENE, and draw the deflected rod."""
     from rodgen.analyse.statics import static_equilibrium
-    from rodgen.analyse.system import System, in_words, silent
-    from rodgen.scene import SceneError
+    from rodgen.analyse.steady_rod import SteadyRod
+    from rodgen.errors import InputError
+    from rodgen.system.instant import describe_instant, inactive_loads
 
     if every:
         if imperfection is not None:
-            raise SceneError("--imperfection", imperfection, "absent beside --all")
+            raise InputError("--imperfection", imperfection, "absent beside --all")
         _every(scene, finite("--t", t), out_folder, as_json)
         return
     with promised(None if as_json else out_folder / scene.name) as folder:
@@ -53,30 +54,30 @@ def static(
         if rest.instability:
             warn(_warning(rest.instability, imperfection))
         if as_json:
-            print_json(_object(rest) | {"silent": silent(scene, rest.t)})
+            print_json(_object(rest) | {"silent": inactive_loads(scene, rest.t)})
             return
-        out.print(f"{scene.name}: {in_words(scene, rest.t)}")
+        out.print(f"{scene.name}: {describe_instant(scene, rest.t)}")
         from rodgen.show.analysis_pictures import equilibrium_shape
         from rodgen.show.result_tables import of_equilibrium
 
         print_values(f"{scene.name}: static equilibrium", of_equilibrium(rest))
 
-        write_picture(lambda: equilibrium_shape(rest, System.of(scene, t)), folder, "static")
+        write_picture(lambda: equilibrium_shape(rest, SteadyRod.of(scene, t)), folder, "static")
 
 
 def _every(scene: Scene, t: float | None, out_folder: Path, as_json: bool) -> None:
     """List all equilibria that are found."""
     from rodgen.analyse.branches.coexistence import static_equilibria
-    from rodgen.analyse.system import in_words, silent
+    from rodgen.system.instant import describe_instant, inactive_loads
 
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("looking for equilibria"):
             found = static_equilibria(scene, t=t)
         if as_json:
-            silence = silent(scene, found[0].t)
+            silence = inactive_loads(scene, found[0].t)
             print_json({"equilibria": [_object(one) for one in found], "silent": silence})
             return
-        out.print(f"{scene.name}: {in_words(scene, found[0].t)}")
+        out.print(f"{scene.name}: {describe_instant(scene, found[0].t)}")
         rows = {f"tip at ({one.tip[0]:.9g}, {one.tip[1]:.9g}) m": _stability(one) for one in found}
         print_values(f"{scene.name}: {len(found)} equilibria were found", rows)
         from rodgen.show.branch_pictures import equilibrium_shapes

@@ -76,9 +76,9 @@ def study(
 
     The study runs on all processors or on a cluster. Results are kept in a Zarr store, and drawn.
     """
+    from rodgen.errors import StudyError
     from rodgen.studies.engine import check_extra, run
-    from rodgen.studies.errors import StudyError
-    from rodgen.studies.specification import Study
+    from rodgen.studies.study import Study
     from rodgen.studies.time_limit import checked_limit
 
     try:

@@ -63,17 +63,17 @@ def view(
     ] = True,
 ) -> None:
     """Watch SCENE move in a browser, change it while it runs, and plot it. Ctrl-C ends it."""
-    from rodgen.scene import SceneError
+    from rodgen.errors import InputError
 
     if (scene_file is None) == (branch is None):
-        raise SceneError(
+        raise InputError(
             "SCENE", scene_file and str(scene_file), "a scene, or --from with a branch"
         )
     if changes and branch is not None:
-        raise SceneError("--set", changes, "absent beside --from")
+        raise InputError("--set", changes, "absent beside --from")
     if export is not None and scene_file is not None and scene_file.suffix == RESULT:
         if changes:
-            raise SceneError("--set", changes, "absent beside a result")
+            raise InputError("--set", changes, "absent beside a result")
         _export(lambda: _read(scene_file), export)
         return
     number = point_of(branch, at, "--from")
@@ -85,10 +85,10 @@ def view(
         _export(lambda: _solved(scene), export)
         return
     if not 0 <= port <= 65535:
-        raise SceneError("--port", port, "a whole number from 0 to 65535")
+        raise InputError("--port", port, "a whole number from 0 to 65535")
     place = folder or beside.resolve().parent
     if not place.is_dir():
-        raise SceneError("--folder", str(place), "a folder")
+        raise InputError("--folder", str(place), "a folder")
     with _needed():
         from rodgen.live.page.server import Settings, serve
 
@@ -120,7 +120,7 @@ def _solved(scene: Scene) -> Solution:
 
 def _read(file: Path) -> Solution:
     """The run in a result, as many samples of it as the live view keeps."""
-    from rodgen.integrate.files.storage import load
+    from rodgen.integrate.files.reader import load
     from rodgen.live.samples import MOST
 
     return load(file, MOST)

@@ -14,8 +14,8 @@ from sympy import Expr, Piecewise, Symbol
 from rodgen.derive.chain import LINEAR, spring_energy
 from rodgen.derive.symbols import bend, k
 from rodgen.emit.printer import NUMPY, Printer
+from rodgen.errors import InputError
 from rodgen.scene import grammar, spring
-from rodgen.scene.errors import SceneError
 from rodgen.scene.structure import Structure
 
 COMPARE: dict[type[ast.cmpop], Any] = {
@@ -38,7 +38,7 @@ FUNCTIONS |= {"abs": sympy.Abs, "sqrt": sympy.sqrt, "min": sympy.Min, "max": sym
 
 
 def law_of(structure: Structure) -> Expr:
-    """The law of the springs of a structure. Raises SceneError where its energy cannot be had."""
+    """The law of the springs of a structure. Raises InputError where its energy cannot be had."""
     return _law(structure.spring) if structure.spring else LINEAR
 
 
@@ -52,7 +52,7 @@ def _law(text: str) -> Expr:
             Printer(NUMPY, str, lambda _: 0)(needed)
     except TypeError:
         allowed = "a law whose integral over d, its energy, SymPy finds in elementary functions"
-        raise SceneError(spring.FIELD, text, allowed) from None
+        raise InputError(spring.FIELD, text, allowed) from None
     return found
 
 

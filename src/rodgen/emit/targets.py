@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
 from typing import Any
 
-from rodgen.scene.errors import SceneError
+from rodgen.errors import InputError
 from rodgen.scene.structure import choose
 
 # The names that a part brings into the Python module; flow and newton are for compiled steps,
@@ -69,20 +70,21 @@ _FOLDERS = [found.name for found in iter_modules([str(Path(__file__).parent)]) i
 TARGETS = tuple(sorted(_FOLDERS, key=lambda name: (name != "numpy", name)))
 
 
+@cache
 def target_of(name: str) -> Target:
-    """A target by its name. Raises SceneError where there is none."""
+    """A target by its name. Raises InputError where there is none."""
     choose("target", name, TARGETS)
     target: Target = import_module(f"rodgen.emit.{name}").TARGET
     return target
 
 
 def check_output(target: str, form: str) -> None:
-    """Raise SceneError unless a module can be written for this target in this form."""
+    """Raise InputError unless a module can be written for this target in this form."""
     forms = target_of(target).templates
-    choose("form", form, FORMS)
     if form not in forms:
+        choose("form", form, FORMS)
         allowed = f"{', '.join(forms)} for target {target} (target numpy has both)"
-        raise SceneError("form", form, allowed)
+        raise InputError("form", form, allowed)
 
 
 def offered(target: str) -> tuple[str, ...]:
@@ -92,14 +94,14 @@ def offered(target: str) -> tuple[str, ...]:
 
 def closed(target: str, parts: Iterable[str] | None = None, steps: bool = False) -> tuple[str, ...]:
     """Parts with all that they need, in the order of PARTS; all but those of ASKED, if none are
-    given. Raises SceneError for a part that the target does not have."""
+    given. Raises InputError for a part that the target does not have."""
     allowed = offered(target)
     wanted = {part for part in allowed if part not in ASKED} if parts is None else set(parts)
     for part in wanted:
         if part not in allowed:
-            raise SceneError("parts", part, f"of {', '.join(allowed)}")
+            raise InputError("parts", part, f"of {', '.join(allowed)}")
     if steps and not target_of(target).compiled:
-        raise SceneError("with_steps", True, "given with target c: NumPy modules take no steps")
+        raise InputError("with_steps", True, "given with target c: NumPy modules take no steps")
     if "batch" in wanted:
         wanted.add("rhs")
     if "tangents" in wanted and not target_of(target).compiled:

@@ -1,9 +1,10 @@
 """Callables to Solutions: methods, samples, events, work, storage."""
 
-from rodgen.integrate.endings import Interrupted, RunError, StepWarning
+from rodgen.integrate.endings import StepWarning
 from rodgen.integrate.methods.choose import Choice, choose
 from rodgen.integrate.simulate import resume, simulate
-from rodgen.integrate.solution import Event, Solution
+from rodgen.integrate.solution import Interrupted, RunError, Solution
+from rodgen.integrate.trajectory import Event
 
 __all__ = [
     "Choice",

@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rodgen.arrays import Array
+from rodgen.errors import did_you_mean
 from rodgen.integrate.joint_forces import forces_per_mass
-from rodgen.integrate.stepper import Array
 from rodgen.loading.module import Asked, asked, structure_of
 from rodgen.model.quantities import FORCES, QUANTITIES, Quantity
 from rodgen.model.rod import BOUNDARIES, Boundary
 from rodgen.model.terms import PARAMETERS, words_of
-from rodgen.scene.errors import meant
 
 TURN = 1e-5  # rad, by which the links turn in a difference: errors are its square, and eps over it
 
@@ -345,7 +345,7 @@ def _signal(motion: Motion, name: str) -> Array:
     """One of these, by its name. Raises KeyError for what no motion has."""
     found: dict[str, Array] = motion.values("signals")
     if name not in found:
-        raise KeyError(f"{name} is no quantity{meant(name, (*FORMULAS, *found))}")
+        raise KeyError(f"{name} is no quantity{did_you_mean(name, (*FORMULAS, *found))}")
     return found[name]
 
 

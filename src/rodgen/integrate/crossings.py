@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from rodgen.native.many import NUMBER, WATCHED
 
 Terms = Mapping[int, float]  # rows, and their weights in a sum

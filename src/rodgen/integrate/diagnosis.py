@@ -8,16 +8,17 @@ from types import ModuleType
 
 import numpy as np
 
+from rodgen.errors import short
+from rodgen.integrate.machine import Machine
 from rodgen.integrate.methods.choose import warn_of_tolerance
 from rodgen.integrate.stability import warn_of_step
-from rodgen.integrate.stepper import Array, Machine
 from rodgen.integrate.stretches import Pole
 from rodgen.model.methods import COLLOCATION
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.scene.course import MOST_FRONTS
-from rodgen.scene.errors import short
 from rodgen.scene.integration import Integrate
+from rodgen.system import System
 
 PULSE = 4  # steps that a pulse takes at least to be felt
 MANY = 10**4  # steps over which a method that does not keep energy feeds what nothing damps
@@ -26,35 +27,35 @@ MOST_TURNED = 1e15  # rad, where neighbouring doubles are an eighth of a radian 
 NEAR = 1e-3  # share of the way to a pole within which it is what stops a run
 
 
-def step_warnings(scene: Scene, model: ModuleType, p: Array) -> Iterator[str]:
-    """What is wrong with step or tolerance of a scene, in sentences, and with thrust whose table is
+def step_warnings(system: System, model: ModuleType) -> Iterator[str]:
+    """What is wrong with step or tolerance of a run, in sentences, and with thrust whose table is
     shorter than its span; its method is chosen."""
-    settings = scene.integrate
-    yield from _held(scene)
-    for load in scene.course.loads:
+    settings = system.settings
+    yield from _held(system)
+    for load in system.course.loads:
         if not load.followed(*settings.span):
             yield (
                 f"{load.field} = {short(load.text)}: changes more often in the span than can be "
                 "looked at, and may be taken for another load; give it a shorter span"
             )
-    for law in scene.course.crowded():
+    for law in system.course.crowded():
         yield (
             f"{law.field} = {short(law.text)}: it is not smooth at places that pass more points of "
             f"the links than the {MOST_FRONTS} times that steps end at; they are passed over, and "
             "digits are lost there: give it a shorter span, or tighten rtol"
         )
     if not settings.fixed:
-        text = warn_of_tolerance(scene, model)
+        text = warn_of_tolerance(system, model)
         if text:
             yield text
     if settings.step is None or not settings.fixed:
         return
-    (start, end), y0 = settings.span, scene.initial_state()
-    text = warn_of_step(settings.method, settings.step, end - start, model, start, y0, p)
+    (start, end), y0 = settings.span, system.y0
+    text = warn_of_step(settings.method, settings.step, end - start, model, start, y0, system.p)
     if text:
         yield text
-    yield from _passed_over(scene, settings.step)
-    half = scene.course.swing()
+    yield from _passed_over(system, settings.step)
+    half = system.course.swing()
     if 2 * half < SWING * settings.step:
         yield (
             f"a load swings with a period of {2 * half:.2g} s, for which the step of "
@@ -62,14 +63,16 @@ def step_warnings(scene: Scene, model: ModuleType, p: Array) -> Iterator[str]:
         )
 
 
-def _held(scene: Scene) -> Iterator[str]:
+def _held(system: System) -> Iterator[str]:
     """Of thrusts that keep the first value of a table before it begins, or the last for good."""
-    (start, end), loads = scene.integrate.span, scene.loads.terms
-    thrusts = {one.name for term in loads if TERMS[term].follows for one in TERMS[term].sizes}
-    for name in sorted(thrusts & scene.timed.keys()):
-        thrust = scene.timed[name]
+    start, end = system.settings.span
+    tables = {name: law for name, law in system.timed.items() if law.tabulated}
+    loads = map(TERMS.__getitem__, system.load_terms if tables else ())
+    thrusts = {one.name for term in loads if term.follows for one in term.sizes}
+    for name in sorted(thrusts & tables.keys()):
+        thrust = tables[name]
         knots = thrust.knots()
-        if thrust.tabulated and not knots:  # of a table of something else than the time itself
+        if not knots:  # of a table of something else than the time itself
             knots = thrust.breaks(start, end)
         pairs = (
             ((knots[0], min(start, knots[0])), (knots[-1], max(end, knots[-1]))) if knots else ()
@@ -79,7 +82,7 @@ def _held(scene: Scene) -> Iterator[str]:
             if at != beyond and value and value == float(thrust((at + beyond) / 2)):
                 low, high = sorted((at, beyond))
                 yield (
-                    f"{scene.field(name)} = {short(thrust.text)}: the table has no value from "
+                    f"{system.field(name)} = {short(thrust.text)}: the table has no value from "
                     f"{low:g} to {high:g} s, where the thrust keeps {value:g} N"
                 )
 
@@ -102,9 +105,9 @@ def drift_warning(scene: Scene) -> str | None:
     )
 
 
-def _passed_over(scene: Scene, step: float) -> Iterator[str]:
+def _passed_over(system: System, step: float) -> Iterator[str]:
     """The first pulse of a load that is too short for a fixed step [s]."""
-    course = scene.course
+    course = system.course
     breaks = course.breaks()
     for begin, peak, over in () if course.pole() else course.pulses():
         met = any(begin <= at <= over for at in breaks)  # and stepped onto

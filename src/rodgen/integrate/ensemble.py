@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.arrays import Array
 from rodgen.integrate.crossings import Crossed
 from rodgen.integrate.endings import FINISHED
-from rodgen.integrate.stepper import Array
 from rodgen.shown import Told
 
 

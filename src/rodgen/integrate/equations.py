@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.arrays import Array
+from rodgen.errors import InputError, Missing
 from rodgen.integrate.catalogue import loads_at_work
 from rodgen.integrate.crossings import Crossing
 from rodgen.integrate.lanes import Courses, Plan, Rows, explicit
 from rodgen.integrate.mass_jumps import may_jump
 from rodgen.integrate.reductions import Numbers, Reduction, checked
-from rodgen.integrate.stepper import Array
 from rodgen.integrate.stretches import Stretches
 from rodgen.loading.module import structure_of
 from rodgen.memory import check_memory
@@ -24,7 +25,6 @@ from rodgen.model.rod import BOUNDARIES
 from rodgen.native.many import Lanes
 from rodgen.scene.along import Distribution
 from rodgen.scene.course import Course
-from rodgen.scene.errors import Missing, SceneError
 from rodgen.scene.expression import Expression
 from rodgen.scene.grammar import TableData
 from rodgen.scene.integration import Integrate
@@ -65,7 +65,7 @@ class Equations:
         return Numbers.of(hold, of.links, self.works, of.open_expressions, of.state_names, held)
 
     def reductions(self, texts: tuple[str, ...]) -> tuple[Reduction, ...]:
-        """Reductions of these numbers from their texts. Raises SceneError."""
+        """Reductions of these numbers from their texts. Raises InputError."""
         found = self._reductions.get(texts)
         if found is None:
             found = checked(texts, self.numbers.places)
@@ -126,7 +126,7 @@ class Equations:
         return np.array([at for one in places for at in range(one.start, one.stop)], dtype=int)
 
     def course(self, span: Sequence[float], p: Array) -> Course:
-        """What changes with time within a span [s], for one rod. Raises SceneError."""
+        """What changes with time within a span [s], for one rod. Raises InputError."""
         values, stiffness = self._values(p), self._stiffness(p)
         return Course.of(self.structure, values, span[0], span[1], stiffness)
 
@@ -205,20 +205,20 @@ class Equations:
         for at, p in enumerate(rods):
             try:
                 found.append(self._stretches(settings, p))
-            except SceneError as error:
+            except InputError as error:
                 found.append(Stretches([]))
                 refused[at] = str(error)
         return Courses.of(settings.span[0], found), refused
 
     def _stretches(self, settings: Integrate, p: Array) -> Stretches:
-        """Stretches for one rod. Raises SceneError."""
+        """Stretches for one rod. Raises InputError."""
         start, end = settings.span
         course = Course.of(self.structure, self._values(p), start, end)
         found = Stretches.of(course, settings.fixed)
         if not found.ends:
             _, load = course.pole() or (start, None)
             allowed = f"finite from {start!r} s on"
-            raise SceneError(load.field if load else "span", load and load.text, allowed)
+            raise InputError(load.field if load else "span", load and load.text, allowed)
         return found
 
     # Parameters ---------------------------------------------------------------------------------
@@ -229,25 +229,25 @@ class Equations:
         return self.structure.width
 
     def packed(self, given: Mapping[str, Any]) -> Array:
-        """Parameters (rods, parameters) from values by name. Raises SceneError."""
+        """Parameters (rods, parameters) from values by name. Raises InputError."""
         rows = {row.name: row for row in self.structure.rows}
         places = self.structure.places
         for name in given:
             if name not in rows:
-                raise SceneError("p", name, f"one of {', '.join(rows)}")
+                raise InputError("p", name, f"one of {', '.join(rows)}")
         made: dict[str, Array] = {}
         for name, row in rows.items():
             value = given.get(name, row.default)
             if value is None:
-                raise SceneError(f"p.{name}", Missing(), "given")
+                raise InputError(f"p.{name}", Missing(), "given")
             count = places[name].stop - places[name].start if row.several else 0
             made[name] = _column(f"p.{name}", value, count, row.rule)
             if row.each == ROWS and (np.diff(made[name][:, : count // 2]) <= 0).any():
-                raise SceneError(f"p.{name}", value, "knots that ascend, and then their values")
+                raise InputError(f"p.{name}", value, "knots that ascend, and then their values")
         rods = {len(column) for column in made.values() if len(column) != 1}
         if len(rods) > 1:
             shown = ", ".join(f"{n}: {len(c)}" for n, c in made.items() if len(c) != 1)
-            raise SceneError("p", shown, "as many values of every parameter as there are rods")
+            raise InputError("p", shown, "as many values of every parameter as there are rods")
         count = rods.pop() if rods else 1
         check_memory("their parameters", count, lambda rods: COPIES * 8.0 * self.width * rods, "p")
         p = np.empty((count, self.width))
@@ -260,19 +260,19 @@ def _column(name: str, value: Any, count: int, rule: str) -> Array:
     """Values (rods or 1, numbers) of a parameter that is one number (count 0) or several."""
     array = np.asarray(value)
     if isinstance(value, np.ma.MaskedArray) or array.dtype.kind not in "iuf":
-        raise SceneError(name, value, "real numbers")
+        raise InputError(name, value, "real numbers")
     if count and array.ndim == 0:
         array = np.full(count, array)
     if count and (array.ndim > 2 or array.shape[-1] != count):
-        raise SceneError(name, value, f"{count} numbers, or (rods, {count})")
+        raise InputError(name, value, f"{count} numbers, or (rods, {count})")
     if not count and array.ndim > 1:
-        raise SceneError(name, value, "a number, or (rods,)")
+        raise InputError(name, value, "a number, or (rods,)")
     column = array.reshape(-1, count or 1).astype(float)
     allowed = {ANY: column == column, NOT_NEGATIVE: column >= 0, POSITIVE: column > 0}
     wrong = ~(np.isfinite(column) & allowed[rule])
     if wrong.any():
         what = "" if rule == ANY else f", {rule}"
-        raise SceneError(name, float(column[wrong][0]), f"finite{what}")
+        raise InputError(name, float(column[wrong][0]), f"finite{what}")
     return column
 
 

@@ -6,18 +6,14 @@ G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9-20.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rodgen.arrays import Array
 from rodgen.integrate.dense_output import DenseOutput
-from rodgen.integrate.endings import RunError
-from rodgen.integrate.solution import ErrorGrowth
-from rodgen.integrate.stepper import Array
+from rodgen.integrate.stepper import StepError
+from rodgen.integrate.trajectory import ErrorGrowth, Trajectory
 from rodgen.scene.integration import Integrate
-
-if TYPE_CHECKING:
-    from rodgen.integrate.solution import Solution
 
 SHARE = 0.01  # of the run's tolerance, that of both motions
 ABOVE = 1e3  # times that tolerance: what sets them apart is not the error of their steps
@@ -35,21 +31,21 @@ LARGEST = math.log(np.finfo(float).max)
 UNKNOWN = ErrorGrowth(math.nan, math.nan, math.nan)
 
 
-def error_growth(solution: Solution) -> ErrorGrowth:
+def error_growth(trajectory: Trajectory) -> ErrorGrowth:
     """How fast small errors grow in the motion of a run, from its start to its last state.
 
     Two motions by the method of the run, with a hundredth of its tolerance or with its fixed step,
     so that it costs some three to six times the run. Events are not looked for: none but the end of
-    the run changes the motion. Not a number where a step of them fails. Raises SceneError for a run
+    the run changes the motion. Not a number where a step of them fails. Raises InputError for a run
     that was changed while it went on, or has no samples.
     """
-    run, settings = DenseOutput(solution, SHARE), solution.scene.integrate
+    run, settings = DenseOutput(trajectory, SHARE), trajectory.scene.integrate
     seen = math.inf if settings.fixed else visible(settings.rtol) / settings.rtol
     try:
-        base, added = 2 * solution.scene.hold.translates, len(solution.scene.states)
+        base, added = 2 * trajectory.scene.hold.translates, len(trajectory.scene.states)
         angles = slice(base, (run.y.shape[1] - added) // 2)
         return _grown(run, angles, math.log(seen))
-    except RunError:
+    except StepError:
         return UNKNOWN
 
 

@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from rodgen.arrays import Array
 from rodgen.integrate.catalogue import Piece
-from rodgen.integrate.stepper import Array, ChatterError, Interpolant
+from rodgen.integrate.stepper import ChatterError, Interpolant
 from rodgen.loading.module import structure_of
 from rodgen.model.quantities import place
 from rodgen.scene.course import BENDS, Switch

@@ -11,8 +11,8 @@ from types import ModuleType
 
 import numpy as np
 
+from rodgen.arrays import Array
 from rodgen.integrate.blocks import solve
-from rodgen.integrate.stepper import Array
 
 
 def forces_per_mass(model: ModuleType, t: Array, y: Array, p: Array) -> Array:

@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.arrays import Array
 from rodgen.integrate.crossings import Crossing, Sums, Watched
 from rodgen.integrate.methods.compiled import FAILURES
 from rodgen.integrate.reductions import Reduction
-from rodgen.integrate.stepper import Array
 from rodgen.integrate.stretches import CREEP, CREPT, SPENT, STRIDE, UNBOUNDED, Stretches, inside
 from rodgen.native.many import COURSE, KEEPS, KEPT, NUMBER, NUMBERS, STRETCH, Block, Lanes, Shared
 from rodgen.native.run import IMPLICIT

@@ -10,35 +10,35 @@ from typing import Any
 
 import numpy as np
 
+from rodgen.arrays import Array
 from rodgen.integrate.diagnosis import failure
 from rodgen.integrate.events import Watch
 from rodgen.integrate.methods.choose import machine
 from rodgen.integrate.methods.compiled import Compiled
 from rodgen.integrate.samples import Samples, Tape
-from rodgen.integrate.stepper import Array, Counts, StepError
-from rodgen.integrate.stretches import CREEP, STRIDE, Windows, inside
+from rodgen.integrate.stepper import Counts, StepError
+from rodgen.integrate.stretches import CREEP, STRIDE, Windows, inside, window
 from rodgen.model.terms import PULL
-from rodgen.scene import Scene
 from rodgen.scene.integration import Integrate
+from rodgen.system import System
 
 STOPS = (StepError, OverflowError)  # what a method ends with that cannot go on
 
 
 class Course:
-    """Steps from (t, y) under the values of a scene, whose method is chosen.
+    """Steps from (t, y) under the values of a system, whose method is chosen.
 
-    origin: start of the run [s]. Raises SceneError for a method that cannot be had, ValueError for
-    parameters that the module refuses; what stops the first step is raised with that step.
+    origin: start of the run [s]. Raises InputError for a method that cannot be had; what stops the
+    first step is raised with that step.
     """
 
-    def __init__(self, scene: Scene, model: ModuleType, t: float, y: Array, origin: float):
-        self.scene = scene
-        self.p: Array = model.parameters(**scene.parameters)
-        self.machine = machine(model, self.p, scene.integrate, t, y.copy())
+    def __init__(self, system: System, model: ModuleType, t: float, y: Array, origin: float):
+        self.system, settings = system, system.settings
+        self.machine = machine(model, system.p, settings, t, y.copy())
         self.compiled = isinstance(self.machine, Compiled)
-        switches = () if scene.integrate.fixed else scene.course.switches()
-        self._watch = Watch([], model, self.p, switches)
-        self._windows = Windows(scene, origin)
+        switches = () if settings.fixed else system.course.switches()
+        self._watch = Watch([], model, system.p, switches)
+        self._windows = Windows(system, origin)
         self._ended, self._pace = True, 0.0
         self._seen, self._look = t, STRIDE
         with contextlib.suppress(*STOPS):
@@ -95,7 +95,8 @@ class Course:
 
     def told(self, error: ArithmeticError) -> str:
         """What stopped it, why, and what to try, in the words of a run with an end."""
-        return failure(error, self._windows.scene, self.machine, self._windows.stretches.pole)
+        scene = window(self.system.scene, *self._windows.span)
+        return failure(error, scene, self.machine, self._windows.stretches.pole)
 
 
 class LiveError(ArithmeticError):
@@ -149,7 +150,7 @@ class Progress:
     @property
     def p(self) -> Array:
         """Parameters of the module."""
-        return self._course.p
+        return self._course.system.p
 
     @property
     def t(self) -> float:
@@ -164,7 +165,7 @@ class Progress:
     @property
     def settings(self) -> Integrate:
         """Method, step and tolerances in use."""
-        return self._course.scene.integrate
+        return self._course.system.settings
 
     @property
     def every(self) -> float:

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import ValidationError
 
+from rodgen.arrays import Array
+from rodgen.errors import InputError, Missing, check_type
 from rodgen.integrate import lanes
 from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.crossings import Crossing
@@ -20,26 +22,29 @@ from rodgen.integrate.endings import FAILED, FINISHED, ended_by
 from rodgen.integrate.ensemble import Ensemble
 from rodgen.integrate.equations import Equations, equations_of
 from rodgen.integrate.events import Watch
-from rodgen.integrate.methods.choose import machine
+from rodgen.integrate.machine import Machine
+from rodgen.integrate.methods.choose import choose, machine
 from rodgen.integrate.reductions import Reduction
 from rodgen.integrate.samples import Recorder
-from rodgen.integrate.stepper import Array, Machine, StepError
+from rodgen.integrate.stepper import StepError
 from rodgen.integrate.stretches import UNBOUNDED, Stretches, inside, step_to
 from rodgen.model.methods import METHODS
 from rodgen.native.many import REACHED, STOPPED
-from rodgen.scene.errors import SceneError, check_type, explain
-from rodgen.scene.integration import AUTO, Integrate, Settings, spelt_out
-from rodgen.scene.overrides import check_used
+from rodgen.scene import Scene
+from rodgen.scene.integration import AUTO, Integrate, Settings, check_used, spelt_out
 from rodgen.scene.plain import plain
+from rodgen.scene.validation import explain
+from rodgen.system import System
 
 MOST_WORKERS = 1024
+PARTS = ("rhs", "power")  # of a module of many runs; lanes come when they are asked for
 
 
 @spelt_out
 def simulate_many(
-    model: ModuleType,
-    p: ArrayLike | Mapping[str, ArrayLike],
-    y0: ArrayLike,
+    system: System | Scene | ModuleType,
+    p: ArrayLike | Mapping[str, ArrayLike] | None = None,
+    y0: ArrayLike | None = None,
     *,
     keep: Sequence[str] = (),
     workers: int = 1,
@@ -56,23 +61,25 @@ def simulate_many(
 
     Parameters
     ----------
-    model
-        A module of `build`.
+    system
+        A System or a scene, with its own settings where none are given; or a module of `build`.
+        Events are not looked for.
     p
-        Parameters (rods, parameters) in SI units, as the module's `parameters` packs them, or by
-        name, each a number or (rods,), of several numbers (K,) or (rods, K). One set for all has no
-        first axis.
+        What the rods differ in. Of a System by keys of its scene, such as "loads.follower.force",
+        each a number or (rods,), in SI units. Or parameters (rods, parameters), as the module's
+        `parameters` packs them; of a module also by their names in it, each a number or (rods,), of
+        several numbers (K,) or (rods, K). One set for all has no first axis.
     y0
         States (rods, states) at the start, in SI units and the order of the module's STATE, or one
-        for all.
+        for all. By default those of the System.
     keep
         Reductions such as "max(phi_19)" or "rms(tip_y, from=5)": last, min, max, mean, rms, std or
         time_of_max of a number of any quantity, over the samples of a run (between two times [s]).
     workers
         Threads that share the work.
     **settings
-        As those of [integrate] in a scene: span, method (by default dop853), step, rtol, atol,
-        output_every, t_eval, max_steps.
+        As those of [integrate] in a scene: span, method (of a module by default dop853), step,
+        rtol, atol, output_every, t_eval, max_steps.
 
     Returns
     -------
@@ -81,26 +88,40 @@ def simulate_many(
 
     Raises
     ------
-    SceneError
+    InputError
         For arrays of other shapes, values that are not finite or not allowed, names that the module
         does not have, reductions that are none, and settings that cannot be used.
     TypeError
-        For what is no module.
+        For what is no System, scene or module.
 
     Examples
     --------
     >>> import numpy as np, rodgen
     >>> scene = rodgen.Scene.example("missile")
-    >>> model = rodgen.build(scene)
-    >>> p = scene.parameters | {"mass": np.linspace(19, 21, 3)}
-    >>> found = rodgen.simulate_many(
-    ...     model, p, scene.initial_state(), keep=["last(tip_x)"], span=[0, 1], rtol=1e-6
-    ... )
+    >>> masses = {"rod.mass": np.linspace(19, 21, 3)}
+    >>> found = rodgen.simulate_many(scene, masses, keep=["last(tip_x)"], span=[0, 1], rtol=1e-6)
     >>> found.values["last(tip_x)"].shape
     (3,)
     """
-    check_type("model", model, ModuleType, see="rodgen.build")
-    return watched_many(model, p, y0, keep=keep, workers=workers, **settings)
+    check_type("system", system, System, Scene, ModuleType, see="Scene.from_toml")
+    if isinstance(system, ModuleType):
+        for name, value in (("p", p), ("y0", y0)):
+            if value is None:
+                raise InputError(name, Missing(), "given beside a module")
+        return watched_many(system, p, y0, keep=keep, workers=workers, **settings)
+    system = System.of(system).with_settings(**settings)
+    check_used(system.settings, settings)
+    if ends := [event.name for event in system.events if event.action == "stop"]:
+        raise InputError("events", ends, "absent, as they stop a run: rodgen.study heeds them")
+    model = system.model(parts=PARTS)
+    if isinstance(p, Mapping):
+        p, own = system.rows(p)
+    else:
+        p, own = system.p if p is None else p, system.y0
+    if system.settings.method == AUTO:
+        system = system.integrated_by(choose(system, model).method)
+    y0 = own if y0 is None else y0
+    return watched_many(model, p, y0, keep=keep, workers=workers, **system.settings.used)
 
 
 def goes_side_by_side(
@@ -119,8 +140,8 @@ def goes_side_by_side(
 
 def watched_many(
     model: ModuleType,
-    p: ArrayLike | Mapping[str, ArrayLike],
-    y0: ArrayLike,
+    p: ArrayLike | Mapping[str, ArrayLike] | None,
+    y0: ArrayLike | None,
     *,
     keep: Sequence[str] = (),
     crossings: Sequence[Crossing] = (),
@@ -135,13 +156,13 @@ def watched_many(
     used, times = _settings(tuple((name, _plain(name, v)) for name, v in settings.items()))
     whole = isinstance(workers, int) and not isinstance(workers, bool)
     if not (whole and 0 < workers <= MOST_WORKERS):
-        raise SceneError("workers", workers, f"a whole number from 1 to {MOST_WORKERS}")
+        raise InputError("workers", workers, f"a whole number from 1 to {MOST_WORKERS}")
     width, states = equations.width, equations.states
     packed = equations.packed(p) if isinstance(p, Mapping) else _rows("p", p, width)
     y = _rows("y0", y0, states)
     if len(packed) != len(y) and 1 not in (len(packed), len(y)):
         allowed = f"({len(packed)}, {states}), a state for every row of p, or one state ({states},)"
-        raise SceneError("y0", _Shape(y.shape), allowed)
+        raise InputError("y0", _Shape(y.shape), allowed)
     rods = min(len(packed), len(y)) and max(len(packed), len(y))
     reductions = equations.reductions((keep,) if isinstance(keep, str) else tuple(keep))
     plan = equations.plan(used, reductions, tuple(crossings), tuple(traced))
@@ -160,17 +181,17 @@ class _Shape(tuple[int, ...]):
 
 
 def _rows(name: str, values: Any, width: int) -> Array:
-    """Rows of doubles, one after the other, (rods, width). Raises SceneError."""
+    """Rows of doubles, one after the other, (rods, width). Raises InputError."""
     array = np.asarray(values)
     if isinstance(values, np.ma.MaskedArray) or array.dtype.kind not in "iuf":
-        raise SceneError(name, values, "real numbers")
+        raise InputError(name, values, "real numbers")
     if array.ndim not in (1, 2) or array.shape[-1] != width:
-        raise SceneError(name, _Shape(array.shape), f"of shape ({width},) or (rods, {width})")
+        raise InputError(name, _Shape(array.shape), f"of shape ({width},) or (rods, {width})")
     rows = np.ascontiguousarray(array.reshape(-1, width), dtype=float)
     if not np.isfinite(rows).all():
         rod, at = (int(place) for place in np.argwhere(~np.isfinite(rows))[0])
         where = f"{name}[{rod}, {at}]" if array.ndim == 2 else f"{name}[{at}]"
-        raise SceneError(where, float(rows[rod, at]), "a finite number")
+        raise InputError(where, float(rows[rod, at]), "a finite number")
     return rows
 
 
@@ -189,7 +210,7 @@ def _settings(given: tuple[tuple[str, Any], ...]) -> tuple[Integrate, lanes.Time
     except ValidationError as error:
         raise explain(error, table, Integrate) from None
     if settings.method == AUTO:
-        raise SceneError("method", AUTO, f"one of {', '.join(METHODS)}: auto looks at one scene")
+        raise InputError("method", AUTO, f"one of {', '.join(METHODS)}: auto looks at one scene")
     check_used(settings, table)
     return settings, lanes.Times.of(settings.samples)
 
@@ -294,11 +315,11 @@ def _one_by_one(
             try:
                 _run(equations, of_rod, settings, taken, recorder)
                 _keep(equations, of_rod, start, settings, recorder, reductions, made, rod)
-            except (StepError, OverflowError, SceneError) as error:
+            except (StepError, OverflowError, InputError) as error:
                 made.status[rod] = getattr(error, "status", FAILED)
                 why = _in_numbers(str(error), equations, of_rod)
                 made.message[rod] = (
-                    why if isinstance(error, SceneError) else _said(why, taken.t, settings)
+                    why if isinstance(error, InputError) else _said(why, taken.t, settings)
                 )
             made.t[rod], made.y[rod] = taken.t, taken.y
             for term, work in zip(works, taken.works(recorder), strict=True):

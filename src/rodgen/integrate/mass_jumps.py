@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from types import ModuleType
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from rodgen.loading.module import asked, structure_of
 
 ROW = -1  # of the work of emptying: the last of all works

@@ -12,11 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.scene import Scene, SceneError
+from rodgen.errors import InputError
+from rodgen.scene import Scene, Structure
 from rodgen.scene.anchors import SAME
 from rodgen.scene.places import point_of
 from rodgen.scene.plain import is_number
 from rodgen.scene.tables import Support
+from rodgen.system import System
+
+SUPPORTS = "supports"  # the key of a scene, and the name of the term
 
 
 @dataclass(frozen=True)
@@ -31,54 +35,55 @@ class Pull:
     damping: float = 0.0
 
 
-def with_place(scene: Scene) -> Scene:
-    """The scene with a support that does nothing, unless it has supports: its module has a place
+def with_place(system: System | Scene) -> System:
+    """The system with a support that does nothing, unless it has supports: its module has a place
     for a pull."""
-    if scene.supports:
-        return scene
-    return Scene.from_dict({**scene.model_dump(exclude_none=True), "supports": [{"at": 1.0}]})
+    system = System.of(system)
+    has_place = SUPPORTS in system.structure.loads
+    return system if has_place else system.at({SUPPORTS: [{"at": 1.0}]})
 
 
-def pulled(scene: Scene, pull: Pull) -> Scene:
-    """A scene that has a place for a pull, with one. Raises SceneError."""
+def pulled(system: System, pull: Pull) -> System:
+    """A system that has a place for a pull, with one. Raises InputError."""
+    scene = system.scene
     links, numbers = scene.rod.links, (pull.stiffness, pull.damping)
     check_point("pull", pull.link, pull.share, links)
     for name, value in zip(("stiffness", "damping"), numbers, strict=True):
         if check_number(f"pull.{name}", value) < 0:
-            raise SceneError(f"pull.{name}", value, "not negative")
+            raise InputError(f"pull.{name}", value, "not negative")
     to = [check_number("pull.to", part) for part in pull.to]
     at = (pull.link + pull.share) / links
     link, share = point_of(at, links)
     if link < scene.hold.first:
-        raise SceneError("pull.link", pull.link, "one that moves")
+        raise InputError("pull.link", pull.link, "one that moves")
     for tie in scene.anchors.ties:
         if tie.link == link and abs(tie.share - share) > SAME:
-            raise SceneError("pull.link", pull.link, "one without a support at another point")
+            raise InputError("pull.link", pull.link, "one without a support at another point")
     each = [[number, number] for number in numbers]
     support = Support(at=at, to=to, stiffness=each[0], damping=each[1])
-    return scene.model_copy(update={"supports": [*scene.supports, support]})
+    return System(scene.model_copy(update={SUPPORTS: [*scene.supports, support]}))
 
 
 def check_point(what: str, link: object, share: object, links: int) -> None:
-    """Raise SceneError unless it is a point of one of so many links."""
+    """Raise InputError unless it is a point of one of so many links."""
     if isinstance(link, bool) or not isinstance(link, int) or not 0 <= link < links:
-        raise SceneError(f"{what}.link", link, f"the number of a link, from 0 to {links - 1}")
+        raise InputError(f"{what}.link", link, f"the number of a link, from 0 to {links - 1}")
     if not 0 <= check_number(f"{what}.share", share) <= 1:
-        raise SceneError(f"{what}.share", share, "from 0 at the start of the link to 1 at its end")
+        raise InputError(f"{what}.share", share, "from 0 at the start of the link to 1 at its end")
 
 
 def check_number(field: str, value: Any) -> float:
-    """A finite number. Raises SceneError."""
+    """A finite number. Raises InputError."""
     if is_number(value) and math.isfinite(value):
         return float(value)
-    raise SceneError(field, value, "a finite number")
+    raise InputError(field, value, "a finite number")
 
 
-def widened(p: np.ndarray, scene: Scene, wide: Scene, other: np.ndarray) -> np.ndarray:
-    """Parameters of the module of a scene, as that of `wide` has them, which has more: those from
-    `other`."""
+def widened(p: np.ndarray, of: Structure, wide: Structure, other: np.ndarray) -> np.ndarray:
+    """Parameters of the module of a structure, as that of `wide` has them, which has more: those
+    from `other`."""
     found = other.copy()
-    here, there = scene.structure.places, wide.structure.places
+    here, there = of.places, wide.places
     for name, place in here.items():
         found[there[name]] = p[place]
     return found

@@ -13,11 +13,11 @@ from functools import lru_cache
 
 import numpy as np
 
+from rodgen.arrays import Array
+from rodgen.errors import InputError, did_you_mean
 from rodgen.integrate.catalogue import Motion
-from rodgen.integrate.stepper import Array
 from rodgen.model.quantities import ADDED, LOADS, POWERS, QUANTITIES, WORKS, Index, numbers
 from rodgen.model.rod import Boundary
-from rodgen.scene.errors import SceneError, meant
 
 # Of times and values at the samples; those in C have the same names.
 REDUCTIONS: dict[str, Callable[[Array, Array], float]] = {
@@ -72,7 +72,7 @@ def parse(text: str) -> Reduction | None:
 
 
 def checked(texts: Iterable[str], names: Iterable[str]) -> tuple[Reduction, ...]:
-    """Reductions from their texts. Raises SceneError for one of no number by these names."""
+    """Reductions from their texts. Raises InputError for one of no number by these names."""
     names = tuple(names)
     found = []
     for at, text in enumerate(texts):
@@ -80,8 +80,8 @@ def checked(texts: Iterable[str], names: Iterable[str]) -> tuple[Reduction, ...]
         if one is None or one.number not in names:
             shown = dict.fromkeys(re.sub(r"(?<=_)\d+", "{}", name) for name in names)
             allowed = _ALLOWED.format(of=", ".join(REDUCTIONS), names=", ".join(shown))
-            hint = meant(one.number, names) if one else ""
-            raise SceneError(f"keep[{at}]", text, allowed + hint)
+            hint = did_you_mean(one.number, names) if one else ""
+            raise InputError(f"keep[{at}]", text, allowed + hint)
         found.append(one)
     return tuple(found)
 

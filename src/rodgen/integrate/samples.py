@@ -1,18 +1,14 @@
-"""Samples of a run: in memory, or written to a file block by block, or on an endless grid of times;
-and what was changed between them."""
+"""Samples of a run: in memory, in a file block by block, or on an endless grid of times."""
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 
 if TYPE_CHECKING:
     from rodgen.integrate.files.stream import Stream
@@ -171,28 +167,3 @@ class Tape(Recorder):
         """Leave out samples up to a time [s], and forget those that were not taken."""
         self.count = self._first = self.up_to(t)
         self._keep(self._rows[:0])
-
-
-@dataclass(frozen=True)
-class Changes:
-    """What held at each of T samples. p: parameters of the module, (T, parameters); given: energy
-    [J] that changes and kicks have put in since the start, (T,)."""
-
-    p: Array
-    given: Array
-
-    def taken(self, kept: NDArray[np.intp] | slice) -> Changes:
-        """What held at some of the samples."""
-        return Changes(self.p[kept], self.given[kept])
-
-    def follow(self, made: Callable[..., Any], of: Sequence[Array]) -> Any:
-        """What is made of arrays over the samples and of p, which is one for each call: between
-        two changes of it; an array (T, ...), or several by name."""
-        changed = np.any(self.p[1:] != self.p[:-1], axis=1)
-        edges = [0, *(np.flatnonzero(changed) + 1), len(self.p)]
-        parts = [
-            made(*(values[a:b] for values in of), self.p[a]) for a, b in itertools.pairwise(edges)
-        ]
-        if isinstance(parts[0], dict):
-            return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-        return np.concatenate(parts)

@@ -4,43 +4,41 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from rodgen.errors import InputError
 from rodgen.integrate.catalogue import loads_at_work
 from rodgen.integrate.diagnosis import failure, step_warnings
 from rodgen.integrate.endings import (
     FAILED,
     FINISHED,
     INTERRUPTED,
-    Interrupted,
-    RunError,
     StepWarning,
     ended_by,
 )
 from rodgen.integrate.error_growth import error_growth as growth_of
 from rodgen.integrate.events import Watch
 from rodgen.integrate.files.saver import IN_MEMORY, Saver
+from rodgen.integrate.machine import Happened
 from rodgen.integrate.methods.choose import choose, machine
 from rodgen.integrate.methods.compiled import parts
 from rodgen.integrate.samples import Recorder
-from rodgen.integrate.solution import Event, Solution, Stats
-from rodgen.integrate.stepper import Happened, StepError
+from rodgen.integrate.solution import Interrupted, RunError, Solution
+from rodgen.integrate.stepper import Stats, StepError
 from rodgen.integrate.stretches import UNBOUNDED, Stretches, inside, step_to
-from rodgen.loading import build, build_fastest
-from rodgen.memory import check_memory, gigabytes, limit
+from rodgen.integrate.trajectory import Event
+from rodgen.memory import check_memory, gigabytes, is_small, limit
 from rodgen.native.library import DeferredInterrupt
 from rodgen.progress import running, telling
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.integration import AUTO, Settings, spelt_out
-from rodgen.scene.overrides import check_used, with_parameters, with_state
-from rodgen.scene.scene import check_scene
+from rodgen.scene import Scene
+from rodgen.scene.integration import AUTO, Settings, check_used, spelt_out
+from rodgen.system import System
 
 LINK, SAMPLE = 6e3, 24.0  # bytes for every link, and for every number of a sample
 TICK = 0.1  # seconds between two calls of the progress callback
@@ -50,15 +48,13 @@ Progress = Callable[[float], None] | bool | None
 
 @spelt_out
 def simulate(
-    scene: Scene,
+    system: System | Scene,
     *,
     target: str | None = None,
     model: ModuleType | None = None,
     progress: Progress = None,
     out: str | Path | None = None,
     checkpoint: float | None = None,
-    y0: ArrayLike | None = None,
-    parameters: Mapping[str, Any] | None = None,
     error_growth: bool = False,
     **overrides: Unpack[Settings],
 ) -> Solution:
@@ -66,8 +62,9 @@ def simulate(
 
     Parameters
     ----------
-    scene
-        The scene: a rod, its loads, its initial state, span and method.
+    system
+        A scene: a rod, its loads, its initial state, span and method; or a System, which is one
+        with other numbers: ``System(scene).at({"loads.follower.force": 300}, y0=y)``.
     target
         "c" or "numpy". By default C if it can be built.
     model
@@ -83,12 +80,6 @@ def simulate(
     checkpoint
         Time between two saved states of the run [s]. `resume` continues from the last one to the
         same bits.
-    y0
-        The state (states,) at the start, in SI units and the order of the module's STATE, instead
-        of the scene's [initial].
-    parameters
-        Values to use instead of the scene's, by their names in the module, such as
-        {"follower_force": 300}.
     error_growth
         Also find how fast small errors grow (`sol.error_growth`, which the file does not keep). A
         second motion is followed for this, which takes three to six times as long as the run.
@@ -103,11 +94,11 @@ def simulate(
 
     Raises
     ------
-    SceneError
+    InputError
         For values that cannot be used, such as a step for a method that chooses its own, or masses
         that jump too often.
     TypeError
-        If ``scene`` is not a Scene.
+        If ``system`` is neither a System nor a Scene.
     RunError
         If the state is no longer finite or the method gives up. It carries the samples so far.
     Interrupted
@@ -126,45 +117,43 @@ def simulate(
     >>> sol.status, sol.y.shape[0] == len(sol.t), sol.energy_error < 1e-4
     ('finished', True, True)
     """
-    check_scene(scene)
-    if parameters is not None:
-        scene = with_parameters(scene, parameters)
-    if y0 is not None:
-        scene = with_state(scene, y0)
-    scene = scene.with_integrate(**overrides)
-    check_used(scene.integrate, overrides)
-    check_samples(scene, to_file=out is not None)
-    scene.course.check_masses()
+    system = System.of(system)
+    if any(value is not None for value in overrides.values()):
+        system = system.with_settings(**overrides)
+        check_used(system.settings, overrides)
+    check_samples(system, to_file=out is not None)
+    system.course.check_masses()
     with _making(progress):
         if model is None:
-            wanted = parts(scene.integrate, target)
-            model = build(scene, target, parts=wanted) if target else build_fastest(scene, wanted)
-        elif model.PROVENANCE["structure_hash"] != scene.structure.hash:
-            allowed = f"built for this scene, with {scene.structure!r}"
-            raise SceneError("model", model.__name__, allowed)
-        if scene.integrate.method == AUTO:
-            scene = scene.integrated_by(choose(scene, model).method)
+            model = system.model(target, parts(system.settings, target))
+        elif model.PROVENANCE["structure_hash"] != system.structure.hash:
+            allowed = f"built for this scene, with {system.structure!r}"
+            raise InputError("model", model.__name__, allowed)
+        if system.settings.method == AUTO:
+            system = system.integrated_by(choose(system, model).method)
         with DeferredInterrupt() as interrupt:  # from here on there is a file
-            saver = Saver.begin(scene, model, out, checkpoint)
+            saver = Saver.begin(system, model, out, checkpoint)
             solution = _run(saver, progress, interrupt)
         if error_growth:
             solution.errors = growth_of(solution)
     return solution
 
 
-def check_samples(scene: Scene, to_file: bool) -> None:
-    """Raise SceneError for a run that needs more memory than it may take, with its samples; of one
+def check_samples(system: System, to_file: bool) -> None:
+    """Raise InputError for a run that needs more memory than it may take, with its samples; of one
     to a file, some of these."""
-    count, states = len(scene.integrate.samples), len(scene.states)
+    count, states = len(system.settings.samples), len(system.added)
     held = min(count, IN_MEMORY) if to_file else count
 
     def need(links: int) -> float:
         return LINK * links + SAMPLE * held * (2 * links + states)
 
+    if is_small(need(system.structure.links)):
+        return
     if need(1) > limit():
         allowed = f"fewer, of a longer output_every: they need {gigabytes(need(1))} of memory"
-        raise SceneError("samples", count, f"{allowed}, of {gigabytes(limit())} here")
-    check_memory(f"a run of {count} samples", scene.rod.links, need)
+        raise InputError("samples", count, f"{allowed}, of {gigabytes(limit())} here")
+    check_memory(f"a run of {count} samples", system.structure.links, need)
 
 
 def resume(
@@ -194,7 +183,7 @@ def resume(
 
     Raises
     ------
-    SceneError
+    InputError
         For a run that has ended, and for a checkpoint that is damaged or of another version's
         module.
 
@@ -207,7 +196,7 @@ def resume(
     >>> rodgen.resume(path)
     Traceback (most recent call last):
     ...
-    rodgen.scene.errors.SceneError: ...
+    rodgen.errors.InputError: ...
     """
     saver = Saver.resume(Path(path), checkpoint)
     with DeferredInterrupt() as interrupt:
@@ -228,7 +217,7 @@ def _run(saver: Saver, progress: Progress, interrupt: DeferredInterrupt) -> Solu
         return _Run(saver, progress, interrupt).go()
     if progress is False:
         return _Run(saver, lambda _: None, interrupt).go()
-    with running(saver.scene.name, *saver.scene.integrate.span) as update:
+    with running(saver.system.name, *saver.system.settings.span) as update:
         return _Run(saver, update, interrupt).go()
 
 
@@ -237,13 +226,12 @@ class _Run:
         self, saver: Saver, progress: Callable[[float], None], interrupt: DeferredInterrupt
     ):
         self.saver, self.progress, self.interrupt = saver, progress, interrupt
-        self.scene, self.model = scene, model = saver.scene, saver.model
-        self.settings = scene.integrate
-        self.p = model.parameters(**scene.parameters)
-        switches = () if scene.integrate.fixed else scene.course.switches()
-        self.watch = Watch(scene.events, model, self.p, switches)
+        self.system, self.model = system, model = saver.system, saver.model
+        self.settings, self.p = system.settings, system.p
+        switches = () if self.settings.fixed else system.course.switches()
+        self.watch = Watch(system.events, model, self.p, switches)
         self.start = self._told = time.perf_counter()
-        start, y0 = self.settings.span[0], scene.initial_state()
+        start, y0 = self.settings.span[0], system.y0
         self.works = loads_at_work(model)
         with np.errstate(all="ignore"):  # of a state that cannot be integrated
             self.machine = machine(model, self.p, self.settings, start, y0)
@@ -259,7 +247,7 @@ class _Run:
                 self._check_step()
                 message = self._walk()
         except (StepError, OverflowError) as error:
-            message = failure(error, self.scene, self.machine, self.pole)
+            message = failure(error, self.system.scene, self.machine, self.pole)
             status = getattr(error, "status", FAILED)
             raise RunError(message, self.solution(status, message)) from None
         except KeyboardInterrupt:
@@ -271,12 +259,12 @@ class _Run:
         """Warn of a step that is too long, or of a tolerance that is not kept, before the run."""
         if self.saver.resumed:
             return
-        for text in step_warnings(self.scene, self.model, self.p):
+        for text in step_warnings(self.system, self.model):
             warnings.warn(text, StepWarning, stacklevel=5)
 
     def _walk(self) -> str:
         """All stretches; what there is to say of the end."""
-        stretches = Stretches.of(self.scene.course, self.settings.fixed)
+        stretches = Stretches.of(self.system.course, self.settings.fixed)
         self.pole = stretches.pole
         taken_up = self.saver.restore(self.machine)
         times, rows = self.recorder.room()
@@ -296,7 +284,7 @@ class _Run:
                     end, self.machine, self.recorder, self.watch, self.settings.budget, self._look
                 )
         except Happened as event:
-            name = self.scene.events[event.number].name
+            name = self.system.events[event.number].name
             return ended_by(event.t, name)
         if self.pole:  # a step across it would be finite, and wrong
             raise StepError(UNBOUNDED)
@@ -319,7 +307,7 @@ class _Run:
 
     def solution(self, status: str, message: str) -> Solution:
         """What there is, from memory or from the file."""
-        names = [event.name for event in self.scene.events]
+        names = [event.name for event in self.system.events]
         with np.errstate(all="ignore"):
             t, y, work = self.recorder.kept()
             stats = self.counts
@@ -327,7 +315,7 @@ class _Run:
                 return self.saver.finish(status, message, stats)
         happened = tuple(Event(names[number], t, y) for number, t, y in self.watch.happened)
         return Solution(
-            scene=self.scene,
+            system=self.system,
             t=t,
             y=y,
             work=work,

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigs
 
+from rodgen.arrays import Array
 from rodgen.integrate.methods.fixed_step import advance
-from rodgen.integrate.stepper import Array, StepError
+from rodgen.integrate.stepper import StepError
 from rodgen.model.method import Tableau, stability_polynomial
 from rodgen.model.methods import METHODS
 from rodgen.model.rod import BOUNDARIES

@@ -1,23 +1,18 @@
-"""What every method gives to the run: stretches of steps, with samples and events between them."""
+"""What a method in Python solves, what it gives to the run, and what its steps cost."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from dataclasses import asdict, dataclass
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from rodgen.integrate.events import Watch
-    from rodgen.integrate.samples import Recorder
-    from rodgen.scene.integration import Integrate
+from rodgen.arrays import Array
+from rodgen.scene.integration import Integrate
 
-Array = NDArray[np.float64]
 Rhs = Callable[[float, Array], Array]
 Interpolant = Callable[[Array], Array]
-State = dict[str, NDArray[Any]]
 
 
 @dataclass
@@ -38,6 +33,25 @@ class Counts:
         self.jacobian += other.jacobian
         self.factorisations += other.factorisations
         return self
+
+
+@dataclass(frozen=True)
+class Stats:
+    """Cost of a run; rejected is None where the method does not tell; target: of the module that
+    ran, "c" or "numpy", empty where it is not known."""
+
+    steps: int
+    rejected: int | None
+    rhs: int
+    jacobian: int
+    factorisations: int
+    wall_seconds: float
+    target: str = ""
+
+    @classmethod
+    def of(cls, counts: Counts, seconds: float, target: str = "") -> Stats:
+        """What the steppers have counted, and the wall time."""
+        return cls(**asdict(counts), wall_seconds=seconds, target=target)
 
 
 def _unbounded(t: float, y: Array) -> float:
@@ -85,65 +99,6 @@ class ChatterError(StepError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.cause,)
-
-
-class Happened(Exception):  # noqa: N818, an event is no error
-    """An event, by its number in the scene, ends the run at a time [s]."""
-
-    def __init__(self, number: int, t: float):
-        super().__init__(number, t)
-        self.number, self.t = number, t
-
-
-class Machine(Protocol):
-    """A method on its way through a run, wherever its steps are taken."""
-
-    @property
-    def t(self) -> float:
-        """How far it is [s]."""
-        ...
-
-    @property
-    def y(self) -> Array:
-        """The state there."""
-        ...
-
-    @property
-    def end(self) -> float:
-        """End of the stretch that it is in [s]."""
-        ...
-
-    @property
-    def asked(self) -> list[float]:
-        """Times [s] at which loads were asked for their values of late."""
-        ...
-
-    @property
-    def counts(self) -> Counts:
-        """Cost so far."""
-        ...
-
-    def begin(self, end: float, low: float, high: float, longest: float) -> None:
-        """A stretch up to end [s]; loads are asked for their values between low and high; longest:
-        step [s] of methods that choose theirs. Raises StepError."""
-        ...
-
-    def advance(self, recorder: Recorder, watch: Watch, most: int) -> bool:
-        """Some steps, at most so many, for a few hundredths of a second; True at the end of the
-        stretch. Raises StepError, and Happened where an event ends the run."""
-        ...
-
-    def works(self, recorder: Recorder) -> Array:
-        """Work of every load since the start [J], (works,); in all samples there are as well."""
-        ...
-
-    def state(self) -> State:
-        """All that is needed to go on to the same bits; ValueError where that cannot be told."""
-        ...
-
-    def restore(self, state: State) -> None:
-        """Take up such a state, before `begin` or in the stretch that it was of."""
-        ...
 
 
 class Stepper(Protocol):

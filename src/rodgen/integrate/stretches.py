@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rodgen.errors import InputError
 from rodgen.integrate.events import Watch
+from rodgen.integrate.machine import Machine
 from rodgen.integrate.samples import Recorder
-from rodgen.integrate.stepper import Machine, StepError
-from rodgen.scene import Scene, SceneError
+from rodgen.integrate.stepper import StepError
+from rodgen.scene import Scene
 from rodgen.scene.course import Course
 from rodgen.scene.expression import Expression
+from rodgen.system import System
 
 NEAREST = 64  # roundings of the time before a pole, where steps end: at the pole is no state
 STRIDE, CREEP = 10_000, 1e-9  # so many steps go at least this share of the way
@@ -39,7 +42,7 @@ class Stretches:
     def of(cls, course: Course, fixed: bool, more: Iterable[Pulse] = ()) -> Stretches:
         """fixed: whether steps are all equal; more: pulses besides those of the span."""
         start, end = course.start, course.end
-        breaks, pole = course.breaks(), course.pole()
+        breaks, pole, swing = course.breaks(), course.pole(), course.swing()
         last = pole[0] - NEAREST * float(np.spacing(abs(pole[0]))) if pole else end
         if not fixed:  # what steps that grow in a time of rest would pass over
             # A pulse may rise slowly before its change counts: from its own length earlier on, lest
@@ -48,7 +51,7 @@ class Stretches:
             found = (at for begin, peak, over in pulses for at in (2 * begin - over, peak))
             breaks = _apart(sorted({*breaks, *found}), set(breaks), WAKES * (end - start))
         ends = [*(at for at in breaks if start < at < last), *([last] if last > start else [])]
-        return cls(ends, pole, course.swing())
+        return cls(ends, pole, swing)
 
 
 def _apart(times: list[float], kept: set[float], least: float) -> list[float]:
@@ -99,16 +102,16 @@ class Windows:
     """Stretches of a run without an end: windows as long as the scene's span, one after the other.
 
     What a load does is looked for in one window at a time. origin: where the first begins [s];
-    scene: with the present window as its span; stretches: those of that window.
+    span: of the present window, stretches: those of it.
     """
 
-    def __init__(self, scene: Scene, origin: float):
-        start, end = scene.integrate.span
-        self._scene, self._origin, self.length = scene, origin, end - start
+    def __init__(self, system: System, origin: float):
+        start, end = system.settings.span
+        self._course, self._fixed = system.course, system.settings.fixed
+        self._origin, self.length = origin, end - start
         # To the bit, lest the first window end beside the span.
         self._first = end if origin == start else origin + self.length
         self._number = -1
-        self.scene, self.stretches = scene, Stretches([])
         self._look_at(0)
 
     def after(self, t: float) -> float:
@@ -121,7 +124,7 @@ class Windows:
         if number != self._number:
             try:
                 self._look_at(number)
-            except SceneError as error:  # of masses that jump too often there
+            except InputError as error:  # of masses that jump too often there
                 raise StepError(str(error)) from None
         for end in self.stretches.ends:
             if end > least:
@@ -135,20 +138,18 @@ class Windows:
     def _look_at(self, number: int) -> None:
         """Take the window of this number."""
         self._number = number
-        course = self._scene.course
-        if not (course.loads or course.all):
-            self.stretches = Stretches([self._border(number + 1)])
+        at, over = self.span = self._border(number), self._border(number + 1)
+        if not (self._course.loads or self._course.all):
+            self.stretches = Stretches([over])
             return
-        at, over = self._border(number), self._border(number + 1)
-        self.scene = window(self._scene, at, over)
         across: list[Pulse] = []
-        if number and not self.scene.integrate.fixed:  # a rest may reach across the border
+        if number and not self._fixed:  # a rest may reach across the border
             half = self.length / 2
-            across = window(self._scene, at - half, at + half).course.pulses()
-        self.stretches = Stretches.of(self.scene.course, self.scene.integrate.fixed, across)
+            across = replace(self._course, start=at - half, end=at + half).pulses()
+        course = replace(self._course, start=at, end=over)
+        self.stretches = Stretches.of(course, self._fixed, across)
 
 
 def window(scene: Scene, start: float, end: float) -> Scene:
     """The scene with another span, which need not be checked."""
-    settings = scene.integrate.model_copy(update={"span": [start, end]})
-    return scene.model_copy(update={"integrate": settings})
+    return scene.with_settings(scene.integrate.model_copy(update={"span": [start, end]}))

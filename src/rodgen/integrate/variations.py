@@ -17,9 +17,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rodgen.arrays import Array
 from rodgen.integrate.events import OFTEN, SHORT, Watch
 from rodgen.integrate.methods.compiled import FAILURES, FIRST, MOST, SLICE
-from rodgen.integrate.stepper import Array, ChatterError, StepError
+from rodgen.integrate.stepper import ChatterError, StepError
 from rodgen.integrate.stretches import Stretches, inside
 from rodgen.loading import build_fastest
 from rodgen.model.methods import COLLOCATION, EITHER, TABLEAUX

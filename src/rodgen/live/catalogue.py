@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.arrays import Array
+from rodgen.errors import InputError
 from rodgen.integrate.catalogue import Piece, loads_at_work
-from rodgen.integrate.stepper import Array
 from rodgen.live.own import OwnQuantity
 from rodgen.live.samples import Chunk
 from rodgen.loading.module import asked
@@ -29,7 +30,8 @@ from rodgen.model.quantities import (
     numbers,
 )
 from rodgen.model.terms import PARAMETERS, words_of
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
+from rodgen.system import System
 
 __all__ = ["KINDS", "PERIODS", "TURNS", "Catalogue", "Shown"]
 
@@ -66,25 +68,26 @@ class _Part(NamedTuple):
 
 
 class Catalogue:
-    """What can be shown of a scene.
+    """What can be shown of a system.
 
     quantities: all of them by name, in the order in which they are offered; kinds: names by kind,
     of what can be shown together; along: of kinds that go along the rod, where on it their
     quantities are, from 0 at joint 0 to 1 at the tail; works: loads without potential, and others
     that put in energy. Expressions of quantities are quantities too, once they have been asked for.
-    All are fixed by the structure of the scene, which model is of: values of parameters are taken
+    All are fixed by the structure of the system, which model is of: values of parameters are taken
     from each chunk.
     """
 
-    def __init__(self, scene: Scene, model: ModuleType, others: tuple[str, ...] = ()):
-        self.model, self._timed = model, scene.timed
+    def __init__(self, system: System | Scene, model: ModuleType, others: tuple[str, ...] = ()):
+        system = System.of(system)
+        self.model, self._timed = model, system.timed
         powers = loads_at_work(model)
         self.works = (*powers, *others)
         self.quantities: dict[str, Shown] = {}
         self.kinds: dict[str, list[str]] = {}
         self.along: dict[str, Array] = {}
         self._places: dict[str, _Place] = {}
-        every = list(_every(scene, self.works, powers))
+        every = list(_every(system.scene, self.works, powers))
         for kind in KINDS:
             some = [(shown, place) for shown, place in every if shown.kind == kind]
             if not some:
@@ -99,13 +102,10 @@ class Catalogue:
         self._last: tuple[Chunk, Piece] | None = None
         self._own: dict[str, OwnQuantity] = {}
         self._absent: set[str] = set()
-        t, p = scene.integrate.span[0], model.parameters(**scene.parameters)
+        t, p, self._atol = system.settings.span[0], system.p, system.settings.atol
         some = np.sin(np.arange(1.0, 1.0 + len(model.STATE)))[None, :]  # bent and moving
         none = np.zeros((1, len(self.works)))
-        self._some, self._atol = (
-            Chunk(np.array([t]), some, none, self.works, p),
-            scene.integrate.atol,
-        )
+        self._some = Chunk(np.array([t]), some, none, self.works, p)
         self.settle(t, p)
 
     def settle(self, t: float, p: Array) -> bool:
@@ -118,7 +118,7 @@ class Catalogue:
         return self._absent != before
 
     def columns(self, names: Sequence[str], chunk: Chunk) -> Array:
-        """Values of quantities at the samples of a chunk, (K, names). Raises SceneError for a name
+        """Values of quantities at the samples of a chunk, (K, names). Raises InputError for a name
         that is not known. What was computed is kept for the next call with the same chunk."""
         own = {at: self._own[name] for at, name in enumerate(names) if name in self._own}
         if own:
@@ -146,9 +146,9 @@ class Catalogue:
         return out
 
     def _take_own(self, name: str, field: str) -> Shown:
-        """An expression of quantities, which is a quantity from now on. Raises SceneError."""
+        """An expression of quantities, which is a quantity from now on. Raises InputError."""
         if len(self._own) >= MOST_OWN:
-            raise SceneError(field, name, f"one of the {MOST_OWN} expressions that are known")
+            raise InputError(field, name, f"one of the {MOST_OWN} expressions that are known")
         known = self._places.keys()
         own = self._own[name] = OwnQuantity.of(name, known, field)
         told = {one.name: one.unit for one in self.quantities.values() if one.kind != STATE}
@@ -156,21 +156,21 @@ class Catalogue:
         return found
 
     def quantity(self, name: object, field: str = "quantity") -> Shown:
-        """A quantity by name. Raises SceneError that says what there is."""
+        """A quantity by name. Raises InputError that says what there is."""
         found = self.quantities.get(name) if isinstance(name, str) else None
         if found is None and isinstance(name, str) and not name.isidentifier():
             found = self._take_own(name, field)
         if found is None:
-            raise SceneError(field, name, self._allowed(str(name), self.quantities))
+            raise InputError(field, name, self._allowed(str(name), self.quantities))
         return found
 
     def expand(self, name: object, field: str = "quantity") -> list[str]:
-        """The names that a name or a kind stands for. Raises SceneError that says what there is."""
+        """The names that a name or a kind stands for. Raises InputError that says what there is."""
         if isinstance(name, str) and name in self.kinds:
             return [one for one in self.kinds[name] if one not in self._absent]
         if isinstance(name, str) and (name in self.quantities or not name.isidentifier()):
             return [self.quantity(name, field).name]
-        raise SceneError(field, name, self._allowed(str(name), [*self.quantities, *self.kinds]))
+        raise InputError(field, name, self._allowed(str(name), [*self.quantities, *self.kinds]))
 
     def _allowed(self, name: str, known: Sequence[str] | dict[str, Shown]) -> str:
         """The closest names, and all of them with families shortened."""

@@ -9,11 +9,10 @@ from types import MappingProxyType, ModuleType
 
 import numpy as np
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import InputError, did_you_mean
 from rodgen.live.samples import Chunk
 from rodgen.live.units import rate_of, unit_of
-from rodgen.scene import SceneError
-from rodgen.scene.errors import meant
 from rodgen.scene.expression import Expression
 from rodgen.scene.grammar import FUNCTIONS, TABLE
 
@@ -40,15 +39,15 @@ class OwnQuantity:
     @classmethod
     def of(cls, text: str, known: Set[str], field: str) -> OwnQuantity:
         """From a text in the grammar of scenes, over quantities, t, numbers, and d/dt before
-        brackets or a name. Raises SceneError."""
+        brackets or a name. Raises InputError."""
         if len(text) > LONGEST:
-            raise SceneError(field, text, f"at most {LONGEST} letters")
+            raise InputError(field, text, f"at most {LONGEST} letters")
         outer, inner = _parts(text, field)
         rates = {name: _expression(one, known, text, field) for name, one in inner.items()}
         for one in rates.values():
             if paths := [name for name in one.signals if PATHS.fullmatch(name)]:
                 what = f"without {paths[0]} under d/dt: the rate of work is a power"
-                raise SceneError(field, text, what)
+                raise InputError(field, text, what)
         return cls(_expression(outer, known | rates.keys(), text, field), rates)
 
     def unit(self, units: Mapping[str, str]) -> str:
@@ -80,13 +79,13 @@ class OwnQuantity:
 
 def _parts(text: str, field: str) -> tuple[str, dict[str, str]]:
     """The text with a name in place of every d/dt, and by these names what is differentiated.
-    Raises SceneError."""
+    Raises InputError."""
     outer, inner = text.strip(), dict[str, str]()
     while found := RATE.search(outer):
         rest = outer[found.end() :]
         size = _bracket(rest) or (named.end() if (named := NAME.match(rest)) else 0)
         if not size or RATE.search(rest[:size]):
-            raise SceneError(field, text, "d/dt before brackets or a name, without d/dt in these")
+            raise InputError(field, text, "d/dt before brackets or a name, without d/dt in these")
         name = f"rate_{len(inner)}_of"
         inner[name] = rest[:size]
         outer = f"{outer[: found.start()]}{name}{rest[size:]}"
@@ -104,20 +103,20 @@ def _bracket(text: str) -> int:
 
 
 def _expression(part: str, known: Set[str], text: str, field: str) -> Expression:
-    """A part of a text as an expression over what is known. Raises SceneError that has the text."""
+    """A part of a text as an expression over what is known. Raises InputError that has the text."""
     here = tuple(name for name in dict.fromkeys(NAME.findall(part)) if name in known - {"t"})
     try:
         found = Expression(part, "t", field, states=here)
-    except SceneError as error:
+    except InputError as error:
         words = ALONE.findall(part)
         unknown = next((word for word in words if word not in known and word not in WORDS), None)
         if unknown is None:
-            raise SceneError(field, text, error.allowed) from None
+            raise InputError(field, text, error.allowed) from None
         few = ", ".join(name for name in EXAMPLES if name in known)
         allowed = f"an expression of t and quantities such as {few} (not {unknown})"
-        raise SceneError(field, text, allowed + meant(unknown, known)) from None
+        raise InputError(field, text, allowed + did_you_mean(unknown, known)) from None
     if found.sensors:
-        raise SceneError(field, text, "without sensors: quantities have names, such as phi_0")
+        raise InputError(field, text, "without sensors: quantities have names, such as phi_0")
     return found
 
 

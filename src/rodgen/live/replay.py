@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from rodgen.errors import InputError
 from rodgen.integrate.samples import Samples
 from rodgen.integrate.solution import Solution
 from rodgen.live.catalogue import Catalogue
@@ -18,7 +19,6 @@ from rodgen.live.run.plot import Plot
 from rodgen.live.run.plot_spec import PlotSpec
 from rodgen.live.samples import Chunk, Store
 from rodgen.loading.module import asked
-from rodgen.scene import SceneError
 
 MOST, ROOM = 1500, 12_000_000  # samples that are shown, bytes of all of them
 LEAST = 2  # samples, for a time line
@@ -37,12 +37,12 @@ class Replay:
 
 
 def replay(solution: Solution, choices: Iterable[dict[str, Any]]) -> Replay:
-    """The messages of a run; choices: its plots (see PlotSpec.from_dict). Raises SceneError for a
+    """The messages of a run; choices: its plots (see PlotSpec.from_dict). Raises InputError for a
     run of a single sample, or with states that are not finite."""
-    store, catalogue = _store(solution), Catalogue(solution.scene, solution.model)
+    store, catalogue = _store(solution), Catalogue(solution.system, solution.model)
     samples = [sample for chunk in store.chunks() for sample in _single(chunk)]
     if len(samples) < LEAST or not all(np.isfinite(sample.y).all() for sample in samples):
-        raise SceneError("run", solution.status, "one of two samples or more, all of them finite")
+        raise InputError("run", solution.status, "one of two samples or more, all of them finite")
     span = float(samples[-1].t[0] - samples[0].t[0])
     plots = [_plot({**choice, "window": span}, k, catalogue) for k, choice in enumerate(choices)]
     shown = _some(samples, solution)
@@ -53,7 +53,7 @@ def replay(solution: Solution, choices: Iterable[dict[str, Any]]) -> Replay:
         t = float(sample.t[0])
         origin, places = rod_arrays(solution.model, sample)
         header = {"t": t, "origin": origin, "begun": BEGUN, "line": {**line, "past": t, **more}}
-        pull = pull_array(solution.model, solution.scene, sample, origin)
+        pull = pull_array(solution.model, solution.system, sample, origin)
         return encode(header, [*places, pull, *arrays])
 
     whole = [plot for plot in plots if plot.spec.kind != "profile"]
@@ -68,8 +68,7 @@ def replay(solution: Solution, choices: Iterable[dict[str, Any]]) -> Replay:
 def _store(solution: Solution) -> Store:
     """The samples of a run as the live view keeps them."""
     model, work = solution.model, tuple(solution.work)
-    p = model.parameters(**solution.scene.parameters)
-    changes = solution.changes
+    p, changes = solution.system.p, solution.changes
     every = changes.p if changes is not None else np.broadcast_to(p, (len(solution.t), len(p)))
     given = np.broadcast_to(solution.given, solution.t.shape)
     with np.errstate(all="ignore"):
@@ -111,7 +110,7 @@ def _present(plots: Iterable[Plot], sample: Chunk) -> Iterator[Named]:
 
 def _beginnings(solution: Solution, store: Store) -> Iterator[Chunk]:
     """The chunks that begin with a change or a kick; where a pull is moved to is none."""
-    places = solution.scene.structure.places
+    places = solution.system.structure.places
     far = [places[name] for name in ("support_x", "support_y") if name in places]
 
     def held(chunk: Chunk) -> tuple[bytes, float]:

@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.arrays import Array
 from rodgen.integrate.live import Samples
-from rodgen.integrate.samples import Changes
 from rodgen.integrate.solution import Solution
-from rodgen.integrate.stepper import Array
+from rodgen.integrate.trajectory import Changes
 from rodgen.memory import check_memory
 
 ROOM = 2**25  # bytes of states

@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rodgen.integrate.stepper import Array, Counts
+from rodgen.arrays import Array
+from rodgen.integrate.stepper import Counts
 from rodgen.live.catalogue import motion_of
 from rodgen.live.samples import Chunk
 from rodgen.model.parameter import JOINTS, Parameter, typeset
@@ -347,7 +348,7 @@ def _method(now: Now) -> str:
 
 
 def _step(now: Now) -> str:
-    step = now.settings.step
+    step = now.settings.step if now.settings.fixed else None
     return padded(NOTHING) if step is None else digits(step)
 
 

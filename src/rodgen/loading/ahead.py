@@ -15,10 +15,11 @@ from dataclasses import asdict
 from typing import Any
 
 from rodgen.emit.targets import STEPS, closed
+from rodgen.errors import InputError
 from rodgen.loading.build import build_fastest
 from rodgen.native.library import BuildError
 from rodgen.progress import telling
-from rodgen.scene import SceneError, Structure
+from rodgen.scene import Structure
 
 
 def dump(structure: Structure) -> str:
@@ -27,7 +28,7 @@ def dump(structure: Structure) -> str:
 
 
 def parse(text: str) -> Structure:
-    """A structure from `dump`. Raises SceneError, and ValueError for what is none."""
+    """A structure from `dump`. Raises InputError, and ValueError for what is none."""
     return Structure(**{key: _tuples(value) for key, value in json.loads(text).items()})
 
 
@@ -44,7 +45,7 @@ def main() -> None:
     try:
         with telling(lambda stage: print(stage, flush=True)):
             build_fastest(structure, (*closed("c"), *STEPS))
-    except (BuildError, SceneError) as error:
+    except (BuildError, InputError) as error:
         sys.exit(str(error))
 
 

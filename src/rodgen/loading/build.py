@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import json
 import time
 from collections.abc import Iterable, Mapping
@@ -13,13 +14,13 @@ from types import ModuleType
 from typing import Any
 
 from rodgen.emit.targets import check_output, closed, offered, target_of
+from rodgen.errors import InputError, check_type
 from rodgen.loading import cache
-from rodgen.loading.module import Model, load_files
+from rodgen.loading.module import Model, load_files, structure_of
 from rodgen.native import many, run
 from rodgen.native.library import BuildError, end_compilers, surroundings
 from rodgen.progress import COMPILING, DERIVING, tell, working
-from rodgen.scene import Scene, SceneError, Structure
-from rodgen.scene.errors import check_type
+from rodgen.scene import Scene, Structure
 
 # The dense form holds a few matrices of this many links squared.
 MOST_DENSE_LINKS = 5000
@@ -56,7 +57,7 @@ def build(
 
     Raises
     ------
-    SceneError
+    InputError
         For what is not offered, and for more links than the dense form can hold.
     BuildError
         Where a C module cannot be compiled or loaded.
@@ -76,11 +77,19 @@ def build(
     closed(target, parts)
     if form == "dense" and structure.links > MOST_DENSE_LINKS:
         allowed = f"at most {MOST_DENSE_LINKS} in the dense form: it holds links^2 numbers"
-        raise SceneError("rod.links", structure.links, allowed)
+        raise InputError("rod.links", structure.links, allowed)
     # What a C module is compiled by belongs to it, and so does where it would be kept.
     model = _model(structure, target, form, surroundings())
     model.make(parts)
     return model
+
+
+def _recipe(module: Model) -> tuple[Any, ...]:
+    """What a module is pickled as: how it is built again."""
+    return build, (structure_of(module), module.PROVENANCE["target"], module.PROVENANCE["form"])
+
+
+copyreg.pickle(Model, _recipe)
 
 
 @lru_cache(maxsize=16)
@@ -201,8 +210,10 @@ def _texts(
 
 def _structure(scene: Scene | Structure) -> Structure:
     """What the module of a scene is specialised to. Raises TypeError for what has no structure."""
+    if isinstance(scene, Structure):
+        return scene
     check_type("scene", scene, Scene, Structure, see="Scene.from_toml")
-    return scene.structure if isinstance(scene, Scene) else scene
+    return scene.structure
 
 
 def _recall(text: str | None) -> dict[str, str] | None:

@@ -13,9 +13,10 @@ from functools import cached_property
 
 import numpy as np
 
+from rodgen.arrays import Array
 from rodgen.model.rod import STEADY, UNEVEN
 from rodgen.scene.expression import Expression, Numbers
-from rodgen.scene.law import Along, Array, Law, means, points
+from rodgen.scene.law import Along, Law, means, points
 from rodgen.scene.link_parts import Part, together
 from rodgen.scene.numbers import mass_of
 from rodgen.scene.places import point_of
@@ -35,7 +36,7 @@ class Distribution:
     t: float = 0.0
 
     def check(self, span: Sequence[float]) -> None:
-        """Raise SceneError for what no rod can be like at some time of the span."""
+        """Raise InputError for what no rod can be like at some time of the span."""
         links, per_length = self.rod.links, self._per_length
         self._stiffness.check(links, links + 1)
         if per_length is not None:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.errors import InputError
 from rodgen.model.terms import TERMS
-from rodgen.scene.errors import SceneError
 from rodgen.scene.expression import Numbers
 from rodgen.scene.law import Law
 from rodgen.scene.places import point_of
@@ -56,7 +56,7 @@ class Anchors:
     numbers: Numbers = ()
 
     def check(self) -> None:
-        """Raise SceneError for what no anchor can be like."""
+        """Raise InputError for what no anchor can be like."""
         if self.foundation is not None:
             self._stiffness.check(self.rod.links, self.rod.links + 1)
         first: dict[int, tuple[int, float]] = {}
@@ -64,13 +64,13 @@ class Anchors:
             link, share = point_of(support.at, self.rod.links)
             if link < self.rod.hold.first:
                 allowed = f"on a link that moves, beyond {1 / self.rod.links:.6g}"
-                raise SceneError(f"supports[{i}].at", support.at, allowed)
+                raise InputError(f"supports[{i}].at", support.at, allowed)
             other, there = first.setdefault(link, (i, share))
             if abs(share - there) > SAME:
                 allowed = (
                     f"on another link than supports[{other}], or at its point: take more links"
                 )
-                raise SceneError(f"supports[{i}].at", support.at, allowed)
+                raise InputError(f"supports[{i}].at", support.at, allowed)
 
     @property
     def terms(self) -> tuple[str, ...]:

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.arrays import Array
 from rodgen.scene.zeros import bisected
 
-Array = NDArray[np.float64]
 Field = Callable[[Array, Array], Any]  # of times and places, which broadcast
 SIDES = 16  # roundings to either side of a point where it is not smooth
 DEEPER = 4.0  # times what neighbours differ by: how far below a sample a valley may reach

@@ -11,10 +11,10 @@ import math
 import re
 from collections.abc import Callable, Sequence
 
-from rodgen.scene.errors import SceneError, meant, short
+from rodgen.errors import InputError, did_you_mean, short
 
 Rows = list[tuple[float, float]]
-Refused = Callable[[str], SceneError]
+Refused = Callable[[str], InputError]
 COMMENT, EMPTY = "#", ";,\t \x1a"  # what lines may have that have nothing
 DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
 UNIT = re.compile(r"\s*(\[[^]]*\]|\([^)]*\))\s*$")  # behind the name of a column
@@ -39,7 +39,7 @@ def columns(text: str, name: str | None, refused: Refused) -> Rows:
     """Rows of the first column and of one with a name, by default the second.
 
     Of two rows with the same first or last number the inner one counts, as where a curve jumps from
-    zero at its start. Raises SceneError.
+    zero at its start. Raises InputError.
     """
     header, rows, at = list[str](), Rows(), 1
     between: str | None = None
@@ -65,7 +65,7 @@ def columns(text: str, name: str | None, refused: Refused) -> Rows:
 
 
 def _check_header(header: Sequence[str], between: str, refused: Refused) -> None:
-    """Raise SceneError for a line of a header that is a row of numbers with a fault."""
+    """Raise InputError for a line of a header that is a row of numbers with a fault."""
     for line in header:
         fields = _fields(line, between)
         if len(fields) > 1 and math.isfinite(_number(fields[0])):
@@ -116,7 +116,7 @@ def _place(name: str, header: Sequence[str], row: str, between: str, refused: Re
             return names.index(wanted, 1)
     there = [one for names in known[:1] for one in names[1:]]
     allowed = f"of a file with the column {name!r} (there is {', '.join(there) or 'no header'})"
-    raise refused(allowed + meant(name, there))
+    raise refused(allowed + did_you_mean(name, there))
 
 
 def _without_ends_twice(rows: Rows) -> Rows:

@@ -12,7 +12,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.scene.errors import SceneError, short
+from rodgen.errors import InputError, short
 from rodgen.scene.expression import Difference, Expression
 from rodgen.scene.law import points
 from rodgen.scene.spring import STIFFNESS
@@ -132,7 +132,7 @@ class Course:
         """Times inside the span at which a load, the rate of a state or a mass is not smooth in t,
         ascending: along the rod, at one of the points at which a link sums it up.
 
-        Raises SceneError for a mass that jumps more often than can be stepped onto: what leaves at
+        Raises InputError for a mass that jumps more often than can be stepped onto: what leaves at
         a jump is accounted for there.
         """
         self.check_masses()
@@ -145,7 +145,7 @@ class Course:
         return found
 
     def check_masses(self) -> None:
-        """Raise SceneError for a mass whose jumps are too many to be found."""
+        """Raise InputError for a mass whose jumps are too many to be found."""
         crowded = self.crowded()
         for e in self.masses:
             if e in crowded or not e.kinks_are_found(self.start, self.end):
@@ -154,7 +154,7 @@ class Course:
                     "all points of the links: what leaves at each takes energy along; give a "
                     "shorter span, fewer links, or a smooth expression"
                 )
-                raise SceneError(e.field, e.text, allowed)
+                raise InputError(e.field, e.text, allowed)
 
     @cached_property
     def _fronts(self) -> tuple[float, ...]:

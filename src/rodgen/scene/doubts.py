@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from rodgen.errors import short
 from rodgen.model.rod import CLAMP_ANGLE
 from rodgen.model.terms import PARAMETERS
 from rodgen.scene import grammar
-from rodgen.scene.errors import short
 from rodgen.scene.files import TABLES
 from rodgen.scene.grammar import TABLE
 from rodgen.scene.keys import NUMBERS, named_numbers, texts

@@ -7,10 +7,10 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
+from rodgen.errors import InputError, did_you_mean
 from rodgen.model.quantities import number_in, watched
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import structure as st
-from rodgen.scene.errors import SceneError, meant
 from rodgen.scene.tables import Finite, Rod, Table
 
 DIRECTIONS, ACTIONS = ("rising", "falling", "either"), ("record", "stop")
@@ -38,7 +38,7 @@ class Event(Table):
 
 
 def check_events(events: list[Event], rod: Rod, states: Iterable[str]) -> None:
-    """Raise SceneError unless this rod has all quantities and every event a name of its own;
+    """Raise InputError unless this rod has all quantities and every event a name of its own;
     states: names of those that are added."""
     known = [*watched(BOUNDARIES[rod.boundary], rod.links), *((name, range(1)) for name in states)]
     first: dict[str, int] = {}
@@ -46,10 +46,10 @@ def check_events(events: list[Event], rod: Rod, states: Iterable[str]) -> None:
         if not any(number_in(event.quantity, name) in span for name, span in known):
             ends = [(name.format(span[0]), name.format(span[-1])) for name, span in known]
             shown = ", ".join(" to ".join(dict.fromkeys(pair)) for pair in ends)
-            allowed = f"one of {shown}{meant(event.quantity, sum(ends, ()))}"
-            raise SceneError(f"events[{i}].quantity", event.quantity, allowed)
+            allowed = f"one of {shown}{did_you_mean(event.quantity, sum(ends, ()))}"
+            raise InputError(f"events[{i}].quantity", event.quantity, allowed)
         name, place = event.name, f"events[{i}].name"
         if not (0 < len(name) <= 64 and name.isprintable() and name.strip()):
-            raise SceneError(place, name, "1 to 64 printable characters")
+            raise InputError(place, name, "1 to 64 printable characters")
         if first.setdefault(name, i) != i:
-            raise SceneError(place, name, f"unlike that of events[{first[name]}]")
+            raise InputError(place, name, f"unlike that of events[{first[name]}]")

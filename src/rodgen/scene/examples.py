@@ -9,7 +9,7 @@ from itertools import takewhile
 from operator import methodcaller
 from pathlib import Path
 
-from rodgen.scene.errors import SceneError, meant
+from rodgen.errors import InputError, did_you_mean
 
 STUDIES = "studies"  # their folder in that of the scenes
 NAME = re.compile(r'^name = "\w+"$', re.MULTILINE)  # the first line of its kind: that of the file
@@ -35,10 +35,10 @@ def studies() -> dict[str, Path]:
 
 
 def example(name: str, known: Mapping[str, Path] | None = None) -> Path:
-    """The file of a name, by default of a scene. Raises SceneError for a name that none has."""
+    """The file of a name, by default of a scene. Raises InputError for a name that none has."""
     known = examples() if known is None else known
     if name not in known:
-        raise SceneError("example", name, f"one of {', '.join(known)}{meant(name, known)}")
+        raise InputError("example", name, f"one of {', '.join(known)}{did_you_mean(name, known)}")
     return known[name]
 
 
@@ -52,12 +52,12 @@ def about(path: Path) -> str:
 
 def copies(path: Path, new: str) -> dict[str, str]:
     """The text of a file under another name, with its comments, by the name of its file; first the
-    scene of a study that stands in a file of its own. Raises SceneError for the name of that."""
+    scene of a study that stands in a file of its own. Raises InputError for the name of that."""
     text, made = path.read_text(encoding="utf-8"), {}
     if found := SCENE.search(text):
         scene = path.parent / found[1]
         made[scene.name] = scene.read_text(encoding="utf-8")
         text = SCENE.sub(f'scene = "{scene.name}"', text, count=1)
     if f"{new}.toml" in made:
-        raise SceneError("NAME", new, "another: the scene of the study has it")
+        raise InputError("NAME", new, "another: the scene of the study has it")
     return made | {f"{new}.toml": NAME.sub(f'name = "{new}"', text, count=1)}

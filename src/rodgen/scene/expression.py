@@ -12,15 +12,32 @@ from typing import Any
 
 import numpy as np
 
+from rodgen.errors import InputError, short
 from rodgen.scene import grammar
-from rodgen.scene.errors import SceneError, short
-from rodgen.scene.singularities import Apart, breaks, poles, swing
+from rodgen.scene.singularities import breaks, poles, swing
 from rodgen.scene.zeros import Pulse, onsets, sampled
 
 # What a law switches by: of its variable and of what it follows, by name.
 Difference = Callable[[Any, Mapping[str, Any]], Any]
 # Numbers and tables by name; None where only a module knows the value.
 Numbers = tuple[tuple[str, float | grammar.TableData | None], ...]
+
+
+@dataclass(frozen=True)
+class Apart:
+    """What two parts of an expression are apart, or what one is, as a function of the variable:
+    equal where the values of the numbers in both are."""
+
+    a: ast.expr
+    b: ast.expr | None
+    variable: str
+    numbers: Numbers
+
+    def __call__(self, at: Any) -> Any:
+        with np.errstate(all="ignore"):
+            names = {**dict(self.numbers), self.variable: np.asarray(at, dtype=float)}
+            found = grammar.value_of(self.a, names)
+            return found if self.b is None else found - grammar.value_of(self.b, names)
 
 
 @dataclass(frozen=True)
@@ -47,7 +64,7 @@ class Expression:
         self._check_constants()
 
     def _check_constants(self) -> None:
-        """Raise SceneError where a part that is constant is not finite."""
+        """Raise InputError where a part that is constant is not finite."""
         with np.errstate(all="ignore"):
             for part in _constants(self._tree, frozenset(self._known)):
                 if not np.isfinite(grammar.value_of(part, self._values)):
@@ -75,7 +92,7 @@ class Expression:
         """Names of numbers that have a value."""
         return {name for name, value in self.numbers if value is not None}
 
-    def _refused(self, node: ast.AST | None, allowed: str = "") -> SceneError:
+    def _refused(self, node: ast.AST | None, allowed: str = "") -> InputError:
         """The error for a part in whose place something else is allowed, or the grammar."""
         part = self.text if node is None else ast.unparse(node)
         named = (name for name in self._values if name.isidentifier())
@@ -84,7 +101,7 @@ class Expression:
         hint = "" if allowed else grammar.advice(node, names)
         allowed = allowed or grammar.ALLOWED.format(names=", ".join(names)) + sensed
         where = "" if part == self.text else f" (not {short(part)})"
-        return SceneError(self.field, self.text, allowed + where + hint)
+        return InputError(self.field, self.text, allowed + where + hint)
 
     @cached_property
     def canonical(self) -> str:
@@ -162,6 +179,16 @@ class Expression:
         ..., of a whole table ``prefix_table_1``, ..., in the order of the text, and those that the
         numbers have already; whole exponents stay as they are.
         """
+        if prefix not in self._parametrised:
+            self._parametrised[prefix] = self._with_names(prefix)
+        return self._parametrised[prefix]
+
+    @cached_property
+    def _parametrised(self) -> dict[str, tuple[str, dict[str, Any]]]:
+        """The text and the values by prefix, as a scene and its module ask for both."""
+        return {}
+
+    def _with_names(self, prefix: str) -> tuple[str, dict[str, Any]]:
         values: dict[str, Any] = {}
 
         def named(name: str, value: float | str) -> ast.expr:
@@ -229,7 +256,7 @@ class Expression:
         )
         # What follows from the text alone is checked and known.
         made = object.__new__(Expression)
-        made.__dict__.update(self.__dict__, numbers=known, _values=dict(known))
+        made.__dict__.update(self.__dict__, numbers=known, _values=dict(known), _parametrised={})
         made._check_constants()
         return made
 

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from rodgen.errors import InputError, did_you_mean, short
 from rodgen.scene.columns import Rows, columns, decoded
-from rodgen.scene.errors import SceneError, meant, short
 from rodgen.scene.grammar import CUBIC, LINEAR, TABLE, parse
 from rodgen.scene.lookup_table import KNOTS, MOST_ROWS, VALUES
 
@@ -33,7 +33,7 @@ MOTOR_FIELDS = 7  # of a RASP header: name, diameter, length, delays, two masses
 def with_tables(scene: dict[str, Any], folder: Path) -> dict[str, Any]:
     """The tables of a scene and, among them, the numbers of the files that its expressions name.
 
-    Raises SceneError for a file that cannot be had, is no table, or does not lie in the folder.
+    Raises InputError for a file that cannot be had, is no table, or does not lie in the folder.
     """
     known = scene.get(TABLES, {})
     if not isinstance(known, dict):
@@ -95,13 +95,13 @@ class _Reader(ast.NodeTransformer):
         return node
 
     def _rows(self, name: str, column: str | None) -> Rows:
-        def refused(allowed: str) -> SceneError:
-            return SceneError(self._place, name, allowed)
+        def refused(allowed: str) -> InputError:
+            return InputError(self._place, name, allowed)
 
         path = self._folder / name
         if Path(name).name != name or path.suffix.lower() not in KINDS:
             allowed = f"a file beside the scene whose name ends in {', '.join(KINDS)}"
-            raise refused(f"{allowed}, or a table of [tables]{meant(name, self._known)}")
+            raise refused(f"{allowed}, or a table of [tables]{did_you_mean(name, self._known)}")
         try:
             if not path.is_file():
                 raise refused("a file in the folder of the scene: there is none of this name")

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from inspect import Parameter
 from typing import Annotated, Any, Self, TypedDict, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, model_validator
 
+from rodgen.errors import InputError
 from rodgen.model.methods import EITHER, FIXED_STEP, METHODS
 from rodgen.scene import structure as st
-from rodgen.scene.errors import SceneError
+from rodgen.scene.plain import plain
 from rodgen.scene.tables import Finite, Pair, Positive, Table
+from rodgen.scene.validation import explain
 
 AUTO = "auto"
 MOST_SAMPLES = 10**6
@@ -82,6 +84,34 @@ class Integrate(Table):
         "adaptive method, 10^9 of equal steps",
     )
 
+    def with_values(self, **given: Any) -> Integrate:
+        """These settings with other values; those that are None are left.
+
+        A tolerance takes the place of a step, where the method has a use for either; another
+        output_every that of t_eval. Raises InputError.
+        """
+        changes = {k: plain(v, f"integrate.{k}") for k, v in given.items() if v is not None}
+        if not changes:
+            return self
+        table = self.model_dump(exclude_none=True)
+        if changes.get("method", self.method) in EITHER and {"rtol", "atol"} & changes.keys():
+            table.pop("step", None)
+        if "output_every" in changes:
+            table.pop("t_eval", None)
+        return self._made_of(table | changes)
+
+    def replace(self, values: Mapping[str, Any]) -> Integrate:
+        """These settings with other values, and nothing else changed. Raises InputError."""
+        return self._made_of(self.model_dump(exclude_none=True) | dict(values))
+
+    def _made_of(self, table: dict[str, Any]) -> Integrate:
+        try:
+            return type(self).model_validate(table)
+        except ValidationError as error:
+            found = explain(error, table, type(self))
+            field = f"integrate.{found.field.removeprefix('integrate.')}"
+            raise InputError(field, found.value, found.allowed) from None
+
     @property
     def budget(self) -> int:
         """Steps after which a run is stopped."""
@@ -94,6 +124,15 @@ class Integrate(Table):
         return self.method in FIXED_STEP or (self.method in EITHER and self.step is not None)
 
     @property
+    def used(self) -> dict[str, Any]:
+        """The settings that the method has a use for, by name."""
+        given = self.model_dump(exclude_none=True)
+        useless = ("rtol", "atol") if self.fixed else ("step",)
+        for name in (*useless, *(["output_every"] if "t_eval" in given else [])):
+            given.pop(name, None)
+        return given
+
+    @property
     def per_step(self) -> tuple[float, float]:
         """What is tolerated of the estimated error of one step: relative, and absolute."""
         share = METHODS[self.method].per_step if self.method in METHODS else 1.0
@@ -104,29 +143,29 @@ class Integrate(Table):
         st.choose("integrate.method", self.method, (AUTO, *METHODS))
         start, end = self.span
         if not start < end:
-            raise SceneError("integrate.span", self.span, "[start, end] with start < end")
+            raise InputError("integrate.span", self.span, "[start, end] with start < end")
         if self.method in FIXED_STEP and self.step is None:
             allowed = f"given in seconds: method {self.method} has a fixed step"
-            raise SceneError("integrate.step", None, allowed)
+            raise InputError("integrate.step", None, allowed)
         if self.method in EITHER and self.fixed:
             self._equal_steps()
         if self.step is not None and (end - start) / self.step > MOST_STEPS:
-            raise SceneError("integrate.step", self.step, f"at most {MOST_STEPS} steps in the span")
+            raise InputError("integrate.step", self.step, f"at most {MOST_STEPS} steps in the span")
         if self.t_eval is not None:
             _check_times(self.t_eval, start, end)
         elif (end - start) / self.output_every > MOST_SAMPLES:
             allowed = f"at most {MOST_SAMPLES} samples in the span"
-            raise SceneError("integrate.output_every", self.output_every, allowed)
+            raise InputError("integrate.output_every", self.output_every, allowed)
         if not LEAST_RTOL <= self.rtol < 1:
-            raise SceneError("integrate.rtol", self.rtol, f"from {LEAST_RTOL} to below 1")
+            raise InputError("integrate.rtol", self.rtol, f"from {LEAST_RTOL} to below 1")
         return self
 
     def _equal_steps(self) -> None:
-        """Raise SceneError for a tolerance beside a step: one of them would count for nothing."""
+        """Raise InputError for a tolerance beside a step: one of them would count for nothing."""
         for name in ("rtol", "atol"):
             if getattr(self, name) != type(self).model_fields[name].default:
                 why = f"absent beside integrate.step, with which {self.method} takes equal steps"
-                raise SceneError(f"integrate.{name}", getattr(self, name), why)
+                raise InputError(f"integrate.{name}", getattr(self, name), why)
 
     @property
     def samples(self) -> NDArray[np.float64]:
@@ -142,14 +181,31 @@ class Integrate(Table):
         return times
 
 
+def check_used(settings: Integrate, given: Mapping[str, Any], prefix: str = "") -> None:
+    """Raise InputError for a value that the method has no use for.
+
+    settings: all that holds for the run; given: of it, what was asked for beside the scene, None
+    where it was not; prefix: of the names in messages. In a scene itself both a step and
+    tolerances may stand, so that its method can be changed alone.
+    """
+    useless = ("rtol", "atol") if settings.fixed else ("step",)
+    why = "has a fixed step" if settings.fixed else "chooses its own steps"
+    if given.get("t_eval") is not None and given.get("output_every") is not None:
+        allowed = "absent: t_eval has the times of the samples"
+        raise InputError(f"{prefix}output_every", given["output_every"], allowed)
+    for name in useless:
+        if given.get(name) is not None:
+            raise InputError(f"{prefix}{name}", given[name], f"absent: {settings.method} {why}")
+
+
 def _check_times(times: list[float], start: float, end: float) -> None:
-    """Raise SceneError unless there are times that ascend within a span [s]."""
+    """Raise InputError unless there are times that ascend within a span [s]."""
     if not 0 < len(times) <= MOST_SAMPLES:
-        raise SceneError("integrate.t_eval", times, f"1 to {MOST_SAMPLES} times")
+        raise InputError("integrate.t_eval", times, f"1 to {MOST_SAMPLES} times")
     at = np.array(times)
     wrong = ~((at >= start) & (at <= end))
     wrong[1:] |= at[1:] <= at[:-1]
     if wrong.any():
         i = int(np.argmax(wrong))
         allowed = f"within the span, {start!r} to {end!r} s, and above the one before"
-        raise SceneError(f"integrate.t_eval[{i}]", times[i], allowed)
+        raise InputError(f"integrate.t_eval[{i}]", times[i], allowed)

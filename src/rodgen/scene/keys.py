@@ -4,25 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, get_origin
+from typing import Any, get_origin
 
 from pydantic import BaseModel
 
-from rodgen.scene.errors import SceneError, check_known, meant, short
-from rodgen.scene.plain import entry, put
-
-if TYPE_CHECKING:
-    from rodgen.scene.scene import Scene
+from rodgen.errors import InputError, did_you_mean, short
+from rodgen.scene.literals import literals, with_literal
+from rodgen.scene.plain import entry
+from rodgen.scene.validation import check_known
 
 NUMBERS = "parameters"  # the table of numbers that have names
 WORD = re.compile(r"\b[^\W\d]\w*")
-
-
-def with_value(scene: Scene, name: str, value: Any, field: str = "vary") -> Scene:
-    """The scene with another value of a key. Raises SceneError."""
-    table = scene.model_dump(exclude_none=True)
-    put(table, key_place(table, name, field), value)
-    return scene.from_dict(table)
 
 
 def keys_of(kind: type[BaseModel]) -> list[str]:
@@ -62,7 +54,7 @@ def check_named(
     given: tuple[str, object],
     others: Sequence[str] = (),
 ) -> None:
-    """Raise SceneError for another value of a number that no expression names: it would change
+    """Raise InputError for another value of a number that no expression names: it would change
     nothing. place: keys of tables where the value stands; given: field and value of the message;
     others: texts of expressions that the scene may get."""
     if len(place) == 2 and place[0] == NUMBERS:
@@ -70,18 +62,25 @@ def check_named(
         if place[1] not in named:
             known = ", ".join(named) or "none"
             allowed = f"a number that an expression of the scene names ({known})"
-            raise SceneError(*given, f"{allowed}{meant(place[1], named)}")
+            raise InputError(*given, f"{allowed}{did_you_mean(place[1], named)}")
 
 
 def put_values(scene: dict[str, Any], values: Mapping[str, Any], kind: type[BaseModel]) -> None:
     """Put values into the tables of a scene by their dotted names, which may be new to them; None
-    takes away what is there. kind: the class of the scene, which knows its keys. Raises SceneError
-    for a name that leads to no table or list, and for one to take away that a scene cannot have."""
+    takes away what is there. A number behind the key of an expression is one of those that stand in
+    its text. kind: the class of the scene, which knows its keys. Raises InputError for a name that
+    leads to no table or list, and for one to take away that a scene cannot have."""
+    left = dict(values)
     for name, value in values.items():
+        if name not in left:
+            continue
         *outer, last = name.split(".")
         if value is None:
             check_known(kind, [*outer, last])
         table: Any = scene
+        text = at_keys(scene, outer) if is_place(last) and value is not None else None
+        if isinstance(text, str):
+            last, value = outer.pop(), _with_literals(text, name.rpartition(".")[0], left)
         for depth, key in enumerate(outer):
             at = _key_in(table, key, name, outer[:depth])
             if isinstance(table, dict):  # where there is nothing, nothing can be taken away
@@ -90,36 +89,83 @@ def put_values(scene: dict[str, Any], values: Mapping[str, Any], kind: type[Base
                 table = table[at]
         at = _key_in(table, last, name, outer)
         if value is not None:
-            table[at] = value
+            table[at] = _own(value)  # other keys may change it
         elif isinstance(table, list) or at in table:
             del table[at]
 
 
+def _with_literals(text: str, key: str, left: dict[str, Any]) -> str:
+    """The text at a key with other numbers, which are taken from those that are left: the last ones
+    first, as one may take those behind it their places."""
+    inside = (name.removeprefix(f"{key}.") for name in left if name.startswith(f"{key}."))
+    for at in sorted(map(int, filter(is_place, inside)), reverse=True):
+        name = f"{key}.{at}"
+        text = with_literal(text, at, left.pop(name), name)
+    return text
+
+
+def is_place(key: str) -> bool:
+    """Whether a key is a number, counted from 0."""
+    return key.isascii() and key.isdigit()
+
+
+def _own(value: Any) -> Any:
+    """A copy of lists and tables in each other."""
+    if isinstance(value, list):
+        return [_own(one) if isinstance(one, list | dict) else one for one in value]
+    return {k: _own(v) for k, v in value.items()} if isinstance(value, dict) else value
+
+
+def at_keys(table: Any, keys: Sequence[str]) -> Any:
+    """Return the value at keys of tables and lists in each other, also a number in the text of an
+    expression; None where nothing is."""
+    for at, key in enumerate(keys):
+        if isinstance(table, str):
+            return number_at(table, key)
+        try:
+            table = table[_key_in(table, key, "", keys[:at])]
+        except (InputError, KeyError):
+            return None
+    return table
+
+
+def number_at(text: str, key: str) -> float | None:
+    """The number at a place of the text of an expression, None where none is."""
+    if not is_place(key):
+        return None
+    try:
+        found = literals(text)
+    except InputError:
+        return None
+    return found[int(key)].value if int(key) < len(found) else None
+
+
 def _key_in(table: Any, key: str, name: str, outer: Sequence[str], field: str = "key") -> Any:
     """What stands for a part of a dotted name: a key of a table, the number of one of a list, which
-    may be told by its name. outer: the parts before. Raises SceneError."""
+    may be told by its name. outer: the parts before. Raises InputError."""
     if isinstance(table, dict):
         return key
     at = ".".join(outer)
     if not isinstance(table, list):
-        raise SceneError(field, name, f"a key of the scene ({at} is {short(table)})")
+        raise InputError(field, name, f"a key of the scene ({at} is {short(table)})")
     names = [one.get("name") if isinstance(one, dict) else None for one in table]
     if key in names:
         return names.index(key)
-    if key.isascii() and key.isdigit() and int(key) < len(table):
+    if is_place(key) and int(key) < len(table):
         return int(key)
     known = ", ".join(str(n or number) for number, n in enumerate(names)) or "none"
     known += ", counted from 0" if names and not any(names) else ""
-    hint = meant(key, [n for n in names if n])
-    raise SceneError(field, name, f"a key of the scene ({at} has {known}){hint}")
+    hint = did_you_mean(key, [n for n in names if n])
+    raise InputError(field, name, f"a key of the scene ({at} has {known}){hint}")
 
 
 def key_place(
     scene: dict[str, Any], name: str, field: str = "vary", others: Sequence[str] = ()
 ) -> tuple[str, ...]:
     """Where a dotted name stands in the tables of a scene; others: texts that take the place of its
-    expressions. Raises SceneError, with the field that is named, for a name that does not stand in
-    any table, that is no single value, or that is one of a number which no expression names."""
+    expressions. Raises InputError, with the field that is named, for a name that does not stand in
+    any table, that is no single value, or that is one of a number which no expression names. A
+    number in the text of an expression goes by its place there."""
     *outer, last = name.split(".")
     found_at: list[str] = []
     for key in [*outer, last]:
@@ -127,19 +173,21 @@ def key_place(
         if isinstance(inner, list):
             found_at.append(str(_key_in(inner, key, name, found_at, field)))
             continue
+        if isinstance(inner, str) and key is last and number_at(inner, key) is not None:
+            return (*found_at, key)
         known = list(inner) if isinstance(inner, dict) else []
         # What a table may have beside what it has, the scene itself tells when it is made.
         if not (key in known or (isinstance(inner, dict) and bool(outer) and key is last)):
             at = ".".join(found_at) or "the scene"
             has = f"({at} has {', '.join(known) or 'none'})"
-            allowed = f"a key of the scene {has}{meant(key, known)}"
-            raise SceneError(field, name, allowed)
+            allowed = f"a key of the scene {has}{did_you_mean(key, known)}"
+            raise InputError(field, name, allowed)
         found_at.append(key)
     found = entry(scene, *found_at[:-1])
     value = found[int(found_at[-1])] if isinstance(found, list) else found.get(found_at[-1])
     if isinstance(value, dict | list) or found_at == ["name"]:
         inside = f", such as {name}.{next(iter(value), 0)}" if isinstance(value, dict) else ""
         inside = f", such as {name}.0" if isinstance(value, list) else inside
-        raise SceneError(field, name, f"a key that has one value{inside}")
+        raise InputError(field, name, f"a key that has one value{inside}")
     check_named(scene, found_at, (field, name), others)
     return tuple(found_at)

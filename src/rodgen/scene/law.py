@@ -8,13 +8,12 @@ from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rodgen.arrays import Array
+from rodgen.errors import InputError
 from rodgen.scene.bounds import between, outside, sides
-from rodgen.scene.errors import SceneError
 from rodgen.scene.expression import Difference, Expression, Numbers, parsed
 
-Array = NDArray[np.float64]
 Along = float | list[float] | str  # a number, values along the rod, or an expression in s
 GAUSS = 5
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(GAUSS)
@@ -53,28 +52,28 @@ class Law:
     def check(
         self, links: int, count: int, least: float = 0.0, span: Sequence[float] = (0.0, 0.0)
     ) -> None:
-        """Raise SceneError for a list that is not of so many values, and for an expression that is
+        """Raise InputError for a list that is not of so many values, and for an expression that is
         not finite or smaller than least at some s and some time of the span."""
         if isinstance(self.value, list) and len(self.value) != count:
             what = "joint" if count > links else "link"
             allowed = f"a list of {count} values, one for every {what}"
-            raise SceneError(self.field, self.value, allowed)
+            raise InputError(self.field, self.value, allowed)
         if not isinstance(self.value, str):
             return
         wrong = _wrong(self, links, (span[0], span[1]), least)
         if wrong:
             limit = "above 0" if least else "at least 0"
-            raise SceneError(self.field, self.value, f"finite and {limit} {wrong}")
+            raise InputError(self.field, self.value, f"finite and {limit} {wrong}")
 
     def check_poles(self, span: Sequence[float]) -> None:
-        """Raise SceneError for an expression that grows beyond all bounds towards some s of the rod
+        """Raise InputError for an expression that grows beyond all bounds towards some s of the rod
         while others do not; one that does so all along it at some time ends a run there."""
         if isinstance(self.value, str) and "s" in self.names:
             found = _pole_along(self, (span[0], span[1]))
             if found is not None:
                 when = f" and t = {found[0]:.6g}" if self.changes else ""
                 allowed = f"finite all along the rod (it has a pole at s = {found[1]:.6g}{when})"
-                raise SceneError(self.field, self.value, allowed)
+                raise InputError(self.field, self.value, allowed)
 
     def at(self, places: Array, t: float = 0.0) -> Array:
         """Its values at some s; not of a list."""
@@ -86,16 +85,18 @@ class Law:
         return np.broadcast_to(np.asarray(given, dtype=float), places.shape)
 
     def of_links(self, links: int, t: float = 0.0) -> list[float]:
-        """A number for every link: its own, or the mean over it. Raises SceneError where that is
+        """A number for every link: its own, or the mean over it. Raises InputError where that is
         not finite."""
         if isinstance(self.value, list):
             return self.value
+        if not isinstance(self.value, str):
+            return [self.value] * links
         places = points(links)
         values = self.at(places, t)
         wrong = ~np.isfinite(values)
         if wrong.any():
             allowed = f"finite all along the rod (not as at s = {places[wrong][0]:.6g})"
-            raise SceneError(self.field, self.value, allowed)
+            raise InputError(self.field, self.value, allowed)
         return [float(mean) for mean in means(values)]
 
     @property
@@ -112,7 +113,7 @@ def _expression(text: str, field: str, numbers: Numbers, names: str) -> Expressi
     found = parsed(text, "t", field, numbers, ("s",) if "s" in names else None)
     if found.sensors:
         allowed = "an expression that no sensor is in: it does not follow the motion"
-        raise SceneError(field, text, allowed)
+        raise InputError(field, text, allowed)
     return found
 
 
@@ -157,7 +158,7 @@ def _pole_along(law: Law, span: tuple[float, float]) -> tuple[float, float] | No
         try:
             known = (*e.numbers, ("t", t))
             there = e if law.names == "s" else replace(e, variable="s", states=None, numbers=known)
-        except SceneError:  # all along the rod, where it stops a run
+        except InputError:  # all along the rod, where it stops a run
             continue
         if found := there.poles(0.0, 1.0):
             return t, found[0]

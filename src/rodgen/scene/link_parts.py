@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from rodgen.arrays import Array
 from rodgen.model.rod import STEADY, TANK, UNEVEN
-from rodgen.scene.law import GAUSS, Array, means, points
+from rodgen.scene.law import GAUSS, means, points
 from rodgen.scene.numbers import mass_of
 from rodgen.scene.structure import Structure
 

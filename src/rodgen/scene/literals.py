@@ -6,12 +6,13 @@ Another value of one of them needs no other module: see `Expression.parametrised
 from __future__ import annotations
 
 import ast
+import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from itertools import takewhile
 
+from rodgen.errors import InputError
 from rodgen.scene import grammar
-from rodgen.scene.errors import SceneError
 from rodgen.scene.plain import is_number
 
 THIS, OTHER, CUT = "□", "·", "…"
@@ -52,12 +53,27 @@ def literals(text: str, named: Collection[str] = ()) -> list[Literal]:
 
 def with_literal(text: str, at: int, value: object, field: str) -> str:
     """The text with another value of one of its numbers, all else as it is written; field: what
-    the text is called in messages. Raises SceneError for what is no number."""
-    if not is_number(value):
-        raise SceneError(field, value, "a number, such as 0.25 or 1e-3")
-    written = repr(float(value)).removesuffix(".0")
-    # In parentheses, as a power binds closer than a sign.
-    return with_name(text, at, f"({written})" if value < 0 else written)
+    the text is called in messages. Raises InputError for what is no number."""
+    found = _found(_tree(text))
+    if at >= len(found):
+        allowed = f"a key of the scene ({text} has {len(found)} numbers, counted from 0)"
+        raise InputError("key", field, allowed)
+    value = checked(value, field)
+    if value < 0 and not [*found.values()][at]:
+        raise InputError(field, value, "at least 0: a sign stands in the text before it")
+    return with_name(text, at, repr(value).removesuffix(".0"))
+
+
+def checked(value: object, field: str) -> float:
+    """The number that a value is. Raises InputError where it is none."""
+    allowed = "a finite number, such as 0.25 or 1e-3"
+    try:
+        number = float(value) if is_number(value) else math.nan
+    except OverflowError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise InputError(field, value, allowed)
+    return number or 0.0
 
 
 def with_name(text: str, at: int, name: str) -> str:
@@ -68,7 +84,8 @@ def with_name(text: str, at: int, name: str) -> str:
 
 def _tree(text: str) -> ast.expr:
     tree = grammar.parse(text, "expression")
-    assert tree is not None, "the text is checked"
+    if tree is None:
+        raise InputError("expression", text, "one that can be read")
     return tree
 
 

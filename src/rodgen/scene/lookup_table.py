@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import PlainSerializer, PlainValidator
 
-from rodgen.scene.errors import SceneError
+from rodgen.errors import InputError
 from rodgen.scene.grammar import TableData
 from rodgen.scene.tables import LARGEST
 
@@ -28,29 +28,29 @@ def to_lists(table: TableData) -> dict[str, list[float]]:
 
 
 def parse_table(name: str, given: Any) -> TableData:
-    """Make the table of a name from its lists in a file. Raises SceneError."""
+    """Make the table of a name from its lists in a file. Raises InputError."""
     if isinstance(given, TableData):
         return given
     field = f"tables.{name}"
     if not isinstance(given, Mapping) or given.keys() != {KNOTS, VALUES}:
-        raise SceneError(field, given, f"a table of {KNOTS} and {VALUES}")
+        raise InputError(field, given, f"a table of {KNOTS} and {VALUES}")
     knots, values = (_numbers(f"{field}.{key}", given[key]) for key in (KNOTS, VALUES))
     if not 2 <= len(knots) <= MOST_ROWS:
-        raise SceneError(f"{field}.{KNOTS}", len(knots), f"2 to {MOST_ROWS} numbers")
+        raise InputError(f"{field}.{KNOTS}", len(knots), f"2 to {MOST_ROWS} numbers")
     if len(values) != len(knots):
         allowed = f"{len(knots)} numbers, one for every knot"
-        raise SceneError(f"{field}.{VALUES}", len(values), allowed)
+        raise InputError(f"{field}.{VALUES}", len(values), allowed)
     falls = np.flatnonzero(np.diff(knots) <= 0)
     if len(falls):
         before, after = knots[falls[0] : falls[0] + 2].tolist()
-        raise SceneError(f"{field}.{KNOTS}", after, f"above {before:g}, the knot before it")
+        raise InputError(f"{field}.{KNOTS}", after, f"above {before:g}, the knot before it")
     return TableData(knots, values)
 
 
 def _numbers(field: str, given: Any) -> NDArray[np.float64]:
-    """Convert a list of finite numbers to an array. Raises SceneError."""
+    """Convert a list of finite numbers to an array. Raises InputError."""
     if not isinstance(given, list) or not set(map(type, given)) <= {int, float}:
-        raise SceneError(field, given, "a list of numbers")
+        raise InputError(field, given, "a list of numbers")
     try:
         found = np.array(given, dtype=float)
     except OverflowError:  # of a whole number of hundreds of digits
@@ -58,5 +58,5 @@ def _numbers(field: str, given: Any) -> NDArray[np.float64]:
     wrong = ~(np.abs(found) <= LARGEST)
     if wrong.any():
         at = int(np.argmax(wrong))
-        raise SceneError(f"{field}[{at}]", given[at], f"a number from {-LARGEST:g} to {LARGEST:g}")
+        raise InputError(f"{field}[{at}]", given[at], f"a number from {-LARGEST:g} to {LARGEST:g}")
     return found

@@ -7,18 +7,16 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from rodgen.errors import InputError
 from rodgen.model.parameter import JOINTS
 from rodgen.model.terms import PARAMETERS, TERMS
 from rodgen.scene import spring
 from rodgen.scene import structure as st
-from rodgen.scene.errors import SceneError
 from rodgen.scene.load_tables import FinFactor
 from rodgen.scene.plain import put
-
-if TYPE_CHECKING:
-    from rodgen.scene.scene import Scene
+from rodgen.scene.scene_tables import SceneTables
 
 SAME = 1e-9  # relative: what two ways to write one and the same damping differ by
 
@@ -46,7 +44,7 @@ class PerLink:
         return ".".join(self.key)
 
 
-def per_link(scene: Scene, everything: bool = False) -> Iterator[PerLink]:
+def per_link(scene: SceneTables, everything: bool = False) -> Iterator[PerLink]:
     """The damping of a scene that its number of links is part of.
 
     A joint has the moment c_int M/n times the difference of two rates, which is l = L/n times the
@@ -69,7 +67,7 @@ def per_link(scene: Scene, everything: bool = False) -> Iterator[PerLink]:
                         yield PerLink(what, at, factor, value.body, one.links_power)
 
 
-def mesh_notes(scene: Scene) -> tuple[str, ...]:
+def mesh_notes(scene: SceneTables) -> tuple[str, ...]:
     """Sentences on damping that another number of links would change, with its equivalent."""
     n = scene.rod.links
     sprung = (
@@ -85,7 +83,7 @@ def mesh_notes(scene: Scene) -> tuple[str, ...]:
     )
 
 
-def with_links(scene: Scene, links: int) -> dict[str, Any]:
+def with_links(scene: SceneTables, links: int) -> dict[str, Any]:
     """Tables of the same rod with another number of links, its damping converted."""
     st.check_links(links, scene.rod.boundary, "links")
     _check_spread(scene)
@@ -98,8 +96,8 @@ def with_links(scene: Scene, links: int) -> dict[str, Any]:
     return tables
 
 
-def _check_spread(scene: Scene) -> None:
-    """Raise SceneError for what is given link by link."""
+def _check_spread(scene: SceneTables) -> None:
+    """Raise InputError for what is given link by link."""
     form = "a number or an expression in s"
     lists = {f"initial.{key}": (getattr(scene.initial, key), form) for key in ("phi", "omega")}
     for name in scene.loads.parameters:
@@ -110,14 +108,14 @@ def _check_spread(scene: Scene) -> None:
     why = "to be had with another number of links"
     for field, (value, allowed) in lists.items():
         if isinstance(value, list):
-            raise SceneError(field, value, f"{allowed}, {why}")
+            raise InputError(field, value, f"{allowed}, {why}")
     for at, event in enumerate(scene.events):
         if re.match(r"(phi|omega|joint)_[0-9]", event.quantity):
             allowed = f"of the tail or of the whole rod, {why}"
-            raise SceneError(f"events[{at}].quantity", event.quantity, allowed)
+            raise InputError(f"events[{at}].quantity", event.quantity, allowed)
 
 
-def unlike_damping(scenes: Sequence[Scene]) -> list[str]:
+def unlike_damping(scenes: Sequence[SceneTables]) -> list[str]:
     """Fields with which scenes of several numbers of links do not stand for one and the same
     damping of a rod."""
     known = [

@@ -6,11 +6,11 @@ import keyword
 import re
 from collections.abc import Iterable
 
+from rodgen.errors import InputError
 from rodgen.model.parameter import ANY, ROWS, Parameter
 from rodgen.model.quantities import QUANTITIES, number_in
 from rodgen.model.rod import MASS_PER_LENGTH
 from rodgen.model.terms import PARAMETERS, TERMS
-from rodgen.scene.errors import SceneError
 from rodgen.scene.grammar import FUNCTIONS, TABLE
 
 LONGEST = 64  # characters
@@ -24,16 +24,16 @@ SENSORS = re.compile(r"(phi|omega|x|y|vx|vy)(_?\d+)?")
 
 
 def check_name(name: str, field: str) -> None:
-    """Raise SceneError for what cannot be the name of a number in an expression."""
+    """Raise InputError for what cannot be the name of a number in an expression."""
     if not NAME.fullmatch(name):
-        raise SceneError(field, name, f"a plain identifier of at most {LONGEST} ASCII characters")
+        raise InputError(field, name, f"a plain identifier of at most {LONGEST} ASCII characters")
     taken = name in TAKEN or name in PARAMETERS or keyword.iskeyword(name)
     if taken or SENSORS.fullmatch(name) or name.startswith("_"):
-        raise SceneError(field, name, "a name that stands for nothing else in a module")
+        raise InputError(field, name, "a name that stands for nothing else in a module")
 
 
 def check_states(names: Iterable[str], numbers: Iterable[str]) -> None:
-    """Raise SceneError for names of states that stand for something else, in expressions or where
+    """Raise InputError for names of states that stand for something else, in expressions or where
     states are listed beside terms and quantities; numbers: names in the table [parameters]."""
     taken = {name.upper() for term in TERMS.values() for name in (term.name, term.table)}
     taken |= {name.upper() for name in numbers}
@@ -43,7 +43,7 @@ def check_states(names: Iterable[str], numbers: Iterable[str]) -> None:
         shown |= name.startswith(OF_LOADS)
         if name.upper() in taken or shown:
             allowed = "unlike the names of terms, quantities and [parameters]"
-            raise SceneError(f"states.{name}", name, allowed)
+            raise InputError(f"states.{name}", name, allowed)
 
 
 def mass_of(body: str) -> str:
@@ -65,7 +65,7 @@ def row_of_table(name: str) -> Parameter:
 
 
 def check_names(names: Iterable[str], table: str, also: Iterable[str] = ()) -> None:
-    """Raise SceneError for names of a table that cannot be told from each other, or that other
+    """Raise InputError for names of a table that cannot be told from each other, or that other
     numbers of a module have, after its parameters and what else it has expressions for."""
     seen: dict[str, str] = {}
     numbered = {one.lower() for one in also}
@@ -73,7 +73,7 @@ def check_names(names: Iterable[str], table: str, also: Iterable[str] = ()) -> N
         field = f"{table}.{name}"
         check_name(name, field)
         if (other := seen.setdefault(name.upper(), name)) != name:
-            raise SceneError(field, name, f"unlike {other} by more than the size of its letters")
+            raise InputError(field, name, f"unlike {other} by more than the size of its letters")
         made = MADE.fullmatch(name.lower())
         if made and (made[1] in PARAMETERS or made[1] in numbered):
-            raise SceneError(field, name, "unlike the names of numbers in expressions")
+            raise InputError(field, name, "unlike the names of numbers in expressions")

@@ -15,7 +15,7 @@ from typing import Any, TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.scene.errors import SceneError
+from rodgen.errors import InputError
 
 PLAIN = float, int, str  # passed over in lists, which may hold a million of them
 DEEPEST = 50  # tables and lists, each in the one before
@@ -80,7 +80,7 @@ def is_number(value: object) -> TypeGuard[int | float]:
 def plain(value: Any, place: str = "scene") -> Any:
     """A value with the tuples, NumPy arrays and NumPy scalars in it as lists and numbers.
 
-    place: where it stands, for messages. Raises SceneError for an array of what are no numbers,
+    place: where it stands, for messages. Raises InputError for an array of what are no numbers,
     and for tables and lists that are larger or deeper than any scene.
     """
     return _Plain(place).made(value, place, 0)
@@ -98,13 +98,13 @@ class _Plain:
         if not isinstance(value, dict | list | tuple):
             return value
         if depth > DEEPEST:
-            raise SceneError(place, _Shown(value), f"at most {DEEPEST} tables and lists deep")
+            raise InputError(place, _Shown(value), f"at most {DEEPEST} tables and lists deep")
         if isinstance(value, dict):
             at = "" if place == "scene" else f"{place}."
             self._add(value, len(value))
             return {str(k): self.made(v, f"{at}{k}", depth + 1) for k, v in value.items()}
         if len(value) > LONGEST:
-            raise SceneError(place, _Shown(value), f"a list of at most {LONGEST} values")
+            raise InputError(place, _Shown(value), f"a list of at most {LONGEST} values")
         if {*map(type, value)} <= {*PLAIN}:  # as most are, a hundred thousand numbers among them
             return list(value)
         self._add(value, sum(type(inner) not in PLAIN for inner in value))
@@ -116,7 +116,7 @@ class _Plain:
     def _add(self, value: Any, count: int) -> None:
         self.count += count
         if self.count > MOST_KEYS:
-            raise SceneError(self.place, _Shown(value), f"at most {MOST_KEYS} keys and values")
+            raise InputError(self.place, _Shown(value), f"at most {MOST_KEYS} keys and values")
 
 
 class _Shown:
@@ -132,51 +132,51 @@ class _Shown:
 def _numbers(array: NDArray[Any] | np.generic, place: str) -> Any:
     """A number of a scalar or an array without dimensions, else lists of numbers."""
     if array.size > LONGEST:
-        raise SceneError(place, _Shown(array), f"at most {LONGEST} numbers")
+        raise InputError(place, _Shown(array), f"at most {LONGEST} numbers")
     if array.dtype.kind == "f":
         return array.astype(float).tolist()  # of a long double, too
     # Booleans are refused where they stand, as those of a file are; text of a name stays text.
     if array.dtype.kind in "iub" or (array.dtype.kind == "U" and not array.ndim):
         return array.tolist()
-    raise SceneError(place, array, f"real numbers (not an array of {array.dtype})")
+    raise InputError(place, array, f"real numbers (not an array of {array.dtype})")
 
 
 def read_table(path: Path, kind: str = SCENE) -> dict[str, Any]:
-    """The tables of a TOML file of a kind, of FILES; raises SceneError for what is none, or beyond
+    """The tables of a TOML file of a kind, of FILES; raises InputError for what is none, or beyond
     the limits."""
     try:
         mode = path.stat().st_mode
         if other := next((name for is_one, name in KINDS.items() if is_one(mode)), None):
-            raise SceneError(kind, str(path), f"a file (this is {other})")  # it may never end
+            raise InputError(kind, str(path), f"a file (this is {other})")  # it may never end
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except (OSError, ValueError) as error:
-        if isinstance(error, SceneError):
+        if isinstance(error, InputError):
             raise
         reason = getattr(error, "strerror", None) or str(error)
-        raise SceneError(kind, str(path), f"a file that can be read ({reason})") from None
+        raise InputError(kind, str(path), f"a file that can be read ({reason})") from None
     return read_text(content, str(path), kind)
 
 
 def read_text(content: bytes, shown: str, kind: str = SCENE) -> dict[str, Any]:
     """The tables in the bytes of a TOML file of a kind, of FILES; shown: what messages call it.
-    Raises SceneError."""
+    Raises InputError."""
     if len(content) > LARGEST:
-        raise SceneError(kind, shown, f"a file of at most {LARGEST // 10**6} MB")
+        raise InputError(kind, shown, f"a file of at most {LARGEST // 10**6} MB")
     try:
         text = content.decode("utf-8")
     except UnicodeDecodeError:
-        raise SceneError(kind, shown, "a file that can be read (not UTF-8 text)") from None
+        raise InputError(kind, shown, "a file that can be read (not UTF-8 text)") from None
     if allowed := _hidden(text) or _too_much(text):
-        raise SceneError(kind, shown, allowed)
+        raise InputError(kind, shown, allowed)
     try:
         table = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         allowed = f"valid TOML ({error}{_line_of(str(error), text)})"
-        raise SceneError(kind, shown, allowed) from None
+        raise InputError(kind, shown, allowed) from None
     for other, (has, lacks, command) in FILES.items():
         if other != kind and has in table and lacks not in table:
-            raise SceneError(kind, shown, f"a {kind} (this is a {other}, for rodgen {command})")
+            raise InputError(kind, shown, f"a {kind} (this is a {other}, for rodgen {command})")
     return table
 
 

@@ -1,61 +1,30 @@
-"""A scene: what is modelled, integrated and plotted; TOML in, checked values out."""
+"""Scenes: how they come in and go out as files, tables and examples, and scenes made of scenes."""
 
 from __future__ import annotations
 
-import operator
-import re
-from functools import cached_property
-from typing import Any, ClassVar, Self, Unpack
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Self, Unpack
 
-import numpy as np
-from numpy.typing import NDArray
-from pydantic import (
-    ConfigDict,
-    Field,
-    ValidationError,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+import tomli_w
 
-from rodgen.model.methods import EITHER
-from rodgen.model.parameter import JOINTS, LINKS
-from rodgen.model.rod import CLAMP_ANGLE, ROD, Boundary
-from rodgen.model.terms import PARAMETERS, PLACES, TERMS
-from rodgen.scene import spring
-from rodgen.scene import structure as st
-from rodgen.scene.along import Distribution
-from rodgen.scene.anchors import Anchors
-from rodgen.scene.course import Course
-from rodgen.scene.errors import SceneError, check_type, explain
-from rodgen.scene.event import Event, check_events
-from rodgen.scene.exchange import Exchange
-from rodgen.scene.expression import Expression, Numbers, parsed
-from rodgen.scene.grammar import TableData
+from rodgen.errors import InputError, check_type
+from rodgen.model.terms import TERMS
+from rodgen.scene.examples import example, examples
+from rodgen.scene.files import TABLES, with_tables
 from rodgen.scene.integration import AUTO, Integrate, Settings, spelt_out
-from rodgen.scene.law import Law
-from rodgen.scene.load_tables import FinFactor, Loads
-from rodgen.scene.lookup_table import MOST_ROWS, LookupTable, parse_table
+from rodgen.scene.keys import NUMBERS, at_keys, check_named, key_place, put_values
+from rodgen.scene.lookup_table import to_lists
 from rodgen.scene.mesh import with_links
-from rodgen.scene.numbers import check_names, check_states, mass_of
-from rodgen.scene.plain import plain
-from rodgen.scene.tables import (
-    Body,
-    Finite,
-    Foundation,
-    Initial,
-    Rod,
-    State,
-    Support,
-    Table,
-    check_bodies,
-    check_count,
-    tables_in,
-)
+from rodgen.scene.plain import plain, read_table
+from rodgen.scene.scene_tables import SceneTables
+from rodgen.scene.structure import check_links
 from rodgen.shown import Shown
 
+LINKS = "rod.links"
 
-class Scene(Exchange, Shown):
+
+class Scene(SceneTables, Shown):
     """A scene: a rod, its loads, its initial state, and how it is integrated.
 
     name: of the scene and of the folder of its results; numbers: those of [parameters], by name, in
@@ -65,7 +34,7 @@ class Scene(Exchange, Shown):
     states that are added, by name.
 
     Values are in SI units, as in a file. A scene is checked when it is made, and cannot be changed
-    afterwards. SceneError names the field that cannot be used.
+    afterwards. InputError names the field that cannot be used.
 
     Examples
     --------
@@ -79,40 +48,6 @@ class Scene(Exchange, Shown):
     (20, 'name = "missile"')
     """
 
-    # `parameters` are those of the module: the table's own name is that of a file.
-    model_config: ClassVar[ConfigDict] = ConfigDict(serialize_by_alias=True, validate_by_name=True)
-
-    name: str = Field(description="a plain identifier; names the folder of the results")
-    numbers: dict[str, Finite] = Field(
-        {},
-        alias="parameters",
-        exclude_if=operator.not_,
-        description="numbers that expressions call by these names, each a plain identifier",
-    )
-    tables: dict[str, LookupTable] = Field(
-        {},
-        exclude_if=operator.not_,
-        description="numbers that `interp(x, 'NAME')` reads: lists `knots`, which ascend, and "
-        "`values`; 200000 rows in all",
-    )
-    rod: Rod
-    bodies: list[Body] = []
-    supports: list[Support] = []
-    foundation: Foundation | None = None
-    loads: Loads = Loads()
-    states: dict[str, State] = Field({}, exclude_if=operator.not_)
-    initial: Initial = Initial()
-    events: list[Event] = []
-    integrate: Integrate = Integrate()
-
-    def __init__(self, /, **tables: Any) -> None:
-        """Check tables, each a keyword; arrays, tuples and NumPy's numbers are taken too."""
-        tables = plain(tables)
-        try:
-            super().__init__(**tables)
-        except ValidationError as error:
-            raise explain(error, tables, type(self)) from None
-
     def __repr__(self) -> str:
         rod, (start, end) = self.rod, self.integrate.span
         terms = *self.loads.terms, *self.anchors.terms
@@ -122,310 +57,98 @@ class Scene(Exchange, Shown):
 
     __str__ = __repr__
 
-    @field_validator("events", "bodies", "supports", mode="before")
     @classmethod
-    def _many(cls, tables: Any, info: ValidationInfo) -> list[Any]:
-        """Each by itself, so that what is wrong is named by its place in the array."""
-        key = str(info.field_name)
-        kinds: dict[str, type[Table]] = {"events": Event, "bodies": Body, "supports": Support}
-        return tables_in(key, tables, kinds[key])
+    def from_toml(cls, path: str | Path) -> Self:
+        """Read a scene from a TOML file, of at most 16 MB, 1e5 keys, and 50 levels; tables of
+        numbers that an expression takes from a file are read from the folder of the scene.
 
-    @field_validator("states", mode="before")
-    @classmethod
-    def _countable(cls, tables: Any) -> Any:
-        """Their number first, as each of them takes some time."""
-        if isinstance(tables, dict):
-            check_count("states", tables)
-        return tables
+        path: of the file.
+        """
+        path = Path(path)
+        if path.stem in examples() and not path.exists():
+            copied = f"a file that is there; `rodgen new {path.stem} --from {path.stem}` writes it"
+            raise InputError("scene", str(path), copied)
+        table = read_table(path)
+        try:
+            return cls.from_dict(with_tables(table, path.parent))
+        except InputError as error:
+            error.add_note(f"in {path}")
+            raise
 
-    @field_validator("tables", mode="before")
     @classmethod
-    def _parse_tables(cls, tables: Any) -> Any:
-        """Each by itself, so that what is wrong is named by its name."""
-        if not isinstance(tables, dict):
-            return tables
-        check_count("tables", tables)
-        made = {name: parse_table(name, table) for name, table in tables.items()}
-        if (rows := sum(map(len, made.values()))) > MOST_ROWS:
-            raise SceneError("tables", rows, f"at most {MOST_ROWS} rows in all")
+    def from_dict(cls, table: dict[str, Any]) -> Self:
+        """A scene of tables that are there already, checked as those of a file.
+
+        table: all of them, by their names.
+        """
+        if not isinstance(table, dict):
+            raise InputError("scene", table, "a table")
+        if "numbers" in table:
+            raise InputError(
+                "numbers", table["numbers"], "absent: [parameters] has numbers by name"
+            )
+        return cls(**{str(key): value for key, value in table.items()})
+
+    @classmethod
+    def example(cls, name: str) -> Self:
+        """One of the scenes that come with rodgen.
+
+        name: its name, such as "missile"; `rodgen scenes` lists them.
+
+        Raises InputError, which names them all.
+        """
+        return cls.from_toml(example(name))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The tables of the scene, without what it leaves out; `from_dict` makes it of them."""
+        made = self.model_dump(exclude_none=True)
+        if TABLES in made:
+            made[TABLES] = {name: to_lists(table) for name, table in made[TABLES].items()}
         return made
 
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", self.name):
-            raise SceneError("name", self.name, "a plain identifier of at most 64 ASCII characters")
-        rates = [spring.NAME, *(f"{name}_rate" for name in self.states)]
-        masses = [mass_of(body.name) for body in self.bodies]
-        check_names(self.numbers, "parameters", (*rates, mass_of(""), *masses))
-        check_names(self.states, "states", rates)
-        check_states(self.states, self.numbers)
-        for name in self.states:
-            self._rate(name)
-        for parameter in self.loads.parameters:
-            value, each = self.loads.value(parameter), PARAMETERS[parameter].each
-            count = self.rod.links + (each == JOINTS)
-            if isinstance(value, list) and len(value) != count:
-                allowed = f"a list of {count} values, one for every {each}"
-                raise SceneError(self.field(parameter), value, allowed)
-            self._number_of(parameter)
-            if each == LINKS:
-                self._law(parameter).check_poles(self.integrate.span)
-        self.along_at(self.integrate.span[0])
-        for name in ("position", "velocity"):
-            value = getattr(self.initial, name)
-            if value is not None and not self.hold.translates:
-                allowed = f"absent: joint 0 of boundary {self.rod.boundary} is fixed"
-                raise SceneError(f"initial.{name}", value, allowed)
-        self._links("phi")
-        self._links("omega")
-        check_events(self.events, self.rod, self.states)
-        check_bodies(self.bodies, self.rod)
-        self.distribution.check(self.integrate.span)
-        self.anchors.check()
-        if self.spring_law is not None and not np.any(self.distribution.joint_stiffness):
-            raise SceneError(spring.FIELD, self.rod.spring, "absent: no joint has a stiffness")
-        return self
+    def to_toml(self) -> str:
+        """The text of a TOML file from which `from_toml` makes a scene equal to this one; numbers
+        of tables that were read from files stand in it."""
+        return tomli_w.dumps(self.to_dict())
 
-    def _links(self, name: str) -> NDArray[np.float64]:
-        """Initial values of the moving links."""
-        return self.initial.of_links(name, self.rod, self._numbers)
+    def replace(self, changes: Mapping[str, Any] | None = None, /, **others: Any) -> Scene:
+        """A scene with other values of keys, by their dotted names, checked as in a file.
 
-    @property
-    def hold(self) -> Boundary:
-        """How the start of the rod is held."""
-        return self.rod.hold
+        changes: values by names, in SI units; others: none, since dotted names are no keywords.
 
-    @property
-    def held(self) -> int:
-        """How many links at the start of the rod do not move."""
-        return self.hold.first
+        Names are those of the tables, such as "loads.follower.force"; bodies go by their names
+        ("bodies.payload.mass"), other tables of an array by their numbers from 0 on
+        ("supports.0.at"). A value may be a whole table, and None leaves the key out. Another
+        number of links ("rod.links") converts damping as `with_links` does. Raises InputError.
 
-    @cached_property
-    def _numbers(self) -> Numbers:
-        """What expressions may name: numbers, and tables by names in quotes."""
-        tables = ((repr(name), table) for name, table in self.tables.items())
-        return (*self.numbers.items(), *tables)
-
-    def expression(self, name: str) -> Expression | None:
-        """The expression that a parameter of a load is given by, where it is given by text: in t,
-        or in s where every link has its own.
-
-        name: of the parameter.
+            weaker = scene.replace({"loads.follower.force": 300, "initial.phi": "0.1*s"})
         """
-        value = self.loads.value(name)
-        if not isinstance(value, str):
-            return None
-        if PARAMETERS[name].each == LINKS:
-            return self._law(name).expression
-        return parsed(value, "t", self.field(name), self._numbers, tuple(self.states))
+        if others or not isinstance(changes, Mapping):
+            allowed = 'a dictionary of values by dotted names, such as {"rod.length": 3}'
+            raise InputError("changes", others or changes, allowed)
+        given = {str(name): plain(value, str(name)) for name, value in changes.items()}
+        made = with_values(self, given)
+        made.check_used(given)
+        return made
 
-    def place(self, name: str) -> tuple[str, ...]:
-        """Where a parameter of the module stands: the keys of tables, from the outermost in.
+    def check_used(self, given: Mapping[str, Any]) -> None:
+        """Raise InputError for values, by their keys, of numbers that no expression names.
 
-        name: of the parameter.
+        given: values by dotted names.
         """
-        return self.loads.places.get(name) or PLACES[name]
+        for name, value in given.items():
+            if name.startswith(f"{NUMBERS}.") and value is not None:
+                check_named(self.model_dump(exclude_none=True), name.split("."), (name, value))
 
-    def field(self, name: str) -> str:
-        """Where a parameter of the module stands, as a dotted name.
+    def value_of(self, key: str, field: str = "vary") -> Any:
+        """The value of a key, None where it is left out.
 
-        name: of the parameter.
+        key: its dotted name; field: what messages call it.
+
+        Raises InputError for what is no key with one value.
         """
-        return ".".join(self.place(name))
-
-    def _number_of(self, name: str) -> Any:
-        """The number that a parameter of a load is, or those of all joints or links; None of one
-        that changes with time."""
-        value, text, links = self.loads.value(name), self.expression(name), self.rod.links
-        if isinstance(value, FinFactor):
-            return value.values(links)
-        if PARAMETERS[name].each == LINKS:
-            law = self._law(name)
-            return law.of_links(links, self.integrate.span[0]) if not law.changes else None
-        # A text without t is a number like any other.
-        return value if text is None else float(text(0.0)) if text.constant else None
-
-    def _law(self, name: str) -> Law:
-        """A parameter that every link has of its own."""
-        return Law(self.loads.value(name), self.field(name), self._numbers, "st")
-
-    def along_at(self, t: float) -> dict[str, list[float]]:
-        """Values, in SI units, of the parameters that change with time and from link to link, by
-        name, each a list over the links.
-
-        t: the time [s].
-        """
-        laws = {name: self._law(name) for name in self.along}
-        return {name: law.of_links(self.rod.links, t) for name, law in laws.items()}
-
-    def _rate(self, name: str) -> Expression:
-        """The rate of a state that is added."""
-        rate, place = self.states[name].rate, f"states.{name}.rate"
-        text = rate if isinstance(rate, str) else repr(float(rate))
-        return parsed(text, "t", place, self._numbers, tuple(self.states))
-
-    @property
-    def structure(self) -> st.Structure:
-        """What its module is specialised to: the numbers in its expressions are parameters."""
-        return self._structure
-
-    @cached_property
-    def _structure(self) -> st.Structure:
-        rod = self.rod
-        values = dict[str, Any]()
-
-        def text(e: Expression, prefix: str) -> str:
-            named, found = e.parametrised(prefix)
-            values.update(found)
-            return named
-
-        texts = tuple((name, text(force, name)) for name, force in self.expressions.items())
-        rates = tuple((name, text(e, f"{name}_rate")) for name, e in self.rates.items())
-        terms = self.loads.structure(rod.links) + self.anchors.terms
-        what = rod.links, rod.boundary, rod.inertia, terms
-        sprung = text(self.spring_law, spring.NAME) if self.spring_law else ""
-        along = self.distribution
-        masses = tuple((name, link, text(e, mass_of(name))) for name, link, e in along.changing)
-        tables = ((name, len(of)) for name, of in values.items() if isinstance(of, TableData))
-        return st.Structure(*what, texts, along.uneven, rates, sprung, masses, tuple(tables))
-
-    @property
-    def spring_law(self) -> Expression | None:
-        """The law of the springs, where that is not Hooke's, else None."""
-        text = self.rod.spring
-        law = None if text is None else spring.law(text, self._numbers)
-        return None if law is None or spring.is_hooke(law.canonical) else law
-
-    @property
-    def slack(self) -> bool:
-        """Whether the springs do not resist a small bend of the straight rod."""
-        return self.spring_law is not None and spring.is_slack(self.spring_law)
-
-    @property
-    def anchors(self) -> Anchors:
-        """What holds the rod elsewhere than at its start: supports and foundation."""
-        start = self.initial.position or (0.0, 0.0)
-        return Anchors(self.rod, self.supports, self.foundation, start, self._numbers)
-
-    @property
-    def distribution(self) -> Distribution:
-        """How stiffness and mass lie along the rod, at the start of the span."""
-        return self.distribution_at(self.integrate.span[0])
-
-    def distribution_at(self, t: float) -> Distribution:
-        """How stiffness and mass lie along the rod at a time.
-
-        t: the time [s].
-        """
-        return Distribution(self.rod, self.bodies, self._numbers, t)
-
-    @property
-    def mass(self) -> float:
-        """Mass of the links and of all bodies at the start of the span [kg]."""
-        return self.distribution.mass
-
-    @property
-    def expressions(self) -> dict[str, Expression]:
-        """Parameters that change with time or with the motion, by name."""
-        return self._expressions
-
-    # Kept, as a run asks dozens of times; copies that are made here have other settings in
-    # [integrate] alone. Pydantic takes names without an underscore for keys.
-    @cached_property
-    def _expressions(self) -> dict[str, Expression]:
-        found = {name: self.expression(name) for name in self.loads.parameters}
-        return {
-            name: e
-            for name, e in found.items()
-            if e and (e.changes if PARAMETERS[name].several else not e.constant)
-        }
-
-    @property
-    def along(self) -> dict[str, Expression]:
-        """Parameters that change with time and may differ from link to link, by name."""
-        return {name: e for name, e in self.expressions.items() if PARAMETERS[name].several}
-
-    @property
-    def timed(self) -> dict[str, Expression]:
-        """Parameters that change with time alone, by name."""
-        found = self.expressions.keys() - self.along.keys()
-        return {name: e for name, e in self.expressions.items() if name in found and not e.signals}
-
-    @property
-    def fed(self) -> dict[str, Expression]:
-        """Parameters that follow the motion, by name."""
-        found = self.expressions.keys() - self.along.keys()
-        return {name: e for name, e in self.expressions.items() if name in found and e.signals}
-
-    @property
-    def rates(self) -> dict[str, Expression]:
-        """Rates of the states that are added, by name."""
-        return {name: self._rate(name) for name in self.states}
-
-    @property
-    def parameters(self) -> dict[str, Any]:
-        """Values of the parameters of its module, by name, in SI units; of a table TableData, an
-        array of its knots and then its values."""
-        rod, along = self.rod, self.distribution
-        values: dict[str, Any] = {
-            one.name: getattr(rod, one.key) or 0.0 for one in (*ROD, CLAMP_ANGLE)
-        }
-        values |= {"bending_stiffness": along.stiffness, "mass": along.links_mass}
-        if "stiffness" in along.uneven:
-            values["joint_stiffness"] = along.joint_stiffness
-        if {*along.uneven} - {"stiffness"}:
-            values |= along.of_links(steady=bool(along.changing))
-        values |= along.numbers_of_changing
-        values |= {name: self._number_of(name) for name in self.loads.parameters}
-        for name, text in self.expressions.items():
-            values |= text.parametrised(name)[1]
-        values |= self.anchors.parameters
-        if self.spring_law is not None:
-            values |= self.spring_law.parametrised(spring.NAME)[1]
-        for name, text in self.rates.items():
-            values |= text.parametrised(f"{name}_rate")[1]
-        return {name: values[name] for name in self.structure.parameters}
-
-    def initial_state(self) -> NDArray[np.float64]:
-        """The state y at the start of the span, (states,), in SI units and the order of the
-        module's STATE."""
-        position, velocity = self.initial.position, self.initial.velocity
-        base = self.hold.translates
-        return np.concatenate(
-            (
-                np.array(position or [0.0, 0.0]) if base else [],
-                self._links("phi"),
-                np.array(velocity or [0.0, 0.0]) if base else [],
-                self._links("omega"),
-                [state.initial for state in self.states.values()],
-            )
-        )
-
-    @property
-    def course(self) -> Course:
-        """What the scene has as functions of time, over the span."""
-        laws = [*self.expressions.values(), *self.rates.values()]
-        masses = [mass for *_, mass in self.distribution.changing]
-        fed = [*self.fed.values(), *self.rates.values()]
-        timed, along = tuple(self.timed.values()), tuple(self.along.values())
-        law, (start, end) = self.spring_law, self.integrate.span
-        return Course(
-            start,
-            end,
-            (*laws, *masses),
-            timed,
-            along,
-            tuple(fed),
-            spread=(*along, *masses),
-            links=self.rod.links,
-            spring=(law, tuple(self.distribution.joint_stiffness)) if law else None,
-            masses=tuple(masses),
-        )
-
-    def breaks(self) -> list[float]:
-        """Times inside the span at which a load, the rate of a state or a mass is not smooth in t,
-        ascending [s]: an integrator of one's own should step onto them."""
-        return self.course.breaks()
+        table = self.model_dump(exclude_none=True)
+        return at_keys(table, key_place(table, key, field))
 
     @spelt_out
     def with_integrate(self, **given: Unpack[Settings]) -> Self:
@@ -434,15 +157,31 @@ class Scene(Exchange, Shown):
         A tolerance takes the place of a step of the scene, where the method has a use for either;
         another output_every that of t_eval.
         """
-        changes = {name: value for name, value in given.items() if value is not None}
-        table = self.model_dump(exclude_none=True)
-        method = changes.get("method", self.integrate.method)
-        if method in EITHER and {"rtol", "atol"} & set(changes):
-            table["integrate"].pop("step", None)
-        if "output_every" in changes:
-            table["integrate"].pop("t_eval", None)
-        table["integrate"] |= changes
-        return self.from_dict(table)
+        settings = self.integrate.with_values(**given)
+        if settings is self.integrate:
+            return self
+        return self.integrated(settings)
+
+    def integrated(self, settings: Integrate) -> Self:
+        """A scene with other settings, checked as far as it depends on them.
+
+        settings: all of [integrate].
+
+        Raises InputError for what cannot be so within the span.
+        """
+        made = self.with_settings(settings)
+        if settings.span != self.integrate.span:
+            made._check_span()
+        return made
+
+    def with_settings(self, settings: Integrate) -> Self:
+        """A scene with settings that were checked, which needs no other check.
+
+        settings: all of [integrate].
+        """
+        made = self.model_copy(update={"integrate": settings})
+        made.__dict__.pop("_course", None)
+        return made
 
     def integrated_by(self, method: str) -> Scene:
         """A scene with the method that was found for it; what `auto` finds is no method of equal
@@ -453,7 +192,7 @@ class Scene(Exchange, Shown):
         found: dict[str, Any] = {"method": method}
         if self.integrate.method == AUTO:
             found["step"] = None
-        return self.model_copy(update={"integrate": self.integrate.model_copy(update=found)})
+        return self.with_settings(self.integrate.model_copy(update=found))
 
     def with_links(self, links: int) -> Self:
         """A scene of this rod with another number of links: coefficients of damping that belong to
@@ -461,7 +200,7 @@ class Scene(Exchange, Shown):
 
         links: how many.
 
-        Raises SceneError for a number that is not allowed, and for a scene that has a list of a
+        Raises InputError for a number that is not allowed, and for a scene that has a list of a
         value for every link or watches one of its links.
         """
         return self.from_dict(with_links(self, links))
@@ -470,3 +209,15 @@ class Scene(Exchange, Shown):
 def check_scene(scene: object) -> None:
     """Raise TypeError for what is no Scene, such as the path of one."""
     check_type("scene", scene, Scene, see="Scene.from_toml")
+
+
+def with_values(scene: Scene, given: Mapping[str, Any]) -> Scene:
+    """The scene with plain values of keys, as `Scene.replace` makes it; a number that no expression
+    names may be among them. Raises InputError."""
+    table, links = scene.model_dump(exclude_none=True), given.get(LINKS)
+    if links not in (None, scene.rod.links):
+        check_links(links, scene.rod.boundary, LINKS)
+        table = scene.with_links(links).model_dump(exclude_none=True)
+        given = {name: value for name, value in given.items() if name != LINKS}
+    put_values(table, given, type(scene))
+    return scene.from_dict(table)

@@ -1,20 +1,15 @@
-"""Where expressions in t or s are not smooth, grow beyond all bounds, and how fast they swing."""
+"""Where functions of t or s are not smooth, grow beyond all bounds, and how fast they swing."""
 
 from __future__ import annotations
 
-import ast
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
-from rodgen.scene import grammar
 from rodgen.scene.zeros import sampled, zeros
-
-if TYPE_CHECKING:
-    from rodgen.scene.expression import Expression, Numbers
 
 FEWEST_TURNS = 3  # of what swings
 COMMON = 0.2  # share of the times between turns that are shorter
@@ -25,31 +20,33 @@ TURNS = 1e-6  # of the largest value: changes from one sample to the next that a
 NEARER, LARGER = 2.0 ** np.array([-20, -32, -44]), 7.9
 
 
-@dataclass(frozen=True)
-class Apart:
-    """What two parts of an expression are apart, or what one is, as a function of the variable:
-    equal where the values of the numbers in both are."""
-
-    a: ast.expr
-    b: ast.expr | None
-    variable: str
-    numbers: Numbers
+class RealFunction(Protocol):
+    """Function of one variable that tells where it may not be smooth."""
 
     def __call__(self, at: Any) -> Any:
-        with np.errstate(all="ignore"):
-            names = {**dict(self.numbers), self.variable: np.asarray(at, dtype=float)}
-            found = grammar.value_of(self.a, names)
-            return found if self.b is None else found - grammar.value_of(self.b, names)
+        """Values at numbers."""
+
+    def kinks(self) -> list[Callable[[Any], Any]]:
+        """Functions in whose zeros it is not smooth."""
+
+    def knots(self) -> list[float]:
+        """Other places where it is not."""
+
+    def divisors(self) -> list[Callable[[Any], Any]]:
+        """Functions by which it divides."""
+
+    def affine(self) -> tuple[RealFunction, float, float]:
+        """Split it into a*core + b: core, a, b."""
 
 
 @lru_cache(maxsize=256)
-def breaks(e: Expression, start: float, end: float) -> tuple[float, ...]:
+def breaks(e: RealFunction, start: float, end: float) -> tuple[float, ...]:
     found = {*zeros(e.kinks(), start, end), *e.knots()}
     return tuple(sorted(x for x in found if start < x < end))
 
 
 @lru_cache(maxsize=256)
-def poles(e: Expression, start: float, end: float) -> tuple[float, ...]:
+def poles(e: RealFunction, start: float, end: float) -> tuple[float, ...]:
     scale = max(abs(start), abs(end))
 
     def grows(x: float, side: int) -> bool:
@@ -63,7 +60,7 @@ def poles(e: Expression, start: float, end: float) -> tuple[float, ...]:
 
 
 @lru_cache(maxsize=256)
-def swing(e: Expression, start: float, end: float) -> tuple[float, bool]:
+def swing(e: RealFunction, start: float, end: float) -> tuple[float, bool]:
     core, a, b = e.affine()
 
     def turns_of(values: Any) -> Any:

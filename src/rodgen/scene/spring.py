@@ -8,9 +8,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.errors import InputError
 from rodgen.model.rod import SPRING
 from rodgen.scene import grammar
-from rodgen.scene.errors import SceneError
 from rodgen.scene.expression import Expression, Numbers
 
 NAME, FIELD = SPRING.key, f"rod.{SPRING.key}"
@@ -21,7 +21,7 @@ NEAR = 1e-6  # rad
 
 @lru_cache(maxsize=64)
 def law(text: str, numbers: Numbers) -> Expression:
-    """The law that a scene gives, in the numbers that it has by name. Raises SceneError for what is
+    """The law that a scene gives, in the numbers that it has by name. Raises InputError for what is
     no such law."""
     found = Expression(text, BEND, FIELD, ((STIFFNESS, None), *numbers))
     known = dict(numbers)
@@ -29,18 +29,18 @@ def law(text: str, numbers: Numbers) -> Expression:
         value = known.get(name)
         if isinstance(value, float | int) and value < 0:
             allowed = f"at least 0 in {FIELD}: write a minus sign there"
-            raise SceneError(f"parameters.{name}", value, allowed)
+            raise InputError(f"parameters.{name}", value, allowed)
     tree = grammar.parse(text, FIELD)
     assert tree is not None
     if list(grammar.tables(tree)):
-        raise SceneError(FIELD, text, "without tables: its energy is an integral over d")
+        raise InputError(FIELD, text, "without tables: its energy is an integral over d")
     powers = (node for node in ast.walk(tree) if isinstance(node, ast.BinOp))
     for power in powers:
         if isinstance(power.op, ast.Pow) and not grammar.is_whole(power.right):
             allowed = "of whole exponents alone: for others it has sqrt, exp and log"
-            raise SceneError(FIELD, text, f"{allowed} (not {ast.unparse(power)})")
+            raise InputError(FIELD, text, f"{allowed} (not {ast.unparse(power)})")
     if not np.isfinite(_near(found)).all():
-        raise SceneError(FIELD, text, "finite about d = 0")
+        raise InputError(FIELD, text, "finite about d = 0")
     return found
 
 

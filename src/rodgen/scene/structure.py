@@ -11,11 +11,11 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import starmap
 
+from rodgen.errors import InputError, did_you_mean
 from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, SPRINGS, Parameter
 from rodgen.model.rod import BOUNDARIES, INERTIAS, ROD, STEADY, TANK, UNEVEN, Boundary, tank_row
 from rodgen.model.terms import PARAMETERS, TERMS, THESIS_TERMS, named
 from rodgen.scene import spring
-from rodgen.scene.errors import SceneError, meant
 from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.grammar import Sensor
 from rodgen.scene.numbers import check_name, mass_of, row_of, row_of_table
@@ -73,10 +73,10 @@ class Structure:
         object.__setattr__(self, "uneven", tuple(what for what in UNEVEN if what in self.uneven))
         weighed = [what for what in self.uneven if what != "stiffness"]
         if len(weighed) > 1:
-            raise SceneError("uneven", weighed, "of mass, bodies and points one: the last say more")
+            raise InputError("uneven", weighed, "of mass, bodies and points one: the last say more")
         for what, inertia in (("bodies", "uniform"), ("points", "lumped")):
             if what in self.uneven and self.inertia != inertia:
-                raise SceneError("uneven", what, f"absent for inertia {self.inertia}")
+                raise InputError("uneven", what, f"absent for inertia {self.inertia}")
         check_links(self.links, self.boundary)
         ordered = _ordered(self.terms)
         if ordered != self.terms:
@@ -93,7 +93,7 @@ class Structure:
         rows = dict(self.tables)
         if named.keys() != rows.keys() or any(count < 2 for count in rows.values()):
             allowed = f"the rows, at least 2, of {', '.join(named) or 'no table'}"
-            raise SceneError("tables", self.tables, allowed)
+            raise InputError("tables", self.tables, allowed)
         object.__setattr__(self, "tables", tuple((name, rows[name]) for name in named))
 
     def __repr__(self) -> str:
@@ -276,7 +276,7 @@ class Structure:
 
 
 def parse_terms(text: str) -> tuple[str, ...]:
-    """Terms from `all` (the thesis's four), `none` or a list with commas; raises SceneError."""
+    """Terms from `all` (the thesis's four), `none` or a list with commas; raises InputError."""
     if text == "all":
         return THESIS_TERMS
     if text in ("none", "conservative"):
@@ -286,7 +286,7 @@ def parse_terms(text: str) -> tuple[str, ...]:
     for kind in kinds:
         choose("terms", kind, TERMS if "," in text else (*TERMS, "all", "none"))
     if any(kinds.count(kind) > 1 and not TERMS[kind].placed for kind in kinds):
-        raise SceneError("terms", text, "each term once, but for those that stand at a place")
+        raise InputError("terms", text, "each term once, but for those that stand at a place")
     return _ordered(tuple(names))
 
 
@@ -300,7 +300,7 @@ def _ordered(terms: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _check_term(text: str, links: int) -> None:
-    """Raise SceneError unless a term is of the vocabulary, at a point of so many links if it is one
+    """Raise InputError unless a term is of the vocabulary, at a point of so many links if it is one
     that has a place."""
     kind, at, place = text.partition("@")
     choose("terms", kind, TERMS)
@@ -310,20 +310,22 @@ def _check_term(text: str, links: int) -> None:
     inside = found and int(found[1]) < links and Fraction(found[2] or 0) < 1
     if not (TERMS[kind].placed and inside):
         allowed = f"{kind}@link or {kind}@link+share, of a load at a point of one of {links} links"
-        raise SceneError("terms", text, allowed)
+        raise InputError("terms", text, allowed)
 
 
 def choose(field_name: str, value: object, allowed: Iterable[str]) -> None:
-    """Raise SceneError unless the value is one of those allowed."""
+    """Raise InputError unless the value is one of those allowed."""
     allowed = tuple(allowed)
     if value not in allowed:
-        raise SceneError(field_name, value, f"one of {', '.join(allowed)}{meant(value, allowed)}")
+        raise InputError(
+            field_name, value, f"one of {', '.join(allowed)}{did_you_mean(value, allowed)}"
+        )
 
 
 def check_links(links: object, boundary: str, field_name: str = "links") -> None:
-    """Raise SceneError unless this many links can move under the boundary."""
+    """Raise InputError unless this many links can move under the boundary."""
     least = BOUNDARIES[boundary].least_links
     whole = links if isinstance(links, int) and not isinstance(links, bool) else -1
     if not least <= whole <= MOST_LINKS:
         held = "" if least == 1 else f" for boundary {boundary}"
-        raise SceneError(field_name, links, f"a whole number from {least} to {MOST_LINKS}{held}")
+        raise InputError(field_name, links, f"a whole number from {least} to {MOST_LINKS}{held}")

@@ -17,13 +17,14 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from rodgen.errors import InputError, Missing
 from rodgen.model.rod import BOUNDARIES, INERTIAS, Boundary
 from rodgen.scene import structure as st
-from rodgen.scene.errors import Missing, SceneError, explain
 from rodgen.scene.expression import Numbers
 from rodgen.scene.frozen import AGAIN, frozen
 from rodgen.scene.law import Law
 from rodgen.scene.places import point_of
+from rodgen.scene.validation import explain
 
 MOST_TABLES = 1000  # of a kind: bodies, supports, events, states
 LARGEST = 1e60  # of any value: products of several must still fit in a double
@@ -87,26 +88,26 @@ def one_of(vocabulary: Mapping[str, Any], describe: bool = False) -> str:
 
 
 def check_count(key: str, tables: Sized) -> None:
-    """Raise SceneError for more tables of a kind than a scene can have."""
+    """Raise InputError for more tables of a kind than a scene can have."""
     if len(tables) > MOST_TABLES:
-        raise SceneError(key, len(tables), f"at most {MOST_TABLES} tables")
+        raise InputError(key, len(tables), f"at most {MOST_TABLES} tables")
 
 
 def tables_in(key: str, tables: Any, kind: type[Table]) -> list[Any]:
     """Those of an array of tables, [[key]], each by itself, so that what is wrong is named by its
-    place. Raises SceneError."""
+    place. Raises InputError."""
     if not isinstance(tables, list):
-        raise SceneError(key, tables, f"an array of tables, [[{key}]]")
+        raise InputError(key, tables, f"an array of tables, [[{key}]]")
     check_count(key, tables)
     made = []
     for i, table in enumerate(tables):
         if not isinstance(table, dict | kind):
-            raise SceneError(f"{key}[{i}]", table, "a table")
+            raise InputError(f"{key}[{i}]", table, "a table")
         try:
             made.append(kind.model_validate(table))
         except ValidationError as error:
             found = explain(error, dict(table), kind)
-            raise SceneError(f"{key}[{i}].{found.field}", found.value, found.allowed) from None
+            raise InputError(f"{key}[{i}].{found.field}", found.value, found.allowed) from None
     return made
 
 
@@ -154,11 +155,11 @@ class Rod(Table):
         st.check_links(self.links, self.boundary, "rod.links")
         if self.clamp_angle is not None and not BOUNDARIES[self.boundary].clamped:
             allowed = f"absent: boundary {self.boundary} has no clamp"
-            raise SceneError("rod.clamp_angle", self.clamp_angle, allowed)
+            raise InputError("rod.clamp_angle", self.clamp_angle, allowed)
         if self.mass is None and self.mass_per_length is None:
-            raise SceneError("rod.mass", Missing(), "given, or rod.mass_per_length")
+            raise InputError("rod.mass", Missing(), "given, or rod.mass_per_length")
         if self.mass is not None and self.mass_per_length is not None:
-            raise SceneError("rod.mass", self.mass, "absent beside rod.mass_per_length")
+            raise InputError("rod.mass", self.mass, "absent beside rod.mass_per_length")
         return self
 
     @property
@@ -188,28 +189,28 @@ class Body(Table):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if not (self.name.isidentifier() and self.name.isascii() and len(self.name) <= 64):
-            raise SceneError("name", self.name, "a plain identifier of at most 64 ASCII characters")
+            raise InputError("name", self.name, "a plain identifier of at most 64 ASCII characters")
         return self
 
 
 def check_bodies(bodies: list[Body], rod: Rod) -> None:
-    """Raise SceneError unless every body has a name of its own and a place that the rod has for
+    """Raise InputError unless every body has a name of its own and a place that the rod has for
     it."""
     first: dict[str, int] = {}
     for i, body in enumerate(bodies):
         if first.setdefault(body.name, i) != i:
             allowed = f"unlike that of bodies[{first[body.name]}]"
-            raise SceneError(f"bodies[{i}].name", body.name, allowed)
+            raise InputError(f"bodies[{i}].name", body.name, allowed)
         if rod.inertia != "lumped":
             continue
         why = "of inertia lumped, whose links have no mass but at their ends"
         if point_of(body.at, rod.links)[1] not in (0, 1):
             allowed = f"at a joint, a multiple of 1/{rod.links}, on a rod {why}"
-            raise SceneError(f"bodies[{i}].at", body.at, allowed)
+            raise InputError(f"bodies[{i}].at", body.at, allowed)
         for key, value in (("inertia", body.inertia), ("offset", body.offset)):
             if np.any(value):
                 allowed = f"zero on a rod {why}: take inertia uniform"
-                raise SceneError(f"bodies[{i}].{key}", value, allowed)
+                raise InputError(f"bodies[{i}].{key}", value, allowed)
 
 
 class State(Table):
@@ -280,7 +281,7 @@ class Initial(Table):
 
     def of_links(self, name: str, rod: Rod, numbers: Numbers) -> NDArray[np.float64]:
         """Angles or rates, by the key, of the moving links of a rod; numbers: those that
-        expressions name. Raises SceneError."""
+        expressions name. Raises InputError."""
         n, field = rod.links, f"initial.{name}"
         links = np.arange(rod.hold.first, n)
         value = getattr(self, name)
@@ -289,10 +290,10 @@ class Initial(Table):
         if isinstance(value, list):
             if len(value) != len(links):
                 allowed = f"a list of {len(links)} values, one for every moving link"
-                raise SceneError(field, value, allowed)
+                raise InputError(field, value, allowed)
             return np.array(value, dtype=float)
         values = Law(value, field, numbers).at((links + 0.5) / n)
         wrong = links[~np.isfinite(values)]
         if len(wrong):
-            raise SceneError(field, value, f"finite at every link (not at link {wrong[0]})")
+            raise InputError(field, value, f"finite at every link (not at link {wrong[0]})")
         return values

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.arrays import Array
+
 Function = Callable[[Any], Any]
 Pulse = tuple[float, float, float]  # begin, peak and end
-Array = NDArray[np.float64]
 
 SAMPLES = 4001  # to begin with
 MOST_SAMPLES = 2_000_000

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from rodgen.analyse.critical import Critical
 from rodgen.analyse.eigen import Complex
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.family import GROUPS, Family, label_of
 from rodgen.analyse.modes import Modes
 from rodgen.analyse.statics import Equilibrium
-from rodgen.analyse.system import System
-from rodgen.integrate.stepper import Array
+from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 from rodgen.model.parameter import typeset
 from rodgen.model.term import FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS
@@ -85,13 +85,11 @@ def _label(modes: Modes, at: int) -> str:
     return f"{text}\ngrows" if growth > 0 else text
 
 
-def equilibrium_shape(rest: Equilibrium, system: System) -> Figure:
+def equilibrium_shape(rest: Equilibrium, rod: SteadyRod) -> Figure:
     """The deflected rod beside the straight one, with its loads; small displacements enlarged.
     A rod that turns freely is straight in more than one direction: that of its start is shown."""
-    length, name = system.scene.rod.length, system.scene.name
-    straight = system.model.joints(
-        system.at_rest(system.unsettled(system.straight)), system.parameters()
-    )
+    length, name = rod.scene.rod.length, rod.scene.name
+    straight = rod.model.joints(rod.at_rest(rod.unsettled(rod.straight)), rod.system.p)
     moved = rest.joints - straight
     largest = float(np.linalg.norm(moved, axis=1).max()) / length
     times = 1.0
@@ -101,14 +99,14 @@ def equilibrium_shape(rest: Equilibrium, system: System) -> Figure:
     figure = canvas(6.0, 5.5)
     axes = figure.add_subplot()
     axes.grid(alpha=0.3)
-    straight_as = "straight" if system.clamped else "straight, as at the start"
+    straight_as = "straight" if rod.clamped else "straight, as at the start"
     axes.plot(*straight.T, "--", color=FAINT, label=straight_as, linewidth=LINE)
     dots = "o-" if len(joints) <= 60 else "-"
     scale = f" (displacements x {times:g})" if times > 1 else ""
     axes.plot(*joints.T, dots, color=ROD, markersize=2.5, label=f"equilibrium{scale}")
-    draw_marks(axes, system.scene, joints, ROD)
+    draw_marks(axes, rod.scene, joints, ROD)
     side = -1.0 if straight[-1, 0] > joints[-1, 0] else 1.0  # where the straight rod is not
-    drawn = draw_loads(axes, system, joints, rest.y, side)
+    drawn = draw_loads(axes, rod, joints, rest.y, side)
     points = np.concatenate((straight, joints, *drawn))
     low, high = points.min(axis=0), points.max(axis=0)
     half = np.maximum((high - low) / 2, 0.2 * length) + 0.06 * length
@@ -119,30 +117,30 @@ def equilibrium_shape(rest: Equilibrium, system: System) -> Figure:
     fit(figure, min(5.2 * half[1] / half[0] + 1.5, 6.5))
     state = ", unstable" if rest.stable is False else ""
     unit = "m" if times == 1 else f"m, but displacements x {times:g}"
-    axes.set(xlabel=f"x [{unit}]\n{marks_in_words(system.scene)}", ylabel=f"y [{unit}]")
+    axes.set(xlabel=f"x [{unit}]\n{marks_in_words(rod.scene)}", ylabel=f"y [{unit}]")
     axes.set_title(f"{name}: static equilibrium{state}")
-    handles = [*axes.get_legend_handles_labels()[0], *load_keys(system, rest.y)]
+    handles = [*axes.get_legend_handles_labels()[0], *load_keys(rod, rest.y)]
     figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize="small")
     return figure
 
 
-def _sizes(system: System, y: Array) -> dict[str, float]:
+def _sizes(rod: SteadyRod, y: Array) -> dict[str, float]:
     """Forces and weights that are not zero, by their terms; of what differs from link to link, the
     largest; of what follows the motion, that in a state y (states,)."""
-    found, p = {}, system.parameters()
-    given = system.given
-    if system.scene.fed:
-        given = given | system.model.signals(system.t, y, p)
-    for name in system.scene.loads.terms:
+    found, p = {}, rod.system.p
+    given = rod.system.parameters
+    if rod.steered:
+        given |= rod.model.signals(rod.t, y, p)
+    for name in rod.system.load_terms:
         if TERMS[name].kind in (FORCE, SPREAD, WEIGHT):
             parts = [max(np.atleast_1d(given[e.name]), key=abs) for e in TERMS[name].sizes]
             found[name] = float(parts[0] if len(parts) == 1 else np.hypot(*parts))
     return {name: size for name, size in found.items() if size}
 
 
-def load_keys(system: System, y: Array) -> list[Line2D]:
+def load_keys(rod: SteadyRod, y: Array) -> list[Line2D]:
     """What a legend has of the loads in a state y (states,)."""
-    rows = [(TERMS[name], size) for name, size in _sizes(system, y).items()]
+    rows = [(TERMS[name], size) for name, size in _sizes(rod, y).items()]
     labels = [f"{term.label} {size:.4g} {term.sizes[0].shown_unit}" for term, size in rows]
     return [
         Line2D([], [], color=term.colours[0], marker=">", markersize=4, label=label)
@@ -150,13 +148,13 @@ def load_keys(system: System, y: Array) -> list[Line2D]:
     ]
 
 
-def draw_loads(axes: Axes, system: System, joints: Array, y: Array, side: float) -> list[Array]:
+def draw_loads(axes: Axes, rod: SteadyRod, joints: Array, y: Array, side: float) -> list[Array]:
     """Arrows of the loads in a state y (states,); their ends, pairs of points (2, 2). side: +1 or
     -1, to the right or the left, where gravity stands beside a rod that hangs."""
-    size = ARROW * system.scene.rod.length
-    forces = system.model.forces(system.t, y, system.parameters())
+    size = ARROW * rod.scene.rod.length
+    forces = rod.model.forces(rod.t, y, rod.system.p)
     ends = []
-    for name, amount in _sizes(system, y).items():
+    for name, amount in _sizes(rod, y).items():
         term = TERMS[name]
         if term.kind == FORCE:
             shares = np.hypot(*forces[name].T)
@@ -174,7 +172,7 @@ def draw_loads(axes: Axes, system: System, joints: Array, y: Array, side: float)
         else:
             down = np.array([0.0, -0.5 * size * np.sign(amount)])
             width, height = np.ptp(joints, axis=0)
-            aside = side * ASIDE * system.scene.rod.length * (height > 2 * width)
+            aside = side * ASIDE * rod.scene.rod.length * (height > 2 * width)
             for start in joints[_spread(len(joints))] + np.array([aside, 0.0]):
                 ends.append((np.array([start, start + down]), term))
     for (start, end), term in ends:
@@ -213,7 +211,7 @@ def stability_curves(found: Critical, family: Family) -> Figure:
         axes.axvline(found.force, color=SPECIAL, linestyle="--", linewidth=0.8)
         axes.grid(alpha=0.3)
     at = f" at {found.frequency:.5g} Hz" if found.frequency else ""
-    name = family.system.scene.name
+    name = family.rod.scene.name
     upper.set(
         ylabel="frequency [Hz]",
         title=f"{name}: {found.kind} from {found.force:.6g} {found.unit}{at}",

@@ -18,17 +18,17 @@ from rodgen.analyse.chaos.exponents import Exponents
 from rodgen.analyse.critical import Critical, family_of
 from rodgen.analyse.cycles.cycle import Cycle
 from rodgen.analyse.cycles.floquet import Floquet
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.extrapolate import Extrapolation
 from rodgen.analyse.fourier import Spectrum
 from rodgen.analyse.growth import SimulatedCritical
 from rodgen.analyse.modes import Modes
 from rodgen.analyse.precision.work_precision import WorkPrecision
 from rodgen.analyse.statics import Equilibrium
-from rodgen.analyse.system import System
+from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate import Solution
 from rodgen.integrate.ensemble import Ensemble
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.show import result_tables as tables
 from rodgen.show.analysis_pictures import equilibrium_shape, mode_shapes, stability_curves
 from rodgen.show.animation.times import Settings
@@ -42,7 +42,7 @@ from rodgen.show.result_tables import ResultTable
 from rodgen.show.scene_picture import at_start
 from rodgen.show.spectrum_picture import spectral_density
 from rodgen.shown import Shown, Told
-from rodgen.studies.specification import Study
+from rodgen.studies.study import Study
 
 DOTS_PER_INCH = 80  # of pictures in notebooks
 
@@ -56,19 +56,19 @@ class Look:
 
 
 def _of_run(draw: Callable[[Solution], Figure]) -> Callable[[Solution], Figure]:
-    """A picture of as much of a run as can be drawn. Raises SceneError where that is nothing."""
+    """A picture of as much of a run as can be drawn. Raises InputError where that is nothing."""
 
     def drawn(solution: Solution) -> Figure:
         shown = drawable(solution)
         if not len(shown.t):
-            raise SceneError("solution", solution, "a run with samples that can be drawn")
+            raise InputError("solution", solution, "a run with samples that can be drawn")
         return draw(shown)
 
     return drawn
 
 
 def _equilibrium(rest: Equilibrium) -> Figure:
-    return equilibrium_shape(rest, System.of(rest.scene, rest.t))
+    return equilibrium_shape(rest, SteadyRod.of(rest.scene, rest.t))
 
 
 def _critical(found: Critical) -> Figure:
@@ -80,7 +80,7 @@ def _critical(found: Critical) -> Figure:
 def _work_precision(found: WorkPrecision) -> Figure:
     drawn = work_precision(found.rows, found.measure, found.trusted[found.measure] or 0.0)
     if drawn is None:
-        raise SceneError("rows", len(found.rows), "at least one that can be drawn")
+        raise InputError("rows", len(found.rows), "at least one that can be drawn")
     return drawn
 
 
@@ -108,7 +108,7 @@ LOOKS: dict[type[Told], Look] = {
 
 
 def plot(shown: Shown, picture: str | None, figure: Figure | SubFigure | None) -> Axes:
-    """Draw one of its pictures; returns the first axes. Raises SceneError for one it has not."""
+    """Draw one of its pictures; returns the first axes. Raises InputError for one it has not."""
     pictures = LOOKS[type(shown)].pictures
     return drawn({k: partial(draw, shown) for k, draw in pictures.items()}, picture, figure)
 
@@ -118,10 +118,10 @@ def drawn(
     picture: str | None,
     figure: Figure | SubFigure | None,
 ) -> Axes:
-    """The first axes of a picture, by default the first. Raises SceneError for none of these."""
+    """The first axes of a picture, by default the first. Raises InputError for none of these."""
     name = next(iter(pictures), "") if picture is None else picture
     if name not in pictures:
-        raise SceneError("picture", picture, f"one of {', '.join(pictures) or 'none'}")
+        raise InputError("picture", picture, f"one of {', '.join(pictures) or 'none'}")
     from matplotlib import pyplot
 
     with drawing(figure or pyplot.figure):
@@ -146,7 +146,7 @@ def page(
     """A line, a picture, where there is one that can be drawn, and a table."""
     parts = [f"<p>{escape(words)}</p>"]
     if draw is not None:
-        with suppress(AnalysisError, SceneError):  # the table says what there is
+        with suppress(AnalysisError, InputError):  # the table says what there is
             parts.append(_image(draw(), words))
     return f"<div>{''.join(parts)}{_table(table)}</div>"
 

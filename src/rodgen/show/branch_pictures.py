@@ -12,12 +12,11 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from rodgen.analyse.critical import critical_force
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.statics import Equilibrium
-from rodgen.analyse.system import without
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError
 from rodgen.model.terms import TERMS, axis_label
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.show.canvas import CURVE, INK, LINE, SERIES, SPECIAL, canvas, mark_of
 from rodgen.show.rod_marks import draw_marks, marks_in_words
 
@@ -195,11 +194,12 @@ def _damps(key: str) -> bool:
 
 def _undamped(scene: Scene, key: str) -> float | None:
     """The onset of the scene without its damping, of the load that is varied."""
-    tables = {term.table for term in TERMS.values() if term.damps}
-    if not tables & set(scene.model_dump(exclude_none=True)["loads"]):
+    damping = [TERMS[name].table for name in scene.loads.terms if TERMS[name].damps]
+    if not damping:
         return None
     load = key.removeprefix("loads.").partition(".")[0]
     try:
-        return critical_force(without(scene, *tables), load=load).force
-    except (AnalysisError, SceneError):
+        undamped = scene.replace({f"loads.{one}": None for one in damping})
+        return critical_force(undamped, load=load).force
+    except (AnalysisError, InputError):
         return None

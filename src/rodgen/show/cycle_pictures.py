@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from rodgen.analyse.cycles.cycle import Cycle
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from rodgen.model.terms import axis_label
 from rodgen.scene import Scene
 from rodgen.show.canvas import CURVE, FAINT, INK, LINE, ROD, SPECIAL, canvas, mark_of

@@ -16,8 +16,9 @@ from rodgen.analyse.branches import branch_data as branches
 from rodgen.analyse.curves.datasets import scene_of
 from rodgen.analyse.cycles import branch_data as cycle_branches
 from rodgen.analyse.cycles import nonlinear_modes
+from rodgen.errors import InputError
 from rodgen.integrate.endings import NO_RESULT
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.show import dataset_tables as tables
 from rodgen.show.appearance import drawn, page
 from rodgen.show.branch_pictures import bifurcation_diagram, boundary_curve
@@ -76,7 +77,7 @@ def _is_study(data: xarray.Dataset) -> bool:
 
 
 def plot(data: xarray.Dataset, picture: str | None, figure: Figure | SubFigure | None) -> Axes:
-    """Draw one of its pictures; returns the first axes. Raises SceneError for one it has not, and
+    """Draw one of its pictures; returns the first axes. Raises InputError for one it has not, and
     for other Datasets."""
     return drawn(_pictures(data), picture, figure)
 
@@ -86,7 +87,7 @@ def _pictures(data: xarray.Dataset) -> Mapping[str, Callable[[], Figure]]:
         return pictures_of(data)
     form = data.attrs.get("format")
     if form not in CURVES:
-        raise SceneError("data", form, f"a Dataset of one of the formats {', '.join(CURVES)}")
+        raise InputError("data", form, f"a Dataset of one of the formats {', '.join(CURVES)}")
     curve = CURVES[form]
     return {curve.name: partial(curve.draw, data, scene_of(data))}
 

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.figure import Figure
 
+from rodgen.arrays import Array
+from rodgen.errors import InputError
 from rodgen.integrate import RunError, Solution
-from rodgen.integrate.stepper import Array
 from rodgen.model.quantities import TURNS
-from rodgen.scene import SceneError
 from rodgen.show.canvas import CURVE, INK, SPECIAL, canvas
 
 BEND = np.cos(np.radians(12))  # of a turn from line to line, beyond which it is seen as a corner
@@ -63,7 +63,7 @@ def _finer(solution: Solution) -> tuple[Solution, bool]:
         times = (starts[:, None] + np.arange(1, PARTS) * parts[:, None]).ravel()
         try:
             states = solution(times).T
-        except (SceneError, RunError):  # of a run whose values were changed while it went on
+        except (InputError, RunError):  # of a run whose values were changed while it went on
             return shown, False
         t = np.concatenate((shown.t, times))
         order = np.argsort(t, kind="stable")

@@ -24,7 +24,7 @@ from rodgen.integrate.ensemble import Ensemble
 from rodgen.scene import Scene
 from rodgen.scene.contents import in_words
 from rodgen.show.summary import along_in_words
-from rodgen.studies.specification import Study
+from rodgen.studies.study import Study
 
 STABLE = {"": "yes", None: "not known (more than 200 links, or external damping of a bent rod)"}
 ROUNDING = 1e-15  # of the largest coordinate

@@ -8,8 +8,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from rodgen.arrays import Array
 from rodgen.integrate import Solution
-from rodgen.integrate.stepper import Array
 from rodgen.show.canvas import ALONG, LINE, canvas, frame
 from rodgen.show.rod_marks import draw_marks, marks_in_words
 

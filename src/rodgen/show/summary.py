@@ -6,7 +6,7 @@ import numpy as np
 
 from rodgen.integrate import Solution
 from rodgen.integrate.error_growth import visible
-from rodgen.integrate.solution import ErrorGrowth
+from rodgen.integrate.trajectory import ErrorGrowth
 from rodgen.model.terms import words_of
 from rodgen.scene.contents import in_words
 from rodgen.scene.grammar import in_brief

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from rodgen.analyse.fourier import amplitudes_of
+from rodgen.arrays import Array
 from rodgen.integrate import Solution
-from rodgen.integrate.stepper import Array
 from rodgen.model.rod import CLAMP_ANGLE
 from rodgen.model.term import FORCE, SPREAD, Term
 from rodgen.model.terms import TERMS

@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.errors import InputError
 from rodgen.integrate.endings import NO_RESULT
-from rodgen.scene import SceneError
 from rodgen.studies.keep import asked_for
 
 if TYPE_CHECKING:
-    from rodgen.studies.specification import Study
+    from rodgen.studies.study import Study
 
 FIRST = 12  # rectangles of the first round along either axis
 LARGE = 4  # points across, from which the neighbours of a mixed rectangle are split, too
@@ -46,7 +46,7 @@ class Classes:
     @classmethod
     def of(cls, study: Study, by: str | None = None) -> Classes:
         """by: the name of a variable, with "> level" where it is a real number; by default the
-        first that is none, else the first. Raises SceneError."""
+        first that is none, else the first. Raises InputError."""
         kept = [one for one in asked_for(study) if not one.shape]
         ordinal = [one.name for one in kept if one.dtype != "f8"]
         if by is None and kept:
@@ -56,7 +56,7 @@ class Classes:
             text, level = found[1], _number(found[2], text)
         if text not in {one.name for one in kept}:
             names = ", ".join(one.name for one in kept)
-            raise SceneError("adaptive", by, f"a number or text that is kept: one of {names}")
+            raise InputError("adaptive", by, f"a number or text that is kept: one of {names}")
         return cls(text, level, text in ordinal)
 
     def decided(self, values: Mapping[str, NDArray[Any]]) -> Classes:
@@ -82,7 +82,7 @@ def rounds(study: Study, width: float | None = None, by: str | None = None) -> R
     the names of variables in the same order.
 
     width: of an axis, as a share, to which the border between classes is to be found; by default
-    as close as the points of the grid lie. by: see `Classes.of`. Raises SceneError for a study that
+    as close as the points of the grid lie. by: see `Classes.of`. Raises InputError for a study that
     is no grid of two axes of two values or more, and for a width that is none.
     """
     shape, least = _checked(study, width)
@@ -103,9 +103,9 @@ def rounds(study: Study, width: float | None = None, by: str | None = None) -> R
 def _checked(study: Study, width: float | None) -> tuple[tuple[int, int], tuple[int, int]]:
     """The shape of the grid, and how many steps of it along either axis are close enough."""
     if study.sample is not None or len(study.axes) != 2 or min(study.shape) < 2:
-        raise SceneError("adaptive", list(study.shape), "a grid of two axes, of two values or more")
+        raise InputError("adaptive", list(study.shape), "a grid of two axes, of two values or more")
     if width is not None and not (isinstance(width, int | float) and 0 < width < 1):
-        raise SceneError("adaptive", width, "a width above 0 and below 1, the share of an axis")
+        raise InputError("adaptive", width, "a width above 0 and below 1, the share of an axis")
     rows, columns = study.shape
     least = [max(1, int((width or 0.0) * (count - 1) + 1e-9)) for count in (rows, columns)]
     return (rows, columns), (least[0], least[1])
@@ -153,4 +153,4 @@ def _number(text: str, whole: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise SceneError("adaptive", whole, "the name of a variable > a number") from None
+        raise InputError("adaptive", whole, "the name of a variable > a number") from None

@@ -18,11 +18,11 @@ from collections.abc import Sequence
 from threading import Thread
 from typing import IO, TYPE_CHECKING
 
-from rodgen.studies.errors import StudyError
+from rodgen.errors import StudyError
 from rodgen.studies.task import Arrays, computed, failed, joined
 
 if TYPE_CHECKING:
-    from rodgen.studies.specification import Study
+    from rodgen.studies.study import Study
 
 TWICE = 2
 READY = "ready"

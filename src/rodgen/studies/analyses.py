@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.endings import FAILED, RunError
-from rodgen.scene import SceneError
+from rodgen.errors import AnalysisError, InputError
+from rodgen.integrate.endings import FAILED
+from rodgen.integrate.solution import RunError
 from rodgen.studies.block_arrays import Made
 from rodgen.studies.findings import analysed
 from rodgen.studies.keep import found
@@ -15,7 +15,7 @@ from rodgen.studies.points import Point
 from rodgen.studies.time_limit import TooLong, time_limit
 
 if TYPE_CHECKING:
-    from rodgen.studies.specification import Study
+    from rodgen.studies.study import Study
 
 
 def compute(study: Study, points: list[Point], made: Made) -> None:
@@ -25,13 +25,13 @@ def compute(study: Study, points: list[Point], made: Made) -> None:
     for at, point in enumerate(points):
         start = time.process_time()
         try:
-            scene = study.scene_at(point)
-            with time_limit(study.time_limit, scene):
-                result = analysed(study.what, scene, study.options, count)
+            system = study.system_at(point)
+            with time_limit(study.time_limit, system):
+                result = analysed(study.what, system, study.options, count)
             made.set(
                 at, {one.text: one.finding.of(result, one.count) for one in asked}, float("nan"), ""
             )
-        except (SceneError, AnalysisError, RunError) as error:
+        except (InputError, AnalysisError, RunError) as error:
             made.fail(at, str(error), getattr(error, "status", FAILED))
         except TooLong:
             made.stop(at, study.time_limit)

@@ -12,9 +12,10 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import Field, ValidationError
 
-from rodgen.scene.errors import SceneError, explain
+from rodgen.errors import InputError
 from rodgen.scene.plain import is_number
 from rodgen.scene.tables import Finite, Table
+from rodgen.scene.validation import explain
 
 Value = float | int | str
 LINEAR, LOG = "linear", "log"
@@ -81,23 +82,23 @@ class Range(Table):
 
 def axis(name: str, table: Any, drawn: bool) -> Axis:
     """An axis from its table, or from a list of its values; drawn: a sample draws from it. Raises
-    SceneError for what is none."""
+    InputError for what is none."""
     field = f"vary.{name}"
     if isinstance(table, list):
         table = {"values": table}
     if not isinstance(table, dict):
         allowed = "a table {from, to, count} or {values = [...]}"
-        raise SceneError(field, table, allowed)
+        raise InputError(field, table, allowed)
     try:
         read = Range.model_validate(table)
     except ValidationError as error:
         found = explain(error, table, Range)
-        raise SceneError(f"{field}.{found.field}", found.value, found.allowed) from None
+        raise InputError(f"{field}.{found.field}", found.value, found.allowed) from None
     if read.values is not None:
         return _listed(name, field, read)
     if read.start is None or read.to is None:
         missing = "from" if read.start is None else "to"
-        raise SceneError(f"{field}.{missing}", None, "a number, or values given instead")
+        raise InputError(f"{field}.{missing}", None, "a number, or values given instead")
     return _ranged(name, field, read.start, read.to, read, drawn)
 
 
@@ -105,35 +106,35 @@ def _listed(name: str, field: str, read: Range) -> Axis:
     values = read.values or []
     for key, beside in (("from", read.start), ("to", read.to), ("count", read.count)):
         if beside is not None:
-            raise SceneError(f"{field}.{key}", beside, "absent beside values")
+            raise InputError(f"{field}.{key}", beside, "absent beside values")
     if not 0 < len(values) <= MOST_VALUES:
-        raise SceneError(f"{field}.values", values, f"a list of 1 to {MOST_VALUES} values")
+        raise InputError(f"{field}.values", values, f"a list of 1 to {MOST_VALUES} values")
     for at, value in enumerate(values):
         if not isinstance(value, str) and not (is_number(value) and math.isfinite(value)):
-            raise SceneError(f"{field}.values[{at}]", value, "a finite number or text")
+            raise InputError(f"{field}.values[{at}]", value, "a finite number or text")
     if len({isinstance(value, str) for value in values}) > 1:
-        raise SceneError(f"{field}.values", values, "either all numbers or all text")
+        raise InputError(f"{field}.values", values, "either all numbers or all text")
     if len(set(values)) < len(values):
-        raise SceneError(f"{field}.values", values, "values that are all different")
+        raise InputError(f"{field}.values", values, "values that are all different")
     return Axis(name, _compact([_whole(name, field, value) for value in values]))
 
 
 def _ranged(name: str, field: str, low: float, high: float, read: Range, drawn: bool) -> Axis:
     if read.scale not in SCALES:
-        raise SceneError(f"{field}.scale", read.scale, f"one of {', '.join(SCALES)}")
+        raise InputError(f"{field}.scale", read.scale, f"one of {', '.join(SCALES)}")
     if read.scale == LOG and not (low > 0 and high > 0):
-        raise SceneError(f"{field}.from", [low, high], "above zero at both ends for scale log")
+        raise InputError(f"{field}.from", [low, high], "above zero at both ends for scale log")
     if drawn:
         if read.count is not None:
-            raise SceneError(f"{field}.count", read.count, "absent: sample.count says how many")
+            raise InputError(f"{field}.count", read.count, "absent: sample.count says how many")
         if not low < high:
-            raise SceneError(f"{field}.to", high, f"above {low:g}, where the range begins")
+            raise InputError(f"{field}.to", high, f"above {low:g}, where the range begins")
         low, high = (float(_whole(name, field, end)) for end in (low, high))
         return Axis(name, (), low, high, read.scale)
     if read.count is None:
-        raise SceneError(f"{field}.count", None, "a whole number, or values given instead")
+        raise InputError(f"{field}.count", None, "a whole number, or values given instead")
     if read.count > 1 and low == high:
-        raise SceneError(f"{field}.to", high, f"other than {low:g}, where the range begins")
+        raise InputError(f"{field}.to", high, f"other than {low:g}, where the range begins")
     spaced = np.geomspace if read.scale == LOG else np.linspace
     values = spaced(low, high, read.count).tolist()
     whole = _compact([_whole(name, field, value) for value in values])
@@ -147,12 +148,12 @@ def _compact(values: list[Value]) -> Sequence[Value]:
 
 
 def _whole(name: str, field: str, value: Any) -> Value:
-    """The value as the key takes it. Raises SceneError for a part of a link."""
+    """The value as the key takes it. Raises InputError for a part of a link."""
     if name not in WHOLE or isinstance(value, int):
         return value if isinstance(value, str | int) else float(value)
     if isinstance(value, str) or not value.is_integer():
         allowed = f"whole numbers: {name} takes no others (from, to and count may have to change)"
-        raise SceneError(field, value, allowed)
+        raise InputError(field, value, allowed)
     return int(value)
 
 
@@ -165,18 +166,18 @@ class Sample(Table):
 
     @classmethod
     def read(cls, table: Any) -> Self:
-        """A sample from its table. Raises SceneError."""
+        """A sample from its table. Raises InputError."""
         if not isinstance(table, dict):
-            raise SceneError("sample", table, "a table {method, count, seed}")
+            raise InputError("sample", table, "a table {method, count, seed}")
         try:
             made = cls.model_validate(table)
         except ValidationError as error:
             found = explain(error, table, cls)
-            raise SceneError(f"sample.{found.field}", found.value, found.allowed) from None
+            raise InputError(f"sample.{found.field}", found.value, found.allowed) from None
         if made.method not in SAMPLED:
-            raise SceneError("sample.method", made.method, f"one of {', '.join(SAMPLED)}")
+            raise InputError("sample.method", made.method, f"one of {', '.join(SAMPLED)}")
         most = SAMPLED[made.method]
         if made.count > most:
             allowed = f"at most {most} by {made.method}"
-            raise SceneError("sample.count", made.count, allowed)
+            raise InputError("sample.count", made.count, allowed)
         return made

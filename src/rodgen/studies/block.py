@@ -14,7 +14,7 @@ from rodgen.studies.block_arrays import Made
 from rodgen.studies.keep import RUN, variables
 
 if TYPE_CHECKING:
-    from rodgen.studies.specification import Study
+    from rodgen.studies.study import Study
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ def evaluate(
     points: values by varied names; indices: their numbers in the study, which nothing depends on.
     A point that cannot be built or computed has status "failed", its reason as message, and fill
     values. But for `seconds`, what comes out of a point does not depend on the others, their
-    number or order, to the bit. Raises SceneError for a study that keeps what there is not.
+    number or order, to the bit. Raises InputError for a study that keeps what there is not.
     """
     made = Made(variables(study), len(points))
     given = [dict(point) for point in points]

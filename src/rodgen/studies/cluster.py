@@ -29,10 +29,9 @@ import dask
 import distributed
 from distributed.comm import CommClosedError
 
+from rodgen.errors import InputError, StudyError
 from rodgen.native.library import DeferredInterrupt
-from rodgen.scene import SceneError
 from rodgen.studies import task
-from rodgen.studies.errors import StudyError
 from rodgen.studies.store import Store
 from rodgen.studies.tracker import outlive_tracker
 from rodgen.studies.worker import (
@@ -53,7 +52,7 @@ from rodgen.studies.worker import (
 )
 
 if TYPE_CHECKING:
-    from rodgen.studies.specification import Study
+    from rodgen.studies.study import Study
 
 AHEAD = 2  # tasks of a worker: one that runs, one that waits
 TICK = 1.0  # seconds between two looks at the cluster while nothing happens
@@ -160,7 +159,7 @@ class Cluster:
         return self.workers if self._cluster is not None else self._threads
 
     def _check_workers(self) -> None:
-        """Raise SceneError for workers that would give other results."""
+        """Raise InputError for workers that would give other results."""
         if self._cluster is not None:
             return
         for worker, found in self.client.run(who, on_error="return").items():
@@ -183,7 +182,7 @@ class Cluster:
 
     def compute(self, store: Store, blocks: Iterator[int], texts: Texts) -> Iterator[task.Done]:
         """Compute blocks, in whatever order they come to an end. Raises StudyError where that
-        cannot be gone on with, SceneError for workers that cannot be used."""
+        cannot be gone on with, InputError for workers that cannot be used."""
         yield from self._each(store, blocks, texts, compute, compute_alone)
 
     def pieces(
@@ -376,22 +375,22 @@ def _own_folder() -> Iterator[None]:
 
 
 def _client(address: str) -> distributed.Client:
-    """A client of a scheduler that is there. Raises SceneError where none answers."""
+    """A client of a scheduler that is there. Raises InputError where none answers."""
     field = "--scheduler"
     try:
         # A scheduler is told apart from any other server by its address alone.
         if not urlsplit(address if "://" in address else f"tcp://{address}").port:
             raise ValueError
     except ValueError:
-        raise SceneError(field, address, "an address such as tcp://host:8786") from None
+        raise InputError(field, address, "an address such as tcp://host:8786") from None
     try:
         return distributed.Client(address, timeout=f"{ANSWER:.0f}s")
     except (OSError, TimeoutError, ValueError) as error:
         why = f"of a Dask scheduler that answers ({type(error).__name__})"
-        raise SceneError(field, address, f"the address {why}") from None
+        raise InputError(field, address, f"the address {why}") from None
     except (TypeError, RuntimeError):  # certificates are missing, or this address asks for none
         why = "tls:// with Dask's settings of certificates, or tcp:// without them"
-        raise SceneError(field, address, f"an address with {why}") from None
+        raise InputError(field, address, f"an address with {why}") from None
 
 
 @contextmanager

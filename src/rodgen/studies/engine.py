@@ -13,13 +13,15 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from rodgen.errors import InputError, StudyError
+from rodgen.extras import how_to_have
 from rodgen.integrate.endings import NO_RESULT
 from rodgen.progress import announce, counting, duration, telling, working
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.studies.adaptive import Rounds
 from rodgen.studies.adaptive import rounds as rounds_of
-from rodgen.studies.errors import MISSING, StudyError
-from rodgen.studies.specification import MANY, Kept, Study
+from rodgen.studies.specification import Kept
+from rodgen.studies.study import MANY, Study
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,6 +36,7 @@ SHARES = 4  # blocks for every worker at least, so that none waits long for the 
 MOST_POINTS = 10**5  # of a block
 MOST_BYTES = 32 * 10**6  # of what a block keeps
 MOST_WORKERS = 1024
+MISSING = f"studies need more: {how_to_have('study')}"
 
 Texts = dict[tuple[str, ...], str]
 
@@ -130,7 +133,7 @@ def study(
 
     Raises
     ------
-    SceneError
+    InputError
         For values that cannot be used, before anything is computed.
     StudyError
         If workers or the scheduler are lost. The store keeps the points that are done.
@@ -253,23 +256,23 @@ def _made(scene: Any, vary: Any, **given: Any) -> Study:
     if isinstance(scene, str | Path):
         scene = Scene.from_toml(scene)
     if vary is None:
-        raise SceneError("vary", None, "values by keys of the scene")
+        raise InputError("vary", None, "values by keys of the scene")
     return Study.of(scene, vary, **given)
 
 
 def _check(study: Study, path: Path, workers: Any, scheduler: Any, resume: bool, yes: bool) -> None:
-    """Raise SceneError for what cannot be run this way."""
+    """Raise InputError for what cannot be run this way."""
     whole = isinstance(workers, int) and not isinstance(workers, bool)
     if workers is not None and not (whole and 0 < workers <= MOST_WORKERS):
-        raise SceneError("workers", workers, f"a whole number from 1 to {MOST_WORKERS}")
+        raise InputError("workers", workers, f"a whole number from 1 to {MOST_WORKERS}")
     if workers is not None and scheduler is not None:
-        raise SceneError("workers", workers, "absent: the scheduler has workers of its own")
+        raise InputError("workers", workers, "absent: the scheduler has workers of its own")
     if study.count > MANY and not yes:
         allowed = f"at most {MANY:.0e} points, or asked for with --yes (yes=True)"
-        raise SceneError("vary", study.count, allowed)
+        raise InputError("vary", study.count, allowed)
     if path.exists() and not resume:
         allowed = "a place where there is nothing yet, or --resume (resume=True) to go on with it"
-        raise SceneError("out", str(path), allowed)
+        raise InputError("out", str(path), allowed)
 
 
 def _workers(
@@ -322,7 +325,7 @@ def _refine(
 ) -> None:
     """Compute the points that are asked for round by round, in pieces of a size, but those that the
     store has; wanted: those of the first round."""
-    from rodgen.studies.store import MARK
+    from rodgen.studies.layout import MARK
     from rodgen.studies.task import joined
 
     known = np.asarray(store.arrays[MARK][...]).ravel() != ""

@@ -12,7 +12,7 @@ import numpy as np
 if TYPE_CHECKING:
     from rodgen.analyse.critical import Critical
     from rodgen.analyse.modes import Modes
-    from rodgen.scene import Scene
+    from rodgen.system import System
 
 CRITICAL, MODES, STATIC = "critical", "modes", "static"
 LYAPUNOV, FLOQUET, CYCLE = "lyapunov", "floquet", "cycle"
@@ -127,7 +127,7 @@ def function_of(what: str) -> Callable[..., Any]:
 
         return floquet
     if what == CYCLE:
-        from rodgen.analyse.cycles.search import find_cycle
+        from rodgen.analyse.cycles.periodic_motion import find_cycle
 
         return find_cycle
     from rodgen.analyse.statics import static_equilibrium
@@ -135,12 +135,12 @@ def function_of(what: str) -> Callable[..., Any]:
     return static_equilibrium
 
 
-def analysed(what: str, scene: Scene, options: Mapping[str, Any], count: int) -> Any:
-    """What the analysis of a scene finds; count: of several, how many are asked for. Raises
-    SceneError, AnalysisError and RunError."""
+def analysed(what: str, system: System, options: Mapping[str, Any], count: int) -> Any:
+    """What the analysis of a system finds; count: of several, how many are asked for. Raises
+    InputError, AnalysisError and RunError."""
     if what == MODES:
-        return function_of(what)(scene, max(count, FEW), **options)
+        return function_of(what)(system, max(count, FEW), **options)
     if what == LYAPUNOV:
-        states = len(scene.initial_state())
-        return function_of(what)(scene, count=min(max(count, 1), states), **options)
-    return function_of(what)(scene, **options)
+        states = len(system.y0)
+        return function_of(what)(system, count=min(max(count, 1), states), **options)
+    return function_of(what)(system, **options)

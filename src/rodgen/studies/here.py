@@ -14,16 +14,15 @@ from multiprocessing.connection import Connection
 from threading import Thread
 from typing import TYPE_CHECKING, Any, Self
 
+from rodgen.errors import InputError, StudyError
 from rodgen.progress import telling
-from rodgen.scene import SceneError
 from rodgen.studies import task
 from rodgen.studies.alone import TWICE, by
-from rodgen.studies.errors import StudyError
 from rodgen.studies.store import Store
 from rodgen.studies.task import Arrays, Done
 
 if TYPE_CHECKING:
-    from rodgen.studies.specification import Study
+    from rodgen.studies.study import Study
 
 Texts = dict[tuple[str, ...], str]
 # Other systems fork no process that has threads, as one with a dashboard or a notebook has.
@@ -210,7 +209,7 @@ def _serve(study: Study, pipe: Connection, other: Connection) -> None:
                     return
                 try:
                     answer = "made", _answer(study, what)
-                except SceneError as error:
+                except InputError as error:
                     answer = "raised", error
                 except Exception as error:  # of a function of the user's, or of a library under it
                     answer = "raised", StudyError(f"{type(error).__name__}: {error}")

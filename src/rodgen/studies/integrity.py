@@ -21,9 +21,9 @@ from zarr.codecs import Crc32cCodec, ZstdCodec
 from zarr.core.buffer import Buffer, BufferPrototype
 from zarr.storage import LocalStore
 
+from rodgen.errors import InputError
 from rodgen.loading.cache import write_whole
-from rodgen.scene import SceneError
-from rodgen.studies.store import CHUNKS, MARK
+from rodgen.studies.layout import CHUNKS, MARK
 
 SUMS, OWN = "checksums", "sha256"  # attributes: of the descriptions of arrays, and of the others
 DESCRIPTION = "zarr.json"
@@ -31,7 +31,7 @@ CODECS = [ZstdCodec(level=0), Crc32cCodec()]
 
 
 class WholeStore(LocalStore):
-    """A folder of Zarr, of which whatever is read is what was written. Raises SceneError, which
+    """A folder of Zarr, of which whatever is read is what was written. Raises InputError, which
     names the file, where it is not.
 
     blocked: names of the arrays that blocks are written to, once they are known; dims: along how
@@ -67,7 +67,7 @@ class WholeStore(LocalStore):
         return found if how.get("byte_range") else self._checked(key, found)
 
     def _checked(self, key: str, found: Buffer | None) -> Buffer | None:
-        """A file that was read. Raises SceneError where it is not what was written."""
+        """A file that was read. Raises InputError where it is not what was written."""
         if found is None:
             right = not self._is_due(key)
         elif key in self._sums:
@@ -94,9 +94,9 @@ class WholeStore(LocalStore):
         return name if folder == CHUNKS and f"{name}/{DESCRIPTION}" in self._sums else ""
 
 
-def damaged(root: Path, key: str) -> SceneError:
+def damaged(root: Path, key: str) -> InputError:
     """The error of a store of which a file is not as it was written, or not there."""
-    return SceneError("store", str(root), f"as it was written ({key} is damaged or missing)")
+    return InputError("store", str(root), f"as it was written ({key} is damaged or missing)")
 
 
 def is_intact(chunk: Path) -> bool:
@@ -131,7 +131,7 @@ def _keep(folder: Path, sums: dict[str, list[str]]) -> None:
 
 def _sums(root: Path) -> dict[str, list[str]]:
     """The checksums of the descriptions in a store, by file; none where there are none yet, or it
-    is of the first format, which had none. Raises SceneError where its attributes are not as they
+    is of the first format, which had none. Raises InputError where its attributes are not as they
     were written, or a description is missing."""
     try:
         found = json.loads((root / DESCRIPTION).read_bytes())

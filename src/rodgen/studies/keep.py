@@ -13,22 +13,21 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from rodgen.errors import InputError, did_you_mean
 from rodgen.integrate.equations import Equations, equations_of
 from rodgen.integrate.reductions import REDUCTIONS, Numbers, parse
 from rodgen.loading import build_fastest
 from rodgen.model.quantities import ADDED, LOADS, QUANTITIES, number_in, watched
 from rodgen.model.terms import PARAMETERS
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.errors import meant
-from rodgen.studies.findings import FINDINGS, Finding
+from rodgen.scene import Scene
+from rodgen.studies.findings import FINDINGS, Finding, function_of
 from rodgen.studies.measures import EVERY, MOST_POINTS, Count, Kept, Own, Peak, Sampled, Section
 from rodgen.studies.reference import reference
+from rodgen.studies.specification import Specification
 from rodgen.studies.variable import ALWAYS, METHOD, Variable
-
-if TYPE_CHECKING:
-    from rodgen.studies.specification import Study
+from rodgen.system import System
 
 RUN = "run"
 PARTS = ("rhs", "flow", "power", "lanes")  # of a module, that runs ask for
@@ -44,18 +43,18 @@ _OF_A_RUN = (
 )
 
 
-def variables(study: Study) -> list[Variable]:
-    """What the points of a study fill, known before any is computed. Raises SceneError for what
+def variables(study: Specification) -> list[Variable]:
+    """What the points of a study fill, known before any is computed. Raises InputError for what
     cannot be kept, and for a study all of whose tried points the scene refuses."""
     made = [*asked_for(study), *([METHOD] if study.what == RUN else []), *ALWAYS]
     names = [variable.name for variable in made]
     for at, name in enumerate(names):
         if name in names[:at]:
-            raise SceneError("compute.keep", name, "each thing once")
+            raise InputError("compute.keep", name, "each thing once")
     return made
 
 
-def asked_for(study: Study) -> list[Variable]:
+def asked_for(study: Specification) -> list[Variable]:
     """Those of them that a study names."""
     if study.what == RUN:
         return [variable for one in kept(study) for variable in one.variables]
@@ -66,14 +65,14 @@ def asked_for(study: Study) -> list[Variable]:
 
 
 @lru_cache(maxsize=8)
-def kept(study: Study) -> tuple[Kept, ...]:
-    """What is kept of every run. Raises SceneError."""
+def kept(study: Specification) -> tuple[Kept, ...]:
+    """What is kept of every run. Raises InputError."""
     if study.options:
-        raise SceneError("compute.options", study.options, f"absent: what = {RUN!r} has none")
+        raise InputError("compute.options", study.options, f"absent: what = {RUN!r} has none")
     if not study.keep:
-        raise SceneError("compute.keep", [], "what is kept of every run, such as last(tip_x)")
+        raise InputError("compute.keep", [], "what is kept of every run, such as last(tip_x)")
     scene = study.scene_at(reference(study))
-    equations = equations_of(build_fastest(scene, PARTS))
+    equations = equations_of(build_fastest(scene.structure, PARTS))
     made: list[Kept] = []
     for at, text in enumerate(study.keep):
         made.append(_kept(f"compute.keep[{at}]", text, scene, equations))
@@ -85,7 +84,7 @@ def _kept(place: str, text: Any, scene: Scene, equations: Equations) -> Kept:
     if callable(text):
         return Own(getattr(text, "__name__", place).strip("<>"), text)
     if not isinstance(text, str):
-        raise SceneError(place, text, "text, or in Python a function of a Solution")
+        raise InputError(place, text, "text, or in Python a function of a Solution")
     numbers = equations.numbers
     reduction = parse(text)
     if reduction is not None:
@@ -99,7 +98,7 @@ def _kept(place: str, text: Any, scene: Scene, equations: Equations) -> Kept:
         names = [event.name for event in scene.events]
         if number not in names:
             allowed = f"of an event of the scene: {', '.join(map(repr, names)) or 'it has none'}"
-            raise SceneError(place, text, allowed)
+            raise InputError(place, text, allowed)
         return Count(text, number, *span)
     if kind == "peak" and number and not named:
         _check_number(place, text, number, numbers)
@@ -107,7 +106,7 @@ def _kept(place: str, text: Any, scene: Scene, equations: Equations) -> Kept:
     if kind == "section" and number:
         _check_number(place, text, number, numbers)
         return _section(place, text, number, named, span, scene, numbers)
-    raise SceneError(place, text, _OF_A_RUN)
+    raise InputError(place, text, _OF_A_RUN)
 
 
 def _section(
@@ -122,18 +121,18 @@ def _section(
     """A section from what is said of it."""
     if number in SUMMED or numbers.places[number][0].startswith("work_"):
         allowed = "a section of what the states tell: work and balance are known at samples alone"
-        raise SceneError(place, text, allowed)
+        raise InputError(place, text, allowed)
     where, most = named.pop("where", ""), named.pop("most", str(MOST_POINTS))
     known = [*watched(scene.hold, scene.rod.links), *((name, range(1)) for name in scene.states)]
     if not any(number_in(where, name) in range_ for name, range_ in known):
         shown = ", ".join(name for name, _ in known)
-        raise SceneError(place, text, f"where = one of {shown}")
+        raise InputError(place, text, f"where = one of {shown}")
     if len(named) != 1 or {*named} - {"rising", "falling", "either"}:
-        raise SceneError(place, text, "with one of rising=, falling= or either= the level")
+        raise InputError(place, text, "with one of rising=, falling= or either= the level")
     ((direction, level),) = named.items()
     points = _number(place, text, most)
     if not (points.is_integer() and 0 < points <= LIMIT):
-        raise SceneError(place, text, f"with most= a whole number from 1 to {LIMIT}")
+        raise InputError(place, text, f"with most= a whole number from 1 to {LIMIT}")
     value, units = _number(place, text, level), unit_of(number, numbers)
     return Section(
         text, number, where, value, direction, units, most=int(points), start=span[0], end=span[1]
@@ -156,15 +155,15 @@ def _numbered(made: Sequence[Kept]) -> list[Kept]:
 
 
 def _call(place: str, text: str, allowed: str) -> tuple[str, list[str], dict[str, str]]:
-    """The name of a call, its arguments without and with names. Raises SceneError."""
+    """The name of a call, its arguments without and with names. Raises InputError."""
     whole = _CALL.fullmatch(text)
     if whole is None:
-        raise SceneError(place, text, allowed)
+        raise InputError(place, text, allowed)
     arguments, named, at, inside = list[str](), dict[str, str](), 0, whole[2] or ""
     while at < len(inside):
         part = _PART.match(inside, at)
         if part is None or (part[1] in named):
-            raise SceneError(place, text, allowed)
+            raise InputError(place, text, allowed)
         value = part[2].strip("'\"") if part[2][0] in "'\"" else part[2]
         if part[1]:
             named[part[1]] = value
@@ -181,7 +180,7 @@ def _span(place: str, text: str, named: dict[str, str]) -> tuple[float, float]:
         for key, value in zip(("from", "to"), EVERY, strict=True)
     )
     if not start <= end:
-        raise SceneError(place, text, "with times from <= to")
+        raise InputError(place, text, "with times from <= to")
     return start, end
 
 
@@ -191,27 +190,27 @@ def _number(place: str, text: str, value: str) -> float:
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise SceneError(place, text, f"with a finite number in place of {value!r}")
+        raise InputError(place, text, f"with a finite number in place of {value!r}")
     return number
 
 
 def _check_number(place: str, text: str, number: str, numbers: Numbers) -> None:
     if number not in numbers.places:
         shown = dict.fromkeys(re.sub(r"(?<=_)\d+", "{}", name) for name in numbers.places)
-        raise SceneError(
+        raise InputError(
             place,
             text,
-            f"{_OF_A_RUN}; numbers are {', '.join(shown)}{meant(number, numbers.places)}",
+            f"{_OF_A_RUN}; numbers are {', '.join(shown)}{did_you_mean(number, numbers.places)}",
         )
 
 
-def check_numbers(scene: Scene, numbers: Iterable[str], equations: Equations) -> None:
-    """Raise SceneError for a number that this rod does not have, though another one of the study
+def check_numbers(system: System, numbers: Iterable[str], equations: Equations) -> None:
+    """Raise InputError for a number that this rod does not have, though another one of the study
     has it."""
     for number in numbers:
         if number not in equations.numbers.places:
-            allowed = f"a number of the rod: one of {scene.rod.links} links has no {number}"
-            raise SceneError("compute.keep", number, allowed)
+            allowed = f"a number of the rod: one of {system.structure.links} links has no {number}"
+            raise InputError("compute.keep", number, allowed)
 
 
 def unit_of(number: str, numbers: Numbers) -> str:
@@ -240,8 +239,8 @@ class Asked:
 
 
 @lru_cache(maxsize=8)
-def found(study: Study) -> tuple[Asked, ...]:
-    """What is kept of every point of an analysis. Raises SceneError."""
+def found(study: Specification) -> tuple[Asked, ...]:
+    """What is kept of every point of an analysis. Raises InputError."""
     rows = FINDINGS[study.what]
     _check_options(study)
     texts = study.keep or tuple(name for name, row in rows.items() if row.usual)
@@ -252,18 +251,18 @@ def _asked(place: str, text: Any, rows: Mapping[str, Finding]) -> Asked:
     shown = ", ".join(f"{name}(4)" if row.several else name for name, row in rows.items())
     allowed = f"one of {shown}"
     if not isinstance(text, str):
-        raise SceneError(place, text, allowed)
+        raise InputError(place, text, allowed)
     name, arguments, named = _call(place, text, allowed)
     row = rows.get(name)
     if row is None or named or len(arguments) > (1 if row.several else 0):
-        raise SceneError(place, text, allowed)
+        raise InputError(place, text, allowed)
     count = _number(place, text, arguments[0]) if arguments else float(row.several)
     if not (count.is_integer() and (0 < count <= 1000 or not row.several)):
-        raise SceneError(place, text, f"{name}(k) of a whole number k from 1 to 1000")
+        raise InputError(place, text, f"{name}(k) of a whole number k from 1 to 1000")
     return Asked(text, row, int(count))
 
 
-def variable_of(study: Study, one: Asked) -> Variable:
+def variable_of(study: Specification, one: Asked) -> Variable:
     """The variable of something that is found."""
     row = one.finding
     if not row.several:
@@ -274,13 +273,11 @@ def variable_of(study: Study, one: Asked) -> Variable:
     return Variable(one.text, (dim,), (one.count,), row.dtype, row.units, row.fill)
 
 
-def _check_options(study: Study) -> None:
-    """Raise SceneError for options that the analysis does not have; what they may be, it checks of
+def _check_options(study: Specification) -> None:
+    """Raise InputError for options that the analysis does not have; what they may be, it checks of
     every point."""
-    from rodgen.studies.findings import function_of
-
     allowed = list(inspect.signature(function_of(study.what)).parameters)[1:]
     for name in study.options:
         if name not in allowed or name == "count":
             known = ", ".join(one for one in allowed if one != "count")
-            raise SceneError(f"compute.options.{name}", study.options[name], f"one of {known}")
+            raise InputError(f"compute.options.{name}", study.options[name], f"one of {known}")

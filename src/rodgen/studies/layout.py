@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+MARK = "status"  # the array whose chunks mark blocks that are done
+CHUNKS = "c"  # the folder of an array in which Zarr has its chunks
+
 
 @dataclass(frozen=True)
 class Layout:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rodgen.analyse.errors import AnalysisError
+from rodgen.errors import AnalysisError
 from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.crossings import Crossed, Crossing
 from rodgen.integrate.endings import FINISHED
@@ -17,10 +17,10 @@ from rodgen.integrate.reductions import Numbers, Reduction
 from rodgen.studies.variable import Variable
 
 if TYPE_CHECKING:
+    from rodgen.arrays import Array
     from rodgen.integrate import Solution
     from rodgen.integrate.ensemble import Ensemble
     from rodgen.integrate.equations import Equations
-    from rodgen.integrate.stepper import Array
     from rodgen.scene.event import Event
 
 MOST_POINTS = 1000  # of a section, where no other number is given
@@ -133,9 +133,8 @@ class Section:
         made = {name: np.full(self.most, math.nan) for name in (self.text, f"{self.text}.t")}
         if met:
             t, y = np.array([one.t for one in met]), np.array([one.y for one in met])
-            p = solution.model.parameters(**solution.scene.parameters)
-            timed = solution.scene.timed
-            there = Piece(solution.model, p, y, t, timed=timed)
+            system = solution.system
+            there = Piece(solution.model, system.p, y, t, timed=system.timed)
             made[self.text][: len(met)] = places.values(there, self.number)
             made[f"{self.text}.t"][: len(met)] = t
         return made
@@ -188,7 +187,7 @@ class Peak:
         )
 
     def of(self, solution: Solution, places: Numbers) -> dict[str, Any]:
-        """What it is of a run; not-a-number where there is no peak. Raises SceneError for samples
+        """What it is of a run; not-a-number where there is no peak. Raises InputError for samples
         that are not uniform."""
         return self._of(solution.t, places.values(solution, self.number))
 

@@ -5,22 +5,20 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.studies.axis import LATIN, RANDOM, Sample, Value
-
-if TYPE_CHECKING:
-    from rodgen.studies.specification import Study
+from rodgen.studies.specification import Specification
 
 Point = dict[str, Value]
 BITS = 32  # of the sequence of Sobol: more are not taken forward by SciPy 1.17
 MOST_KEPT = 2  # Latin hypercubes and sequences of a process
 
 
-def points(study: Study, indices: Sequence[int]) -> list[Point]:
+def points(study: Specification, indices: Sequence[int]) -> list[Point]:
     """The points of these numbers, each the values of the varied keys in the order of the axes.
 
     A grid is counted with its last axis fastest. Raises IndexError for a number that the study
@@ -38,7 +36,7 @@ def points(study: Study, indices: Sequence[int]) -> list[Point]:
     ]
 
 
-def _of_grid(study: Study, index: int) -> Point:
+def _of_grid(study: Specification, index: int) -> Point:
     at = []
     for axis in reversed(study.axes):
         index, place = divmod(index, len(axis.values))

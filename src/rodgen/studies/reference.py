@@ -4,24 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
-from rodgen.scene import SceneError
+from rodgen.errors import InputError
 from rodgen.studies.points import Point, points
-
-if TYPE_CHECKING:
-    from rodgen.studies.specification import Study
+from rodgen.studies.specification import Specification
 
 MOST_TRIED = 1000
 
 
 @lru_cache(maxsize=8)
-def _reference(study: Study) -> int:
-    refused: SceneError | None = None
+def _reference(study: Specification) -> int:
+    refused: InputError | None = None
     for index in _tried(study.count):
         try:
-            study.scene_at(points(study, [index])[0])
-        except SceneError as error:
+            study.system_at(points(study, [index])[0])
+        except InputError as error:
             refused = refused or error
         else:
             return index
@@ -29,9 +26,9 @@ def _reference(study: Study) -> int:
     raise refused
 
 
-def reference(study: Study) -> Point:
+def reference(study: Specification) -> Point:
     """The first point that the scene does not refuse, of the ends, the middle and up to a thousand
-    others. Raises SceneError where it refuses them all."""
+    others. Raises InputError where it refuses them all."""
     return points(study, [_reference(study)])[0]
 
 

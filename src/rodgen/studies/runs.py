@@ -14,27 +14,28 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.arrays import Array
+from rodgen.errors import InputError
 from rodgen.integrate.crossings import Crossing
-from rodgen.integrate.endings import FAILED, RunError, StepWarning
+from rodgen.integrate.endings import FAILED, StepWarning
 from rodgen.integrate.equations import Equations, equations_of
 from rodgen.integrate.many import goes_side_by_side, watched_many
 from rodgen.integrate.methods.choose import choose, choose_from
 from rodgen.integrate.simulate import simulate
-from rodgen.integrate.stepper import Array
-from rodgen.loading import build_fastest
-from rodgen.scene import Scene, SceneError
+from rodgen.integrate.solution import RunError
 from rodgen.studies.axis import Axis
 from rodgen.studies.block_arrays import Made
 from rodgen.studies.keep import PARTS, check_numbers, kept
 from rodgen.studies.measures import Count, Kept, Own, Peak, Sampled, Section, crossing_of
+from rodgen.studies.point_batch import PointBatch, groups, slot_names
 from rodgen.studies.points import Point
 from rodgen.studies.reference import reference
 from rodgen.studies.time_limit import TooLong, time_limit
 from rodgen.studies.variable import METHOD
-from rodgen.studies.vectors import Copying, copied, copying, groups, packed
+from rodgen.system import System
 
 if TYPE_CHECKING:
-    from rodgen.studies.specification import Study
+    from rodgen.studies.study import Study
 
 MOST_CROSSED = 2**22  # numbers of crossings and samples that are kept at once
 MOST_CORNERED = 4  # varied numbers of which all ends are tried with each other, else one by one
@@ -56,8 +57,8 @@ def compute(study: Study, points: list[Point], made: Made) -> None:
 class _Batch:
     """Runs of one structure with the same settings: numbers of points, and their p and y0."""
 
-    def __init__(self, scene: Scene):
-        self.scene = scene
+    def __init__(self, system: System):
+        self.system = system
         self.points: list[int] = []
         self.p: list[Array] = []
         self.y: list[Array] = []
@@ -69,14 +70,14 @@ class _Batch:
 
 
 def _together(study: Study, points: list[Point], made: Made, wanted: tuple[Kept, ...]) -> None:
-    names = _copied(study)
+    names = _slot_names(study)
     others = tuple(name for axis in study.axes if (name := axis.name) not in names)
     batches: dict[Any, _Batch] = {}
 
-    def batch(scene: Scene) -> _Batch:
-        events = tuple(event.model_dump_json() for event in scene.events)
-        key = scene.structure, scene.integrate.model_dump_json(), events
-        return batches.setdefault(key, _Batch(scene))
+    def batch(system: System) -> _Batch:
+        events = tuple(event.model_dump_json() for event in system.events)
+        key = system.structure, system.settings.model_dump_json(), events
+        return batches.setdefault(key, _Batch(system))
 
     start = time.process_time()
     for shared, members in groups(points, others):
@@ -88,21 +89,21 @@ def _together(study: Study, points: list[Point], made: Made, wanted: tuple[Kept,
             rows = np.flatnonzero(taken)
             for method, some in _by_method(share, usual, p, y, rows).items():
                 ready = [members[row] for row in some]
-                batch(share.scene.integrated_by(method)).add(ready, p[some], y[some])
+                batch(share.system.integrated_by(method)).add(ready, p[some], y[some])
             left = [at for at, is_taken in zip(members, taken, strict=True) if not is_taken]
         for at in left:
             try:
-                scene = study.scene_at(points[at])
-                p, y = packed(scene)
-                batch(scene.integrated_by(usual or _choice(scene))).add([at], p[None], y[None])
-            except SceneError as error:
+                system = study.system_at(points[at])
+                chosen = system.integrated_by(usual or _choice(system))
+                batch(chosen).add([at], system.p[None], system.y0[None])
+            except InputError as error:
                 made.fail(at, str(error))
     made.arrays["seconds"][:] = (time.process_time() - start) / max(1, len(points))
     for one in batches.values():
-        made.arrays[METHOD.name][one.points] = one.scene.integrate.method
+        made.arrays[METHOD.name][one.points] = one.system.settings.method
         try:
             _run(study, one, points, made, wanted)
-        except SceneError as error:
+        except InputError as error:
             for at in one.points:
                 made.fail(at, str(error))
 
@@ -110,25 +111,25 @@ def _together(study: Study, points: list[Point], made: Made, wanted: tuple[Kept,
 def _run(
     study: Study, batch: _Batch, points: list[Point], made: Made, wanted: tuple[Kept, ...]
 ) -> None:
-    """Runs of a batch, in lanes if they can be. Raises SceneError."""
-    scene = _watching(batch.scene, wanted)
-    model = build_fastest(scene, PARTS)
-    equations, settings = equations_of(model), _settings(scene)
-    check_numbers(scene, (number for one in wanted for number in one.numbers), equations)
+    """Runs of a batch, in lanes if they can be. Raises InputError."""
+    system = _watching(batch.system, wanted)
+    model = system.model(parts=PARTS)
+    equations, settings = equations_of(model), system.settings.used
+    check_numbers(system, (number for one in wanted for number in one.numbers), equations)
     texts = [one.text for one in wanted if isinstance(one, Sampled)]
-    crossings, crossing = _crossings(scene, wanted, equations)
+    crossings, crossing = _crossings(system, wanted, equations)
     peaks = [one for one in wanted if isinstance(one, Peak)]
     more: dict[str, Any] = {"crossings": crossings, "traced": [one.number for one in peaks]}
     if (crossings or peaks) and not goes_side_by_side(model, texts, **more, **settings):
         _one_by_one(study, points, batch.points, made, wanted)
         return
     p, y = np.concatenate(batch.p), np.concatenate(batch.y)
-    width = 1 + sum(one.width for one in crossings) + len(peaks) * len(scene.integrate.samples)
+    width = 1 + sum(one.width for one in crossings) + len(peaks) * len(system.settings.samples)
     for few in np.array_split(np.arange(len(p)), -(-len(p) * width // MOST_CROSSED)):
         start, at = time.process_time(), np.array(batch.points)[few]
         limit = study.time_limit and study.time_limit * len(few)
         try:
-            with time_limit(limit, scene):
+            with time_limit(limit, system):
                 found = watched_many(model, p[few], y[few], keep=texts, **more, **settings)
         except TooLong:  # some of them, or one
             _one_by_one(study, points, at.tolist(), made, wanted)
@@ -144,16 +145,16 @@ def _run(
 
 
 def _crossings(
-    scene: Scene, wanted: tuple[Kept, ...], equations: Equations
+    system: System, wanted: tuple[Kept, ...], equations: Equations
 ) -> tuple[list[Crossing], list[tuple[Count | Section, int]]]:
-    """What runs of a scene look out for, and of which of it what is kept is made."""
+    """What runs of a system look out for, and of which of it what is kept is made."""
     found = [
         replace(crossing_of(event), stop=event.name)
-        for event in scene.events
+        for event in system.events
         if event.action == "stop"
     ]
     made: list[tuple[Count | Section, int]] = []
-    events = {event.name: event for event in scene.events}
+    events = {event.name: event for event in system.events}
     for one in wanted:
         if isinstance(one, Count | Section):
             made.append((one, len(found)))
@@ -161,36 +162,27 @@ def _crossings(
     return found, made
 
 
-def _settings(scene: Scene) -> dict[str, Any]:
-    """Settings of a scene for many runs: those that its method has a use for."""
-    settings = scene.integrate.model_dump(exclude_none=True)
-    useless = ("rtol", "atol") if scene.integrate.fixed else ("step",)
-    for name in (*useless, *(["output_every"] if "t_eval" in settings else [])):
-        settings.pop(name, None)
-    return settings
-
-
 @lru_cache(maxsize=8)
-def _copied(study: Study) -> tuple[str, ...]:
-    return copied(study)
+def _slot_names(study: Study) -> tuple[str, ...]:
+    return slot_names(study)
 
 
 @lru_cache(maxsize=512)
-def _share(study: Study, shared: tuple[tuple[str, Any], ...]) -> Copying | None:
+def _share(study: Study, shared: tuple[tuple[str, Any], ...]) -> PointBatch | None:
     """How points with these values in common are made together, where they can be."""
     try:
-        return copying(study, reference(study) | dict(shared), _copied(study))
-    except SceneError:
+        return PointBatch.of(study, reference(study) | dict(shared), _slot_names(study))
+    except InputError:
         return None
 
 
 @lru_cache(maxsize=512)
 def _method(study: Study, shared: tuple[tuple[str, Any], ...]) -> str:
     """The method of all points that have these values in common, where `auto` finds the same at
-    all ends of what is copied into them; empty where it does not. So it depends on what the study
+    all ends of what is put into them; empty where it does not. So it depends on what the study
     is, and not on which of its points are asked for."""
     given = reference(study) | dict(shared)
-    names = [name for name in _copied(study) if name not in dict(shared)]
+    names = [name for name in _slot_names(study) if name not in dict(shared)]
     ends = {axis.name: _ends(axis) for axis in study.axes if axis.name in names}
     if len(ends) <= MOST_CORNERED:
         tried = [dict(zip(ends, values, strict=True)) for values in product(*ends.values())]
@@ -198,8 +190,8 @@ def _method(study: Study, shared: tuple[tuple[str, Any], ...]) -> str:
         tried = [{name: value} for name, both in ends.items() for value in both]
     found = set()
     for changes in ({}, *tried):
-        with suppress(SceneError):  # of a point that is not in the study, or fails in its turn
-            found.add(_choice(study.scene_at(given | changes)))
+        with suppress(InputError):  # of a point that is not in the study, or fails in its turn
+            found.add(_choice(study.system_at(given | changes)))
         if len(found) > 1:
             return ""
     return found.pop() if found else ""
@@ -211,18 +203,18 @@ def _ends(axis: Axis) -> tuple[Any, Any]:
 
 
 def _by_method(
-    share: Copying, method: str, p: Array, y: Array, rows: NDArray[np.intp]
+    share: PointBatch, method: str, p: Array, y: Array, rows: NDArray[np.intp]
 ) -> dict[str, NDArray[np.intp]]:
     """Rows of p and y0 by the method that runs them: by one for all, or each by its own."""
     if method:
         return {method: rows}
-    settings, model = share.scene.integrate, build_fastest(share.scene, PARTS)
+    settings, model = share.system.settings, share.system.model(parts=PARTS)
     found = np.array([choose_from(settings, model, p[row], y[row]).method for row in rows])
     return {str(name): rows[found == name] for name in dict.fromkeys(found.tolist())}
 
 
-def _choice(scene: Scene) -> str:
-    return choose(scene, build_fastest(scene, PARTS)).method
+def _choice(system: System) -> str:
+    return choose(system, system.model(parts=PARTS)).method
 
 
 # One by one ---------------------------------------------------------------------------------------
@@ -236,37 +228,37 @@ def _one_by_one(
     wanted: tuple[Kept, ...],
 ) -> None:
     """Runs of the points at some places, by `simulate`."""
-    names = _copied(study)
+    names = _slot_names(study)
     others = [axis.name for axis in study.axes if axis.name not in names]
     for at in places:
         start, point = time.process_time(), points[at]
         shared = tuple((name, point[name]) for name in others)
         try:
-            scene = study.scene_at(point)
-            scene = scene.integrated_by(_method(study, shared) or _choice(scene))
-            made.arrays[METHOD.name][at] = scene.integrate.method
-            with time_limit(study.time_limit, scene):
-                _keep(_watching(scene, wanted), wanted, made, at)
-        except (SceneError, RunError) as error:
+            system = study.system_at(point)
+            system = system.integrated_by(_method(study, shared) or _choice(system))
+            made.arrays[METHOD.name][at] = system.settings.method
+            with time_limit(study.time_limit, system):
+                _keep(_watching(system, wanted), wanted, made, at)
+        except (InputError, RunError) as error:
             made.fail(at, str(error), getattr(error, "status", FAILED))
         except TooLong:
             made.stop(at, study.time_limit)
         made.arrays["seconds"][at] = time.process_time() - start
 
 
-def _keep(scene: Scene, wanted: tuple[Kept, ...], made: Made, at: int) -> None:
-    """Fill in what is kept of one run. Raises SceneError, RunError."""
-    model = build_fastest(scene, PARTS)
+def _keep(system: System, wanted: tuple[Kept, ...], made: Made, at: int) -> None:
+    """Fill in what is kept of one run. Raises InputError, RunError."""
+    model = system.model(parts=PARTS)
     equations = equations_of(model)
-    check_numbers(scene, (number for one in wanted for number in one.numbers), equations)
+    check_numbers(system, (number for one in wanted for number in one.numbers), equations)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", StepWarning)
-        solution = simulate(scene, model=model, progress=False)
+        solution = simulate(system, model=model, progress=False)
     values: dict[str, Any] = {}
     for one in wanted:
         try:
             values |= one.of(solution, equations.numbers)
-        except SceneError:
+        except InputError:
             raise
         except Exception as error:  # of a function of the user's own, which may raise anything
             made.fail(at, f"{one.text}: {type(error).__name__}: {error}")
@@ -274,10 +266,10 @@ def _keep(scene: Scene, wanted: tuple[Kept, ...], made: Made, at: int) -> None:
     made.set(at, values, solution.energy_error, solution.message)
 
 
-def _watching(scene: Scene, wanted: tuple[Kept, ...]) -> Scene:
-    """The scene that looks out for the crossings of sections, too."""
+def _watching(system: System, wanted: tuple[Kept, ...]) -> System:
+    """The system that looks out for the crossings of sections, too."""
     tables = [one.table for one in wanted if isinstance(one, Section)]
     if not tables:
-        return scene
-    given = scene.model_dump(exclude_none=True)
-    return Scene.from_dict(given | {"events": [*given.get("events", []), *tables]})
+        return system
+    own = [event.model_dump(exclude_none=True) for event in system.events]
+    return system.at({"events": [*own, *tables]})

@@ -21,12 +21,12 @@ from uuid import uuid4
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.errors import InputError
 from rodgen.loading.cache import PACKAGES, source_hash
-from rodgen.scene import SceneError
 from rodgen.scene.plain import read_table
 from rodgen.shown import show_datasets
 from rodgen.studies.keep import variables
-from rodgen.studies.layout import Layout
+from rodgen.studies.layout import CHUNKS, MARK, Layout
 from rodgen.studies.points import Point
 from rodgen.studies.variable import Variable
 
@@ -34,10 +34,8 @@ if TYPE_CHECKING:
     import xarray as xr
     import zarr
 
-    from rodgen.studies.specification import Study
+    from rodgen.studies.study import Study
 
-MARK = "status"
-CHUNKS = "c"  # the folder of an array in which Zarr has its chunks
 FORMAT = "2"
 NUMBERED = re.compile(r"[0-9]{1,18}")
 LARGE = 2 * 10**7  # bytes beyond which a store is read as it is asked for
@@ -65,7 +63,7 @@ class Store:
     def make(cls, path: Path, study: Study, size: int, adaptive: str = "") -> Store:
         """A new store in blocks of about so many points, or the one that another client has made
         there meanwhile; adaptive: how its points are chosen, where not all are computed. Raises
-        SceneError where it cannot be written."""
+        InputError where it cannot be written."""
         layout = Layout.of(study.shape, size)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -83,13 +81,13 @@ class Store:
                 shutil.rmtree(folder, ignore_errors=True)
         except OSError as error:
             allowed = f"a place for a store ({error.strerror or error})"
-            raise SceneError("out", str(path), allowed) from None
+            raise InputError("out", str(path), allowed) from None
         return cls.of(path, study, adaptive)
 
     @classmethod
     def of(cls, path: Path, study: Study, adaptive: str = "") -> Store:
         """The store at a path, extended to the points of the study where it has fewer. Raises
-        SceneError for that of another study or version; nothing is changed then."""
+        InputError for that of another study or version; nothing is changed then."""
         group = _group(path)
         _check_same(path, dict(group.attrs), study, adaptive)
         arrays = {name: _array(group, name) for name in _names(study)}
@@ -97,7 +95,7 @@ class Store:
         if mark.shape != study.shape:
             if study.count < mark.shape[0]:
                 allowed = f"at least {mark.shape[0]}, which the store {path} has"
-                raise SceneError("sample.count", study.count, allowed)
+                raise InputError("sample.count", study.count, allowed)
             _extend(path, arrays, study.count, mark.shape[0])
             group = _group(path)
             arrays = {name: _array(group, name) for name in arrays}
@@ -119,7 +117,7 @@ class Store:
 
     def drop_damaged(self) -> None:
         """Remove blocks of which a chunk is not as it was written: they are computed again. Raises
-        SceneError where that cannot be done."""
+        InputError where that cannot be done."""
         from rodgen.studies.integrity import damaged, is_intact
 
         for block in self.done().nonzero()[0]:
@@ -183,7 +181,7 @@ def read(path: str | Path) -> xr.Dataset:
     seconds of every point, over the varied keys of a grid or the points of a sample.
 
     Points that are not computed yet have the status "". A store beyond 20 MB is read as it is
-    asked for. Raises SceneError for what is no store of a study.
+    asked for. Raises InputError for what is no store of a study.
     """
     import xarray as xr
 
@@ -193,7 +191,7 @@ def read(path: str | Path) -> xr.Dataset:
     path = Path(path)
     group = _group(path)
     if "digest" not in group.attrs:
-        raise SceneError("store", str(path), "the store of a study")
+        raise InputError("store", str(path), "the store of a study")
     data = xr.open_zarr(group.store, consolidated=False, chunks=None)
     for name in (SUMS, OWN):
         data.attrs.pop(name, None)
@@ -211,15 +209,15 @@ def _plain(data: xr.Dataset) -> xr.Dataset:
 
 
 def arrays_of(path: str | Path) -> dict[str, zarr.Array[Any]]:
-    """The arrays of a store by name. Raises SceneError for what is no store of a study."""
+    """The arrays of a store by name. Raises InputError for what is no store of a study."""
     group = _group(Path(path))
     if "digest" not in group.attrs:
-        raise SceneError("store", str(path), "the store of a study")
+        raise InputError("store", str(path), "the store of a study")
     return {name: _array(group, name) for name in group.array_keys()}
 
 
 def _group(path: Path) -> zarr.Group:
-    """The group of a store. Raises SceneError where there is none, or it is damaged."""
+    """The group of a store. Raises InputError where there is none, or it is damaged."""
     import zarr
 
     from rodgen.studies.integrity import DESCRIPTION, WholeStore, damaged
@@ -227,7 +225,7 @@ def _group(path: Path) -> zarr.Group:
     if path.is_file():
         if path.suffix == ".toml":
             read_table(path, "store")  # which says of a scene or a study that it is one
-        raise SceneError("store", str(path), "the store of a study, a folder (this is a file)")
+        raise InputError("store", str(path), "the store of a study, a folder (this is a file)")
     try:
         store = WholeStore(path)
         group = zarr.open_group(store, mode="r+", zarr_format=3)
@@ -236,13 +234,13 @@ def _group(path: Path) -> zarr.Group:
             store.blocked = {*names, *str(group.attrs.get("coordinates", "")).split()}
             store.dims = _array(group, MARK).ndim
         return group
-    except SceneError:
+    except InputError:
         raise
     except (OSError, ValueError, KeyError, TypeError) as error:
         if not isinstance(error, OSError) and (path / DESCRIPTION).exists():
             raise damaged(path, DESCRIPTION) from None
         why = error.strerror if isinstance(error, OSError) and error.strerror else "there is none"
-        raise SceneError("store", str(path), f"the store of a study ({why})") from None
+        raise InputError("store", str(path), f"the store of a study ({why})") from None
 
 
 def _array(group: zarr.Group, name: str) -> zarr.Array[Any]:
@@ -312,19 +310,19 @@ def _text(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _check_same(path: Path, attributes: Mapping[str, Any], study: Study, adaptive: str) -> None:
-    """Raise SceneError for the store of another study or version."""
+    """Raise InputError for the store of another study or version."""
     if "digest" not in attributes:
-        raise SceneError("store", str(path), "the store of a study")
+        raise InputError("store", str(path), "the store of a study")
     parts = {**study.contents, "adaptive": adaptive}
     other = [name for name, text in parts.items() if attributes.get(name) != text]
     if other:
         allowed = f"a store of this study (another: {', '.join(other)})"
-        raise SceneError("store", str(path), allowed)
+        raise InputError("store", str(path), allowed)
     for name, value in {"format": FORMAT, **identity()}.items():
         if attributes.get(name) != value:
             found = attributes.get(name)
             allowed = f"a store that this version of rodgen made ({name} {found}, not {value})"
-            raise SceneError("store", str(path), allowed)
+            raise InputError("store", str(path), allowed)
 
 
 def _names(study: Study) -> list[str]:

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from rodgen.integrate.endings import NO_RESULT, TOO_LONG
-from rodgen.studies.layout import Layout
-from rodgen.studies.store import MARK, arrays_of
+from rodgen.studies.layout import MARK, Layout
+from rodgen.studies.store import arrays_of
 
 NUMBER = re.compile(r"(?<![A-Za-z_])[-+]?\d[\d.]*(e[-+]?\d+)?")
 MOST_REASONS = 1000  # that are told apart
@@ -43,7 +43,7 @@ class Tally:
 
 
 def tally(path: str | Path) -> Tally:
-    """Count the points of a store, block by block. Raises SceneError for what is no store."""
+    """Count the points of a store, block by block. Raises InputError for what is no store."""
     arrays = arrays_of(path)
     status, message, seconds = (arrays[name] for name in (MARK, "message", "seconds"))
     layout = Layout(status.shape, status.chunks)

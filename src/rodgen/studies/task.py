@@ -14,12 +14,13 @@ from threadpoolctl import threadpool_limits
 from rodgen.integrate.endings import FAILED, NO_RESULT
 from rodgen.studies.block import evaluate
 from rodgen.studies.keep import variables
+from rodgen.studies.layout import MARK
 from rodgen.studies.points import points
-from rodgen.studies.store import MARK, Store, text_or
+from rodgen.studies.store import Store, text_or
 from rodgen.studies.variable import Variable
 
 if TYPE_CHECKING:
-    from rodgen.studies.specification import Study
+    from rodgen.studies.study import Study
 
 Arrays = Mapping[str, NDArray[Any]]
 ENOUGH = 0.05  # seconds that tell how long a point takes

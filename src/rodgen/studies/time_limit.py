@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Lock, Timer, get_ident
 
-from rodgen.scene import Scene, SceneError
+from rodgen.errors import InputError
 from rodgen.scene.plain import is_number, plain
+from rodgen.system import System
 
 MAKING = 60.0  # seconds that the first point of a structure has more, for making its module
 LONGEST = 1e9  # seconds that a timer can wait
@@ -21,21 +22,21 @@ class TooLong(BaseException):
 
 
 def checked_limit(seconds: object, field: str = "compute.time_limit") -> float | None:
-    """A limit of time [s], or None. Raises SceneError."""
+    """A limit of time [s], or None. Raises InputError."""
     seconds = plain(seconds, field)
     if seconds is not None and not (is_number(seconds) and 0 < seconds < float("inf")):
-        raise SceneError(field, seconds, "a positive number of seconds")
+        raise InputError(field, seconds, "a positive number of seconds")
     return None if seconds is None else float(seconds)
 
 
 @contextmanager
-def time_limit(seconds: float | None, *scenes: Scene) -> Iterator[None]:
+def time_limit(seconds: float | None, *systems: System) -> Iterator[None]:
     """Raise TooLong inside where it takes longer than so many seconds, at the next line of Python;
-    None for no limit. scenes: of which modules may have to be made first."""
+    None for no limit. systems: of which modules may have to be made first."""
     if seconds is None:
         yield
         return
-    new = {scene.structure.hash for scene in scenes} - _known
+    new = {system.structure.hash for system in systems} - _known
     thread, lock = ctypes.c_ulong(get_ident()), Lock()
     fired = over = False
 

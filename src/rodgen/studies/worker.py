@@ -14,13 +14,13 @@ from uuid import uuid4
 import distributed
 from distributed import WorkerPlugin
 
+from rodgen.errors import InputError
 from rodgen.loading import cache
-from rodgen.scene import SceneError
 from rodgen.studies import task
 from rodgen.studies.store import Store, identity
 
 if TYPE_CHECKING:
-    from rodgen.studies.specification import Study
+    from rodgen.studies.study import Study
 
 # Keeps Python from importing from the folder in which it is started; the value says who set it.
 SAFE_PATH, SAFE = "PYTHONSAFEPATH", "rodgen"
@@ -53,17 +53,17 @@ class Context(WorkerPlugin):  # type: ignore[misc]  # Dask has no types
 
     @cached_property
     def store(self) -> Store:
-        """The store, once in a process. Raises SceneError for another than that of the client."""
+        """The store, once in a process. Raises InputError for another than that of the client."""
         check_worker("this", who(), self.identity)
         where = f"on {platform.node()}"
         try:
             store = Store.of(self.path, self.study)
-        except SceneError as error:
+        except InputError as error:
             allowed = f"a folder that all workers see ({where}: {error.allowed})"
-            raise SceneError("out", str(self.path), allowed) from None
+            raise InputError("out", str(self.path), allowed) from None
         if store.token != self.token:
             allowed = f"a folder that all workers see ({where} there is another store)"
-            raise SceneError("out", str(self.path), allowed)
+            raise InputError("out", str(self.path), allowed)
         return store
 
 
@@ -84,7 +84,7 @@ def of_client() -> dict[str, str]:
 
 
 def check_worker(name: str, found: Any, wanted: dict[str, str]) -> None:
-    """Raise SceneError for a worker that would give other results."""
+    """Raise InputError for a worker that would give other results."""
     if found == wanted:
         return
     if isinstance(found, dict):
@@ -92,7 +92,7 @@ def check_worker(name: str, found: Any, wanted: dict[str, str]) -> None:
         what = f"{other} {found.get(other)}, not {wanted[other]}"
     else:
         what = f"{type(found).__name__}: {found}"
-    raise SceneError("--scheduler", name, f"of workers with this version of rodgen ({what})")
+    raise InputError("--scheduler", name, f"of workers with this version of rodgen ({what})")
 
 
 def compute(name: str, block: int) -> task.Done:

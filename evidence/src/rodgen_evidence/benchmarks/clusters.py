@@ -20,7 +20,7 @@ from rodgen.studies.block import Block
 from rodgen.studies.block_arrays import Made
 from rodgen.studies.cluster import SETTINGS
 from rodgen.studies.keep import variables
-from rodgen.studies.specification import Study
+from rodgen.studies.study import Study
 from rodgen_evidence.report.costs.rod import scene
 
 KEEP = ["last(tip_x)", "max(phi_19)", "max(omega_19)"]

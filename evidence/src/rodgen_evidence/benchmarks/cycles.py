@@ -21,7 +21,7 @@ import numpy as np
 from scipy.integrate import solve_bvp
 
 import rodgen
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.benchmarks.clusters import ended
 from rodgen_evidence.benchmarks.many import best

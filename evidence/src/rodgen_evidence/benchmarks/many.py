@@ -15,6 +15,7 @@ import numpy as np
 
 import rodgen
 from rodgen.native import many as native
+from rodgen.system import System
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.report.costs.rod import VALUES, Array, scene
 
@@ -76,6 +77,7 @@ def prepared(model: ModuleType, p: Array, y0: Array, keep: Sequence[str]) -> tup
 def measure(times: Times, links: int, rods: int, rounds: int) -> None:
     """Add the times for so many links."""
     of = scene(links).with_integrate(**SETTINGS)
+    system = System(of)
     model = rodgen.build(of, "c", parts=("rhs", "flow", "power", "lanes"))
     y0, t = of.initial_state(), of.integrate.samples
     p = np.tile(model.parameters(**of.parameters), (rods, 1))
@@ -90,7 +92,7 @@ def measure(times: Times, links: int, rods: int, rounds: int) -> None:
 
     def loop() -> None:
         for thrust in thrusts[::every]:
-            rodgen.simulate(of, model=model, parameters={"follower_force": float(thrust)})
+            rodgen.simulate(system.at({"loads.follower.force": float(thrust)}), model=model)
 
     together()
     beside = best(rounds, together) / rods

@@ -14,7 +14,8 @@ import rodgen
 from rodgen.studies import adaptive
 from rodgen.studies.block import evaluate
 from rodgen.studies.points import points
-from rodgen.studies.specification import Study
+from rodgen.studies.study import Study
+from rodgen.system import System
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.benchmarks.many import FEW, SETTINGS, best, inside
 from rodgen_evidence.report.costs.rod import VALUES, scene
@@ -54,11 +55,11 @@ def runs(times: Times, count: int, span: float) -> None:
     what = f"{count} runs of {span:g} s, n=20, in a study"
     times.add(what, whole / count, "their own time in C", sum(taken) / count)
     model = rodgen.build(of, "c")
-    some = forces[:: max(1, count // FEW)].tolist()
+    some, system = forces[:: max(1, count // FEW)].tolist(), System(of)
 
     def loop() -> None:
         for force in some:
-            rodgen.simulate(of, model=model, parameters={"follower_force": force})
+            rodgen.simulate(system.at({"loads.follower.force": float(force)}), model=model)
 
     times.add(what, whole / count, "rodgen.simulate in a loop", best(1, loop) / len(some))
 

@@ -24,8 +24,8 @@ from rodgen.studies import task
 from rodgen.studies.block import evaluate
 from rodgen.studies.engine import BLOCK, run, size_of
 from rodgen.studies.points import points
-from rodgen.studies.specification import Study
 from rodgen.studies.store import Store, read
+from rodgen.studies.study import Study
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.benchmarks.clusters import (
     FORCE,
@@ -123,7 +123,7 @@ def memory(count: int, axes: int) -> tuple[float, float]:
     ends = {MASS: (10, 20), FORCE: (1, 10)}
     some = [*ends][:axes]
     vary = {n: {"from": ends[n][0], "to": ends[n][1], "count": side} for n in some}
-    study = Study.of(study_of(1).base, vary, keep=KEEP)
+    study = Study.of(study_of(1).system, vary, keep=KEEP)
     with tempfile.TemporaryDirectory() as made, workers(WORKERS, Empty()) as address:
         path = Path(made, "memory.zarr")
         Store.make(path, study, size_of(study, 1e-4, WORKERS))

@@ -27,8 +27,8 @@ import numpy as np
 import psutil
 
 import rodgen
-from rodgen.studies.specification import Study
 from rodgen.studies.store import Store, read
+from rodgen.studies.study import Study
 from rodgen_evidence.benchmarks.clusters import same
 
 KILLS = 5  # of a study

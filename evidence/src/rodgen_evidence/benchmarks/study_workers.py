@@ -23,8 +23,8 @@ import xarray as xr
 from rodgen.studies import task
 from rodgen.studies.block import Block
 from rodgen.studies.engine import BLOCK, run
-from rodgen.studies.specification import Study
 from rodgen.studies.store import Store, read
+from rodgen.studies.study import Study
 from rodgen_evidence.benchmarks.clusters import nothing, same, study_of, workers
 from rodgen_evidence.benchmarks.study_engine import span_of
 

@@ -13,7 +13,8 @@ import typer
 from rodgen.cli.console import out, working
 from rodgen.cli.errors import FAILED_RUN, fail
 from rodgen.cli.results import writable
-from rodgen.scene import Scene, SceneError
+from rodgen.errors import InputError
+from rodgen.scene import Scene
 
 if TYPE_CHECKING:
     from rodgen_evidence.report.cases import Case
@@ -51,7 +52,7 @@ def report(
     cases = _cases(scene_files or [], quick)
     chosen = only or list(OF_SCENES if scene_files else SECTIONS)
     if unknown := [name for name in chosen if name not in SECTIONS]:
-        raise SceneError("--only", unknown[0], f"one of {', '.join(SECTIONS)}")
+        raise InputError("--only", unknown[0], f"one of {', '.join(SECTIONS)}")
     folder = writable(out_folder)
     signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     begin = time.perf_counter()
@@ -91,6 +92,6 @@ def _cases(files: list[Path], quick: bool) -> list[Case]:
     names = Counter(scene.name for scene in scenes)
     for scene in scenes:
         if names[scene.name] > 1:
-            raise SceneError("name", scene.name, "another name for every scene of a report")
+            raise InputError("name", scene.name, "another name for every scene of a report")
     found = zip(scenes, files, strict=True)
     return [cases.Case(scene.model_dump(exclude_none=True), file.name) for scene, file in found]

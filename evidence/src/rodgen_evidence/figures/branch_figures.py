@@ -13,7 +13,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import rodgen
-from rodgen.scene.keys import with_value
 from rodgen.show.branch_pictures import bifurcation_diagram, boundary_curve
 from rodgen_evidence.figures.model_figures import STYLE
 from rodgen_evidence.figures.rocket_figures import sheet
@@ -35,7 +34,7 @@ def column(scenes: Path) -> Figure:
 def imperfect_column(scenes: Path) -> Figure:
     """The column with a small force across: its own branch, and the one that begins in a fold."""
     scene = rodgen.Scene.from_toml(scenes / "euler_column.toml")
-    pushed = with_value(scene, ACROSS, IMPERFECTION)
+    pushed = scene.replace({ACROSS: IMPERFECTION})
     own = rodgen.continue_equilibria(pushed, LOAD, (0.0, -10.0))
     other = rodgen.continue_equilibria(pushed, LOAD, (-10.0, 0.0), imperfection=1.0)
     return bifurcation_diagram([own, other], pushed)
@@ -74,7 +73,7 @@ def umbrella(scenes: Path) -> Figure:
     figure.set_figheight(4.4)
     shares = (np.array(FORCES) - FORCES[0]) / (FORCES[-1] - FORCES[0])
     for force, colour in zip(FORCES, matplotlib.colormaps["viridis"](shares), strict=True):
-        loaded = with_value(scene, FORCE, force)
+        loaded = scene.replace({FORCE: force})
         found = rodgen.stability_boundary(loaded, (INTERNAL, EXTERNAL))
         a, b = (found[name].values for name in ("a", "b"))
         axes.plot(a, b, color=colour, label=f"{force:g} N", linewidth=1.2)

@@ -20,9 +20,8 @@ from matplotlib.figure import Figure
 
 import rodgen
 from rodgen.analyse.cycles.branches import hopf_of
-from rodgen.analyse.cycles.family import Variation
 from rodgen.analyse.cycles.search import Search
-from rodgen.scene.keys import with_value
+from rodgen.system import ParameterRange, System
 from rodgen_evidence.figures.model_figures import STYLE
 from rodgen_evidence.figures.model_parts import FORCE, GUIDE
 from rodgen_evidence.figures.rocket_figures import sheet
@@ -52,7 +51,8 @@ def rod(scene: rodgen.Scene, links: int, column: Column) -> rodgen.Scene:
 
 def onset(scene: rodgen.Scene, ends: tuple[float, float] = (0.5, 60.0)) -> Onset:
     """The first Hopf point of a scene along its thrust, by rodgen's normal form."""
-    hopf, _ = hopf_of(Variation(Search.of(scene, None), scene, KEY, ends))
+    search = Search.of(System(scene))
+    hopf, _ = hopf_of(search, ParameterRange(search.system, KEY, ends))
     turn = -hopf.coefficient.real / hopf.slope.real
     return Onset(hopf.value, hopf.frequency, turn)
 
@@ -63,7 +63,7 @@ def tip_mass(scenes: Path) -> Figure:
     scene = rodgen.Scene.from_toml(scenes / "tip_mass.toml")
     figure, (cycles, damped, turning) = sheet(9.6, 3)
     for damping, ends, colour in ((LITTLE, (8.0, 20.0), GUIDE), (MUCH, (30.0, 45.0), FORCE)):
-        branch = rodgen.continue_cycles(with_value(scene, DAMPING, damping), KEY, ends)
+        branch = rodgen.continue_cycles(scene.replace({DAMPING: damping}), KEY, ends)
         _branch(cycles, branch, f"c = {damping:g}", colour)
     cycles.set(xlabel="thrust $P L^2/EI$", ylabel="amplitude of the angles [rad]")
     cycles.legend(fontsize="small")

@@ -12,7 +12,6 @@ from rodgen.analyse.fourier import Spectrum, spectrum
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.references import continuum
 from rodgen.integrate import simulate
-from rodgen.scene import Scene
 from rodgen_evidence.thesis import data, hypotheses, scenes
 from rodgen_evidence.thesis.percentages import base_of
 from rodgen_evidence.thesis.table import LINKS, VERDICT, Note, Table, beside, column, percent
@@ -85,11 +84,7 @@ def simulated(links: int, boundary: str) -> tuple[Spectrum, float]:
 def discrete(links: int, boundary: str, inertia: str = "uniform") -> NDArray[np.float64]:
     """Natural frequencies of the discrete model [Hz], by eigenvalues."""
     scene = scenes.steel_rod(links, boundary)
-    if inertia != "uniform":
-        table = scene.model_dump(exclude_none=True)
-        table["rod"]["inertia"] = inertia
-        scene = Scene.from_dict(table)
-    return natural_modes(scene, 5).frequencies
+    return natural_modes(scene.replace({"rod.inertia": inertia}), 5).frequencies
 
 
 def closest(found: Spectrum, frequency: float) -> float:

@@ -12,11 +12,12 @@ from rodgen.analyse.chaos.exponents import lyapunov_exponents
 from rodgen.analyse.critical import critical_force
 from rodgen.analyse.cycles.branches import hopf_of
 from rodgen.analyse.cycles.cycle import Cycle
-from rodgen.analyse.cycles.family import Variation
-from rodgen.analyse.cycles.search import Search, find_cycle
+from rodgen.analyse.cycles.periodic_motion import find_cycle
+from rodgen.analyse.cycles.search import Search
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.references import continuum
 from rodgen.scene import Scene
+from rodgen.system import ParameterRange, System
 from rodgen_evidence.thesis import scenes
 from rodgen_evidence.thesis.table import Note, Table, column, percent
 
@@ -102,7 +103,8 @@ def bending() -> Iterator[Row]:
 def beyond() -> Iterator[Row]:
     """Where and how cycles begin, how far they swing, and where they are lost."""
     scene, rod = pushed(FORCE), f"cantilever, {LINKS} links, c_int = {INTERNAL:g}"
-    hopf, _ = hopf_of(Variation(Search.of(scene, None), scene, KEY, ENDS))
+    search = Search.of(System(scene))
+    hopf, _ = hopf_of(search, ParameterRange(search.system, KEY, ENDS))
     yield Row(AFTER, rod, BEGIN, hopf.value)
     kind = "first Lyapunov coefficient (below 0: supercritical)"
     yield Row(AFTER, rod, kind, hopf.lyapunov)

@@ -6,10 +6,10 @@ import warnings
 from collections.abc import Sequence
 from functools import lru_cache
 
+from rodgen.errors import InputError
 from rodgen.integrate import StepWarning, simulate
 from rodgen.integrate.stability import dominant
 from rodgen.loading import BuildError, build
-from rodgen.scene import SceneError
 from rodgen_evidence.thesis import scenes
 
 STEPS = {"c": 20000, "numpy": 400}  # timed
@@ -61,6 +61,6 @@ def special_seconds(
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", StepWarning)
             first, second = (simulate(scene, target=target).stats.wall_seconds for _ in range(2))
-    except (BuildError, SceneError):
+    except (BuildError, InputError):
         return float("nan")
     return min(first, second) / (h * steps)

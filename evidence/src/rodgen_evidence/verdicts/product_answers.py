@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import rodgen
-from rodgen.scene import Scene, SceneError
+from rodgen.errors import InputError
+from rodgen.scene import Scene
 from rodgen_evidence.verdicts.random_scenes import Sketch
 
 KEYS = {
@@ -36,7 +37,7 @@ def asked(call: Callable[[], Any]) -> Any:
             return call()
         except rodgen.AnalysisError as error:
             return Refusal(str(error))
-        except SceneError as error:
+        except InputError as error:
             return Refusal(str(error), True)
         except Exception as error:  # of which a campaign tells, and goes on
             return Refusal(f"{type(error).__name__}: {error}")

@@ -15,14 +15,15 @@ from rodgen.analyse.curves import files
 from rodgen.analyse.curves.continuation import Steps
 from rodgen.analyse.curves.curve import Curve
 from rodgen.analyse.curves.datasets import attributes, extended, kept, to_go_on
-from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.guard import guarded
 from rodgen.analyse.modal import DIVERGENCE, FLUTTER
 from rodgen.analyse.sizes import BOUNDARY, check_size
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError
 from rodgen.model.terms import TERMS
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.keys import key_place, with_value
-from rodgen.scene.plain import entry, is_number, plain
+from rodgen.scene import Scene
+from rodgen.scene.plain import is_number, plain
+from rodgen.system import System
 
 if TYPE_CHECKING:
     import xarray
@@ -41,7 +42,7 @@ FORMAT = "rodgen boundary 1"
 
 @guarded
 def stability_boundary(
-    scene: Scene,
+    system: System | Scene,
     keys: tuple[str, str],
     *,
     ranges: tuple[Ends | None, Ends | None] = (None, None),
@@ -64,8 +65,8 @@ def stability_boundary(
 
     Parameters
     ----------
-    scene
-        The scene.
+    system
+        The scene, or a System.
     keys
         Both numbers, named as in a study, such as loads.follower.force and
         loads.material_damping.time.
@@ -96,7 +97,7 @@ def stability_boundary(
 
     Raises
     ------
-    SceneError
+    InputError
         For numbers that cannot be varied, and for ranges that are not allowed.
     AnalysisError
         If no motion begins to grow in the range.
@@ -114,7 +115,9 @@ def stability_boundary(
     >>> round(float(line.a[line.b == 0].item()), 9), round(41 / 28, 9)
     (1.464285714, 1.464285714)
     """
-    check_size(BOUNDARY, scene)
+    system = System.of(system)
+    check_size(BOUNDARY, system)
+    scene = system.scene
     a_key, b_key = _checked(scene, keys)
     load, flipped = _load(scene, a_key, b_key)
     if flipped:
@@ -125,7 +128,9 @@ def stability_boundary(
     )
     if load is not None and not own[0]:  # of a load's angle nothing would be felt without the load
         own[0] = scene.distribution.usual_stiffness / scene.rod.length**2
-    plane = Plane(scene, (a_key, b_key), t, own)
+    # Numbers may take the place of laws in time, which then need not be known at t.
+    system = system.at(dict(zip((a_key, b_key), own.tolist(), strict=True))).steady(t)
+    plane = Plane(system, (a_key, b_key), own)
     scales = [_scale_of(plane, axis, ranges[axis]) for axis in (0, 1)]
     begin = np.where([one.damping and not x for one, x in zip(scales, own, strict=True)], 1.0, 0.0)
     begin = own + begin * [one.unit for one in scales]
@@ -138,13 +143,13 @@ def stability_boundary(
             scales[0] = Scale(abs(float(begin[0])) / 4 or 1.0)
             limits[0] = _limits(scales[0], ranges[0])
     elif load is not None:
-        found = _onset(with_value(scene, b_key, float(begin[1])), load, own[0], t)
+        found = _onset(system.at({b_key: float(begin[1])}), load, own[0])
         begin[0], omega = found.force, 2 * np.pi * found.frequency
         scales[0] = Scale(abs(found.force) / 4 or 1.0)
         limits[0] = _limits(scales[0], ranges[0])
     # Damping is to be nothing but rounding of its own where it is small.
     origin = np.where([one.damping for one in scales], 0.0, begin)
-    plane = Plane(scene, (a_key, b_key), t, origin)
+    plane = Plane(system, (a_key, b_key), origin)
     plane.made_fast(np.array([one.unit for one in scales]))
     if load is None and not rows:
         begin[0], omega = _first(plane, scales[0], limits[0], float(begin[1]))
@@ -229,15 +234,15 @@ def _first(plane: Plane, scale: Scale, limits: Ends, b: float) -> tuple[float, f
     return scale.value(high), abs(s.imag) if abs(s.imag) > abs(s.real) else 0.0
 
 
-def _onset(scene: Scene, load: str, own: float, t: float | None) -> Critical:
+def _onset(system: System, load: str, own: float) -> Critical:
     """Where the scene loses its stability as a load grows; of one that is unstable without load,
     beyond its own load."""
     try:
-        return critical_force(scene, load=load, t=t)
+        return critical_force(system, load=load)
     except AnalysisError:
         if not own > 0:
             raise
-        return critical_force(scene, load=load, t=t, lowest=own)
+        return critical_force(system, load=load, lowest=own)
 
 
 def _scale_of(plane: Plane, axis: int, given: Ends | None) -> Scale:
@@ -248,7 +253,7 @@ def _scale_of(plane: Plane, axis: int, given: Ends | None) -> Scale:
     try:
         here = plane.evaluated(*plane.origin)
         there = plane.evaluated(*(plane.origin + size * np.eye(2)[axis]))
-    except (AnalysisError, SceneError):
+    except (AnalysisError, InputError):
         return Scale(size)
     change = there.plus(here, -1.0).times(1 / size)
     same = all(
@@ -258,7 +263,7 @@ def _scale_of(plane: Plane, axis: int, given: Ends | None) -> Scale:
     turned = np.abs(size * change.C).max() > SAME * np.abs(here.C).max(initial=0.0)
     if same and not (turned and change.C.any()):
         allowed = "numbers that small motions depend on"
-        raise SceneError("vary", plane.keys[axis], allowed)
+        raise InputError("vary", plane.keys[axis], allowed)
     squares, shapes = np.linalg.eig(np.linalg.solve(here.M, here.K))
     order = np.argsort(np.abs(squares))
     squares, shapes = squares[order], shapes[:, order]
@@ -293,20 +298,15 @@ def _load(scene: Scene, a: str, b: str) -> tuple[str | None, bool]:
 
 def _checked(scene: Scene, keys: Any) -> tuple[str, str]:
     if isinstance(keys, str) or len(keys) != 2 or keys[0] == keys[1]:
-        raise SceneError("vary", keys, "two different numbers of the scene")
-    table = scene.model_dump(exclude_none=True)
+        raise InputError("vary", keys, "two different numbers of the scene")
     for key in keys:
-        key_place(table, str(key))
+        scene.value_of(str(key))
     return str(keys[0]), str(keys[1])
 
 
 def _number(scene: Scene, key: str) -> float:
     """The value of a key, 0 of a function of time or of what is absent."""
-    table = scene.model_dump(exclude_none=True)
-    try:
-        value = entry(table, *key_place(table, key))
-    except KeyError:
-        return 0.0
+    value = scene.value_of(key)
     return float(value) if is_number(value) else 0.0
 
 
@@ -318,16 +318,16 @@ def _own(scene: Scene, key: str, given: Ends | None) -> float:
     ends = plain(list(given), key)
     for value in ends:
         if not (is_number(value) and np.isfinite(value)):
-            raise SceneError(f"vary.{key}", value, "a finite number")
+            raise InputError(f"vary.{key}", value, "a finite number")
     low, high = ends
     if not high - low > NARROWEST * max(abs(low), abs(high)):
         least = f"by more than {NARROWEST:g} of it" if low < high else "where its range begins"
-        raise SceneError(f"vary.{key}", high, f"above {low:.9g}, {least}")
+        raise InputError(f"vary.{key}", high, f"above {low:.9g}, {least}")
     return own if low <= own <= high else float((low + high) / 2)
 
 
 def read(path: Path) -> xarray.Dataset:
-    """The boundary in a file. Raises SceneError for what is none."""
+    """The boundary in a file. Raises InputError for what is none."""
     return files.read(path, "file", "a boundary", FORMAT)
 
 

@@ -12,13 +12,12 @@ from scipy.linalg import null_space
 
 from rodgen.analyse.curves.bordered import Bordered
 from rodgen.analyse.curves.curve import Problem
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import Dense
 from rodgen.analyse.steady import Steady, linearised, steady
-from rodgen.analyse.system import System, frozen
-from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.keys import with_value
+from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError
+from rodgen.system import System
 
 TRIED = ((0.37, 1.7), (2.3, 0.4), (1.6, 2.9))
 PLANE = 1e-11  # of their largest entries: what bilinear matrices may miss them by
@@ -46,30 +45,28 @@ class Matrices(NamedTuple):
 class Plane:
     """The linearised scene over two of its numbers."""
 
-    def __init__(self, scene: Scene, keys: tuple[str, str], t: float | None, origin: Array):
-        self.scene, self.keys, self.origin = scene, keys, origin
-        self.base = System.of(self._scene(*origin), t)
+    def __init__(self, system: System, keys: tuple[str, str], origin: Array):
+        """system: with loads that do not change."""
+        self.system, self.keys, self.origin = system, keys, origin
+        self.base = SteadyRod.of(self._at(*origin))
         self.units = np.ones(2)
         self._near: Steady | None = None
         self._bilinear: tuple[Matrices, ...] | None = None
 
-    def _scene(self, a: float, b: float) -> Scene:
-        scene = self.scene
-        for key, value in zip(self.keys, (a, b), strict=True):
-            scene = with_value(scene, key, float(value))
-        return scene
+    def _at(self, a: float, b: float) -> System:
+        return self.system.at({self.keys[0]: float(a), self.keys[1]: float(b)})
 
     def steady(self, a: float, b: float) -> Steady:
         """The steady state at both values. Raises AnalysisError."""
         try:
-            scene = frozen(self._scene(a, b), self.base.t)
-        except SceneError as error:
+            system = self._at(a, b)
+        except InputError as error:
             raise AnalysisError(str(error)) from None
-        if scene.structure != self.base.scene.structure:
-            raise SceneError(
+        if system.structure != self.base.system.structure:
+            raise InputError(
                 "vary", ",".join(self.keys), "numbers that leave the structure of the equations"
             )
-        self._near = steady(replace(self.base, scene=scene), self._near)
+        self._near = steady(replace(self.base, system=system), self._near)
         return self._near
 
     def evaluated(self, a: float, b: float) -> Matrices:
@@ -87,7 +84,7 @@ class Plane:
     @cached_property
     def added(self) -> int:
         """States of first order, the last rows."""
-        return len(self.base.scene.states)
+        return len(self.base.system.added)
 
     @cached_property
     def _basis(self) -> Array | None:
@@ -118,7 +115,7 @@ class Plane:
                     if np.abs(part - other).max() > PLANE * size:
                         self._bilinear = None
                         return
-        except (AnalysisError, SceneError):
+        except (AnalysisError, InputError):
             self._bilinear = None
 
     def at(self, a: float, b: float) -> Matrices:

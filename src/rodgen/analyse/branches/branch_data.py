@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from rodgen.analyse.branches.equilibria import Equilibria
 from rodgen.analyse.branches.motions import Motions
 from rodgen.analyse.curves import files
-from rodgen.analyse.curves.curve import Point, Special
+from rodgen.analyse.curves.curve import Curve, Point, Special
 from rodgen.analyse.curves.datasets import (
     attributes,
     lengths,
@@ -19,18 +20,31 @@ from rodgen.analyse.curves.datasets import (
     scene_of,
     to_go_on,
 )
-from rodgen.integrate.stepper import Array
+from rodgen.analyse.steady import Steady
+from rodgen.arrays import Array
 from rodgen.scene import Scene
-from rodgen.scene.keys import with_value
-from rodgen.scene.overrides import with_state
+from rodgen.system import System
 
 if TYPE_CHECKING:
     import xarray
 
-    from rodgen.analyse.branches.equilibrium_branch import Branch
-
 FORMAT = "rodgen branch 1"
 UNKNOWN = -1  # unstable directions, where they were not looked at
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A curve of steady states of a scene; number: of the branch point that it leaves, or 0."""
+
+    scene: Scene
+    key: str
+    problem: Equilibria
+    curve: Curve
+    number: int = 0
+
+    def state(self, point: Point | Special) -> Steady:
+        """The steady state at a point."""
+        return self.problem.steady(point.u)
 
 
 def dataset(branch: Branch) -> xarray.Dataset:
@@ -78,11 +92,11 @@ def _states(branch: Branch, points: Sequence[Point | Special]) -> dict[str, Any]
     low, high = problem.variable.ends
     for row, point in enumerate(points):
         state = problem.steady(point.u)
-        system, y = state.system, state.y
+        rod, y = state.rod, state.y
         exact = [end for end in (low, high) if problem.scaled(end) == point.u[-1]]
         made["value"][row] = exact[0] if exact else problem.value(point.u)
-        made["phi"][row] = system.all_links(state.phi)
-        made["tip"][row] = system.model.joints(y, state.p)[-1]
+        made["phi"][row] = rod.all_links(state.phi)
+        made["tip"][row] = rod.model.joints(y, state.p)[-1]
         made["y"][row], made["force"][row] = y, state.force
     dims = {
         "value": ((), {"long_name": branch.key}),
@@ -104,7 +118,7 @@ class Recorded(NamedTuple):
 
 
 def recorded(data: xarray.Dataset, scene: Scene, key: str, at: int) -> Recorded:
-    """A point of a branch. Raises SceneError for one of another scene or key, and for a point that
+    """A point of a branch. Raises InputError for one of another scene or key, and for a point that
     it does not have."""
     rows = to_go_on(data, FORMAT, scene, {"key": key}, at)
     states = [(data["y"].values[row], data["force"].values[row]) for row in rows]
@@ -113,14 +127,14 @@ def recorded(data: xarray.Dataset, scene: Scene, key: str, at: int) -> Recorded:
 
 def scene_at(data: xarray.Dataset, at: int) -> Scene:
     """The scene at a point of a branch, which starts in its state; straight in steady flight, in
-    its own. Raises SceneError for a point that the branch does not have."""
+    its own. Raises InputError for a point that the branch does not have."""
     number = point_number(data, at)
-    scene = with_value(scene_of(data), data.attrs["key"], float(data["value"][number]))
-    if scene.hold.translates and not (scene.anchors.ties or data.attrs["moving"]):
-        return scene
-    return with_state(scene, data["y"].values[number])
+    system = System(scene_of(data)).at({data.attrs["key"]: float(data["value"][number])})
+    if system.hold.translates and not (system.scene.anchors.ties or data.attrs["moving"]):
+        return system.scene
+    return system.at(y0=data["y"].values[number]).scene
 
 
 def read(path: Path) -> xarray.Dataset:
-    """The branch in a file. Raises SceneError for what is none."""
+    """The branch in a file. Raises InputError for what is none."""
     return files.read(path, "file", "a branch", FORMAT)

@@ -6,21 +6,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from rodgen.analyse.branches.equilibria import Equilibria, equilibria
+from rodgen.analyse.branches.equilibria import Equilibria
+from rodgen.analyse.branches.equilibrium_problems import equilibria
 from rodgen.analyse.branches.variable import LoadFactor
 from rodgen.analyse.curves.bordered import Bordered
 from rodgen.analyse.curves.continuation import Steps, continued, started
 from rodgen.analyse.curves.curve import BRANCH, NOISE, Curve
 from rodgen.analyse.curves.switching import switched
-from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.guard import guarded
 from rodgen.analyse.sizes import EQUILIBRIA, check_size
 from rodgen.analyse.small_motions import instability
 from rodgen.analyse.statics import Equilibrium, static_equilibrium
 from rodgen.analyse.steady import Steady, straight_state
-from rodgen.analyse.system import System
-from rodgen.integrate.stepper import Array
+from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 from rodgen.progress import tell
 from rodgen.scene import Scene
+from rodgen.system import System
 
 STEPS = Steps(first=0.01, longest=0.05, most=400)
 MOST_BRANCHES = 24
@@ -33,7 +36,7 @@ WAVES = (0.5, 1.5)  # half waves of their angles along the rod
 
 
 @guarded
-def static_equilibria(scene: Scene, *, t: float | None = None) -> list[Equilibrium]:
+def static_equilibria(system: System | Scene, *, t: float | None = None) -> list[Equilibrium]:
     """Return the equilibria of a scene that are found, the most stable first.
 
     The branch of the unloaded rod is followed while its loads grow together, and from every branch
@@ -44,8 +47,8 @@ def static_equilibria(scene: Scene, *, t: float | None = None) -> list[Equilibri
 
     Parameters
     ----------
-    scene
-        The scene.
+    system
+        The scene, or a System.
     t
         Time whose loads are taken [s]; by default the start of the span.
 
@@ -56,7 +59,7 @@ def static_equilibria(scene: Scene, *, t: float | None = None) -> list[Equilibri
 
     Raises
     ------
-    SceneError
+    InputError
         For a free rod that nothing holds.
     AnalysisError
         Where none is found.
@@ -70,24 +73,25 @@ def static_equilibria(scene: Scene, *, t: float | None = None) -> list[Equilibri
     >>> [one.stable for one in rodgen.static_equilibria(scene)]
     [True, True, False, False, False]
     """
-    check_size(EQUILIBRIA, scene)
-    system = System.of(scene, t)
-    if not (system.clamped or system.anchored):
-        first = static_equilibrium(scene, t=t)  # refuses a free rod that nothing holds
-        if system.base:
+    system = System.of(system)
+    check_size(EQUILIBRIA, system)
+    rod = SteadyRod.of(system, t)
+    if not (rod.clamped or rod.anchored):
+        first = static_equilibrium(system, t=t)  # refuses a free rod that nothing holds
+        if rod.base:
             return [first]
-    factor = LoadFactor(system)
+    factor = LoadFactor(rod)
     p = factor.parameters(0.0)
-    bare, _ = straight_state(system, p)
+    bare, _ = straight_state(rod, p)
     found: list[tuple[Array, int]] = []
     problem = None
-    chain = system.scene.distribution.usual_stiffness == 0
+    chain = rod.scene.distribution.usual_stiffness == 0
     if bare is not None and not chain:  # which without loads is held by nothing
         problem = equilibria(factor, bare)
     if bare is None or problem is None:
-        rest = static_equilibrium(scene, t=t)
-        at = system.unsettled(rest.phi[system.scene.held :])._replace(force=rest.force)
-        whole = Steady(system, at, system.parameters())
+        rest = static_equilibrium(system, t=t)
+        at = rod.unsettled(rest.phi[rod.scene.held :])._replace(force=rest.force)
+        whole = Steady(rod, at, rod.system.p)
         problem = equilibria(factor, whole)
         found.append((problem.packed(whole, 1.0), 0))
     else:
@@ -160,13 +164,13 @@ def _deflated(problem: Equilibria, known: list[Array]) -> list[tuple[Array, int]
 def _guesses(problem: Equilibria) -> list[Array]:
     """Bent rods to begin with."""
     start = problem.start
-    s = (np.arange(start.system.cells) + 0.5) / start.system.cells
+    s = (np.arange(start.rod.cells) + 0.5) / start.rod.cells
     turned = start.at._replace(phi=start.phi + np.pi)
-    guesses = [] if start.system.clamped else [problem.packed(replace(start, at=turned), 1.0)]
+    guesses = [] if start.rod.clamped else [problem.packed(replace(start, at=turned), 1.0)]
     for waves in WAVES:
-        shape = np.sin(waves * np.pi * s) if start.system.clamped else np.cos(2 * waves * np.pi * s)
+        shape = np.sin(waves * np.pi * s) if start.rod.clamped else np.cos(2 * waves * np.pi * s)
         for bend in (sign * bend for bend in BENT for sign in (1.0, -1.0)):
-            at = start.at._replace(phi=start.system.straight + bend * shape)
+            at = start.at._replace(phi=start.rod.straight + bend * shape)
             guesses.append(problem.packed(replace(start, at=at), 1.0))
     return guesses
 
@@ -199,17 +203,17 @@ def _newton(problem: Equilibria, u: Array, known: list[Array]) -> tuple[Array, i
 
 def _equilibrium(state: Steady, iterations: int) -> Equilibrium:
     """A steady state as an equilibrium."""
-    system, y = state.system, state.system.at_rest(state.at)
+    rod, y = state.rod, state.rod.at_rest(state.at)
     return Equilibrium(
         y=y,
-        phi=system.all_links(state.phi),
-        joints=system.model.joints(y, state.p),
+        phi=rod.all_links(state.phi),
+        joints=rod.model.joints(y, state.p),
         force=state.force,
         change=0.0,
         iterations=iterations,
         stages=(1.0,),
         instability=instability(state),
-        t=system.t,
-        states=dict(zip(system.scene.states, state.at.added.tolist(), strict=True)),
-        scene=system.scene,
+        t=rod.t,
+        states=dict(zip(rod.system.added, state.at.added.tolist(), strict=True)),
+        scene=rod.scene,
     )

@@ -1,28 +1,29 @@
-"""Equilibria and steady motions as a curve of one varied number, and their stability."""
+"""Equilibria and steady motions as a curve of one varied number: their stability, and where along
+it a small motion begins or ceases to grow."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
 
 import numpy as np
-from scipy.linalg import null_space
-from scipy.sparse import csc_array, diags_array, hstack
 
-from rodgen.analyse.balance import WholeBalance
-from rodgen.analyse.branches.crossings import crossing, solved
 from rodgen.analyse.branches.variable import Variable
-from rodgen.analyse.curves.bordered import Matrix
-from rodgen.analyse.curves.curve import Point, Problem, Special
+from rodgen.analyse.curves.curve import BRANCH, Point, Problem, Special, corrected
+from rodgen.analyse.curves.special_points import on_chord
 from rodgen.analyse.eigen import Complex
-from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.pencil import Cells, sparse
+from rodgen.analyse.modal import arising
+from rodgen.analyse.onset import Onset, onset
+from rodgen.analyse.pencil import Linear, Parts, Pencil
 from rodgen.analyse.small_motions import Growing, grown
-from rodgen.analyse.steady import Steady, straight_state
-from rodgen.analyse.system import System, Unknowns
-from rodgen.integrate.stepper import Array
+from rodgen.analyse.steady import Steady, linearised, straight_state
+from rodgen.analyse.steady_rod import SteadyRod, Unknowns
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 
-NEUTRAL = 1e-9  # of the stiffness: none
-SMALL = 90  # unknowns up to which full matrices take less time than sparse ones
+HOPF = "hopf"
+SLOWEST = 1e-3  # of the rate beside it, over 2 pi: a motion that is slower there has none
+PARTS = 1 / 2, 1 / 4, 3 / 4  # of what is left, of which one is tried after the other
+CLOSE = 1e-5  # of the way between two points, to which a crossing is narrowed
 
 
 class Equilibria(Problem):
@@ -40,7 +41,7 @@ class Equilibria(Problem):
         values = [value for value in self.variable.ends if start.turns_freely]
         for value in values:
             p = self.variable.parameters(value)
-            state, _ = straight_state(self.variable.system(value), p)
+            state, _ = straight_state(self.variable.rod(value), p)
             if state is not None and not state.turns_freely:
                 start = state
         try:
@@ -66,22 +67,22 @@ class Equilibria(Problem):
         key = u.tobytes()
         if self._last is None or self._last[0] != key:
             value = self.value(u)
-            system = self.variable.system(value)
-            self._last = key, self._state(system, self.variable.parameters(value), u)
+            rod = self.variable.rod(value)
+            self._last = key, self._state(rod, self.variable.parameters(value), u)
         return self._last[1]
 
     @abstractmethod
-    def _state(self, system: System, p: Array, u: Array) -> Steady:
+    def _state(self, rod: SteadyRod, p: Array, u: Array) -> Steady:
         """The state under parameters."""
 
     @abstractmethod
     def packed(self, state: Steady, value: float) -> Array:
         """u of a state at a value."""
 
-    def restored(self, system: System, p: Array, y: Array, force: Array) -> Steady:
+    def restored(self, rod: SteadyRod, p: Array, y: Array, force: Array) -> Steady:
         """The state of a file: its angles, position and added states in y, and joint forces."""
-        base, half = system.base, system.base + system.cells
-        return Steady(system, Unknowns(y[base:half], force, y[:base], y[2 * half :]), p)
+        base, half = rod.base, rod.base + rod.cells
+        return Steady(rod, Unknowns(y[base:half], force, y[:base], y[2 * half :]), p)
 
     def unstable(self, u: Array) -> int | None:
         if self.growing is None:
@@ -98,139 +99,85 @@ class Equilibria(Problem):
         return grown(self.growing.motions(self.steady(u)))
 
     def crossings(self, before: Point, after: Point) -> list[Special]:
-        return crossing(self, before, after)
+        return crossings(self, before, after)
 
     def crossed(self, before: Point, after: Point, s: complex) -> Special:
         """Where the motion with a rate s, 0 where it does not oscillate, begins or ceases to grow
         between two points next to each other."""
-        return solved(self, after, s)
+        return crossing(self, after, s)
 
 
-class Chain(Equilibria):
-    """Of a rod whose joint 0 is held and whose loads follow no motion, in O(n): unknown are its
-    angles and the forces in its joints."""
-
-    def __init__(self, variable: Variable, start: Steady, all_modes: bool = False):
-        super().__init__(variable, start, all_modes)
-        scene, cells = start.system.scene, start.system.cells
-        soft = scene.distribution.usual_stiffness / scene.rod.length**2 * scene.rod.links
-        usual = max(soft / max(scene.mass, 1e-300), float(np.abs(start.force).max(initial=0.0)))
-        self.force = usual or 1.0
-        self.columns = np.tile([1.0, self.force, self.force], cells)
-        self.weights = np.append(np.tile([1.0 / cells, 0.0, 0.0], cells), 1.0)
-        sizes = abs(sparse(start.cells.statics)) @ self.columns
-        self.rows = 1 / np.where(sizes > 0, sizes, 1.0)
-        self._left, self._right = diags_array(self.rows), diags_array(self.columns)
-
-    def packed(self, state: Steady, value: float) -> Array:
-        z = np.column_stack((state.phi, state.force)).ravel() / self.columns
-        return np.append(z, self.scaled(value))
-
-    def _state(self, system: System, p: Array, u: Array) -> Steady:
-        z = (u[:-1] * self.columns).reshape(-1, 3)
-        at = system.unsettled(z[:, 0])._replace(force=z[:, 1:])
-        return Steady(system, at, p)
-
-    def at(self, u: Array) -> tuple[Array, Matrix]:
-        here = self.steady(u)
-        system, cells = here.system, here.cells
-        by_value = np.zeros(cells.residual.size)
-        for p, share in self.variable.near(self.value(u)):
-            by_value += share * Cells.at(system, here.at, p).residual.ravel()
-        by_value *= self.rows
-        F = self.rows * cells.residual.ravel()
-        if cells.ways is not None:
-            whole = cells.whole(cells.statics, cells.by_position)
-            return F, np.column_stack((self.rows[:, None] * whole * self.columns, by_value))
-        J = csc_array(hstack([self._left @ sparse(cells.statics) @ self._right, by_value[:, None]]))
-        return F, J.toarray() if len(u) <= SMALL else J
+def crossings(problem: Equilibria, a: Point, b: Point) -> list[Special]:
+    """Where motions begin or cease to oscillate more and more between two points of a branch, to
+    all digits; of a free rod also where they begin to diverge, which no determinant tells there."""
+    free = len(a.u) == 1
+    found: list[Special] = []
+    low, share = a, 0.0
+    while low.unstable != b.unstable and share < 1 and len(found) < 8:
+        left, right, beside, upper = share, 1.0, low, b
+        while right - left > CLOSE and (inner := _inner(problem, a, b, left, right)):
+            middle, point = inner
+            if point.unstable == low.unstable:
+                left, beside = middle, point
+            else:
+                right, upper = middle, point
+        one, two = (problem.grown(point.u) for point in (beside, upper))
+        s = arising(one, two) if len(one) > len(two) else arising(two, one)
+        if s.imag > 0 or free:
+            special = problem.crossed(beside, upper, s)
+            if special.kind != HOPF or special.frequency > SLOWEST * abs(s):
+                found.append(special)
+        low, share = upper, right
+    return found
 
 
-class Whole(Equilibria):
-    """Of a rod whose joint 0 is free and held by springs, or whose loads follow the motion:
-    unknown are the position of joint 0, where it counts, the angles, and added states."""
-
-    def __init__(self, variable: Variable, start: Steady, all_modes: bool = False):
-        super().__init__(variable, start, all_modes)
-        system = start.system
-        here = WholeBalance(system, system.at_rest(start.at), start.p, 0.0)
-        self.basis, self.origin = self._held(here.basis), self._coordinates(start.at)
-        sizes = np.ones(len(self.basis))
-        sizes[: system.base] = system.scene.rod.length
-        added = slice(system.base + system.cells, None)
-        sizes[added] = np.maximum(1.0, np.abs(start.at.added))
-        self.columns = np.abs(self.basis).T @ sizes
-        angles = np.zeros(len(self.basis))
-        angles[: system.base + system.cells] = 1.0 / system.cells
-        self.weights = np.append(np.abs(self.basis).T @ angles, 1.0)
-        slope = np.abs(self.basis.T @ here.slope @ self.basis) @ self.columns
-        self.rows = 1 / np.where(slope > 0, slope, 1.0)
-
-    def _held(self, basis: Array) -> Array:
-        """Without turning the whole rod, where that has no effect under any load."""
-        start, ways = self.start, np.zeros(len(basis))
-        ways[start.system.base : start.system.base + start.system.cells] = 1.0
-        turning = basis.T @ ways
-        for value in self.variable.ends:
-            system, p = self.variable.system(value), self.variable.parameters(value)
-            slope = WholeBalance(system, system.at_rest(start.at), p, 0.0).slope
-            reduced = basis.T @ slope @ basis
-            if np.abs(reduced @ turning).max() > NEUTRAL * np.abs(reduced).max():
-                return basis
-        return np.asarray(basis @ null_space(turning[None]))
-
-    @staticmethod
-    def _coordinates(at: Unknowns) -> Array:
-        return np.concatenate((at.position, at.phi, at.added))
-
-    def packed(self, state: Steady, value: float) -> Array:
-        z = self.basis.T @ (self._coordinates(state.at) - self.origin) / self.columns
-        return np.append(z, self.scaled(value))
-
-    def _state(self, system: System, p: Array, u: Array) -> Steady:
-        x = self.origin + self.basis @ (self.columns * u[:-1])
-        position, phi, added = np.split(x, [system.base, system.base + system.cells])
-        at = Unknowns(phi, np.zeros((system.cells, 2)), position, added)
-        return Steady(system, at, p)
-
-    def at(self, u: Array) -> tuple[Array, Matrix]:
-        here = self.steady(u)
-        system, y = here.system, here.system.at_rest(here.at)
-        balance = WholeBalance(system, y, here.p, 0.0)
-        by_value = np.zeros(len(self.basis))
-        for p, share in self.variable.near(self.value(u)):
-            by_value += share * WholeBalance(system, y, p, 0.0).residual
-        reduced = self.basis.T @ balance.slope @ self.basis
-        J = self.rows[:, None] * np.column_stack((reduced * self.columns, self.basis.T @ by_value))
-        return self.rows * (self.basis.T @ balance.residual), J
+def _inner(
+    problem: Equilibria, a: Point, b: Point, left: float, right: float
+) -> tuple[float, Point] | None:
+    """A share of the way between two, and the point there; None next to a branch point between
+    them, where none can be told. Raises AnalysisError where none is there for another reason, as
+    between points of two branches."""
+    failed: AnalysisError | None = None
+    for part in PARTS:
+        share = left + part * (right - left)
+        try:
+            return share, on_chord(problem, a, b, share)
+        except AnalysisError as error:
+            failed = failed or error
+            if a.sign * b.sign > 0:
+                break
+    if a.sign * b.sign < 0 or failed is None:
+        return None
+    raise failed
 
 
-class Flight(Equilibria):
-    """Of a free rod that nothing holds: it stays straight, and accelerates steadily."""
+def crossing(problem: Equilibria, near: Point, s: complex) -> Special:
+    """The crossing next to a point, by Newton's method on the linearised equations along the
+    branch."""
+    last = np.append(np.zeros(len(near.u) - 1), 1.0)
+    slope = near.tangent / near.tangent[-1]
 
-    def __init__(self, variable: Variable, start: Steady, all_modes: bool = False):
-        super().__init__(variable, start, all_modes)
-        self.weights = np.ones(1)
+    def state(value: float) -> Array:
+        guess = near.u + (problem.scaled(value) - near.u[-1]) * slope
+        return corrected(problem, guess, last).u
 
-    def packed(self, state: Steady, value: float) -> Array:
-        return np.array([self.scaled(value)])
+    def at(value: float) -> Linear:
+        here = problem.steady(state(value))
+        linear = linearised(here)
+        if not s and isinstance(linear, Pencil) and here.turns_freely:
+            return Parts.without_turning(linear, here.turning)
+        return linear
 
-    def _state(self, system: System, p: Array, u: Array) -> Steady:
-        state, turning = straight_state(system, p)
-        if state is None:
-            raise AnalysisError(f"the rod begins to turn with {turning:.3g} rad/s^2")
-        return state
-
-    def at(self, u: Array) -> tuple[Array, Matrix]:
-        self.steady(u)
-        return np.zeros(0), np.zeros((0, 1))
+    kind = HOPF if s else BRANCH
+    value = problem.value(near.u)
+    try:
+        found = onset(at, Onset(value, s), problem.variable.unit)
+    except AnalysisError as error:
+        return about(near, s, error)
+    return Special(kind, state(found.force), frequency=found.s.imag / (2 * np.pi))
 
 
-def equilibria(variable: Variable, start: Steady, all_modes: bool = False) -> Equilibria:
-    """The curve that a steady state lies on, as a problem of continuation."""
-    system = start.system
-    if system.base and not (system.anchored or system.steered):
-        return Flight(variable, start, all_modes)
-    if system.base or system.steered:
-        return Whole(variable, start, all_modes)
-    return Chain(variable, start, all_modes)
+def about(near: Point, s: complex, why: AnalysisError) -> Special:
+    """The crossing at a point next to it."""
+    note = f"known to about {CLOSE:g} of a step only: {why}"
+    return Special(HOPF if s else BRANCH, near.u, frequency=s.imag / (2 * np.pi), note=note)

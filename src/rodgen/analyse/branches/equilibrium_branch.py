@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rodgen.analyse.branches.equilibria import Equilibria, equilibria
+from rodgen.analyse.branches.branch_data import Branch, Recorded, dataset, recorded
+from rodgen.analyse.branches.equilibria import Equilibria
+from rodgen.analyse.branches.equilibrium_problems import equilibria
 from rodgen.analyse.branches.motions import Motions, begun, motion_of
-from rodgen.analyse.branches.variable import SAME, WHOLE, Key
+from rodgen.analyse.branches.variable import Key
 from rodgen.analyse.confirm import Eigenvalues, contradicts
 from rodgen.analyse.curves.continuation import Steps, continued, started, taken_up
 from rodgen.analyse.curves.curve import (
@@ -25,20 +27,19 @@ from rodgen.analyse.curves.datasets import extended, kept
 from rodgen.analyse.curves.special_points import branch_point
 from rodgen.analyse.curves.switching import chosen, switched
 from rodgen.analyse.curves.twice import compared, twice
-from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.guard import guarded
 from rodgen.analyse.modal import MOST_DENSE
 from rodgen.analyse.settle import settle
 from rodgen.analyse.sizes import BRANCH, check_size
 from rodgen.analyse.steady import Steady, linearised, steady
-from rodgen.analyse.system import System
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.keys import with_value
+from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.errors import AnalysisError, InputError
+from rodgen.scene import Scene
 from rodgen.scene.plain import is_number, plain
+from rodgen.system import ParameterRange, System, start_at
 
 if TYPE_CHECKING:
     import xarray
-
-    from rodgen.analyse.branches.branch_data import Recorded
 
 STEP = 0.02  # of the range, or rad: the longest along a branch
 MOST = 2000  # points
@@ -47,24 +48,9 @@ CHECKED = 5  # points of a branch of which all eigenvalues are looked at
 DOUBTED = "what was counted is not what the eigenvalues of the linearised equations say"
 
 
-@dataclass(frozen=True)
-class Branch:
-    """A curve of steady states of a scene; number: of the branch point that it leaves, or 0."""
-
-    scene: Scene
-    key: str
-    problem: Equilibria
-    curve: Curve
-    number: int = 0
-
-    def state(self, point: Point | Special) -> Steady:
-        """The steady state at a point."""
-        return self.problem.steady(point.u)
-
-
 @guarded
 def continue_equilibria(
-    scene: Scene,
+    system: System | Scene,
     key: str,
     ends: tuple[float, float],
     *,
@@ -86,8 +72,8 @@ def continue_equilibria(
 
     Parameters
     ----------
-    scene
-        The scene.
+    system
+        The scene, or a System.
     key
         The number, named as in a study, such as loads.follower.force.
     ends
@@ -129,7 +115,7 @@ def continue_equilibria(
 
     Raises
     ------
-    SceneError
+    InputError
         For a key that cannot be varied, and for values that are not allowed.
     AnalysisError
         If there is no state to start with.
@@ -144,12 +130,12 @@ def continue_equilibria(
     >>> branch.special_kind.values.tolist(), branch.special_value.values.round(2).tolist()
     (['branch', 'branch'], [-2.47, -22.18])
     """
-    from rodgen.analyse.branches.branch_data import dataset, recorded
-
-    check_size(BRANCH, scene, whole=motion is not None)
+    system = System.of(system)
+    check_size(BRANCH, system, whole=motion is not None)
+    scene = system.scene
     if check_mesh:
         if resume is not None:
-            raise SceneError("check_mesh", True, "absent beside resume")
+            raise InputError("check_mesh", True, "absent beside resume")
         beside = twice(scene, key)
     low, high = _range(key, ends)
     begin = low if start is None else _inside("start", start, ends)
@@ -157,7 +143,7 @@ def continue_equilibria(
     if before is not None:
         begin = before.values[0]
     steps = Steps.of(step, most, 4)
-    problem = _prepared(scene, key, ends, begin, imperfection, motion, before, t)
+    problem = _prepared(system, key, ends, begin, imperfection, motion, before, t)
     first = problem.start
     branch = Branch(scene, key, problem, Curve())
 
@@ -212,7 +198,7 @@ def continue_equilibria(
 
 
 def _prepared(
-    scene: Scene,
+    system: System,
     key: str,
     ends: tuple[float, float],
     begin: float,
@@ -222,16 +208,15 @@ def _prepared(
     t: float | None,
 ) -> Equilibria:
     """The problem, about the steady state at the value at which it begins."""
-    if key in WHOLE:
-        raise SceneError("vary", key, SAME)
-    here = with_value(scene, key, begin)
-    system = System.of(here, t)
-    variable = Key(system, scene, key, ends)
+    start = start_at(system, key, begin)
+    values = ParameterRange(start.steady(t), key, ends)
+    rod = SteadyRod.of(values.system)
+    variable = Key(rod, values)
     if before is not None and before.moving:
-        return Motions(variable, motion_of(system, system.parameters(), before.states[0][0]))
+        return Motions(variable, motion_of(rod, rod.system.p, before.states[0][0]))
     if motion is not None:
-        return begun(here, system, variable, motion, begin)
-    first = steady(system) if imperfection is None else _bent(system, imperfection)
+        return begun(start, rod, variable, motion, begin)
+    first = steady(rod) if imperfection is None else _bent(rod, imperfection)
     return equilibria(variable, first)
 
 
@@ -242,7 +227,7 @@ def _entered(problem: Equilibria, curve: Curve, special: Special) -> tuple[Equil
         return problem, special
     beside = [curve.points[special.after + k].u for k in (0, 1)]
     states = [problem.steady(u) for u in beside]
-    motions = Motions(problem.variable, motion_of(states[0].system, states[0].p, states[0].y))
+    motions = Motions(problem.variable, motion_of(states[0].rod, states[0].p, states[0].y))
     row = np.append(np.zeros(len(motions.columns)), 1.0)
     points = []
     for u, state in zip(beside, states, strict=True):
@@ -251,22 +236,22 @@ def _entered(problem: Equilibria, curve: Curve, special: Special) -> tuple[Equil
     return motions, branch_point(motions, *points)._replace(after=special.after)
 
 
-def _bent(system: System, imperfection: float) -> Steady:
+def _bent(rod: SteadyRod, imperfection: float) -> Steady:
     from rodgen.analyse.pencil import forces
     from rodgen.analyse.statics import checked_imperfection
 
-    p = system.parameters()
-    rest, _ = settle(system, p, bend=checked_imperfection(imperfection))
-    return Steady(system, rest.at._replace(force=forces(system, rest.at, p)[1]), p)
+    p = rod.system.p
+    rest, _ = settle(rod, p, bend=checked_imperfection(imperfection))
+    return Steady(rod, rest.at._replace(force=forces(rod, rest.at, p)[1]), p)
 
 
 def _taken_up(problem: Equilibria, before: Recorded) -> Point:
     """The point of a file, on its branch, in its direction. Raises AnalysisError where it is no
     solution."""
-    system = problem.variable.system(before.values[0])
+    rod = problem.variable.rod(before.values[0])
     p = problem.variable.parameters(before.values[0])
     here, *others = (
-        problem.packed(problem.restored(system, p, y, force), value)
+        problem.packed(problem.restored(rod, p, y, force), value)
         for (y, force), value in zip(before.states, before.values, strict=True)
     )
     return taken_up(problem, here, others[0] if others else None, "equilibrium")
@@ -296,10 +281,10 @@ def _range(key: str, ends: tuple[float, float]) -> tuple[float, float]:
     try:
         low, high = plain(list(ends), key)
     except (TypeError, ValueError):
-        raise SceneError(f"vary.{key}", ends, "two numbers: from where to where") from None
+        raise InputError(f"vary.{key}", ends, "two numbers: from where to where") from None
     for value in (low, high):
         if not (is_number(value) and np.isfinite(value)):
-            raise SceneError(f"vary.{key}", value, "a finite number")
+            raise InputError(f"vary.{key}", value, "a finite number")
     return float(low), float(high)
 
 
@@ -307,5 +292,5 @@ def _inside(name: str, value: Any, ends: tuple[float, float]) -> float:
     value = plain(value, name)
     low, high = sorted(ends)
     if not (is_number(value) and low <= value <= high):
-        raise SceneError(name, value, f"a number in the range, {low:g} to {high:g}")
+        raise InputError(name, value, f"a number in the range, {low:g} to {high:g}")
     return float(value)

@@ -16,20 +16,19 @@ import numpy as np
 from scipy.linalg import null_space
 from scipy.optimize import root
 
-from rodgen.analyse.branches.crossings import HOPF, about
-from rodgen.analyse.branches.equilibria import Equilibria
+from rodgen.analyse.branches.equilibria import HOPF, Equilibria, about
 from rodgen.analyse.branches.variable import Variable
 from rodgen.analyse.confirm import Eigenvalues
 from rodgen.analyse.curves.curve import BRANCH, Point, Special
 from rodgen.analyse.curves.special_points import located
 from rodgen.analyse.eigen import Complex
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.small_motions import Growing
 from rodgen.analyse.steady import Steady, has_drag, is_kinked
-from rodgen.analyse.system import System
+from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.simulate import simulate
-from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene, SceneError
+from rodgen.system import System
 
 AHEAD = np.array([[0.0, -1.0], [1.0, 0.0]])  # turns a vector by a right angle
 TRIED = 0.7  # rad by which the whole rod is turned, to see whether directions are alike
@@ -49,8 +48,8 @@ class SteadyMotion(Steady):
     @property
     def y(self) -> Array:
         """The state (states,)."""
-        y = self.system.at_rest(self.at)
-        base, half = self.system.base, self.system.base + self.system.cells
+        y = self.rod.at_rest(self.at)
+        base, half = self.rod.base, self.rod.base + self.rod.cells
         y[half : half + base] = self.velocity
         y[half + base : 2 * half] = self.spin
         return y
@@ -68,10 +67,10 @@ class _Balance(NamedTuple):
 
     @classmethod
     def of(cls, state: SteadyMotion) -> _Balance:
-        system, y, p = state.system, state.y, state.p
-        base, half = system.base, system.base + system.cells
-        rates = system.rates(y, p)
-        J = system.model.jac(system.t, y, p)[half : 2 * half]
+        rod, y, p = state.rod, state.y, state.p
+        base, half = rod.base, rod.base + rod.cells
+        rates = rod.rates(y, p)
+        J = rod.model.jac(rod.t, y, p)[half : 2 * half]
         if not (np.isfinite(rates).all() and np.isfinite(J).all()):
             raise AnalysisError("the equations of steady motion are not finite")
         by_velocity, by_rate = J[:, half : half + base].copy(), J[:, half + base : 2 * half]
@@ -94,16 +93,16 @@ class Motions(Equilibria):
 
     def __init__(self, variable: Variable, start: SteadyMotion):
         super().__init__(variable, start)
-        system = start.system
-        if system.anchored or system.steered:
+        rod = start.rod
+        if rod.anchored or rod.steered:
             what = "absent: springs hold the rod, or its loads follow its motion"
-            raise SceneError("motion", system.scene.name, what)
-        self.base, self.cells = system.base, system.cells
-        self.moves = bool(self.base) and has_drag(system)
+            raise InputError("motion", rod.scene.name, what)
+        self.base, self.cells = rod.base, rod.cells
+        self.moves = bool(self.base) and has_drag(rod)
         self.turns = _alike(start)
-        usual = system.scene.distribution.usual_stiffness / system.scene.rod.length**3
-        rate = np.sqrt(usual / system.scene.mass)
-        speed = float(np.linalg.norm(start.velocity)) or system.scene.rod.length * rate
+        usual = rod.scene.distribution.usual_stiffness / rod.scene.rod.length**3
+        rate = np.sqrt(usual / rod.scene.mass)
+        speed = float(np.linalg.norm(start.velocity)) or rod.scene.rod.length * rate
         self.columns = np.concatenate(
             (
                 np.ones(self.cells),
@@ -130,16 +129,16 @@ class Motions(Equilibria):
         z = np.append(z, np.zeros(len(self.columns) - len(z)))
         return np.append(z / self.columns, self.scaled(value))
 
-    def restored(self, system: System, p: Array, y: Array, force: Array) -> SteadyMotion:
-        return motion_of(system, p, y)
+    def restored(self, rod: SteadyRod, p: Array, y: Array, force: Array) -> SteadyMotion:
+        return motion_of(rod, p, y)
 
-    def _state(self, system: System, p: Array, u: Array) -> SteadyMotion:
+    def _state(self, rod: SteadyRod, p: Array, u: Array) -> SteadyMotion:
         z = u[:-1] * self.columns
         phi, velocity, turning = np.split(z, [self.cells, self.cells + self.base * self.moves])
         if not self.moves:
             velocity = np.zeros(self.base)
         rate = float(turning[0]) if self.turns else 0.0
-        return SteadyMotion(system, system.unsettled(phi), p, velocity, rate)
+        return SteadyMotion(rod, rod.unsettled(phi), p, velocity, rate)
 
     def _balance(self, state: Steady) -> _Balance:
         assert isinstance(state, SteadyMotion)
@@ -162,7 +161,7 @@ class Motions(Equilibria):
         F = made.rates
         by_value = np.zeros(len(F))
         for p, share in self.variable.near(self.value(u)):
-            beside = self._balance(SteadyMotion(here.system, here.at, p, here.velocity, here.spin))
+            beside = self._balance(SteadyMotion(here.rod, here.at, p, here.velocity, here.spin))
             by_value += share * beside.rates
         if self.turns:  # of all that are turned against each other, one
             F = np.append(F, (here.phi - self.mean).sum())
@@ -195,7 +194,7 @@ class Motions(Equilibria):
         where directions are alike."""
         state = self.steady(u)
         assert isinstance(state, SteadyMotion)
-        if is_kinked(state.system) and state.straight:
+        if is_kinked(state.rod) and state.straight:
             raise AnalysisError("external damping has no linear part along the straight rod")
         made, size = self._balance(state), self.cells
         moves = self.base * self.moves
@@ -240,48 +239,48 @@ class Motions(Equilibria):
         return Special(HOPF if s else BRANCH, here.u, frequency=abs(rate) / (2 * np.pi))
 
 
-def motion_of(system: System, p: Array, y: Array) -> SteadyMotion:
+def motion_of(rod: SteadyRod, p: Array, y: Array) -> SteadyMotion:
     """The steady motion next to a state (states,)."""
-    base, half = system.base, system.base + system.cells
+    base, half = rod.base, rod.base + rod.cells
     rates = y[half + base : 2 * half]
-    at = system.unsettled(y[base:half])
-    return SteadyMotion(system, at, p, y[half : half + base], float(rates.mean()))
+    at = rod.unsettled(y[base:half])
+    return SteadyMotion(rod, at, p, y[half : half + base], float(rates.mean()))
 
 
 def _alike(state: SteadyMotion) -> bool:
     """Whether all directions are alike: the rod moves as it did when it is turned as a whole."""
-    system, c, s = state.system, np.cos(TRIED), np.sin(TRIED)
-    if system.clamped:
+    rod, c, s = state.rod, np.cos(TRIED), np.sin(TRIED)
+    if rod.clamped:
         return False
     turned = SteadyMotion(
-        system,
+        rod,
         state.at._replace(phi=state.phi + TRIED),
         state.p,
-        np.array([[c, -s], [s, c]]) @ state.velocity if system.base else state.velocity,
+        np.array([[c, -s], [s, c]]) @ state.velocity if rod.base else state.velocity,
         state.spin,
     )
     made = [_Balance.of(one) for one in (state, turned)]
-    angles = [one.of_angles(system.base).rates for one in made]
+    angles = [one.of_angles(rod.base).rates for one in made]
     here = made[0]
     sizes = np.abs(here.by_angle).max() + np.abs(here.by_turning * state.spin).max()
     least = ALIKE * sizes
     same = bool(np.abs(angles[1] - angles[0]).max() <= least)
-    if not (same and system.base and has_drag(system)):
+    if not (same and rod.base and has_drag(rod)):
         return same
     before, after = (one.rates[:2] for one in made)
     return bool(np.abs(after - np.array([[c, -s], [s, c]]) @ before).max() <= least)
 
 
-def begun(scene: Scene, system: System, variable: Variable, where: str, value: float) -> Motions:
-    """The problem of a scene about the steady motion that is near its initial state ("initial"), or
-    to which a run of it over its span leads ("run"). Raises SceneError, AnalysisError."""
+def begun(system: System, rod: SteadyRod, variable: Variable, where: str, value: float) -> Motions:
+    """The problem of a system about the steady motion that is near its initial state ("initial"),
+    or to which a run of it over its span leads ("run"). Raises InputError, AnalysisError."""
     ways: dict[str, Callable[[], Array]] = {
-        INITIAL: scene.initial_state,
-        RUN: lambda: simulate(scene).y[-1],
+        INITIAL: lambda: system.y0,
+        RUN: lambda: simulate(system).y[-1],
     }
     if where not in ways:
-        raise SceneError("motion", where, " or ".join(map(repr, ways)))
-    guess = motion_of(system, system.parameters(), ways[where]())
+        raise InputError("motion", where, " or ".join(map(repr, ways)))
+    guess = motion_of(rod, rod.system.p, ways[where]())
     problem = Motions(variable, guess)
     found = problem.steady(problem.near(guess, value))
     assert isinstance(found, SteadyMotion)

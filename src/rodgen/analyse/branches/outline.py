@@ -14,9 +14,9 @@ from rodgen.analyse.branches.boundary_equations import Boundary, Plane
 from rodgen.analyse.curves.continuation import Steps, continued, taken_up
 from rodgen.analyse.curves.curve import Curve, Point, Special, both_ways, corrected, point_at
 from rodgen.analyse.curves.special_points import located
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.pencil import first_order
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 
 Ends = tuple[float, float]
 Watch = Callable[[tuple[float, float, float]], None]

@@ -4,32 +4,22 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import replace
-from functools import cached_property
 
-import numpy as np
-
-from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.system import System, frozen
-from rodgen.integrate.stepper import Array
+from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.arrays import Array
 from rodgen.model.terms import TERMS
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.keys import with_value
-from rodgen.scene.plain import is_number, plain
+from rodgen.system import ParameterLine, ParameterRange
 
-TRIED = (0.0, 0.21, 0.5, 0.83, 1.0)  # of the range: whether parameters lie on a line
-LINE = 1e-14  # of the largest: what a line may miss parameters by
+LOADS = "loads.", "foundation.", "supports.", "rod.bending_stiffness"
 STEP = 1e-3  # of the range, of differences of fourth order: their error is its fourth power
 FOURTH = ((1, 8 / 12), (-1, -8 / 12), (2, -1 / 12), (-2, 1 / 12))
-SAME = "a number that leaves the structure of the equations as it is"
-WHOLE = ("rod.links", "integrate.max_steps")  # keys that no branch can follow
-KEPT = 64  # systems remembered
 
 
 class Variable(ABC):
     """A number between two ends that a system of equations depends on."""
 
     ends: tuple[float, float]
-    base: System
+    base: SteadyRod
 
     @property
     def unit(self) -> float:
@@ -40,7 +30,7 @@ class Variable(ABC):
     def parameters(self, value: float) -> Array:
         """p of the module at a value."""
 
-    def system(self, value: float) -> System:
+    def rod(self, value: float) -> SteadyRod:
         """The system at a value. AnalysisError where there is none."""
         return self.base
 
@@ -56,15 +46,16 @@ class LoadFactor(Variable):
 
     ends = (0.0, 1.0)
 
-    def __init__(self, system: System):
-        self.base = system
-        terms = [TERMS[name] for name in system.scene.structure.loads]
-        names = [one.name for term in terms for one in term.proportions]
-        given = system.given
-        self._loads = {name: np.asarray(given[name]) for name in names if name in given}
+    def __init__(self, rod: SteadyRod):
+        self.base = rod
+        system = rod.system
+        terms = [TERMS[name] for name in system.structure.loads]
+        names = {one.name for term in terms for one in term.proportions}
+        parts = {name: system.values(name) for name in names & system.structure.places.keys()}
+        self._line = ParameterLine.of(system, parts)
 
     def parameters(self, value: float) -> Array:
-        return self.base.parameters(**{k: value * load for k, load in self._loads.items()})
+        return self._line.parameters(value)
 
     def near(self, value: float) -> list[tuple[Array, float]]:
         """All of them less none: forces are in proportion to the factor."""
@@ -72,69 +63,30 @@ class LoadFactor(Variable):
 
 
 class Key(Variable):
-    """A key of a scene between two values.
+    """A key of a scene between two values; rod: at the first value that is asked for."""
 
-    Raises SceneError for a key that the scene does not have, that is no number, that changes the
-    equations themselves, such as the number of links, or on which they do not depend; and for
-    values that the scene refuses.
-    """
+    def __init__(self, rod: SteadyRod, values: ParameterRange):
+        self.base, self.ends, self._range = rod, values.bounds, values
+        key = values.key
+        slot = rod.system.parameter_map.slot(key)
+        # What else a rod is, its straight shape among it, does not follow from these.
+        self._shared = slot is not None and not len(slot.y) and key.startswith(LOADS)
 
-    def __init__(self, system: System, scene: Scene, key: str, ends: tuple[float, float]):
-        self.base, self.scene, self.key, self.ends = system, scene, key, ends
-        self._systems: dict[float, System] = {}
-        self._check()
-
-    def _check(self) -> None:
-        low, high = self.ends
-        for value in self.ends:
-            if not (is_number(plain(value, self.key)) and np.isfinite(value)):
-                raise SceneError(f"vary.{self.key}", value, "a finite number")
-        if low == high:
-            raise SceneError(f"vary.{self.key}", high, f"a range: its ends are both {low:g}")
-        if self._scene(low).structure != self.base.scene.structure:
-            raise SceneError("vary", self.key, SAME)
-        self._scene(high)
-        first, last = (self._made(value).parameters() for value in self.ends)
-        if np.array_equal(first, last):
-            raise SceneError("vary", self.key, "a number that the equations depend on")
-
-    def _scene(self, value: float) -> Scene:
-        return frozen(with_value(self.scene, self.key, float(value)), self.base.t)
-
-    def _made(self, value: float) -> System:
-        return replace(self.base, scene=self._scene(value))
-
-    @cached_property
-    def _line(self) -> tuple[Array, Array] | None:
-        """Parameters at both ends, where all between lie on the line that joins them and nothing
-        but parameters follows the key."""
-        if not self.key.startswith(("loads.", "foundation.", "rod.bending_stiffness")):
-            return None
-        (a, b), (low, high) = (
-            [self._made(value).parameters() for value in self.ends],
-            self.ends,
-        )
-        for share in TRIED:
-            p = self._made(low + share * (high - low)).parameters()
-            if not (np.abs(p - (a + share * (b - a))) <= LINE * (np.abs(a) + np.abs(b))).all():
-                return None
-        return a, b
-
-    def system(self, value: float) -> System:
-        if self._line is not None:
-            return self.base
-        if value not in self._systems:
-            while len(self._systems) > KEPT:
-                self._systems.pop(next(iter(self._systems)))
-            try:
-                self._systems[value] = self._made(value)
-            except SceneError as error:
-                raise AnalysisError(str(error)) from None
-        return self._systems[value]
+    def rod(self, value: float) -> SteadyRod:
+        return self.base if self._shared else replace(self.base, system=self._range.at(value))
 
     def parameters(self, value: float) -> Array:
-        if self._line is None:
-            return self.system(value).parameters()
-        (a, b), (low, high) = self._line, self.ends
-        share = (value - low) / (high - low)
-        return np.asarray(a + share * (b - a))
+        low, high = sorted(self.ends)
+        if self._shared and not low <= value <= high:
+            return self._on_line(value)
+        return self._range.parameters(value)
+
+    def near(self, value: float) -> list[tuple[Array, float]]:
+        if not self._shared:
+            return super().near(value)
+        return [(self._on_line(value + k * STEP * self.unit), s / STEP) for k, s in FOURTH]
+
+    def _on_line(self, value: float) -> Array:
+        """p on the line through both ends, also where the scene refuses a value beyond them."""
+        low, high = ((end, self._range.parameters(end)) for end in self.ends)
+        return ParameterLine.through(low, high).parameters(value)

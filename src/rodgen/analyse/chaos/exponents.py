@@ -18,17 +18,18 @@ import numpy as np
 from rodgen.analyse.chaos.volume import Kinetic, Plain, VolumeForm
 from rodgen.analyse.chaos.zero_exponents import zero_exponents
 from rodgen.analyse.chaos.zero_one import LEAST, spaced, zero_one_test
-from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.guard import guarded
 from rodgen.analyse.sizes import EXPONENTS, check_size
-from rodgen.integrate.stepper import Array, ChatterError, StepError
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError
+from rodgen.integrate.stepper import ChatterError, StepError
 from rodgen.integrate.stretches import window
 from rodgen.integrate.variations import METHODS, PARTS, Steps, Variations
-from rodgen.loading import build_fastest
 from rodgen.model.methods import COLLOCATION
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.scene.integration import AUTO
-from rodgen.scene.scene import check_scene
 from rodgen.shown import Shown
+from rodgen.system import System
 
 PIECES = 2000  # of the time that is averaged over, at whose ends there is a sample
 NAMED = 3  # exponents in a line of text
@@ -98,7 +99,7 @@ class Exponents(Shown):
 
 @guarded
 def lyapunov_exponents(
-    scene: Scene,
+    system: System | Scene,
     *,
     count: int | None = None,
     span: float | None = None,
@@ -118,8 +119,8 @@ def lyapunov_exponents(
 
     Parameters
     ----------
-    scene
-        The scene.
+    system
+        The scene, or a System.
     count
         Number of exponents, from the largest on. By default all are computed.
     span
@@ -139,7 +140,7 @@ def lyapunov_exponents(
 
     Raises
     ------
-    SceneError
+    InputError
         For values that cannot be used.
     AnalysisError
         If the motion cannot be continued.
@@ -151,20 +152,20 @@ def lyapunov_exponents(
     >>> bool(found.exponents[0] > 10)
     True
     """
-    check_scene(scene)
-    start = scene.integrate.span[0]
-    length = scene.integrate.span[1] - start if span is None else _seconds("span", span)
-    states = len(scene.initial_state())
+    system = System.of(system)
+    start, end = system.settings.span
+    length = end - start if span is None else _seconds("span", span)
+    states = len(system.y0)
     whole = isinstance(count, int | np.integer) and not isinstance(count, bool)
     if count is not None and not (whole and 1 <= count <= states):
-        raise SceneError("count", count, f"from 1 to {states}, the numbers of the state")
+        raise InputError("count", count, f"from 1 to {states}, the numbers of the state")
     skipped = TRANSIENT * length if transient is None else transient
     if not 0 <= skipped < length:
-        raise SceneError("transient", transient, f"from 0 to below the span, {length:g} s")
-    check_size(EXPONENTS, scene, count=count or 0)
-    over = window(scene, start, start + length)
-    model = model if model is not None else build_fastest(scene, PARTS)
-    course = _Course(over, model, count or states, progress)
+        raise InputError("transient", transient, f"from 0 to below the span, {length:g} s")
+    check_size(EXPONENTS, system, count=count or 0)
+    over = window(system.scene, start, start + length)
+    model = model if model is not None else system.model(parts=PARTS)
+    course = _Course(over, system.p, model, count or states, progress)
     progress(start)
     try:
         if skipped:
@@ -172,13 +173,13 @@ def lyapunov_exponents(
         before = course.log_volume
         rates, signal = course.over(start + skipped, start + length, PIECES)
     except StepError as error:
-        raise AnalysisError(f"{scene.name}: the motion cannot go on: {error}") from None
+        raise AnalysisError(f"{system.name}: the motion cannot go on: {error}") from None
     return _found(over, course, rates, signal, skipped, before)
 
 
 def _seconds(name: str, value: float) -> float:
     if not (math.isfinite(value) and value > 0):
-        raise SceneError(name, value, "seconds above 0")
+        raise InputError(name, value, "seconds above 0")
     return float(value)
 
 
@@ -186,10 +187,15 @@ class _Course:
     """A motion with a frame of tangents, from piece to piece."""
 
     def __init__(
-        self, scene: Scene, model: ModuleType, count: int, progress: Callable[[float], None]
+        self,
+        scene: Scene,
+        p: Array,
+        model: ModuleType,
+        count: int,
+        progress: Callable[[float], None],
     ):
         self.model, self._progress = model, progress
-        self._p = model.parameters(**scene.parameters)
+        self._p = p
         y = scene.initial_state()
         self.volumes = count == len(y)
         self._form: VolumeForm = Kinetic(model, self._p) if self.volumes else Plain()

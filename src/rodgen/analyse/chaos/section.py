@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rodgen.errors import InputError
 from rodgen.integrate.catalogue import Piece
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.solution import Solution
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.scene.plain import is_number, plain
+from rodgen.system import System
 
 if TYPE_CHECKING:
     import xarray
@@ -20,7 +22,7 @@ WAYS = ("rising", "falling", "either")
 
 
 def poincare_section(
-    motion: Scene | Solution,
+    motion: System | Scene | Solution,
     where: str,
     *,
     rising: float | None = None,
@@ -35,7 +37,7 @@ def poincare_section(
     Parameters
     ----------
     motion
-        A scene, which is run over its span, or a `Solution`, whose run is repeated.
+        A scene or System, which is run over its span, or a `Solution`, whose run is repeated.
     where
         Name of the quantity, as in an event: phi_0, omega_3 or tip_y, for example.
     rising, falling, either
@@ -51,7 +53,7 @@ def poincare_section(
 
     Raises
     ------
-    SceneError
+    InputError
         For a quantity that does not exist, or without exactly one level.
     RunError
         If the run fails.
@@ -75,21 +77,20 @@ def poincare_section(
     import xarray
 
     direction, level = _level(rising, falling, either)
-    scene = motion.scene if isinstance(motion, Solution) else motion
-    table = scene.model_dump(exclude_none=True)
+    system = motion.system if isinstance(motion, Solution) else System.of(motion)
+    events = [one.model_dump(exclude_none=True) for one in system.events]
     event = {"quantity": where, "value": level, "direction": direction, "name": CROSSING}
-    watching = Scene.from_dict(table | {"events": [*table.get("events", []), event]})
+    watching = system.at({"events": [*events, event]})
     if isinstance(motion, Solution):
         span = [float(motion.t[0]), float(motion.t[-1])]
-        run = simulate(watching, model=motion.model, y0=motion.y[0], span=span)
+        run = simulate(watching.at(y0=motion.y[0]), model=motion.model, span=span)
     else:
         run = simulate(watching)
     start = float(run.t[0]) + _seconds(transient)
     met = [one for one in run.events if one.name == CROSSING and one.t >= start]
     t = np.array([one.t for one in met])
     y = np.array([one.y for one in met]).reshape(len(met), run.y.shape[1])
-    p = run.model.parameters(**run.scene.parameters)
-    piece = Piece(run.model, p, y, t, timed=run.scene.timed)
+    piece = Piece(run.model, run.system.p, y, t, timed=run.system.timed)
     data = {
         "t": ("crossing", t, {"units": "s"}),
         "phi": (("crossing", "link"), piece.values("phi"), {"units": "rad"}),
@@ -105,17 +106,17 @@ def _level(*given: float | None) -> tuple[str, float]:
     """The direction and the level of which one is given."""
     levels = {way: plain(one, way) for way, one in zip(WAYS, given, strict=True) if one is not None}
     if len(levels) != 1:
-        raise SceneError(
+        raise InputError(
             "section", list(levels) or None, f"one of {', '.join(WAYS)}, and its level"
         )
     ((direction, level),) = levels.items()
     if not (is_number(level) and np.isfinite(level)):
-        raise SceneError(direction, level, "a finite number, the level")
+        raise InputError(direction, level, "a finite number, the level")
     return direction, float(level)
 
 
 def _seconds(transient: float) -> float:
     made = plain(transient, "transient")
     if not (is_number(made) and 0 <= made < np.inf):
-        raise SceneError("transient", transient, "a time of at least 0 s")
+        raise InputError("transient", transient, "a time of at least 0 s")
     return float(made)

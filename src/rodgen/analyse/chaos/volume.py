@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from rodgen.loading.module import asked
 
 

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.signal import fftconvolve
 
-from rodgen.analyse.errors import guarded
-from rodgen.integrate.stepper import Array
-from rodgen.scene import SceneError
+from rodgen.analyse.guard import guarded
+from rodgen.arrays import Array
+from rodgen.errors import InputError
 
 LEAST = 100  # samples
 CUT = 10  # lags go up to the length of the series over this
@@ -43,7 +43,7 @@ def zero_one_test(series: ArrayLike, *, count: int = 100, seed: int = 0) -> floa
 
     Raises
     ------
-    SceneError
+    InputError
         For fewer than 100 samples.
 
     Examples
@@ -57,7 +57,7 @@ def zero_one_test(series: ArrayLike, *, count: int = 100, seed: int = 0) -> floa
     """
     phi = np.asarray(series, dtype=float)
     if phi.ndim != 1 or len(phi) < LEAST:
-        raise SceneError("series", f"of shape {phi.shape}", f"at least {LEAST} samples, one axis")
+        raise InputError("series", f"of shape {phi.shape}", f"at least {LEAST} samples, one axis")
     if not np.isfinite(phi).all():
         return float("nan")
     scale = float(np.abs(phi - phi.mean()).max())

@@ -13,8 +13,8 @@ from scipy.sparse import block_array, csc_array, issparse
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 
 Matrix = Any  # a NumPy array, or a sparse one
 SINGULAR = "the bordered equations are singular"

@@ -24,10 +24,9 @@ from rodgen.analyse.curves.curve import (
 )
 from rodgen.analyse.curves.journal import Step, current
 from rodgen.analyse.curves.special_points import between
-from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError
 from rodgen.progress import tell
-from rodgen.scene import SceneError
 from rodgen.scene.plain import is_number, plain
 
 QUICK = 4  # iterations after which the next step is longer
@@ -53,12 +52,12 @@ class Steps:
     @classmethod
     def of(cls, step: float, most: int, parts: int, least: float = 1e-9) -> Steps:
         """The longest step and most points that were asked for; parts: of the longest, the first.
-        Raises SceneError."""
+        Raises InputError."""
         step, most = plain(step, "step"), plain(most, "most")
         if not (is_number(step) and 0 < step <= 1):
-            raise SceneError("step", step, "a number above 0 and at most 1")
+            raise InputError("step", step, "a number above 0 and at most 1")
         if not isinstance(most, int) or isinstance(most, bool) or most < 2:
-            raise SceneError("most", most, "a whole number of at least 2")
+            raise InputError("most", most, "a whole number of at least 2")
         return cls(first=step / parts, least=least, longest=step, most=most)
 
 
@@ -135,7 +134,7 @@ class _Walk:
             self._walked(start, first)
         except KeyboardInterrupt:
             curve.end, curve.interrupted = "it was interrupted", True
-        except (*BROKEN, SceneError) as error:
+        except (*BROKEN, InputError) as error:
             curve.end = str(error)
         if not curve.complete:
             curve.end += f" at {self.problem.value(curve.points[-1].u):.9g}"

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rodgen.analyse.curves.bordered import Bordered, Matrix
-from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 
 ITERATIONS = 10  # of Newton's method for one point
 SETTLED, NOISE = (

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rodgen.analyse.curves.curve import Curve, Problem
-from rodgen.analyse.errors import BranchInterrupted
-from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene, SceneError
+from rodgen.arrays import Array
+from rodgen.errors import BranchInterrupted, InputError
+from rodgen.scene import Scene
 from rodgen.scene.plain import plain
 from rodgen.shown import show_datasets
 
@@ -46,11 +46,11 @@ def scene_of(data: xarray.Dataset) -> Scene:
 
 
 def point_number(data: xarray.Dataset, at: object) -> int:
-    """The number of a point, counted from the start. Raises SceneError for one that is not
+    """The number of a point, counted from the start. Raises InputError for one that is not
     there."""
     count, number = data.sizes["point"], plain(at, "at")
     if not isinstance(number, int) or isinstance(number, bool) or not -count <= number < count:
-        raise SceneError("at", at, f"the number of a point, 0 to {count - 1}")
+        raise InputError("at", at, f"the number of a point, 0 to {count - 1}")
     return number % count
 
 
@@ -59,15 +59,15 @@ def to_go_on(
 ) -> list[int]:
     """The numbers of the point that a curve of this format, of a scene along these keys (by the
     attribute that has them), is gone on with from, and of the one next to it from which it came:
-    of the first point the one after it, since it is gone on from backwards. Raises SceneError."""
+    of the first point the one after it, since it is gone on from backwards. Raises InputError."""
     if data.attrs.get("format") != form:
-        raise SceneError("resume", data.attrs.get("format"), f"a file of the format {form!r}")
+        raise InputError("resume", data.attrs.get("format"), f"a file of the format {form!r}")
     for attribute, key in keys.items():
         if data.attrs[attribute] != key:
-            raise SceneError("resume", data.attrs[attribute], f"a file along {key}")
+            raise InputError("resume", data.attrs[attribute], f"a file along {key}")
     other = scene_of(data)
     if other.rod != scene.rod or other.structure != scene.structure:
-        raise SceneError("resume", other.name, "a file of this scene")
+        raise InputError("resume", other.name, "a file of this scene")
     number, last = point_number(data, at), data.sizes["point"] - 1
     return [number, number - 1 if number else 1] if last else [number]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rodgen.errors import InputError
 from rodgen.integrate.files import replaced
-from rodgen.scene import SceneError
 from rodgen.shown import show_datasets
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ def save(data: xarray.Dataset, path: Path) -> None:
 
 def read(path: Path, field: str, kind: str, *forms: str) -> xarray.Dataset:
     """The branch in a file. field: what it was given as; kind: of branch, in words; forms: the
-    attribute `format` of its files. Raises SceneError for what is none."""
+    attribute `format` of its files. Raises InputError for what is none."""
     import xarray
 
     show_datasets()
@@ -30,8 +30,8 @@ def read(path: Path, field: str, kind: str, *forms: str) -> xarray.Dataset:
             data = file.load()
     except (OSError, ValueError, TypeError, KeyError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise SceneError(field, str(path), f"a NetCDF file that can be read ({reason})") from None
+        raise InputError(field, str(path), f"a NetCDF file that can be read ({reason})") from None
     if data.attrs.get("format") not in forms:
         allowed = " or ".join(map(repr, forms))
-        raise SceneError(field, str(path), f"{kind} written by rodgen (format {allowed})")
+        raise InputError(field, str(path), f"{kind} written by rodgen (format {allowed})")
     return data

@@ -21,7 +21,7 @@ from zlib import crc32
 import numpy as np
 
 from rodgen.analyse.curves.curve import Point, Problem, Special
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from rodgen.loading.cache import PACKAGES, source_hash
 
 SAME = 1e-6  # by which the start of a curve may differ from that of the journal

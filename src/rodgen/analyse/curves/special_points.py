@@ -19,8 +19,8 @@ from rodgen.analyse.curves.curve import (
     corrected,
     point_at,
 )
-from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 
 ITERATIONS = 30
 CLOSE = 1e-12  # of the way between two points: a special point is known

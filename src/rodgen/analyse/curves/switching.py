@@ -6,21 +6,21 @@ from collections.abc import Callable, Collection, Sequence
 
 from rodgen.analyse.curves.continuation import Steps, continued
 from rodgen.analyse.curves.curve import BRANCH, Curve, Point, Problem, Special, both_ways
-from rodgen.scene import SceneError
+from rodgen.errors import InputError
 from rodgen.scene.plain import plain
 
 
 def chosen(found: Sequence[Special], switch: object, kinds: Collection[str] = (BRANCH,)) -> Special:
-    """The special point of a number, 1 is the first, of one of these kinds. Raises SceneError."""
+    """The special point of a number, 1 is the first, of one of these kinds. Raises InputError."""
     number = plain(switch, "switch")
     count = len(found)
     if not isinstance(number, int) or isinstance(number, bool) or not 1 <= number <= count:
         what = f"the number of a special point of the branch, 1 to {count}"
-        raise SceneError("switch", switch, what if count else "absent: no special point was found")
+        raise InputError("switch", switch, what if count else "absent: no special point was found")
     special = found[number - 1]
     if special.kind not in kinds:
         names = ", ".join(f"{at}: {one.kind}" for at, one in enumerate(found, 1))
-        raise SceneError("switch", switch, f"a {' or '.join(kinds)} point (there are {names})")
+        raise InputError("switch", switch, f"a {' or '.join(kinds)} point (there are {names})")
     return special
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
-from rodgen.analyse.errors import AnalysisError
-from rodgen.scene import Scene, SceneError
+from rodgen.errors import AnalysisError, InputError
+from rodgen.scene import Scene
 from rodgen.scene.mesh import per_link
 
 if TYPE_CHECKING:
@@ -18,11 +18,11 @@ MOVED = 0.01  # of a number: a change that is said
 
 
 def twice(scene: Scene, key: str = "") -> Scene:
-    """The same rod of twice as many links. Raises SceneError for one that belongs to its number of
+    """The same rod of twice as many links. Raises InputError for one that belongs to its number of
     links, and for a key that does."""
     if key == "rod.links" or key in {one.field for one in per_link(scene, everything=True)}:
         allowed = f"absent where {key} is varied, which belongs to the number of links"
-        raise SceneError("check_mesh", True, allowed)
+        raise InputError("check_mesh", True, allowed)
     return scene.with_links(2 * scene.rod.links)
 
 
@@ -40,7 +40,7 @@ def _notes(data: xarray.Dataset, links: int, follow: Callable[[], xarray.Dataset
     few, many = f"with {links} links", f"with {2 * links}"
     try:
         other = follow()
-    except (AnalysisError, SceneError) as error:
+    except (AnalysisError, InputError) as error:
         yield f"{many} links there is none ({error})"
         return
     above = [one.attrs.get("supercritical") for one in (data, other)]
@@ -66,7 +66,7 @@ def cycle_notes(cycle: Cycle, links: int, find: Callable[[], Cycle]) -> tuple[st
     few, many = f"with {links} links", f"with {2 * links}"
     try:
         other = find()
-    except (AnalysisError, SceneError) as error:
+    except (AnalysisError, InputError) as error:
         return (f"{many} links there is none ({error})",)
     said = []
     if cycle.stable != other.stable:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from rodgen.analyse.curves import files
+from rodgen.analyse.curves.curve import Curve
 from rodgen.analyse.curves.datasets import (
     attributes,
     lengths,
@@ -16,21 +18,31 @@ from rodgen.analyse.curves.datasets import (
     to_go_on,
 )
 from rodgen.analyse.cycles.cycle import nontrivial
+from rodgen.analyse.cycles.family import Cycles
+from rodgen.analyse.cycles.hopf import Hopf
 from rodgen.analyse.cycles.shooting import cut
+from rodgen.arrays import Array
+from rodgen.errors import InputError
 from rodgen.integrate.catalogue import Piece
-from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.keys import key_place, with_value
-from rodgen.scene.overrides import with_state
-from rodgen.scene.plain import entry
+from rodgen.scene import Scene
+from rodgen.system import System
 
 if TYPE_CHECKING:
     import xarray
 
-    from rodgen.analyse.cycles.branches import Branch
-
 FORMAT = "rodgen cycles 1"
 SAMPLES = 128  # of a period
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A curve of cycles of a scene along a key; hopf: where it begins, unless that was a run."""
+
+    scene: Scene
+    key: str
+    problem: Cycles
+    curve: Curve
+    hopf: Hopf | None = None
 
 
 def dataset(branch: Branch) -> xarray.Dataset:
@@ -130,19 +142,18 @@ def _row(branch: Branch, u: Array) -> dict[str, Any]:
 
 
 def read(path: Path) -> xarray.Dataset:
-    """The branch in a file. Raises SceneError for what is none."""
+    """The branch in a file. Raises InputError for what is none."""
     return files.read(path, "from", "a branch of cycles", FORMAT)
 
 
 def nearest(data: xarray.Dataset, scene: Scene) -> int:
-    """The number of the cycle whose value is nearest to a scene's own. Raises SceneError for the
+    """The number of the cycle whose value is nearest to a scene's own. Raises InputError for the
     branch of another scene."""
     key = str(data.attrs["key"])
     other = scene_of(data)
     if other.structure != scene.structure:
-        raise SceneError("from", other.name, "a branch of this scene")
-    table = scene.model_dump(exclude_none=True)
-    value = entry(table, *key_place(table, key))
+        raise InputError("from", other.name, "a branch of this scene")
+    value = scene.value_of(key)
     return int(np.abs(data["value"].values - float(value)).argmin())
 
 
@@ -164,23 +175,22 @@ class Recorded(NamedTuple):
 
 
 def recorded(data: xarray.Dataset, scene: Scene, key: str, at: int) -> list[Recorded]:
-    """A cycle of a branch and the one that it comes after, if any. Raises SceneError for a branch
+    """A cycle of a branch and the one that it comes after, if any. Raises InputError for a branch
     of another scene or key, and for a cycle that it does not have."""
     rows = to_go_on(data, FORMAT, scene, {"key": key}, at)
     return [Recorded.of(data, row) for row in rows]
 
 
-def on_branch(data: xarray.Dataset, at: int) -> tuple[Scene, Recorded]:
-    """The scene at the value of a point of a branch, and its cycle. Raises SceneError for a point
+def on_branch(data: xarray.Dataset, at: int) -> tuple[System, Recorded]:
+    """The system at the value of a point of a branch, and its cycle. Raises InputError for a point
     that it does not have."""
     found = Recorded.of(data, point_number(data, at))
-    return with_value(scene_of(data), data.attrs["key"], found.value), found
+    return System(scene_of(data)).at({data.attrs["key"]: found.value}), found
 
 
 def scene_at(data: xarray.Dataset, at: int) -> Scene:
     """The scene at a point of a branch, which starts in a state of its cycle, at the time whose
-    loads were taken. Raises SceneError for a point that it does not have."""
-    scene, found = on_branch(data, at)
-    start, end = scene.integrate.span
-    scene = scene.with_integrate(span=(found.t, found.t + end - start))
-    return with_state(scene, found.y0)
+    loads were taken. Raises InputError for a point that it does not have."""
+    system, found = on_branch(data, at)
+    start, end = system.settings.span
+    return system.with_settings(span=(found.t, found.t + end - start)).at(y0=found.y0).scene

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,29 +12,28 @@ from rodgen.analyse.curves.continuation import Steps, continued, started, taken_
 from rodgen.analyse.curves.curve import Curve, Point, Special, both_ways, corrected, point_at
 from rodgen.analyse.curves.datasets import extended, kept
 from rodgen.analyse.curves.twice import compared, twice
+from rodgen.analyse.cycles.branch_data import Branch, Recorded, dataset, recorded
 from rodgen.analyse.cycles.closing import Orbit
 from rodgen.analyse.cycles.cycle import Cycle
-from rodgen.analyse.cycles.family import Cycles, Variation
+from rodgen.analyse.cycles.family import Cycles
 from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.cycles.hopf import Hopf, hopf_point
 from rodgen.analyse.cycles.hopf_start import HOPF, check_smooth, recorded_hopf
 from rodgen.analyse.cycles.search import Search, segments_of
 from rodgen.analyse.cycles.shooting import SEGMENTS, cut
 from rodgen.analyse.cycles.switching import other_branch
-from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.guard import guarded
 from rodgen.analyse.sizes import CYCLE, check_size
 from rodgen.analyse.steady import steady
-from rodgen.analyse.system import System
-from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.errors import check_type
-from rodgen.scene.keys import key_place
-from rodgen.scene.plain import entry, is_number, plain
+from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError, check_type
+from rodgen.scene import Scene
+from rodgen.scene.plain import is_number, plain
+from rodgen.system import ParameterRange, System
 
 if TYPE_CHECKING:
     import xarray
-
-    from rodgen.analyse.cycles.branch_data import Recorded
 
 RUN = "run"
 SMALL, LARGER = 0.03, 1.25  # rad: the first cycle beside a Hopf point, and one that is larger
@@ -43,20 +42,9 @@ LEAST = 1e-6
 MOST = 200  # points
 
 
-@dataclass(frozen=True)
-class Branch:
-    """A curve of cycles of a scene along a key; hopf: where it begins, unless that was a run."""
-
-    scene: Scene
-    key: str
-    problem: Cycles
-    curve: Curve
-    hopf: Hopf | None = None
-
-
 @guarded
 def continue_cycles(
-    scene: Scene,
+    system: System | Scene,
     key: str,
     ends: tuple[float, float],
     *,
@@ -75,8 +63,8 @@ def continue_cycles(
 
     Parameters
     ----------
-    scene
-        The scene.
+    system
+        The scene, or a System.
     key
         The number, named as in a study, such as loads.follower.force.
     ends
@@ -117,7 +105,7 @@ def continue_cycles(
 
     Raises
     ------
-    SceneError
+    InputError
         For a key that cannot be varied, and for values that are not allowed.
     AnalysisError
         If there is no cycle or Hopf point to begin with.
@@ -136,35 +124,37 @@ def continue_cycles(
     """
     import xarray
 
-    from rodgen.analyse.cycles.branch_data import dataset, recorded
-
-    check_size(CYCLE, scene)
+    system = System.of(system)
+    check_size(CYCLE, system)
+    scene = system.scene
     if check_mesh:
         if resume is not None or not isinstance(start, str):
-            raise SceneError("check_mesh", True, "absent beside resume, and a start that is given")
+            raise InputError("check_mesh", True, "absent beside resume, and a start that is given")
         beside = twice(scene, key)
     ends = _ends(key, ends)
     count = segments_of(segments)
     steps = Steps.of(step, most, 10, LEAST)
-    search = Search.of(scene, target)
-    variation = Variation(search, scene, key, ends)
+    search = Search.of(system, target)
+    along = ParameterRange(search.system, key, ends)
     if resume is not None:
         cycles = recorded(resume, scene, key, at)
-        branch = _gone_on(variation, cycles, count, steps, watch)
+        branch = _gone_on(search, along, cycles, count, steps, watch)
         if switch is None:
             return kept(branch.curve, lambda: extended(resume, at, dataset(branch)))
     elif isinstance(start, str) and start == HOPF:
-        branch = _from_hopf(variation, hopf_of(variation), count, steps, watch)
+        branch = _from_hopf(search, along, hopf_of(search, along), count, steps, watch)
     elif isinstance(start, xarray.Dataset):
-        branch = _from_hopf(variation, recorded_hopf(variation, start, at), count, steps, watch)
+        branch = _from_hopf(
+            search, along, recorded_hopf(search, along, start, at), count, steps, watch
+        )
     elif isinstance(start, str) and start != RUN:
-        raise SceneError("start", start, f"{HOPF!r}, {RUN!r}, a cycle, or a branch")
+        raise InputError("start", start, f"{HOPF!r}, {RUN!r}, a cycle, or a branch")
     else:
         if not isinstance(start, str):
             check_type("start", start, Cycle, see="find_cycle")
         value = _own(scene if isinstance(start, str) else start.scene, key, ends)
         cycle = search.settled() if isinstance(start, str) else start
-        branch = _both_ways(variation, cycle, value, count, steps, watch)
+        branch = _both_ways(search, along, cycle, value, count, steps, watch)
     if switch is not None and not branch.curve.interrupted:
         branch = _switched(branch, switch, steps, watch)
     found = kept(branch.curve, lambda: dataset(branch))
@@ -182,42 +172,41 @@ def continue_cycles(
 def _ends(key: str, ends: tuple[float, float]) -> tuple[float, float]:
     given = plain(list(ends), f"vary.{key}")
     if not (len(given) == 2 and all(is_number(one) and np.isfinite(one) for one in given)):
-        raise SceneError(f"vary.{key}", ends, "two finite numbers")
+        raise InputError(f"vary.{key}", ends, "two finite numbers")
     return float(given[0]), float(given[1])
 
 
 def _own(scene: Scene, key: str, ends: tuple[float, float]) -> float:
-    """The scene's own value of a key. Raises SceneError for one outside the ends."""
-    table = scene.model_dump(exclude_none=True)
-    value = entry(table, *key_place(table, key))
+    """The scene's own value of a key. Raises InputError for one outside the ends."""
+    value = scene.value_of(key)
     if not (is_number(value) and min(ends) <= value <= max(ends)):
-        raise SceneError(key, value, f"in the range, {ends[0]:g} to {ends[1]:g}, to begin there")
+        raise InputError(key, value, f"in the range, {ends[0]:g} to {ends[1]:g}, to begin there")
     return float(value)
 
 
-def hopf_of(variation: Variation) -> tuple[Hopf, Callable[[float], Flow]]:
-    """The first Hopf point of the scene's equilibrium between the ends of a variation, and the flow
+def hopf_of(search: Search, along: ParameterRange) -> tuple[Hopf, Callable[[float], Flow]]:
+    """The first Hopf point of the scene's equilibrium between the ends of a range, and the flow
     at a value. Raises AnalysisError."""
-    search = variation.search
     if search.forced:
         raise AnalysisError(
             "no Hopf point: the loads repeat, and leave no equilibrium; start from a run"
         )
-    low, high = variation.ends
-    state = steady(System.of(variation.at(low)))
-    check_smooth(state.system.scene)
-    y = state.system.at_rest(state.at)
+    low, high = along.bounds
+    state = steady(SteadyRod.of(along.at(low)))
+    check_smooth(state.rod.scene)
+    y = state.rod.at_rest(state.at)
     quotient = search.flow(0.0, y).quotient
     quotient = replace(quotient, origin=y)
 
     def flow(value: float) -> Flow:
-        return Flow(search.model, variation.parameters(value), quotient)
+        return Flow(search.model, along.parameters(value), quotient)
 
     return hopf_point(flow, 0.0, y[quotient.kept], low, high), flow
 
 
 def _from_hopf(
-    variation: Variation,
+    search: Search,
+    along: ParameterRange,
     begin: tuple[Hopf, Callable[[float], Flow]],
     count: int,
     steps: Steps,
@@ -229,17 +218,18 @@ def _from_hopf(
         x, value, period = hopf.beside(amplitude)
         states = cut(flow(value), 0.0, x, period, count)
         orbits.append((Orbit(states, 0.0, period, 0.0, amplitude), value))
-    problem = Cycles(variation, flow(hopf.value).quotient, *orbits[0])
+    problem = Cycles(search, along, flow(hopf.value).quotient, *orbits[0])
     guess, larger = (problem.packed(*one) for one in orbits)
     way = (larger - guess) / problem.length(larger - guess)
     found = corrected(problem, guess, problem.weights * way)
     first = point_at(problem, found, way)
     curve = _walk(problem, first, steps, watch)
-    return Branch(variation.scene, variation.key, problem, curve, hopf)
+    return Branch(search.given, along.key, problem, curve, hopf)
 
 
 def _both_ways(
-    variation: Variation,
+    search: Search,
+    along: ParameterRange,
     cycle: Cycle,
     value: float,
     count: int,
@@ -248,21 +238,22 @@ def _both_ways(
 ) -> Branch:
     orbit = cycle.orbit
     if orbit is None:
-        raise SceneError("start", cycle, "a cycle of `find_cycle`")
-    flow = variation.search.flow(cycle.t, cycle.y0)
+        raise InputError("start", cycle, "a cycle of `find_cycle`")
+    flow = search.flow(cycle.t, cycle.y0)
     orbit = replace(orbit, x=cut(flow, orbit.t, orbit.x[0], orbit.period, count))
-    problem = _problem(variation, cycle.y0, orbit, value)
+    problem = _problem(search, along, cycle.y0, orbit, value)
     u = problem.packed(orbit, value)
 
     def follow(way: float) -> Curve:
         problem.look_from(orbit, value)
         return _walk(problem, started(problem, u, way), steps, watch)
 
-    return Branch(variation.scene, variation.key, problem, both_ways(follow))
+    return Branch(search.given, along.key, problem, both_ways(follow))
 
 
 def _gone_on(
-    variation: Variation,
+    search: Search,
+    along: ParameterRange,
     cycles: list[Recorded],
     count: int,
     steps: Steps,
@@ -270,25 +261,27 @@ def _gone_on(
 ) -> Branch:
     """The branch on from the first of these cycles, away from the second."""
     here = cycles[0]
-    quotient = variation.search.flow(here.t, here.y0).quotient
+    quotient = search.flow(here.t, here.y0).quotient
     orbits = []
     for one in cycles:
-        flow = Flow(variation.search.model, variation.parameters(one.value), quotient)
+        flow = Flow(search.model, along.parameters(one.value), quotient)
         x = cut(flow, one.t, one.y0[quotient.kept], one.period, count)
         orbits.append(Orbit(x, one.t, one.period, one.angle, float(np.ptp(x, axis=0).max())))
-    problem = _problem(variation, here.y0, orbits[0], here.value)
+    problem = _problem(search, along, here.y0, orbits[0], here.value)
     values = [one.value for one in cycles]
     u, *others = (problem.packed(*one) for one in zip(orbits, values, strict=True))
     first = taken_up(problem, u, others[0] if others else None, "cycle")
-    return Branch(variation.scene, variation.key, problem, _walk(problem, first, steps, watch))
+    return Branch(search.given, along.key, problem, _walk(problem, first, steps, watch))
 
 
-def _problem(variation: Variation, y0: Array, orbit: Orbit, value: float) -> Cycles:
+def _problem(
+    search: Search, along: ParameterRange, y0: Array, orbit: Orbit, value: float
+) -> Cycles:
     """The problem about an orbit through a state, at a value."""
-    forced = variation.forced(value)
+    forced = search.period_at(along.at(value))
     turns = round(orbit.period / forced) if forced else 1
-    quotient = variation.search.flow(orbit.t, y0).quotient
-    return Cycles(variation, quotient, orbit, value, turns)
+    quotient = search.flow(orbit.t, y0).quotient
+    return Cycles(search, along, quotient, orbit, value, turns)
 
 
 def _switched(
@@ -303,7 +296,7 @@ def _switched(
 
 
 def _walk(problem: Cycles, first: Point, steps: Steps, watch: Callable[[float], None]) -> Curve:
-    low, high = sorted(end / problem.variation.unit for end in problem.variation.ends)
+    low, high = sorted(end / problem.along.unit for end in problem.along.bounds)
     return continued(problem, first, low, high, steps, watch=_seen(problem, watch))
 
 

@@ -13,8 +13,8 @@ from scipy.interpolate import CubicHermiteSpline
 
 from rodgen.analyse.cycles.elimination import Complex, Condensed
 from rodgen.analyse.cycles.flow import Flow
-from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 from rodgen.progress import tell
 
 ITERATIONS = 20

@@ -14,8 +14,8 @@ import numpy as np
 from rodgen.analyse.cycles.closing import Lap, Linearised, Newton, Orbit
 from rodgen.analyse.cycles.elimination import apart
 from rodgen.analyse.cycles.nodes import Nodes, radau
-from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 
 STAGES = 5
 FIRST, GROWTH = 24, 1.7  # intervals at first, and times these for a finer mesh

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rodgen.analyse.cycles.flow import Flow
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 
 NUDGE = 1e-5  # of differences of a gradient: errors are its square
 

@@ -5,16 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
 from rodgen.analyse.cycles.closing import Orbit
 from rodgen.analyse.cycles.elimination import Complex
+from rodgen.arrays import Array
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.solution import Solution
-from rodgen.integrate.stepper import Array
 from rodgen.scene import Scene
 from rodgen.shown import Shown
+from rodgen.system import System
 
 STABLE = 1e-7  # by which a multiplier may exceed 1: beyond it, a cycle is unstable
 
@@ -91,11 +93,11 @@ class Cycle(Shown):
     @cached_property
     def motion(self) -> Solution:
         """The run over one period, in 128 steps of time, with the work of every load."""
-        span = [self.t, self.t + self.period]
-        every = self.period / 128
-        table = self.scene.model_dump(exclude_none=True)
-        table["integrate"] = {"span": span, "output_every": every, "rtol": 1e-10, "atol": 1e-12}
-        return simulate(Scene.from_dict(table | {"events": []}), model=self.model)
+        settings: dict[str, Any] = {"span": [self.t, self.t + self.period]}
+        settings |= {"output_every": self.period / 128, "rtol": 1e-10, "atol": 1e-12}
+        return simulate(
+            System(self.scene).at({"events": [], "integrate": settings}), model=self.model
+        )
 
     @cached_property
     def drift(self) -> Array:

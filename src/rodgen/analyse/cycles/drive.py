@@ -10,10 +10,11 @@ from types import ModuleType
 
 import numpy as np
 
-from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene, SceneError
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError
+from rodgen.scene import Scene
 from rodgen.scene.expression import Expression
+from rodgen.system import System
 
 TAIL = 0.1  # share of the span at its end in which loads have to be what they stay
 TIMES = 48  # in it, at which they are compared
@@ -23,23 +24,24 @@ PARTS = (6, 5, 4, 3, 2)  # of a common period that may be one already: sin(t)**2
 SWINGS = ("sin", "cos", "tan")
 
 
-def load_period(scene: Scene, model: ModuleType, p: Array) -> float:
-    """The period [s] with which the loads of a scene repeat at the end of its span; 0 where they do
-    not change there any more.
+def load_period(system: System, model: ModuleType) -> float:
+    """The period [s] with which the loads of a system repeat at the end of its span; 0 where they
+    do not change there any more.
 
     It is read off the arguments of sin, cos and tan, and seen to be one by the rates themselves.
-    Raises SceneError for masses that change, AnalysisError for loads that do neither.
+    Raises InputError for masses that change, AnalysisError for loads that do neither.
     """
+    scene, p = system.scene, system.p
     changing = scene.distribution.changing
     if changing:
         field = changing[0][-1].field
-        raise SceneError(
+        raise InputError(
             field, changing[0][-1].text, "a number: no motion repeats while it changes"
         )
     start, end = scene.integrate.span
     random = np.random.default_rng(2)
     times = end - TAIL * (end - start) * random.random(TIMES)
-    y = scene.initial_state()
+    y = system.y0
     y = y + 0.1 * random.standard_normal(len(y))
 
     def rates(at: Array) -> Array:
@@ -86,7 +88,7 @@ def _slope(text: str, of: Expression, end: float) -> float:
     try:
         argument = Expression(text, of.variable, of.field, of.numbers)
         values = [float(argument(t)) for t in (end, end + 1.0, end + 2.0)]
-    except (SceneError, TypeError, NameError, KeyError):
+    except (InputError, TypeError, NameError, KeyError):
         return 0.0
     slope = values[1] - values[0]
     even = abs(values[2] - values[1] - slope) <= 1e-9 * max(abs(slope), 1e-9)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,19 +11,15 @@ from rodgen.analyse.curves.curve import Point, Special
 from rodgen.analyse.curves.special_points import located
 from rodgen.analyse.cycles.closing import Orbit
 from rodgen.analyse.cycles.cycle import STABLE, nontrivial
-from rodgen.analyse.cycles.drive import load_period
 from rodgen.analyse.cycles.elimination import Complex
 from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.cycles.orbits import Orbits
 from rodgen.analyse.cycles.quotient import Quotient
 from rodgen.analyse.cycles.search import Search
 from rodgen.analyse.cycles.shooting import Shooting
-from rodgen.analyse.errors import AnalysisError
-from rodgen.analyse.system import frozen
-from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.keys import with_value
-from rodgen.scene.plain import is_number, plain
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
+from rodgen.system import ParameterRange
 
 NUDGE = 1e-5  # of the range, of differences of motions by the number: errors are the square
 REST = 0.05  # of the first cycle: one that is smaller is none
@@ -31,75 +27,23 @@ COMPLEX = 1e-6  # of the modulus: an imaginary part below it is rounding
 PERIOD_DOUBLING, TORUS = "period doubling", "torus"
 
 
-@dataclass
-class Variation:
-    """A number of a scene between two ends, and the flow and the period of loads at its values.
-
-    Raises SceneError for a key that the scene does not have, that is no number, or that changes the
-    equations themselves.
-    """
-
-    search: Search
-    scene: Scene
-    key: str
-    ends: tuple[float, float]
-
-    def __post_init__(self) -> None:
-        for value in self.ends:
-            if not (is_number(plain(value, self.key)) and np.isfinite(value)):
-                raise SceneError(f"vary.{self.key}", value, "a finite number")
-        if self.ends[0] == self.ends[1]:
-            raise SceneError(f"vary.{self.key}", self.ends[1], "another value than the first")
-        whole = self.key in ("rod.links", "integrate.max_steps")
-        made = [] if whole else [self.at(value) for value in self.ends]
-        same = [one.structure.hash == self.search.scene.structure.hash for one in made]
-        if not same or not all(same):
-            allowed = "a number that leaves the structure of the equations as it is"
-            raise SceneError("vary", self.key, allowed)
-        first, last = (self.parameters(value) for value in self.ends)
-        if np.array_equal(first, last):
-            raise SceneError("vary", self.key, "a number that the equations depend on")
-
-    @property
-    def unit(self) -> float:
-        """How far the ends are apart."""
-        return abs(self.ends[1] - self.ends[0])
-
-    def at(self, value: float) -> Scene:
-        """The scene at a value, its loads as the search takes them. Raises SceneError."""
-        scene = with_value(self.scene, self.key, float(value))
-        return scene if self.search.forced else frozen(scene, scene.integrate.span[1])
-
-    def parameters(self, value: float) -> Array:
-        """p of the module. Raises AnalysisError where the scene refuses a value."""
-        try:
-            p: Array = self.search.model.parameters(**self.at(value).parameters)
-        except SceneError as error:
-            raise AnalysisError(str(error)) from None
-        return p
-
-    def forced(self, value: float) -> float:
-        """The period of the loads [s], 0 where they do not change."""
-        if not self.search.forced:
-            return 0.0
-        return load_period(self.at(value), self.search.model, self.parameters(value))
-
-
 class Cycles(Orbits):
     """Cycles along a number of a scene, over its range."""
 
     def __init__(
         self,
-        variation: Variation,
+        search: Search,
+        along: ParameterRange,
         quotient: Quotient,
         orbit: Orbit,
         value: float,
         turns: int = 1,
     ):
-        """orbit: near the first cycle, at a value; turns: periods of the loads in one of it."""
-        super().__init__(quotient, orbit, 1, bool(variation.search.forced))
-        self.variation, self.turns = variation, turns
-        flow = Flow(variation.search.model, variation.parameters(value), quotient)
+        """search: whose cycles; along: which number; orbit: near the first cycle, at a
+        value; turns: periods of the loads in one of it."""
+        super().__init__(quotient, orbit, 1, bool(search.forced))
+        self.search, self.along, self.turns = search, along, turns
+        flow = Flow(search.model, along.parameters(value), quotient)
         self.method = flow.suited(orbit.t, orbit.x[0], orbit.period).method
         self.least = REST * float(np.ptp(orbit.x, axis=0).max())
         self.look_from(orbit, value)
@@ -112,19 +56,22 @@ class Cycles(Orbits):
         return self._shooting(self.value(u))
 
     def _shooting(self, value: float) -> Shooting:
-        search, p = self.variation.search, self.variation.parameters(value)
-        return Shooting(Flow(search.model, p, self.quotient, self.method), self.forced)
+        p = self.along.parameters(value)
+        return Shooting(Flow(self.search.model, p, self.quotient, self.method), self.forced)
 
     def value(self, u: Array) -> float:
         """The number of the scene."""
-        return float(u[-1]) * self.variation.unit
+        return float(u[-1]) * self.along.unit
 
     def given_period(self, u: Array) -> float:
-        return self.turns * self.variation.forced(self.value(u))
+        return self.turns * self._forced(self.value(u))
+
+    def _forced(self, value: float) -> float:
+        return self.search.period_at(self.along.at(value))
 
     def packed(self, orbit: Orbit, value: float) -> Array:
         """u of an orbit."""
-        return np.concatenate([*self.start_of(orbit), [value / self.variation.unit]])
+        return np.concatenate([*self.start_of(orbit), [value / self.along.unit]])
 
     def at(self, u: Array) -> tuple[Array, Array]:
         orbit, _ = self.known(u)
@@ -140,11 +87,11 @@ class Cycles(Orbits):
         step, value = NUDGE, self.value(u)
         ends = []
         for sign in (1.0, -1.0):
-            there = value + sign * step * self.variation.unit
+            there = value + sign * step * self.along.unit
             shooting = self._shooting(there)
             made = orbit
             if self.forced:
-                made = replace(orbit, period=self.turns * self.variation.forced(there))
+                made = replace(orbit, period=self.turns * self._forced(there))
             share = made.period / self.count
             flow = shooting.flow
             found = [flow.carried(made.t + i * share, x, share) for i, x in enumerate(made.x)]

@@ -21,15 +21,17 @@ from numpy.typing import ArrayLike
 from rodgen.analyse.chaos.zero_exponents import zero_exponents
 from rodgen.analyse.cycles.drive import load_period
 from rodgen.analyse.cycles.elimination import Complex, apart
-from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.guard import guarded
 from rodgen.analyse.sizes import FLOQUET, check_size
 from rodgen.analyse.statics import static_equilibrium
-from rodgen.integrate.stepper import Array, StepError
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError
+from rodgen.integrate.stepper import StepError
 from rodgen.integrate.stretches import window
 from rodgen.integrate.variations import PARTS, Steps, Variations
-from rodgen.loading import build_fastest
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.shown import Shown
+from rodgen.system import System
 
 SEGMENTS = 4  # of a period
 FIRST, MOST = 8, 2**16  # steps in a period at least, at first and at most
@@ -108,7 +110,7 @@ class Floquet(Shown):
 
 @guarded
 def floquet(
-    scene: Scene,
+    system: System | Scene,
     *,
     period: float | None = None,
     y: ArrayLike | None = None,
@@ -122,8 +124,8 @@ def floquet(
 
     Parameters
     ----------
-    scene
-        The scene.
+    system
+        The scene, or a System.
     period
         Period [s]. By default it is found from the sines in the loads.
     y
@@ -141,7 +143,7 @@ def floquet(
 
     Raises
     ------
-    SceneError
+    InputError
         For values that cannot be used.
     AnalysisError
         If there is no periodic motion.
@@ -161,65 +163,66 @@ def floquet(
     >>> bool(abs(rodgen.floquet(scene).multipliers[0]) > 1)
     True
     """
-    check_size(FLOQUET, scene)
+    system = System.of(system)
+    check_size(FLOQUET, system)
     if isinstance(segments, bool) or not isinstance(segments, int) or not 1 <= segments <= 1000:
-        raise SceneError("segments", segments, "a whole number from 1 to 1000")
-    model = model if model is not None else build_fastest(scene, PARTS)
-    seconds = _period(scene, model, period)
-    map_ = _Map(scene, model, seconds, segments)
-    for guess in _guesses(scene, y):
+        raise InputError("segments", segments, "a whole number from 1 to 1000")
+    model = model if model is not None else system.model(parts=PARTS)
+    seconds = _period(system, model, period)
+    map_ = _Map(system, model, seconds, segments)
+    for guess in _guesses(system, y):
         try:
             y, multipliers, error, closed = map_.fixed(guess)
             return Floquet(multipliers, seconds, y, error, closed, map_.places)
         except (AnalysisError, StepError) as error:
             why = error
-    raise AnalysisError(f"{scene.name}: no motion of period {seconds:.6g} s was found: {why}")
+    raise AnalysisError(f"{system.name}: no motion of period {seconds:.6g} s was found: {why}")
 
 
-def _period(scene: Scene, model: ModuleType, given: float | None) -> float:
+def _period(system: System, model: ModuleType, given: float | None) -> float:
     if given is not None:
         if not (isinstance(given, int | float) and math.isfinite(given) and given > 0):
-            raise SceneError("period", given, "seconds above 0")
+            raise InputError("period", given, "seconds above 0")
         return float(given)
     try:
-        found = load_period(scene, model, model.parameters(**scene.parameters))
+        found = load_period(system, model)
     except AnalysisError:
         allowed = "given in seconds: none is found from the sines of the time in the loads"
-        raise SceneError("period", given, allowed) from None
+        raise InputError("period", given, allowed) from None
     if not found:
-        raise SceneError("period", given, "given in seconds: no load changes with the time")
+        raise InputError("period", given, "given in seconds: no load changes with the time")
     return found
 
 
-def _guesses(scene: Scene, y: ArrayLike | None) -> Iterator[Array]:
+def _guesses(system: System, y: ArrayLike | None) -> Iterator[Array]:
     """States near which the motion is looked for."""
-    given = scene.initial_state()
+    given = system.y0
     if y is not None:
         state = np.array(y, dtype=float)
         if state.shape != given.shape:
-            raise SceneError("y", f"of shape {state.shape}", f"a state, ({len(given)},)")
+            raise InputError("y", f"of shape {state.shape}", f"a state, ({len(given)},)")
         yield state
         return
-    half = (len(given) - len(scene.states)) // 2
+    half = (len(given) - len(system.added)) // 2
     still = given.copy()
     still[half : 2 * half] = 0.0
     yield still
-    with suppress(SceneError, AnalysisError):
-        yield static_equilibrium(scene).y
+    with suppress(InputError, AnalysisError):
+        yield static_equilibrium(system).y
 
 
 class _Map:
     """What a period makes of a state and of its changes."""
 
-    def __init__(self, scene: Scene, model: ModuleType, period: float, segments: int):
+    def __init__(self, system: System, model: ModuleType, period: float, segments: int):
         self.period, self._model = period, model
-        self._start = scene.integrate.span[0]
+        self._start = system.settings.span[0]
         self._times = self._start + period * np.linspace(0.0, 1.0, segments + 1)
-        self._p = model.parameters(**scene.parameters)
-        steps = Steps.of(window(scene, self._start, self._start + period))
+        self._p = system.p
+        steps = Steps.of(window(system.scene, self._start, self._start + period))
         self._steps = replace(steps, method="dop853", step=0.0, rtol=RTOL, atol=ATOL)
-        states = len(scene.initial_state())
-        self.places = _places(scene, model, states)
+        states = len(system.y0)
+        self.places = _places(system.scene, model, states)
 
     def over(self, y: Array, least: int) -> tuple[Array, list[Array], int]:
         """The state after a period, the maps (k, k) of its segments with so many steps, and how

@@ -8,9 +8,10 @@ from types import ModuleType
 import numpy as np
 
 from rodgen.analyse.cycles.quotient import Quotient
-from rodgen.analyse.errors import AnalysisError
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 from rodgen.integrate.stability import dominant, limit
-from rodgen.integrate.stepper import Array, StepError
+from rodgen.integrate.stepper import StepError
 from rodgen.integrate.variations import Steps, Variations
 
 # A period is to be right to 1e-8, a trivial multiplier as well. Radau's errors are a hundredth of

@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from rodgen.analyse.cycles.flow import Flow
-from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 from rodgen.progress import tell
 
 Complex = NDArray[np.complex128]

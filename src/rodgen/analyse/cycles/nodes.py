@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

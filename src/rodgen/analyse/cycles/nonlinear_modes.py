@@ -26,14 +26,15 @@ from rodgen.analyse.cycles.hopf import equilibrium, jacobian
 from rodgen.analyse.cycles.orbits import Orbits
 from rodgen.analyse.cycles.search import Search, segments_of
 from rodgen.analyse.cycles.shooting import SEGMENTS, Shooting, cut
-from rodgen.analyse.errors import AnalysisError, guarded
+from rodgen.analyse.guard import guarded
 from rodgen.analyse.sizes import CYCLE, check_size
 from rodgen.analyse.steady import steady
-from rodgen.analyse.system import System
-from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene, SceneError
+from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError
+from rodgen.scene import Scene
 from rodgen.scene.plain import is_number, plain
-from rodgen.scene.scene import check_scene
+from rodgen.system import System
 
 if TYPE_CHECKING:
     import xarray
@@ -111,14 +112,14 @@ class _Rest(NamedTuple):
     shapes: Complex
 
 
-def _prepared(scene: Scene, target: str | None) -> _Rest:
-    check_size(CYCLE, scene)
-    search = Search.of(scene, target)
+def _prepared(system: System, target: str | None) -> _Rest:
+    check_size(CYCLE, system)
+    search = Search.of(system, target)
     if not search.conservative:
         what = ", ".join(search.at_work) or "loads that change"
-        raise SceneError("mode", scene.name, f"of a scene without dissipation (it has {what})")
-    state = steady(System.of(search.scene))
-    y = state.system.at_rest(state.at)
+        raise InputError("mode", system.name, f"of a scene without dissipation (it has {what})")
+    state = steady(SteadyRod.of(search.system))
+    y = state.rod.at_rest(state.at)
     flow = search.flow(0.0, y)
     x = equilibrium(flow, 0.0, y[flow.quotient.kept])
     s, vectors = np.linalg.eig(jacobian(flow, 0.0, x))
@@ -134,7 +135,7 @@ def _family(rest: _Rest, mode: int, energy: float, segments: int) -> tuple[Famil
     mode, energy = _checked(mode, energy)
     if mode > len(rest.frequencies):
         allowed = f"the number of a mode that swings, 1 to {len(rest.frequencies)}"
-        raise SceneError("mode", mode, allowed)
+        raise InputError("mode", mode, allowed)
     q = rest.shapes[:, mode - 1]
     size = SMALL * TRIAL * np.sqrt(energy / _above(rest, q))
     orbits = []
@@ -169,15 +170,15 @@ def _followed(family: Family, first: Point, step: float, most: int) -> Curve:
 def _checked(mode: object, energy: object) -> tuple[int, float]:
     number, most = plain(mode, "mode"), plain(energy, "energy")
     if not (isinstance(number, int) and number >= 1):
-        raise SceneError("mode", mode, "a whole number of at least 1")
+        raise InputError("mode", mode, "a whole number of at least 1")
     if not (is_number(most) and 0 < most < np.inf):
-        raise SceneError("energy", energy, "above 0 J, the energy of rest")
+        raise InputError("energy", energy, "above 0 J, the energy of rest")
     return number, float(most)
 
 
 @guarded
 def continue_mode(
-    scene: Scene,
+    system: System | Scene,
     mode: int = 1,
     energy: float = 1.0,
     *,
@@ -190,8 +191,8 @@ def continue_mode(
 
     Parameters
     ----------
-    scene
-        The scene.
+    system
+        The scene, or a System.
     mode
         Number of the mode, 1 is the slowest.
     energy
@@ -215,7 +216,7 @@ def continue_mode(
 
     Raises
     ------
-    SceneError
+    InputError
         For a scene with dissipation or changing loads.
     AnalysisError
         If no family of motions is found.
@@ -238,8 +239,7 @@ def continue_mode(
     >>> bool(family.frequency[-1] < family.attrs["linear_frequency"])
     True
     """
-    check_scene(scene)
-    rest = _prepared(scene, target)
+    rest = _prepared(System.of(system), target)
     family, first = _family(rest, mode, energy, segments_of(segments))
     curve = _followed(family, first, step, most)
     return kept(curve, lambda: _dataset(rest, family, curve, mode))
@@ -262,7 +262,7 @@ def _dataset(rest: _Rest, family: Family, curve: Curve, mode: int) -> xarray.Dat
     data["special_kind"] = ("special", np.array([s.kind for s in curve.special], dtype="U16"))
     special = np.array([float(s.u[-1]) ** 2 * family.energy for s in curve.special])
     data["special_energy"] = ("special", special, {"units": "J"})
-    said = attributes(FORMAT, rest.search.scene, curve, 0.0) | {
+    said = attributes(FORMAT, rest.search.system.scene, curve, 0.0) | {
         "mode": mode,
         "linear_frequency": float(rest.frequencies[mode - 1]) / (2 * np.pi),
     }
@@ -291,7 +291,7 @@ def _row(family: Family, u: Array) -> dict[str, Any]:
 
 @guarded
 def nonlinear_mode(
-    scene: Scene,
+    system: System | Scene,
     mode: int = 1,
     energy: float = 1.0,
     *,
@@ -302,8 +302,8 @@ def nonlinear_mode(
 
     Parameters
     ----------
-    scene
-        A scene without dissipation.
+    system
+        A scene without dissipation, or a System.
     mode
         Number of the mode, 1 is the slowest.
     energy
@@ -320,7 +320,7 @@ def nonlinear_mode(
 
     Raises
     ------
-    SceneError
+    InputError
         For a scene with dissipation or changing loads.
     AnalysisError
         If there is no motion with this energy.
@@ -339,8 +339,7 @@ def nonlinear_mode(
     >>> bool(1.0 < cycle.period < 3.0)
     True
     """
-    check_scene(scene)
-    return _at_energy(_prepared(scene, target), mode, energy, segments_of(segments))
+    return _at_energy(_prepared(System.of(system), target), mode, energy, segments_of(segments))
 
 
 def _at_energy(rest: _Rest, mode: int, energy: float, segments: int) -> Cycle:
@@ -357,12 +356,12 @@ def _at_energy(rest: _Rest, mode: int, energy: float, segments: int) -> Cycle:
     return rest.search.cycle(shooting, shooting.closed(replace(orbit, scale=scale)), family.trivial)
 
 
-def of_start(scene: Scene, segments: int, target: str | None) -> Cycle:
-    """The periodic motion of a scene without dissipation with the energy of its initial state, of
+def of_start(system: System, segments: int, target: str | None) -> Cycle:
+    """The periodic motion of a system without dissipation with the energy of its initial state, of
     the mode that has most of it. Raises AnalysisError for a rod that begins at rest."""
-    rest = _prepared(scene, target)
+    rest = _prepared(system, target)
     conserved = Conserved(rest.flow)
-    x = rest.search.scene.initial_state()[rest.flow.quotient.kept]
+    x = rest.search.system.y0[rest.flow.quotient.kept]
     energy = float(conserved.values(x)[0] - conserved.values(rest.x)[0])
     shares, *_ = np.linalg.lstsq(
         np.hstack((rest.shapes.real, rest.shapes.imag)), x - rest.x, rcond=None

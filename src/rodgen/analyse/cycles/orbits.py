@@ -12,7 +12,7 @@ from rodgen.analyse.cycles.closing import Linearised, Orbit
 from rodgen.analyse.cycles.elimination import Complex, Condensed
 from rodgen.analyse.cycles.quotient import Quotient
 from rodgen.analyse.cycles.shooting import Shooting
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 
 KEPT = 64  # linearised orbits
 LARGEST = 50.0  # logarithm of a period over the first

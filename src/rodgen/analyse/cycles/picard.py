@@ -16,8 +16,8 @@ from rodgen.analyse.cycles.closing import DONE, LONGEST, Closing, Lap, Orbit
 from rodgen.analyse.cycles.elimination import Complex
 from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.cycles.shooting import cut
-from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 from rodgen.progress import tell
 
 LEADING = 10  # multipliers, unless others are asked for

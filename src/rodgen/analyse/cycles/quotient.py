@@ -14,7 +14,7 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from rodgen.model.rod import BOUNDARIES
 
 PLACES = 3  # states at which the derivatives are looked at

@@ -1,17 +1,15 @@
-"""The search for the periodic motion of a scene at its own values: from a run, or from nearby."""
+"""A scene made ready for the search for its cycles: from a run, or from nearby."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
 
-from rodgen.analyse.curves.twice import cycle_notes, twice
 from rodgen.analyse.cycles import settling
 from rodgen.analyse.cycles.closing import Closing, Lap, O, Orbit
 from rodgen.analyse.cycles.collocation import Collocation
@@ -22,15 +20,12 @@ from rodgen.analyse.cycles.picard import LEADING, Picard
 from rodgen.analyse.cycles.quotient import Quotient
 from rodgen.analyse.cycles.settling import Return, extent, last_return, run_of
 from rodgen.analyse.cycles.shooting import SEGMENTS, Shooting
-from rodgen.analyse.errors import AnalysisError, guarded
-from rodgen.analyse.sizes import CYCLE, check_size
-from rodgen.analyse.system import frozen
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.catalogue import Piece, loads_at_work
-from rodgen.integrate.stepper import Array
-from rodgen.loading import build, build_fastest
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.overrides import with_state
-from rodgen.scene.plain import is_number, plain
+from rodgen.scene import Scene
+from rodgen.scene.plain import plain
+from rodgen.system import System
 
 COLLOCATION, SHOOTING, PICARD = "collocation", "shooting", "picard"
 WAYS: dict[type[Closing[Any]], str] = {
@@ -50,146 +45,53 @@ CLOSED = 1e-7  # of its size: a part of the period brings it back
 AT_REST = 1e-9  # of a motion [rad]: none
 
 
-@guarded
-def find_cycle(
-    scene: Scene,
-    *,
-    by: str | None = None,
-    segments: int | None = None,
-    multipliers: int | None = None,
-    y0: ArrayLike | None = None,
-    period: float | None = None,
-    target: str | None = None,
-    check_mesh: bool = False,
-) -> Cycle:
-    """Return the periodic motion that a scene settles on, with its Floquet multipliers.
-
-    The scene runs from its initial state over its span, or up to 16 spans until it settles. When
-    the motion comes back to itself, Newton's method takes over. Loads that repeat give the period,
-    or a whole multiple of it. Loads that come to rest are taken as they are at the end of the span.
-    A cycle may come back in another place and direction if nothing depends on these; a rod that
-    turns over and over comes back turned by whole turns. Without dissipation no motion settles. The
-    result is then the nonlinear mode that has most of the energy of the initial state, at that
-    energy (see `nonlinear_mode`).
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    by
-        "collocation": on a mesh of the period, refined until nothing changes. "shooting": in equal
-        segments. "picard": Newton's method in the directions of the leading multipliers, Picard's
-        iteration for the rest. By default, the method to which ``segments`` or ``multipliers``
-        belong, else collocation up to 100 states that count, and "picard" beyond.
-    segments
-        Number of equal parts of the period, for "shooting".
-    multipliers
-        Number of leading multipliers, for "picard". The default is 10.
-    y0, period
-        A state (states,) near a cycle, stable or not, and its approximate period [s]. Newton's
-        method then begins there, without a run.
-    target
-        "c" or "numpy"; if not given, C where it can be built.
-    check_mesh
-        Also find the cycle of twice as many links, and say in the notes what changes by more
-        than 1 %.
-
-    Returns
-    -------
-    Cycle
-        Period [s], a state on it, multipliers with the error of those that are 1.
-
-    Raises
-    ------
-    SceneError
-        For values that cannot be used.
-    AnalysisError
-        If the motion comes to rest or does not settle, or if Newton's method finds no cycle.
-
-    Examples
-    --------
-    >>> import rodgen
-    >>> cycle = rodgen.find_cycle(rodgen.Scene.example("beck_after_flutter"))
-    >>> round(cycle.period, 4), cycle.stable, cycle.trivial_error < 1e-6
-    (0.8395, True, True)
-    """
-    check_size(CYCLE, scene)
-    if check_mesh:
-        if y0 is not None:
-            raise SceneError("check_mesh", True, "absent beside y0")
-        given: dict[str, Any] = {"by": by, "segments": segments, "multipliers": multipliers}
-        found_twice = partial(find_cycle, twice(scene), **given, target=target)
-        found = find_cycle(scene, **given, target=target)
-        return replace(found, notes=cycle_notes(found, scene.rod.links, found_twice))
-    if by not in (None, *WAYS.values()):
-        raise SceneError("by", by, " or ".join(map(repr, WAYS.values())))
-    for name, value, way in (
-        ("segments", segments, SHOOTING),
-        ("multipliers", multipliers, PICARD),
-    ):
-        if value is not None and (by not in (None, way) or (segments and multipliers)):
-            raise SceneError(name, value, f"given with by = {way!r} alone")
-    segments = None if segments is None else segments_of(segments)
-    multipliers = None if multipliers is None else segments_of(multipliers, "multipliers")
-    begun = _begun(scene, y0, period)
-    search = replace(Search.of(scene, target), by=by, segments=segments, leading=multipliers)
-    if begun is not None:
-        return search.polished(*begun)
-    if search.conservative:
-        from rodgen.analyse.cycles.nonlinear_modes import of_start
-
-        return of_start(scene, segments or SEGMENTS, target)
-    return search.settled()
-
-
 def segments_of(number: object, name: str = "segments") -> int:
-    """How many segments, or multipliers, were asked for. Raises SceneError."""
+    """How many segments, or multipliers, were asked for. Raises InputError."""
     made = plain(number, name)
     if not (isinstance(made, int) and 1 <= made <= MOST_SEGMENTS):
-        raise SceneError(name, number, f"a whole number from 1 to {MOST_SEGMENTS}")
+        raise InputError(name, number, f"a whole number from 1 to {MOST_SEGMENTS}")
     return made
-
-
-def _begun(scene: Scene, y0: ArrayLike | None, period: float | None) -> tuple[Array, float] | None:
-    """A state and a period that were given, checked."""
-    if y0 is None and period is None:
-        return None
-    if y0 is None:
-        raise SceneError("period", period, "given with y0, a state near the cycle")
-    if period is None:
-        raise SceneError("y0", y0, "given with period, nearly that of the cycle")
-    made = plain(period, "period")
-    if not (is_number(made) and 0 < made < np.inf):
-        raise SceneError("period", period, "a time above 0 s")
-    return with_state(scene, y0).initial_state(), float(made)
-
-
-def _built(scene: Scene, target: str | None) -> ModuleType:
-    return build(scene, target, parts=PARTS) if target else build_fastest(scene, PARTS)
 
 
 @dataclass(frozen=True)
 class Search:
-    """A scene made ready: its loads as they stay, or as they repeat after a period (forced) [s];
-    by, segments, leading: how cycles are looked for, as `find_cycle` has them."""
+    """Where cycles are looked for: a system whose loads stay what they are, or repeat after a
+    period (forced) [s]; by, segments, leading: how, as `find_cycle` has them; given: the scene that
+    was asked for."""
 
-    scene: Scene
+    system: System
     model: ModuleType
-    p: Array
     forced: float
+    given: Scene
     by: str | None = None
     segments: int | None = None
     leading: int | None = None
 
     @classmethod
-    def of(cls, scene: Scene, target: str | None = None) -> Search:
-        """Raises SceneError, AnalysisError."""
-        model = _built(scene, target)
-        forced = load_period(scene, model, model.parameters(**scene.parameters))
-        if not forced:
-            scene = frozen(scene, scene.integrate.span[1])
-            model = _built(scene, target)
-        return cls(scene, model, model.parameters(**scene.parameters), forced)
+    def of(cls, system: System, target: str | None = None) -> Search:
+        """Raises InputError, AnalysisError."""
+        model = system.model(target, PARTS)
+        forced = load_period(system, model)
+        given = system
+        if not forced and system.t is None:
+            system = system.steady(system.settings.span[1])
+            model = system.model(target, PARTS)
+        return cls(system, model, forced, given.scene)
+
+    @property
+    def p(self) -> Array:
+        """Parameters of the module."""
+        return self.system.p
+
+    @cached_property
+    def _runs(self) -> System:
+        """The system whose runs are looked at."""
+        return settling.without_events(self.system)
+
+    def period_at(self, system: System) -> float:
+        """The period of the loads [s] of a system that differs in a number, 0 where they do not
+        change. Raises AnalysisError."""
+        return load_period(system, self.model) if self.forced else 0.0
 
     @property
     def target(self) -> str:
@@ -202,8 +104,8 @@ class Search:
 
     def settled(self) -> Cycle:
         """From a run. Raises AnalysisError."""
-        start, end = self.scene.integrate.span
-        t, y, span = start, self.scene.initial_state(), end - start
+        start, end = self.system.settings.span
+        t, y, span = start, self.system.y0, end - start
         if self.forced:
             span = self.forced * np.ceil(span / self.forced)
         why = ""
@@ -211,7 +113,7 @@ class Search:
             every = span / settling.SAMPLES
             if self.forced:
                 every = self.forced / settling.PER_PERIOD
-            times, states = run_of(self.scene, y, t, span, every, self.target)
+            times, states = run_of(self._runs, y, t, span, every, self.target)
             t, y = float(times[-1]), states[-1]
             flow = self.flow(t, y)
             back = last_return(times, states[:, flow.quotient.kept], flow.quotient, self.forced)
@@ -247,7 +149,7 @@ class Search:
         that begins with what decays at once, of a run from its end."""
         times = np.linspace(0.0, like.period, settling.LAP + 1)
         for _ in range(2):
-            _, states = run_of(self.scene, y, like.t, like.period, times[1], self.target)
+            _, states = run_of(self._runs, y, like.t, like.period, times[1], self.target)
             x = states[:, flow.quotient.kept]
             rates = np.array([flow.rates(like.t + t, one) for t, one in zip(times, x, strict=True)])
             size = np.abs(rates).max(axis=1)
@@ -283,13 +185,13 @@ class Search:
 
     def polished(self, y: Array, period: float) -> Cycle:
         """From a state and a period near a cycle. Raises AnalysisError."""
-        t = self.scene.integrate.span[0]
+        t = self.system.settings.span[0]
         flow = self.flow(t, y)
         if self.forced:
             turns = period / self.forced
             if abs(turns - round(turns)) > 0.01 or round(turns) < 1:
                 allowed = f"a whole number of periods of the loads, {self.forced:.12g} s"
-                raise SceneError("period", period, allowed)
+                raise InputError("period", period, allowed)
             period = round(turns) * self.forced
         lap = self._lap(flow, y, Orbit(y[None, flow.quotient.kept], t, period, 0.0, 1.0))
         swing = lap.at(np.linspace(0.0, 1.0, PATH + 1))
@@ -320,7 +222,7 @@ class Search:
             states = states - states.mean(axis=1, keepdims=True)
         swing = (states.max(axis=0) - states.min(axis=0)).max(initial=0.0) / 2
         return Cycle(
-            scene=with_state(self.scene, y0),
+            scene=self.system.at(y0=y0).scene,
             t=orbit.t,
             period=orbit.period,
             y0=y0,

@@ -7,12 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rodgen.analyse.cycles.quotient import Quotient
-from rodgen.analyse.errors import AnalysisError
-from rodgen.integrate.endings import RunError
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
 from rodgen.integrate.simulate import simulate
-from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene
-from rodgen.scene.overrides import with_state
+from rodgen.integrate.solution import RunError
+from rodgen.system import System
 
 SAMPLES = 20_000  # of a run: tens of every turn of the slowest motions
 PER_PERIOD = 64  # samples of a run under loads that repeat
@@ -37,16 +36,18 @@ class Return:
     scale: float
 
 
+def without_events(system: System) -> System:
+    """The system without its events, whose runs take as many steps as they need."""
+    return system.at({"events": [], "integrate.max_steps": None, "integrate.t_eval": None})
+
+
 def run_of(
-    scene: Scene, y: Array, t: float, span: float, every: float, target: str | None = None
+    system: System, y: Array, t: float, span: float, every: float, target: str | None = None
 ) -> tuple[Array, Array]:
-    """Times (K,) and states (K, states) of a scene from y at a time t [s] on, without its events.
-    Raises AnalysisError."""
-    table = with_state(scene, y).model_dump(exclude_none=True)
-    settings = {k: v for k, v in table["integrate"].items() if k not in ("t_eval", "max_steps")}
-    settings |= {"span": [t, t + span], "output_every": every}
+    """Times (K,) and states (K, states) of a system from y at a time t [s] on. Raises
+    AnalysisError."""
     try:
-        made = Scene.from_dict(table | {"integrate": settings, "events": []})
+        made = system.with_settings(span=[t, t + span], output_every=every).at(y0=y)
         run = simulate(made, target=target)
     except RunError as error:
         raise AnalysisError(f"the run up to {t + span:g} s cannot be finished: {error}") from error

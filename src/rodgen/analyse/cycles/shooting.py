@@ -9,7 +9,7 @@ import numpy as np
 
 from rodgen.analyse.cycles.closing import Lap, Linearised, Newton, Orbit
 from rodgen.analyse.cycles.flow import Flow
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 
 SEGMENTS = 4
 

@@ -13,7 +13,7 @@ from rodgen.analyse.curves.curve import BRANCH, Curve, Point, Special
 from rodgen.analyse.curves.switching import chosen, entered, switched
 from rodgen.analyse.cycles.elimination import Condensed
 from rodgen.analyse.cycles.family import PERIOD_DOUBLING, Cycles
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 
 
 def other_branch(
@@ -24,10 +24,10 @@ def other_branch(
     watch: Callable[[Cycles], Callable[[Point], None]],
 ) -> tuple[Cycles, Curve]:
     """The branch that crosses another one in the special point of a number, and its problem; watch:
-    for a problem, what is called with every point. Raises SceneError for a point of another kind,
+    for a problem, what is called with every point. Raises InputError for a point of another kind,
     AnalysisError."""
     special = chosen(found, switch, (BRANCH, PERIOD_DOUBLING))
-    low, high = sorted(end / problem.variation.unit for end in problem.variation.ends)
+    low, high = sorted(end / problem.along.unit for end in problem.along.bounds)
     if special.kind == BRANCH:
         return problem, switched(problem, special, (low, high), steps, watch(problem))
     twice, u, way = _doubled(problem, special.u)
@@ -49,7 +49,7 @@ def _doubled(problem: Cycles, u: Array) -> tuple[Cycles, Array, Array]:
     again = q.turned_columns(np.array(along).T, orbit.angle).T
     x = np.concatenate((orbit.x, q.turned(orbit.x, orbit.angle)))
     both = replace(orbit, x=x, period=2 * orbit.period, angle=2 * orbit.angle)
-    twice = Cycles(problem.variation, q, both, value, 2 * problem.turns)
+    twice = Cycles(problem.search, problem.along, q, both, value, 2 * problem.turns)
     start = twice.packed(both, value)
     way = np.zeros_like(start)
     way[: x.size] = (np.concatenate((along, -again)) / twice.scale).ravel()

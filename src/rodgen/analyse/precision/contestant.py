@@ -13,7 +13,7 @@ from itertools import groupby
 import numpy as np
 
 from rodgen.analyse.precision.job import MEASURES, Measures
-from rodgen.integrate.stepper import Array as Array
+from rodgen.arrays import Array as Array
 
 COUNTS = ("steps", "rejected", "rhs", "jacobian", "factorisations")
 SETUP = ("generate", "compile")

@@ -11,13 +11,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.modes import natural_modes
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError
 from rodgen.loading import build
 from rodgen.loading.module import asked
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.overrides import with_masses_at
+from rodgen.scene import Scene
+from rodgen.system.instant import freeze_masses
 
 PARTS = "rhs", "jac", "mass", "power", "quantities", "flow", "newton"  # of the module
 SAMPLES = 100  # intervals between the states that are compared
@@ -111,7 +111,7 @@ class Job:
         """The lowest modes of the rod without its loads (modes, moving links)."""
         try:
             found = natural_modes(unloaded(self.scene), MODES)
-        except (AnalysisError, SceneError):
+        except (AnalysisError, InputError):
             return None
         shapes = np.real(found.phi)[:, self.scene.held :]
         if not len(shapes):
@@ -261,9 +261,9 @@ class Measures:
 
 def unloaded(scene: Scene) -> Scene:
     """The rod of a scene with its bodies at the start, held as it is, without its loads."""
-    table = with_masses_at(scene, scene.integrate.span[0]).model_dump(exclude_none=True)
-    kept = ("name", "parameters", "tables", "rod", "bodies")
-    return Scene.from_dict({key: value for key, value in table.items() if key in kept})
+    nothing: dict[str, Any] = {"loads": {}, "states": {}, "initial": {}, "integrate": {}}
+    nothing |= {"supports": [], "events": [], "foundation": None}
+    return freeze_masses(scene, scene.integrate.span[0]).replace(nothing)
 
 
 def _number(value: float | None) -> float | None:

@@ -12,7 +12,6 @@ import numpy as np
 from scipy.integrate import odeint, solve_ivp
 
 from rodgen.analyse.precision.contestant import (
-    Array,
     Contestant,
     Deadline,
     Family,
@@ -20,6 +19,7 @@ from rodgen.analyse.precision.contestant import (
     NotModelledError,
 )
 from rodgen.analyse.precision.job import SAMPLES, Job, Stretch, integrated
+from rodgen.arrays import Array
 from rodgen.integrate.endings import StepWarning
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.stability import LIMITS, dominant, limit

@@ -13,10 +13,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.precision import methods
 from rodgen.analyse.precision.contestant import (
-    Array,
     Contestant,
     Finish,
     Limits,
@@ -31,9 +29,12 @@ from rodgen.analyse.precision.job import Errors, Job, Measures
 from rodgen.analyse.precision.methods import contestant, families
 from rodgen.analyse.precision.rows import cheapest, front
 from rodgen.analyse.sizes import PRECISION, check_size
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.stability import LIMITS, dominant, limit
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.shown import Shown
+from rodgen.system import System
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -209,7 +210,7 @@ class WorkPrecision(Shown):
 
 
 def work_precision(
-    scene: Scene,
+    system: System | Scene,
     *,
     seconds: float = SECONDS,
     progress: Callable[[str], None] = lambda _: None,
@@ -221,8 +222,8 @@ def work_precision(
 
     Parameters
     ----------
-    scene
-        The scene.
+    system
+        The scene, or a System.
     seconds
         About how long the measurement takes [s], shared by all methods. Making the module comes on
         top.
@@ -236,7 +237,7 @@ def work_precision(
 
     Raises
     ------
-    SceneError
+    InputError
         For ``seconds`` that are not positive.
     BuildError
         Without a C compiler.
@@ -250,9 +251,11 @@ def work_precision(
     >>> {"method", "seconds", "error_phi"} <= set(found.rows[0])
     True
     """
-    check_size(PRECISION, scene)
+    system = System.of(system)
+    check_size(PRECISION, system)
+    scene = system.scene
     if not 0 < seconds < math.inf:
-        raise SceneError("seconds", seconds, "a positive number of seconds")
+        raise InputError("seconds", seconds, "a positive number of seconds")
     job = Job.of(scene.name, scene.model_dump(exclude_none=True))
     progress("reference")
     found = reference(job, SHARE * seconds)

@@ -14,9 +14,8 @@ from mpmath import mp
 from numpy.polynomial import Legendre
 from numpy.polynomial.legendre import leggauss
 
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.references.continuum import Quantity, Real, positive, rounded
-from rodgen.scene.errors import SceneError
+from rodgen.errors import AnalysisError, InputError
 
 POLYNOMIALS = 30  # of the Galerkin method that starts the iteration: 9 digits of the lowest ten
 LOADS = 1000  # up to which its values were compared with the exact roots
@@ -92,13 +91,13 @@ def thrust_frequencies(
 ) -> tuple[Real, ...]:
     """The lowest Omega of a free beam under the thrust p, rising, rigid motions not counted.
 
-    Raises SceneError for a load outside -LOADS to LOADS or more than 10 frequencies, AnalysisError
+    Raises InputError for a load outside -LOADS to LOADS or more than 10 frequencies, AnalysisError
     where one of them is not real: beyond flutter.
     """
     if not 1 <= count <= 10:
-        raise SceneError("count", count, "a whole number from 1 to 10")
+        raise InputError("count", count, "a whole number from 1 to 10")
     if not abs(float(load)) <= LOADS:
-        raise SceneError("load", load, f"a number from {-LOADS} to {LOADS}")
+        raise InputError("load", load, f"a number from {-LOADS} to {LOADS}")
     squares = _galerkin(float(load))[:count]
     real = np.isreal(squares) & (squares.real > 0)
     if not real.all():

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from mpmath import mp
 
-from rodgen.scene.errors import SceneError
+from rodgen.errors import InputError
 
 Real = Any  # float, or mpf where digits are asked for
 Quantity = Any  # a number or a string of one
@@ -25,7 +25,7 @@ def rounded(compute: Callable[[], Any], digits: int | None, extra: int = 0) -> A
     """compute() worked out with guard digits: a number, or a tuple of numbers, as floats or with
     ``digits`` as mpf. extra: further guard digits that the problem is known to lose."""
     if digits is not None and not 1 <= digits <= 1000:
-        raise SceneError("digits", digits, "a whole number from 1 to 1000")
+        raise InputError("digits", digits, "a whole number from 1 to 1000")
     with mp.workdps((digits or FLOAT) + GUARD + extra):
         result = compute()
     with mp.workdps(digits or FLOAT):
@@ -37,22 +37,22 @@ def rounded(compute: Callable[[], Any], digits: int | None, extra: int = 0) -> A
 
 
 def finite(name: str, given: Quantity) -> Any:
-    """The quantity as mpf; raises SceneError for one that is not a finite number."""
+    """The quantity as mpf; raises InputError for one that is not a finite number."""
     try:
         value = mp.mpf(given)
     except (TypeError, ValueError):
         value = mp.nan
     if not mp.isfinite(value):
-        raise SceneError(name, given, "a finite number")
+        raise InputError(name, given, "a finite number")
     return value
 
 
 def positive(**quantities: Quantity) -> list[Any]:
-    """The quantities as mpf; raises SceneError for one that is not finite and positive."""
+    """The quantities as mpf; raises InputError for one that is not finite and positive."""
     values = [finite(name, given) for name, given in quantities.items()]
     for value, (name, given) in zip(values, quantities.items(), strict=True):
         if not value > 0:
-            raise SceneError(name, given, "a finite number greater than 0")
+            raise InputError(name, given, "a finite number greater than 0")
     return values
 
 
@@ -77,13 +77,13 @@ def wave_number(boundary: str, k: int, *, digits: int | None = None) -> Real:
     are not counted.
 
     boundary: "free", both ends free, cos x cosh x = 1; "clamped" or "cantilever",
-    cos x cosh x = -1; "pinned", the other end free, tan x = tanh x. Raises SceneError for another
+    cos x cosh x = -1; "pinned", the other end free, tan x = tanh x. Raises InputError for another
     boundary or k < 1. R. D. Blevins, Formulas for Natural Frequency and
     Mode Shape, 1979, table 8-1.
     """
     name = "clamped" if boundary == "cantilever" else boundary
     if name not in _CHARACTERISTIC:
-        raise SceneError("boundary", boundary, '"free", "clamped", "cantilever" or "pinned"')
+        raise InputError("boundary", boundary, '"free", "clamped", "cantilever" or "pinned"')
     _whole("k", k)
     f, shift = _CHARACTERISTIC[name]
 
@@ -169,4 +169,4 @@ def linear_own_weight(
 
 def _whole(name: str, value: int) -> None:
     if not isinstance(value, int) or value < 1:
-        raise SceneError(name, value, "a whole number of at least 1")
+        raise InputError(name, value, "a whole number of at least 1")

@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from rodgen.analyse.references.continuum import Quantity, Real, rounded
-from rodgen.scene.errors import SceneError
+from rodgen.errors import InputError
 
 LARGEST = 1000  # load; the tip is then vertical to 8 digits
 EXCESS = 20  # digits: a column is bent by the root of what its load has more than Euler's
@@ -37,7 +37,7 @@ def tip_force(load: Quantity, *, digits: int | None = None) -> Tip:
     theta'' = -load cos(theta), theta(0) = theta'(1) = 0. With k^2 = (1 + sin theta_1) / 2 and
     k sin(phi) = sqrt(1/2): sqrt(load) = K(k) - F(phi, k), x = sqrt(2 sin(theta_1) / load),
     y = 1 - 2 (E(k) - E(phi, k)) / sqrt(load). K. E. Bisshopp and D. C. Drucker, Quarterly of
-    Applied Mathematics 3 (1945) 272-275. Raises SceneError for a load below 0 or above LARGEST.
+    Applied Mathematics 3 (1945) 272-275. Raises InputError for a load below 0 or above LARGEST.
     """
     size = _checked(load)
 
@@ -71,7 +71,7 @@ def own_weight(load: Quantity, *, digits: int | None = None) -> Tip:
     theta'' = -load (1 - s) cos(theta), theta(0) = theta'(1) = 0: the heavy elastica, by shooting
     from the tip with Taylor series. Of the equilibria that large loads allow, the one without
     theta beyond pi/2. F. V. Rohde, Quarterly of Applied Mathematics 11 (1953) 337-338. Raises
-    SceneError for a load below 0 or above LARGEST.
+    InputError for a load below 0 or above LARGEST.
     """
     size = _checked(load)
     start = _shot(size) if size else 0.0
@@ -98,7 +98,7 @@ def axial_force(load: Quantity, *, digits: int | None = None) -> Tip:
 
     theta'' = -load sin(theta), theta(0) = theta'(1) = 0. With k = sin(theta_1 / 2):
     sqrt(load) = K(k), x = 2 E(k) / K(k) - 1, y = 2 k / K(k). L. Euler, De curvis elasticis (1744);
-    S. P. Timoshenko and J. M. Gere, Theory of Elastic Stability (1961), 2.7. Raises SceneError for
+    S. P. Timoshenko and J. M. Gere, Theory of Elastic Stability (1961), 2.7. Raises InputError for
     a load below 0 or above LARGEST.
     """
     size = _checked(load)
@@ -187,7 +187,7 @@ def _checked(load: Quantity) -> float:
     except (TypeError, ValueError):
         size = -1.0
     if not 0 <= size <= LARGEST:
-        raise SceneError("load", load, f"a number from 0 to {LARGEST:g}")
+        raise InputError("load", load, f"a number from 0 to {LARGEST:g}")
     return size
 
 

@@ -7,17 +7,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from rodgen.scene import SceneError
+from rodgen.errors import InputError
 
 
 @contextmanager
 def replaced(path: Path, field: str = "file") -> Iterator[Path]:
     """Another name in the same folder to write to; at the end it takes the place of path.
 
-    Where the block raises, nothing is left of it. Raises SceneError where there is no such folder.
+    Where the block raises, nothing is left of it. Raises InputError where there is no such folder.
     """
     if not path.parent.is_dir():
-        raise SceneError(field, str(path), "in a folder that exists")
+        raise InputError(field, str(path), "in a folder that exists")
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         yield part

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.errors import InputError
 from rodgen.integrate.files import replaced
-from rodgen.scene import SceneError
 
 Number = float | int | str
 NUMBERS = "numbers"  # the entry that holds them, as JSON; arrays are named array_<name>
@@ -31,7 +31,7 @@ def write(path: Path, arrays: Mapping[str, NDArray[Any]], numbers: Mapping[str, 
     """Write arrays and numbers, whole or not at all, in place of what was there.
 
     The file is an .npz; its comment is the SHA-256 of all before it. Raises TypeError for arrays
-    of objects and values that are no numbers or text, SceneError where there is no such folder.
+    of objects and values that are no numbers or text, InputError where there is no such folder.
     """
     for name, array in arrays.items():
         if array.dtype.hasobject:
@@ -48,16 +48,16 @@ def write(path: Path, arrays: Mapping[str, NDArray[Any]], numbers: Mapping[str, 
 
 
 def read(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Number]]:
-    """The arrays and numbers that `write` was given; raises SceneError for damaged and for other
+    """The arrays and numbers that `write` was given; raises InputError for damaged and for other
     files."""
     try:
         stored = path.read_bytes()
     except OSError as error:
         allowed = f"a file that can be read ({error.strerror})"
-        raise SceneError("checkpoint", str(path), allowed) from None
+        raise InputError("checkpoint", str(path), allowed) from None
     content, digest = stored[:-DIGITS], stored[-DIGITS:]
     if digest != _digest(content):
-        raise SceneError("checkpoint", str(path), "one of rodgen's, and as it was written")
+        raise InputError("checkpoint", str(path), "one of rodgen's, and as it was written")
     with np.load(io.BytesIO(stored), allow_pickle=False) as entries:
         arrays = {name[len(ARRAY) :]: entries[name] for name in entries if name != NUMBERS}
         return arrays, json.loads(str(entries[NUMBERS]))

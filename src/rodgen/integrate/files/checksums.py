@@ -18,10 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.errors import InputError
 from rodgen.integrate.files.netcdf import NUMRECS, PAGE, Header
-from rodgen.integrate.solution import Stats
-from rodgen.integrate.stepper import Counts
-from rodgen.scene import SceneError
+from rodgen.integrate.stepper import Counts, Stats
 
 CHECKSUM = "checksum"  # last in a record
 EVENT = "event_number", "event_time", "event_y", "event_checksum"
@@ -104,9 +103,9 @@ class Run(NamedTuple):
 
     @classmethod
     def of(cls, text: bytes, path: Path) -> Run:
-        """What `text` made; raises SceneError for other text, in the file at path."""
+        """What `text` made; raises InputError for other text, in the file at path."""
         if not unharmed(text):
-            raise SceneError("file", str(path), "as it was written (damaged: how the run went)")
+            raise InputError("file", str(path), "as it was written (damaged: how the run went)")
         return cls._of(text)
 
     @classmethod

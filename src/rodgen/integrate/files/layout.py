@@ -12,13 +12,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.arrays import Array
+from rodgen.errors import InputError
 from rodgen.integrate.files.checksums import CHECKSUM, NO_STATS, Run
 from rodgen.integrate.files.netcdf import MOST, PAGE, Header
-from rodgen.integrate.samples import Changes
-from rodgen.integrate.solution import Solution
-from rodgen.integrate.stepper import Array
+from rodgen.integrate.trajectory import Changes, Trajectory
 from rodgen.model.quantities import FILE, QUANTITIES
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
+from rodgen.system import System
 
 FORMAT = "rodgen 3"
 UNITS = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "phi_": "rad", "omega_": "rad/s"}
@@ -35,20 +36,20 @@ class Variable(NamedTuple):
     attributes: Mapping[str, str]
 
 
-def variables_of(solution: Solution, kept: Sequence[str] = (FILE,)) -> dict[str, Variable]:
-    """All of a solution that changes with time and that files hold, by name; kept: whose
+def variables_of(trajectory: Trajectory, kept: Sequence[str] = (FILE,)) -> dict[str, Variable]:
+    """All of a trajectory that changes with time and that files hold, by name; kept: whose
     quantities."""
     found = {
-        "time": Variable(("time",), solution.t, {"units": "s"}),
-        "y": Variable(("time", "state"), solution.y, {"long_name": "state"}),
+        "time": Variable(("time",), trajectory.t, {"units": "s"}),
+        "y": Variable(("time", "state"), trajectory.y, {"long_name": "state"}),
     }
     for quantity in QUANTITIES:
         if quantity.kept in kept:
-            for name, words in solution.names(quantity):
+            for name, words in trajectory.names(quantity):
                 attributes = {"units": quantity.unit.replace("^", ""), "long_name": words}
                 over = ("time", *quantity.dimensions)
-                found[name] = Variable(over, solution.values(name), attributes)
-    changes = solution.changes
+                found[name] = Variable(over, trajectory.values(name), attributes)
+    changes = trajectory.changes
     if changes is not None:
         attributes = {"long_name": "parameters that held"}
         found[PARAMETERS] = Variable(("time", "parameter"), changes.p, attributes)
@@ -108,30 +109,29 @@ def event_variables(number: NDArray[Any], t: Array, y: Array) -> dict[str, Varia
 
 
 def contents(
-    scene: Scene,
+    system: System,
     model: ModuleType,
-    p: Array,
     terms: Sequence[str],
     events: int,
     changed: bool = False,
 ) -> tuple[dict[str, int | None], dict[str, Variable], dict[str, str]]:
     """Dimensions, variables (with one sample at rest) and attributes of a file without samples.
 
-    changed: each sample has parameters of its own. Raises SceneError for more than the format can
+    changed: each sample has parameters of its own. Raises InputError for more than the format can
     hold.
     """
-    states, n = len(model.STATE), scene.rod.links
+    states, n, scene = len(model.STATE), system.structure.links, system.scene
     zero = np.zeros(1)
     work = dict.fromkeys(terms, zero)
-    rest = Solution(scene, zero, np.zeros((1, states)), work, NO_STATS, model=model)
-    rest._p, rest.changes = p, Changes(p[None], zero) if changed else None
+    rest = Trajectory(system, zero, np.zeros((1, states)), work, NO_STATS, model=model)
+    rest.changes = Changes(system.p[None], zero) if changed else None
     with np.errstate(all="ignore"):
         sample = variables_of(rest)
     if sum(quantity.values.nbytes for quantity in sample.values()) > MOST:
-        raise SceneError("rod.links", n, f"fewer: a sample has more than the {MOST} bytes allowed")
+        raise InputError("rod.links", n, f"fewer: a sample has more than the {MOST} bytes allowed")
     if 8 * states * events > MOST:
         allowed = f"at most {MOST // (8 * states)} to be kept, of {states} states each"
-        raise SceneError("events", events, allowed)
+        raise InputError("events", events, allowed)
     names = np.array(model.STATE, dtype="S")
     dimensions = {"time": None, "state": states, "link": n, "joint": n + 1, "axis": 2}
     dimensions |= {"letter": 1, "state_letter": names.itemsize, "run_letter": PAGE}
@@ -170,16 +170,16 @@ def _letters(texts: NDArray[np.bytes_]) -> NDArray[np.bytes_]:
     return texts[..., None].view("S1")
 
 
-def check_layout(header: Header, scene: Scene, model: ModuleType, p: Array, path: Path) -> None:
-    """Raise SceneError unless the file holds just what `contents` says for this scene."""
+def check_layout(header: Header, system: System, model: ModuleType, path: Path) -> None:
+    """Raise InputError unless the file holds just what `contents` says for this scene."""
     found = {name: (v.dimensions, v.dtype, v.shape) for name, v in header.variables.items()}
     terms = [name[len(WORK) :] for name in found if name.startswith(WORK)]
     events = header.variables["event_number"].shape[0] if "event_number" in found else 0
-    _, variables, _ = contents(scene, model, p, terms, events, PARAMETERS in found)
+    _, variables, _ = contents(system, model, terms, events, PARAMETERS in found)
     due = {
         name: (over, values.dtype.newbyteorder(">"), values.shape["time" in over :])
         for name, (over, values, _) in variables.items()
     }
     if found != due:
         wrong = ", ".join(sorted(name for name in found | due if found.get(name) != due.get(name)))
-        raise SceneError("file", str(path), f"written by rodgen (not so: {wrong})")
+        raise InputError("file", str(path), f"written by rodgen (not so: {wrong})")

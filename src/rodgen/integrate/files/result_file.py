@@ -12,13 +12,14 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.errors import InputError
 from rodgen.integrate.endings import INTERRUPTED
 from rodgen.integrate.files import checksums
 from rodgen.integrate.files.checksums import RUNNING, Run
 from rodgen.integrate.files.layout import FORMAT, plain
 from rodgen.integrate.files.netcdf import Header, RecordFile, read_header
-from rodgen.integrate.solution import Event
-from rodgen.scene import Scene, SceneError
+from rodgen.integrate.trajectory import Event
+from rodgen.scene import Scene
 
 BEFORE = "rodgen 2"  # the format without checksums
 BLOCK = 2**20  # bytes of records that are checked at once
@@ -46,7 +47,7 @@ class ResultFile:
     """A result file, open to be read. scene: that of its run; run: how that went; checked: whether
     it has checksums; notes: what is to be said of it.
 
-    strict: raise SceneError for any damage that is found. Otherwise samples, events and the text
+    strict: raise InputError for any damage that is found. Otherwise samples, events and the text
     of the run are left out where they are damaged, and notes say so; what says what they mean, the
     header with the scene, has to be as it was written in any case.
     """
@@ -179,8 +180,8 @@ class ResultFile:
             raise self._refused(f"{what}; {rest}")
         self.notes.append(f"{self.path} is damaged, and what is left out is: {what}")
 
-    def _refused(self, what: str) -> SceneError:
-        return SceneError("file", str(self.path), f"as it was written (damaged: {what})")
+    def _refused(self, what: str) -> InputError:
+        return InputError("file", str(self.path), f"as it was written (damaged: {what})")
 
     def close(self) -> None:
         """Close the file."""
@@ -215,13 +216,13 @@ def warn(notes: list[str]) -> None:
 
 
 def open_header(path: Path) -> tuple[Header, Scene]:
-    """Header of a result file, and its scene; raises SceneError for other files."""
+    """Header of a result file, and its scene; raises InputError for other files."""
     header = header_of(path)
     return header, scene_of(header, path)
 
 
 def header_of(path: Path) -> Header:
-    """Header of a result file; raises SceneError for other files."""
+    """Header of a result file; raises InputError for other files."""
     try:
         with open(path, "rb") as file:
             if file.read(4) == b"\x89HDF":
@@ -230,24 +231,24 @@ def header_of(path: Path) -> Header:
     except (OSError, ValueError) as error:
         scene = Path(path).suffix == ".toml"
         reason = "Scene.from_toml reads scenes" if scene else str(error).splitlines()[0]
-        raise SceneError("file", str(path), f"a NetCDF file that can be read ({reason})") from None
+        raise InputError("file", str(path), f"a NetCDF file that can be read ({reason})") from None
     if header.attributes.get("format") not in (FORMAT, BEFORE):
-        raise SceneError("file", str(path), f"written by rodgen (format {FORMAT!r})")
+        raise InputError("file", str(path), f"written by rodgen (format {FORMAT!r})")
     return header
 
 
 def scene_of(header: Header, path: Path) -> Scene:
-    """The scene in the header of a result file; raises SceneError where there is none."""
+    """The scene in the header of a result file; raises InputError where there is none."""
     with as_rodgens(path):
         return Scene.from_dict(json.loads(header.attributes["scene"]))
 
 
 @contextmanager
 def as_rodgens(path: Path) -> Iterator[None]:
-    """What NumPy and others say of the contents of a file that is no result, as a SceneError."""
+    """What NumPy and others say of the contents of a file that is no result, as a InputError."""
     try:
         yield
     except (*STRANGE, OSError) as error:
-        if isinstance(error, SceneError) and error.field == "file":
+        if isinstance(error, InputError) and error.field == "file":
             raise
-        raise SceneError("file", str(path), f"written by rodgen ({error!r})") from None
+        raise InputError("file", str(path), f"written by rodgen ({error!r})") from None

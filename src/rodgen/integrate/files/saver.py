@@ -8,18 +8,20 @@ from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
+from rodgen.errors import InputError
 from rodgen.integrate.catalogue import loads_at_work
 from rodgen.integrate.endings import ENDED, FINISHED
 from rodgen.integrate.events import Watch
 from rodgen.integrate.files import checkpoint as files
 from rodgen.integrate.files.checksums import RUNNING, Run
+from rodgen.integrate.files.reader import solution_of
 from rodgen.integrate.files.result_file import ResultFile
-from rodgen.integrate.files.storage import solution_of
 from rodgen.integrate.files.stream import Stream
+from rodgen.integrate.machine import Machine, State
 from rodgen.integrate.samples import Recorder
-from rodgen.integrate.solution import Solution, Stats
-from rodgen.integrate.stepper import Machine, State
-from rodgen.scene import Scene, SceneError
+from rodgen.integrate.solution import Solution
+from rodgen.integrate.stepper import Stats
+from rodgen.system import System
 
 IN_MEMORY = 20_000  # samples of a file that a Solution has at most
 ROOM = 4096  # events that a file has room for
@@ -28,9 +30,9 @@ PATIENCE = 2.0  # seconds after which samples are written, whether a block is fu
 
 
 def check_every(seconds: float | None, field: str = "checkpoint") -> None:
-    """Raise SceneError unless checkpoints can be kept every so many seconds, or are not wanted."""
+    """Raise InputError unless checkpoints can be kept every so many seconds, or are not wanted."""
     if seconds is not None and not 0 < seconds < math.inf:
-        raise SceneError(field, seconds, "a positive number of seconds")
+        raise InputError(field, seconds, "a positive number of seconds")
 
 
 class Saver:
@@ -41,45 +43,44 @@ class Saver:
 
     def __init__(
         self,
-        scene: Scene,
+        system: System,
         model: ModuleType,
         stream: Stream | None = None,
         every: float | None = None,
     ):
-        self.scene, self.model, self.stream, self._every = scene, model, stream, every
+        self.system, self.model, self.stream, self._every = system, model, stream, every
         self.samples, self.seconds, self.resumed = 0, 0.0, False
         self._state: State = {}
         self._written = self._saved = time.perf_counter()
 
     @classmethod
     def begin(
-        cls, scene: Scene, model: ModuleType, out: str | Path | None, every: float | None
+        cls, system: System, model: ModuleType, out: str | Path | None, every: float | None
     ) -> Saver:
-        """A new file, if one is asked for. Raises SceneError where it cannot be."""
+        """A new file, if one is asked for. Raises InputError where it cannot be."""
         check_every(every)
         if out is None:
             if every is not None:
-                raise SceneError("checkpoint", every, "given with out, beside which it is kept")
-            return cls(scene, model)
-        p = model.parameters(**scene.parameters)
+                raise InputError("checkpoint", every, "given with out, beside which it is kept")
+            return cls(system, model)
         works = loads_at_work(model)
-        room = ROOM if scene.events else 0
+        room = ROOM if system.events else 0
         # First: a state of another run beside a file would be taken for its own.
         files.beside(Path(out)).unlink(missing_ok=True)
-        stream = Stream.create(Path(out), scene, model, p, works, room)
-        return cls(scene, model, stream, every)
+        stream = Stream.create(Path(out), system, model, works, room)
+        return cls(system, model, stream, every)
 
     @classmethod
     def resume(cls, path: Path, every: float | None) -> Saver:
         """A file to go on with, from its last checkpoint; from its start if it has none.
 
-        Raises SceneError for a run that has ended, and for a checkpoint that is not of this file
+        Raises InputError for a run that has ended, and for a checkpoint that is not of this file
         or of another module.
         """
         with ResultFile(path) as file:
             if file.run.status in ENDED:
                 allowed = f"of a run to go on with; this one {_ended(file.run)}"
-                raise SceneError("file", str(path), allowed)
+                raise InputError("file", str(path), allowed)
         at = files.beside(path)
         state, numbers = files.read(at) if at.exists() else ({}, _NOTHING)
         try:
@@ -88,17 +89,17 @@ class Saver:
             stream = Stream.reopen(path, most=samples)
             try:
                 if state and numbers["module"] != _module(stream.model):
-                    raise SceneError("checkpoint", str(at), "of this version of rodgen")
+                    raise InputError("checkpoint", str(at), "of this version of rodgen")
                 stream.truncate(samples, events)
             except BaseException:
                 stream.close()
                 raise
-            saver = cls(stream.scene, stream.model, stream, every)
+            saver = cls(stream.system, stream.model, stream, every)
             saver.samples, saver.seconds = samples, float(numbers["seconds"])
         except (KeyError, ValueError) as error:
-            if isinstance(error, SceneError):
+            if isinstance(error, InputError):
                 raise
-            raise SceneError("checkpoint", str(at), f"of {path.name} ({error})") from None
+            raise InputError("checkpoint", str(at), f"of {path.name} ({error})") from None
         saver._state, saver.resumed = state, True
         return saver
 
@@ -109,7 +110,7 @@ class Saver:
         try:
             machine.restore(self._state)
         except (KeyError, ValueError) as error:
-            raise SceneError(
+            raise InputError(
                 "checkpoint", str(self.stream and self.stream.path), str(error)
             ) from None
         return True

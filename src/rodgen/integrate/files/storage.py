@@ -1,48 +1,48 @@
-"""Solutions as xarray's Datasets, and written to and read from NetCDF files."""
+"""Runs as xarray's Datasets and pandas' tables, and written to NetCDF files."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rodgen.integrate.endings import INTERRUPTED
 from rodgen.integrate.files import replaced
-from rodgen.integrate.files.checksums import NO_STATS, RUNNING
 from rodgen.integrate.files.layout import (
-    WORK,
     attributes,
-    changes_in,
     event_variables,
     parameter_names,
-    plain,
     state_units,
     variables_of,
 )
-from rodgen.integrate.files.netcdf import RecordFile
-from rodgen.integrate.files.result_file import ResultFile, as_rodgens, warn
 from rodgen.integrate.files.stream import Stream
-from rodgen.integrate.solution import Solution
-from rodgen.integrate.stepper import Array
-from rodgen.model.quantities import DATASET, FILE
-from rodgen.scene import Scene, SceneError
+from rodgen.integrate.trajectory import Trajectory
+from rodgen.model.quantities import (
+    DATASET,
+    FILE,
+    FORCES,
+    QUANTITIES,
+    SHOWN,
+    Index,
+    Quantity,
+    numbers,
+)
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
 
-def to_xarray(solution: Solution) -> xarray.Dataset:
+def to_xarray(trajectory: Trajectory) -> xarray.Dataset:
     """Dataset over time, state, link, joint and axis, with the unit of every state; work by load
     as work_<term>; events, where there are any, by the number of their kind in the scene."""
     import xarray  # only where it is needed: it takes longer to import than to load a file
 
-    n = solution.scene.rod.links
-    states = list(solution.model.STATE)
+    n = trajectory.scene.rod.links
+    states = list(trajectory.model.STATE)
     coordinates: dict[str, Any] = {
         "state": states,
         "state_units": ("state", state_units(states)),
@@ -51,161 +51,71 @@ def to_xarray(solution: Solution) -> xarray.Dataset:
         "axis": ["x", "y"],
         "principal": ["smaller", "larger"],
     }
-    if solution.changes is not None:
-        coordinates["parameter"] = parameter_names(solution.scene)
+    if trajectory.changes is not None:
+        coordinates["parameter"] = parameter_names(trajectory.scene)
     notes = {
-        **attributes(solution.scene),
-        "stats": json.dumps(asdict(solution.stats)),
-        "status": solution.status,
-        "message": solution.message,
-        "energy_error": solution.energy_error,
+        **attributes(trajectory.scene),
+        "stats": json.dumps(asdict(trajectory.stats)),
+        "status": trajectory.status,
+        "message": trajectory.message,
+        "energy_error": trajectory.energy_error,
     }
-    found = variables_of(solution, (FILE, DATASET))
-    if solution.events:
-        times, y = zip(*((event.t, event.y) for event in solution.events), strict=True)
-        number = np.array(_event_numbers(solution))
+    found = variables_of(trajectory, (FILE, DATASET))
+    if trajectory.events:
+        times, y = zip(*((event.t, event.y) for event in trajectory.events), strict=True)
+        number = np.array(_event_numbers(trajectory))
         found |= event_variables(number, np.array(times), np.array(y))
     return xarray.Dataset(found, coordinates, notes)
 
 
-def _event_numbers(solution: Solution) -> list[int]:
+def _event_numbers(trajectory: Trajectory) -> list[int]:
     """Number in the scene of the kind of every event."""
-    names = [event.name for event in solution.scene.events]
-    return [names.index(event.name) for event in solution.events]
+    names = [event.name for event in trajectory.scene.events]
+    return [names.index(event.name) for event in trajectory.events]
 
 
-def save(solution: Solution, path: Path) -> None:
-    """Write a NetCDF file, whole or not at all; raises SceneError where there is no folder."""
-    parts = (solution.scene, solution.model, solution._p, list(solution.work))
-    room, changes = len(solution.events), solution.changes
+def to_pandas(trajectory: Trajectory) -> pandas.DataFrame:
+    """All that a Dataset holds and added states, a column a number, with units as an attribute."""
+    import pandas  # only where it is needed: it takes long to import
+
+    columns, units = {}, {}
+    for quantity in QUANTITIES:
+        if quantity.kept == SHOWN:
+            continue
+        for name, _ in trajectory.names(quantity):
+            values = trajectory.values(name)
+            for number, at in _numbers(trajectory, quantity, name):
+                columns[number] = values[(slice(None), *at)]
+                units[number] = quantity.unit
+    for back, name in enumerate(reversed(trajectory.added), start=1):
+        columns[name] = trajectory.y[:, -back]
+        units[name] = ""
+    frame = pandas.DataFrame(columns, pandas.Index(trajectory.t, name="t"))
+    frame.attrs["units"] = {"t": "s", **units}
+    return frame
+
+
+def _numbers(trajectory: Trajectory, quantity: Quantity, name: str) -> Iterator[tuple[str, Index]]:
+    """Single numbers of a quantity, by their names and where they are beside the time."""
+    links = trajectory.scene.rod.links
+    if quantity.each == FORCES:
+        for joint in range(links + 1):
+            yield from ((f"{name}_{joint}_{axis}", (joint, k)) for k, axis in enumerate("xy"))
+    elif quantity.each:
+        yield name, ()
+    else:
+        yield from ((one.name, one.at) for one in numbers(quantity, trajectory.hold, links))
+
+
+def save(trajectory: Trajectory, path: Path) -> None:
+    """Write a NetCDF file, whole or not at all; raises InputError where there is no folder."""
+    parts = trajectory.system, trajectory.model, list(trajectory.work)
+    room, changes = len(trajectory.events), trajectory.changes
     with (
         replaced(path) as part,
         Stream.create(part, *parts, events=room, changed=changes is not None) as stream,
     ):
-        stream.append(solution.t, solution.y, solution.work, changes)
-        for number, event in zip(_event_numbers(solution), solution.events, strict=True):
+        stream.append(trajectory.t, trajectory.y, trajectory.work, changes)
+        for number, event in zip(_event_numbers(trajectory), trajectory.events, strict=True):
             stream.add_event(number, event.t, event.y)
-        stream.finish(solution.status, solution.message, solution.stats)
-
-
-def load(path: str | Path, most: int | None = None, *, strict: bool = True) -> Solution:
-    """Read a Solution from a NetCDF file that rodgen wrote.
-
-    The run of a file that has not been ended counts as interrupted. Files of rodgen before format
-    "rodgen 3" cannot be checked, and are warned of.
-
-    Parameters
-    ----------
-    path
-        The file.
-    most
-        Samples to be read, evenly spaced with the first and the last; all, if not given.
-        `energy_error` is that of all.
-    strict
-        If False, all is read that is not damaged, and what is left out is warned of.
-
-    Returns
-    -------
-    Solution
-        The run, whose module is built when it is asked for.
-
-    Raises
-    ------
-    SceneError
-        For other files, and for one that is not as it was written, with the times of samples that
-        are damaged.
-
-    Warns
-    -----
-    FileWarning
-        Of what is left out, and of what cannot be checked.
-
-    Examples
-    --------
-    >>> import rodgen, tempfile, pathlib
-    >>> path = pathlib.Path(tempfile.mkdtemp()) / "run.nc"
-    >>> sol = rodgen.simulate(rodgen.Scene.example("missile"), progress=False)
-    >>> sol.save(path)
-    >>> bool((rodgen.load(path).y == sol.y).all())
-    True
-    """
-    with ResultFile(Path(path), strict) as file:
-        records, good = file.samples()
-        solution = solution_of(file, records, good, most)
-        warn(file.notes)
-    return solution
-
-
-def solution_of(
-    file: ResultFile, records: NDArray[Any], good: NDArray[np.intp], most: int | None = None
-) -> Solution:
-    """The Solution of those records of a file that are good, or of so many, evenly spaced."""
-    with as_rodgens(file.path):
-        off = float(np.abs(records["energy_balance"])[good].max(initial=0.0))
-        if most is not None and len(good) > most:
-            kept = np.unique(np.linspace(0, len(good) - 1, most).round().astype(int))
-            good = good[kept]
-        whole = len(good) == len(records)
-        taken = records if whole else records[good]
-        terms = [name for name in records.dtype.names or () if name.startswith(WORK)]
-        work = {name[len(WORK) :]: plain(taken[name]) for name in terms}
-        t, y = plain(taken["time"]), plain(taken["y"])
-        changes = changes_in(taken, file.scene)
-        if y.shape[1:] != file.scene.initial_state().shape:
-            raise ValueError("not so: y")
-        events = file.events()
-    run = file.run
-    status, message = run.status, run.message
-    if status == RUNNING:
-        status, message = INTERRUPTED, _how_far(t, file.scene)
-    if run.lost:
-        message = f"{message}; {run.lost} more events than the file has room for"
-    for note in file.notes if file.checked else ():
-        message = f"{message}; {note}"
-    how = status, message.lstrip("; ")
-    stats = run.stats or NO_STATS
-    solution = Solution(file.scene, t, y, work, stats, *how, events=events, changes=changes)
-    solution.energy_error = off  # of all samples, also of those that are not read
-    return solution
-
-
-def _how_far(t: Array, scene: Scene) -> str:
-    """What is said of a run that did not come to say it itself."""
-    at = f"killed after t = {t[-1]:.9g} s" if len(t) else "killed before its first sample"
-    return f"{at} of {scene.integrate.span[1]:.9g} s; rodgen run --resume continues it"
-
-
-class Excerpt:
-    """A result file; scene: that of its run; model: its module, where it is built; t: times of its
-    samples [s], (T,), of those that are not damaged; notes: what is to be said of it.
-
-    Raises SceneError for files that rodgen did not write, and, unless strict is False, for those
-    that are not as they were written.
-    """
-
-    def __init__(self, path: Path, strict: bool = True):
-        self.path = path
-        self.model: ModuleType | None = None
-        with ResultFile(path, strict) as file, as_rodgens(path):
-            records, self._good = file.samples()
-            file.events()  # none of them is shown, but a damaged file is to be told of
-            self.t = plain(records["time"])[self._good]
-            states = records["y"].shape[1:]
-            self.scene, self.notes = file.scene, tuple(file.notes)
-            self._header, self._run = file.header, file.run
-        if states != self.scene.initial_state().shape:
-            raise SceneError("file", str(path), "written by rodgen (not so: y)")
-
-    def at(self, kept: NDArray[np.intp]) -> Solution:
-        """The samples with these numbers, without their work and events."""
-        try:
-            with RecordFile(self.path, self._header, "r") as file:
-                file.count = int(self._good[-1]) + 1
-                records, numbers = file.records(), self._good[kept]
-                y, changes = plain(records["y"][numbers]), changes_in(records, self.scene, numbers)
-        except (OSError, ValueError) as error:  # it was changed meanwhile
-            raise SceneError("file", str(self.path), f"as it was ({error})") from None
-        stats = self._run.stats or NO_STATS
-        run = self._run
-        how = run.status, run.message, self.model
-        return Solution(self.scene, self.t[kept], y, {}, stats, *how, changes=changes)
+        stream.finish(trajectory.status, trajectory.message, trajectory.stats)

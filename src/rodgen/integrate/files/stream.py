@@ -10,6 +10,8 @@ from typing import Self
 
 import numpy as np
 
+from rodgen.arrays import Array
+from rodgen.errors import InputError
 from rodgen.integrate.files import checksums, replaced
 from rodgen.integrate.files.checksums import NO_STATS, RUNNING, Run
 from rodgen.integrate.files.layout import (
@@ -22,11 +24,10 @@ from rodgen.integrate.files.layout import (
 )
 from rodgen.integrate.files.netcdf import MOST, Header, RecordFile, empty_file, read_header
 from rodgen.integrate.files.result_file import BEFORE, ResultFile, open_header
-from rodgen.integrate.samples import Changes
-from rodgen.integrate.solution import Solution, Stats
-from rodgen.integrate.stepper import Array
+from rodgen.integrate.stepper import Stats
+from rodgen.integrate.trajectory import Changes, Trajectory
 from rodgen.loading import build
-from rodgen.scene import Scene, SceneError
+from rodgen.system import System
 
 BLOCK = 2**20  # bytes of records that are made at once
 INPUT = "time", "y", PARAMETERS, GIVEN  # and works: all else follows from them
@@ -41,13 +42,13 @@ class Stream:
     status as it was.
     """
 
-    def __init__(self, path: Path, header: Header, scene: Scene, model: ModuleType, p: Array):
+    def __init__(self, path: Path, header: Header, system: System, model: ModuleType):
         """Open a file that is there; use `create` or `reopen`."""
-        self.path, self.scene, self.model, self._p = path, scene, model, p
+        self.path, self.system, self.model = path, system, model
         self._file = RecordFile(path, header)
         try:
             self._run = Run.of(self._file.fixed(checksums.RUN).tobytes(), path)
-        except SceneError:
+        except InputError:
             self.close()
             raise
         self._file.count = self._run.samples
@@ -57,7 +58,7 @@ class Stream:
         for record in self._file.records()[:1]:
             energies = (record[f"{kind}_energy"] for kind in ("kinetic", "spring", "gravity"))
             self._first = sum(energies, start=0.0)
-            if scene.integrate.t_eval is not None:  # work was done before the first sample
+            if system.settings.t_eval is not None:  # work was done before the first sample
                 works = (name for name in record.dtype.names or () if name.startswith(WORK))
                 self._first -= sum((record[name] for name in works), start=0.0)
 
@@ -65,42 +66,41 @@ class Stream:
     def create(
         cls,
         path: Path,
-        scene: Scene,
+        system: System,
         model: ModuleType,
-        p: Array,
         work_terms: Sequence[str],
         events: int = 0,
         changed: bool = False,
     ) -> Self:
-        """A file without samples; p: parameters of the model; events: room for so many; changed:
-        each sample has parameters of its own.
+        """A file without samples; events: room for so many; changed: each sample has parameters of
+        its own.
 
-        Raises SceneError where there is no such folder, or for more than the format can hold.
+        Raises InputError where there is no such folder, or for more than the format can hold.
         """
         with replaced(path) as part:
-            parts = contents(scene, model, p, work_terms, events, changed)
+            parts = contents(system, model, work_terms, events, changed)
             part.write_bytes(_told(empty_file(*parts, aligned=checksums.RUN)))
-        return cls(path, *open_header(path), model, p)
+        return cls(path, open_header(path)[0], system, model)
 
     @classmethod
     def reopen(cls, path: Path, model: ModuleType | None = None, most: int | None = None) -> Self:
         """A file to go on with: its status is running again, half a record at its end is cut off.
 
         model: the module it was made with, built if it is not given; most: samples to go back to,
-        of which none may be damaged. Raises SceneError for files that are not rodgen's or not as
+        of which none may be damaged. Raises InputError for files that are not rodgen's or not as
         they were written, BuildError where the module cannot be built.
         """
         with ResultFile(path) as file:
             if not file.checked:
-                raise SceneError("file", str(path), f"in rodgen's present format, not {BEFORE!r}")
+                raise InputError("file", str(path), f"in rodgen's present format, not {BEFORE!r}")
             file.samples(most)
             file.events()
-            header, scene = file.header, file.scene
+            header, system = file.header, System(file.scene)
         if model is None:
-            model = build(scene, *(header.attributes.get(key, "") for key in ("target", "form")))
-        p = model.parameters(**scene.parameters)
-        check_layout(header, scene, model, p, path)
-        stream = cls(path, header, scene, model, p)
+            made = (header.attributes.get(key, "") for key in ("target", "form"))
+            model = build(system.structure, *made)
+        check_layout(header, system, model, path)
+        stream = cls(path, header, system, model)
         if stream._run.events < stream._capacity:  # it may be half written
             stream._clear_event(stream._run.events)
         stream.truncate(stream.count if most is None else min(most, stream.count))
@@ -123,7 +123,7 @@ class Stream:
         """Samples at times t (K,) [s]: states y (K, S), work [J] by term, each (K,); what held
         then, if the file was created for changes.
 
-        Raises ValueError for other shapes or terms, SceneError where no more samples fit in.
+        Raises ValueError for other shapes or terms, InputError where no more samples fit in.
         """
         record, count = self._file.header.record, len(t)
         given = {"time": t, "y": y, **{WORK + term: values for term, values in work.items()}}
@@ -135,14 +135,15 @@ class Stream:
         if shapes != due:
             raise ValueError(f"samples of shapes {shapes}, not {due}")
         if self.count + count > MOST:
-            raise SceneError("samples", self.count + count, f"at most {MOST} in a file")
-        whole = Solution(self.scene, t, y, dict(work), NO_STATS, model=self.model, changes=changes)
+            raise InputError("samples", self.count + count, f"at most {MOST} in a file")
+        whole = Trajectory(
+            self.system, t, y, dict(work), NO_STATS, model=self.model, changes=changes
+        )
         at_once = max(1, BLOCK // record.itemsize)
         for at in range(0, count, at_once):
             self._append(whole.taken(slice(at, at + at_once)))
 
-    def _append(self, block: Solution) -> None:
-        block._p = self._p
+    def _append(self, block: Trajectory) -> None:
         with np.errstate(all="ignore"):  # of a run that blew up
             if self._first is None:
                 self._first = block.start_energy

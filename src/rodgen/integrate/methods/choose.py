@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from types import ModuleType
 
+from rodgen.arrays import Array
+from rodgen.integrate.machine import Machine
 from rodgen.integrate.methods.compiled import Compiled
 from rodgen.integrate.methods.python_steps import PythonSteps
 from rodgen.integrate.stability import Dominant, dominant, limit
-from rodgen.integrate.stepper import Array, Machine, StepError
+from rodgen.integrate.stepper import StepError
 from rodgen.model.methods import COLLOCATION
 from rodgen.scene import Scene
 from rodgen.scene.integration import AUTO, MOST_ADAPTIVE, Integrate
+from rodgen.system import System
 
 # Measured at equal error on random scenes, see docs/methods.md.
 FEW = 4e3  # radians or decays, at FEW_AT, of a fastest motion that explicit steps follow in no time
@@ -34,7 +37,7 @@ class Choice:
     reason: str
 
 
-def choose(scene: Scene, model: ModuleType) -> Choice:
+def choose(system: System | Scene, model: ModuleType) -> Choice:
     """Return the method of a scene: its own, or what `auto` takes it to need.
 
     What counts is the fastest motion at the start, its frequency and damping, against the span and
@@ -42,8 +45,8 @@ def choose(scene: Scene, model: ModuleType) -> Choice:
 
     Parameters
     ----------
-    scene
-        The scene.
+    system
+        The scene, or a System.
     model
         Its module, from `build`.
 
@@ -59,8 +62,8 @@ def choose(scene: Scene, model: ModuleType) -> Choice:
     >>> rodgen.choose(scene, rodgen.build(scene)).method
     'dop853'
     """
-    p = model.parameters(**scene.parameters)
-    return choose_from(scene.integrate, model, p, scene.initial_state())
+    system = System.of(system)
+    return choose_from(system.settings, model, system.p, system.y0)
 
 
 def choose_from(settings: Integrate, model: ModuleType, p: Array, y: Array) -> Choice:
@@ -94,9 +97,9 @@ def by_rule(fastest: Dominant, span: float, rtol: float, budget: int = MOST_ADAP
     return Choice("dop853", f"{motion}, and has to be followed")
 
 
-def warn_of_tolerance(scene: Scene, model: ModuleType) -> str | None:
-    """Why a method with error control cannot keep to the tolerance of a scene, or None."""
-    settings = scene.integrate
+def warn_of_tolerance(system: System, model: ModuleType) -> str | None:
+    """Why a method with error control cannot keep to the tolerance of a run, or None."""
+    settings = system.settings
     method, rtol = settings.method, settings.rtol
     if method in COLLOCATION and rtol < LEAST_NEWTON:
         return (
@@ -106,7 +109,7 @@ def warn_of_tolerance(scene: Scene, model: ModuleType) -> str | None:
     if method != "gauss":
         return None
     try:
-        fastest = fastest_motion(scene, model)
+        fastest = fastest_motion(system, model)
     except StepError:  # the run itself will say so
         return None
     span = settings.span[1] - settings.span[0]
@@ -136,10 +139,9 @@ def described(fastest: Dominant) -> str:
     return f"{fastest.rate:.3g} rad/s, {max(0.0, 100 * fastest.damping):.3g} % of critical damping"
 
 
-def fastest_motion(scene: Scene, model: ModuleType) -> Dominant:
+def fastest_motion(system: System, model: ModuleType) -> Dominant:
     """The fastest motion about the start of a scene. Raises StepError."""
-    p = model.parameters(**scene.parameters)
-    return dominant(model, _inside(scene.integrate), scene.initial_state(), p)
+    return dominant(model, _inside(system.settings), system.y0, system.p)
 
 
 def _inside(settings: Integrate) -> float:

@@ -12,7 +12,8 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
-from rodgen.integrate.stepper import Array, Counts, Problem, Rhs
+from rodgen.arrays import Array
+from rodgen.integrate.stepper import Counts, Problem, Rhs
 
 Factors = tuple[Array, Array]  # of a matrix, as scipy.linalg.lu_factor gives them
 

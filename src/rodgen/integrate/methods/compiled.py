@@ -8,11 +8,13 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.arrays import Array
 from rodgen.emit.targets import target_of
 from rodgen.integrate.events import Found, Switching, Watch
+from rodgen.integrate.machine import Happened, State
 from rodgen.integrate.mass_jumps import ROW, MassJumps
 from rodgen.integrate.samples import Recorder
-from rodgen.integrate.stepper import Array, Counts, Happened, State, StepError
+from rodgen.integrate.stepper import Counts, StepError
 from rodgen.model.methods import COMPILED, EITHER
 from rodgen.native.run import IMPLICIT
 from rodgen.scene.integration import AUTO, Integrate

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.integrate.stepper import Array, Counts, Interpolant, Problem, Rhs, StepError, hermite
+from rodgen.arrays import Array
+from rodgen.integrate.stepper import Counts, Interpolant, Problem, Rhs, StepError, hermite
 from rodgen.model.method import Tableau
 from rodgen.model.methods import TABLEAUX
 

@@ -13,6 +13,7 @@ import math
 
 import numpy as np
 
+from rodgen.arrays import Array
 from rodgen.integrate.methods.collocation import (
     END,
     FAST,
@@ -24,7 +25,7 @@ from rodgen.integrate.methods.collocation import (
     Taken,
     size,
 )
-from rodgen.integrate.stepper import Array, Counts, Interpolant, Problem, StepError
+from rodgen.integrate.stepper import Counts, Interpolant, Problem, StepError
 from rodgen.model.methods import COLLOCATION
 
 TWO_STEPS = COLLOCATION["gauss"]

@@ -10,11 +10,12 @@ import numpy as np
 import scipy.integrate
 from scipy.integrate import DOP853, OdeSolver
 
+from rodgen.arrays import Array
+from rodgen.errors import InputError
 from rodgen.extras import how_to_have
-from rodgen.integrate.stepper import Array, Counts, Interpolant, Problem, StepError
+from rodgen.integrate.stepper import Counts, Interpolant, Problem, StepError
 from rodgen.model.methods import METHODS
 from rodgen.model.methods.dop853 import HALVED, LARGEST_LAST, MOST_PARTS
-from rodgen.scene import SceneError
 
 LOOKS = 500  # steps between two looks at the stability limit, which cost as much as 30
 PATIENCE = 1000  # evaluations in a row that are not finite, before a method is stopped
@@ -140,7 +141,7 @@ class CvodeStep:
             solver = import_module(PACKAGE).CVODE
         except ImportError as error:
             allowed = f"another, or {how_to_have('cvode')} ({error})"
-            raise SceneError("integrate.method", "cvode", allowed) from None
+            raise InputError("integrate.method", "cvode", allowed) from None
 
         self.counts = Counts()
 

@@ -11,7 +11,9 @@ from typing import TypeVar
 
 import numpy as np
 
+from rodgen.arrays import Array
 from rodgen.integrate.events import Switching, Watch
+from rodgen.integrate.machine import Happened, State
 from rodgen.integrate.mass_jumps import ROW, MassJumps
 from rodgen.integrate.methods.fixed_step import FixedStep
 from rodgen.integrate.methods.gauss import GaussEqualSteps, GaussStep
@@ -19,12 +21,9 @@ from rodgen.integrate.methods.libraries import CvodeStep, ScipyStep
 from rodgen.integrate.samples import Recorder
 from rodgen.integrate.stability import added_states, largest
 from rodgen.integrate.stepper import (
-    Array,
     Counts,
-    Happened,
     Interpolant,
     Problem,
-    State,
     StepError,
     Stepper,
 )
@@ -48,7 +47,7 @@ Value = TypeVar("Value")
 
 
 def stepper(problem: Problem) -> Stepper:
-    """The method of a problem on its way. Raises StepError, and SceneError where it is missing."""
+    """The method of a problem on its way. Raises StepError, and InputError where it is missing."""
     method = problem.settings.method
     if problem.settings.fixed:
         return FixedStep(problem) if method in TABLEAUX else GaussEqualSteps(problem)
@@ -56,7 +55,7 @@ def stepper(problem: Problem) -> Stepper:
 
 
 class PythonSteps:
-    """A run by a method in Python (see stepper.Machine)."""
+    """A run by a method in Python (see machine.Machine)."""
 
     def __init__(self, model: ModuleType, p: Array, settings: Integrate, t: float, y: Array):
         self._model, self._p, self._settings = model, p, settings

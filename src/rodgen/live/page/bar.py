@@ -10,13 +10,13 @@ from typing import Any
 from nicegui import ui
 from nicegui.events import ValueChangeEventArguments
 
+from rodgen.errors import InputError
 from rodgen.live.page.elements import Keys
 from rodgen.live.page.fields import IconButton, heading
 from rodgen.live.page.keys import SPACE, tell_keys
 from rodgen.live.page.runs import PageRun
 from rodgen.live.run.live_run import PAUSED, RUNNING, STOPPED, LiveRun
 from rodgen.live.run.scenes import Folder
-from rodgen.scene import SceneError
 
 SPEEDS = {
     0.001: "0.001 ×",
@@ -145,7 +145,7 @@ class Bar:
         scene, folder = self.page.run.undo.file, self._folder
         names = sorted(folder.names(), key=lambda name: name != scene.name)  # the likely one first
         for name in names[:MOST_COMPARED]:
-            with suppress(SceneError):
+            with suppress(InputError):
                 if folder.scene(name) == scene:
                     return name
         return OTHER
@@ -187,7 +187,7 @@ class Bar:
             await self.page.take(scene)
             before = {one: of for one, of in (self.page.run.files or {}).items() if one != name}
             self.page.run.files = {**before, name: scene}
-        except SceneError as error:
+        except InputError as error:
             self.page.say(str(error))
         self._now = None
         self.page.refresh()

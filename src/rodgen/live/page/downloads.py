@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 from nicegui import app, ui
 
+from rodgen.errors import InputError
 from rodgen.integrate.solution import Solution
 from rodgen.live.page.fields import heading
 from rodgen.live.page.runs import VIEW, PageRun
 from rodgen.live.run.link import link_to
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 
 Progress = Callable[[float], None]  # told the share that is done
 Make = Callable[[Solution, Path, Progress], object]
@@ -63,7 +64,7 @@ class Downloads:
         link = await self.page.do(lambda: link_to(self.page.run, view))
         try:
             packed = link.pack()
-        except SceneError as error:
+        except InputError as error:
             self.said.set_text(str(error))
             return
         self._linked = link.scene
@@ -95,7 +96,7 @@ class Downloads:
         said = ""
         try:
             said = await self._file(ending, make)
-        except (SceneError, OSError) as error:
+        except (InputError, OSError) as error:
             said = str(error)
         except GoneError:
             pass

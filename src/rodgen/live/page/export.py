@@ -14,13 +14,14 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from rodgen.errors import InputError
 from rodgen.integrate.solution import Solution
 from rodgen.live.catalogue import Catalogue
 from rodgen.live.page.elements import ICONS, LIBRARY, SHOWN, STATIC, arrows_of, style
 from rodgen.live.page.plots import first_plots
 from rodgen.live.page.rod import description, drawn_of, first_view
 from rodgen.live.replay import Replay, replay
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 
 GENERATOR = "rodgen view --export"
 PAGE, RUN, PLOTTER = "index.html", "run.js", "uPlot.iife.min.js"
@@ -37,10 +38,10 @@ MOMENTS = "bending_moment"
 
 def export(solution: Solution, folder: Path) -> None:
     """Write a run as a page, with rod, time line and plots: index.html opens from the file system.
-    Raises SceneError for a folder that holds anything else than such a page, and for a run that
+    Raises InputError for a folder that holds anything else than such a page, and for a run that
     cannot be shown."""
     check_own(folder)
-    catalogue = Catalogue(solution.scene, solution.model)
+    catalogue = Catalogue(solution.system, solution.model)
     profiles = [{"kind": "profile", "y": [MOMENTS]}] if MOMENTS in catalogue.along else []
     recorded = replay(solution, [*first_plots(catalogue), *profiles])
     try:
@@ -55,7 +56,7 @@ def export(solution: Solution, folder: Path) -> None:
 
 
 def check_own(folder: Path) -> None:
-    """Refuse a folder that is somebody else's. Raises SceneError."""
+    """Refuse a folder that is somebody else's. Raises InputError."""
     if not folder.exists():
         return
     if not folder.is_dir():
@@ -66,8 +67,8 @@ def check_own(folder: Path) -> None:
         raise _refused(folder, "a new folder, an empty one, or one that --export has written")
 
 
-def _refused(folder: Path, allowed: str) -> SceneError:
-    return SceneError("--export", str(folder), allowed)
+def _refused(folder: Path, allowed: str) -> InputError:
+    return InputError("--export", str(folder), allowed)
 
 
 def _write(folder: Path, scene: Scene, recorded: Replay) -> None:

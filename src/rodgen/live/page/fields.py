@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 from nicegui import ui
 
-from rodgen.scene import SceneError
+from rodgen.errors import InputError
 
 Put = Callable[[str], Awaitable[None]]
 Field = ui.input | ui.select
@@ -68,7 +68,7 @@ def refuse(fields: Mapping[str, Field], refusals: Mapping[str, str]) -> str:
 
 class Entry:
     """A text field; `put` is given its text when it is left or Enter is pressed, and may raise
-    SceneError: that is said beside it, and the run keeps what it had."""
+    InputError: that is said beside it, and the run keeps what it had."""
 
     def __init__(self, label: str, text: str, put: Put, *, unit: str = "", long: bool = False):
         """long: in as many lines as the text takes."""
@@ -93,7 +93,7 @@ class Entry:
         self._asked = text
         try:
             await self._put(text)
-        except SceneError as error:
+        except InputError as error:
             self.say(f"must be {error.allowed}")
         else:
             self._taken = text
@@ -130,22 +130,22 @@ class Entry:
 
 
 def number(text: str, field: str) -> float:
-    """A finite number from a text. Raises SceneError."""
+    """A finite number from a text. Raises InputError."""
     try:
         value = float(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise SceneError(field, text, "a number, such as 0.25 or 1e-3")
+        raise InputError(field, text, "a number, such as 0.25 or 1e-3")
     return value
 
 
 def whole_number(text: str, field: str) -> int:
-    """A whole number from a text. Raises SceneError."""
+    """A whole number from a text. Raises InputError."""
     try:
         return int(text)
     except ValueError:
-        raise SceneError(field, text, "a whole number") from None
+        raise InputError(field, text, "a whole number") from None
 
 
 def plain(value: float | None) -> str:

@@ -28,7 +28,7 @@ class ModeShapes:
         self.page, self._show = page, show
         self._on = False
         self._errand: Errand | None = None
-        self._of: object = None  # the state and the scene of the errand, or of the modes
+        self._of: object = None  # the state and the system of the errand, or of the modes
         self._begun = self._due = 0.0
         self._modes: list[dict[str, Any]] = []
         IconButton("waves", ASKED, self._toggle)
@@ -66,16 +66,16 @@ class ModeShapes:
         if self._errand is not None or time.monotonic() < self._due:
             return
         loop, run = asyncio.get_running_loop(), self.page.run
-        seen, begun, scene = await self.page.do(lambda: (run.seen, run.begun, run.live.placed))
+        seen, begun, system = await self.page.do(lambda: (run.seen, run.begun, run.live.placed))
         t, y, p = float(seen.t[-1]), seen.y[-1].tolist(), seen.p.tolist()
-        if not self._on or self._errand is not None or self._of == (t, p, begun, scene):
+        if not self._on or self._errand is not None or self._of == (t, p, begun, system):
             return
 
         def told(answer: Answer) -> None:
             loop.call_soon_threadsafe(self._take, answer)
 
-        self._of, self._begun = (t, p, begun, scene), time.monotonic()
-        self._errand = ASIDE.ask("modes", scene, told, t=t, y=y, p=p)
+        self._of, self._begun = (t, p, begun, system), time.monotonic()
+        self._errand = ASIDE.ask("modes", system.scene, told, t=t, y=y, p=p)
 
     def _take(self, answer: Answer) -> None:
         if self._errand is None or self.page.client.is_deleted:

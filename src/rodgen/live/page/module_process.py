@@ -12,8 +12,9 @@ from contextlib import suppress
 
 from nicegui import ui
 
+from rodgen.errors import InputError
 from rodgen.loading.ahead import dump
-from rodgen.scene import Scene, SceneError, Structure
+from rodgen.scene import Scene, Structure
 
 MOST_LINKS = 2000  # of a live run: beyond, nothing of it is live
 ENDING = 2.0  # seconds
@@ -35,13 +36,13 @@ class Modules:
 
     async def make(self, structure: Structure, stage: Stage) -> None:
         """Have the module in the cache; stage: told what is being done. Ends the process if it is
-        cancelled. Raises SceneError where it cannot be made."""
+        cancelled. Raises InputError where it cannot be made."""
         if structure.links > MOST_LINKS:
-            raise SceneError("rod.links", structure.links, f"at most {MOST_LINKS} in the live view")
+            raise InputError("rod.links", structure.links, f"at most {MOST_LINKS} in the live view")
         stage("waiting for others")
         async with self._places:
             if self._closed:
-                raise SceneError("module", f"n = {structure.links}", "made before the server ends")
+                raise InputError("module", f"n = {structure.links}", "made before the server ends")
             await _make(structure, stage)
 
 
@@ -74,7 +75,7 @@ async def _make(structure: Structure, stage: Stage) -> None:
         lines = errors.read().decode(errors="replace").strip().splitlines()
     if process.returncode:
         why = lines[-1] if lines else f"the process ended with {process.returncode}"
-        raise SceneError("module", f"n = {structure.links}", f"one that can be made ({why})")
+        raise InputError("module", f"n = {structure.links}", f"one that can be made ({why})")
 
 
 def _watch(process: subprocess.Popen[bytes], say: Callable[[str], object]) -> None:
@@ -113,7 +114,7 @@ class Progress:
         self._clock = ui.timer(0.25, self._tick, active=False)
 
     async def make(self, scene: Scene) -> None:
-        """Have the module of a scene in the cache. Raises SceneError where it cannot be made, or
+        """Have the module of a scene in the cache. Raises InputError where it cannot be made, or
         was not to be."""
         links = scene.rod.links
         self._what = f"{scene.name}, {links} link{'s' if links > 1 else ''}"
@@ -133,8 +134,8 @@ class Progress:
             if not self._closed:
                 self._box.set_visibility(False)
 
-    def _refusal(self) -> SceneError:
-        return SceneError("module", self._what, "compiled first, which was cancelled")
+    def _refusal(self) -> InputError:
+        return InputError("module", self._what, "compiled first, which was cancelled")
 
     def close(self) -> None:
         """Make nothing any more, as the page is gone."""

@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 from nicegui import ui
 
+from rodgen.errors import InputError
 from rodgen.live.catalogue import KINDS, Catalogue
 from rodgen.live.page.fields import refuse
-from rodgen.scene import SceneError
 
 ALSO = {"centre": "cg", "centre_velocity": "cg"}  # what else is typed to find a kind
 NUMBERED = re.compile(r"_(\d+)(?=_|$)")
@@ -95,7 +95,7 @@ class Names:
 
     def names(self) -> list[str]:
         """The names of what was chosen; a kind that was chosen as a whole has its own. A number
-        that the rod does not have is said beside its field. Raises SceneError."""
+        that the rod does not have is said beside its field. Raises InputError."""
         found: list[str] = []
         for chosen in self._chosen:
             if chosen not in self._which:
@@ -104,7 +104,7 @@ class Names:
             numbered = self.families[chosen]
             try:
                 numbers = which(str(self._which[chosen].value or ""), list(numbered), self.several)
-            except SceneError as error:
+            except InputError as error:
                 refuse(self._which, {chosen: f"must be {error.allowed}"})
                 raise
             refuse(self._which, {})
@@ -113,7 +113,7 @@ class Names:
 
 
 def which(text: str, known: list[int], several: bool) -> list[int]:
-    """The numbers in a text such as "0, 5-9"; none for "all". Raises SceneError for one that is not
+    """The numbers in a text such as "0, 5-9"; none for "all". Raises InputError for one that is not
     known, or for several where one is asked."""
     if several and text.strip() == "all":
         return []
@@ -122,10 +122,10 @@ def which(text: str, known: list[int], several: bool) -> list[int]:
         ends = re.fullmatch(r"\s*(\d{1,6})\s*(?:-\s*(\d{1,6})\s*)?", part)
         numbers = range(int(ends[1]), int(ends[2] or ends[1]) + 1) if ends else range(0)
         if not numbers or numbers[0] not in known or numbers[-1] not in known:
-            raise SceneError("which", text, _allowed(known, several))
+            raise InputError("which", text, _allowed(known, several))
         found += numbers
     if len(found) > 1 and not several:
-        raise SceneError("which", text, _allowed(known, several))
+        raise InputError("which", text, _allowed(known, several))
     return list(dict.fromkeys(found))
 
 

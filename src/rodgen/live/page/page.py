@@ -10,6 +10,7 @@ from typing import Any
 
 from nicegui import Client, app, ui
 
+from rodgen.errors import InputError
 from rodgen.live.page.bar import Bar
 from rodgen.live.page.downloads import Downloads
 from rodgen.live.page.elements import Aria, Channel, style
@@ -24,7 +25,7 @@ from rodgen.live.run.link import Link, follow
 from rodgen.live.run.live_run import LiveRun
 from rodgen.live.run.scenes import Folder
 from rodgen.model.palette import DARK, LIGHT
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 
 ADDRESS = "/live/channel/"  # of the WebSocket of a run, before its name
 RUN, PACKED, PANEL = "run", "packed", "panel"  # what a tab of the browser remembers, beside VIEW
@@ -101,7 +102,7 @@ class Page:
             with self._sessions.room():
                 await self._progress.make(link.scene)
                 name = await asyncio.to_thread(self._sessions.open, link.scene)
-        except SceneError as error:
+        except InputError as error:
             if not self._client.is_deleted:
                 with self._root:
                     ui.label(str(error)).classes("rg-failed")
@@ -118,7 +119,7 @@ class Page:
         """What the address holds, or the first scene where that cannot be used."""
         try:
             return await asyncio.to_thread(Link.unpack, packed)
-        except SceneError as error:
+        except InputError as error:
             notify(self._client, f"The scene in the address cannot be used: {error}")
             return Link(self._first)
 
@@ -126,7 +127,7 @@ class Page:
         """Show a run that has begun as a link says; what it cannot is said."""
         try:
             await asyncio.wrap_future(run.do(lambda: follow(run, link)))
-        except SceneError as error:
+        except InputError as error:
             notify(self._client, f"The address cannot be followed in all: {error}")
 
     def _build(self, name: str, run: LiveRun, tab: MutableMapping[str, Any]) -> PageRun:

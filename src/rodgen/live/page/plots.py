@@ -8,6 +8,7 @@ from typing import Any
 
 from nicegui import ui
 
+from rodgen.errors import InputError
 from rodgen.live.catalogue import KINDS, Catalogue
 from rodgen.live.page.elements import Plots
 from rodgen.live.page.fields import Field, dialog, number, refuse
@@ -15,7 +16,6 @@ from rodgen.live.page.names import Names
 from rodgen.live.page.runs import PageRun
 from rodgen.live.run.curves import DIRECTIONS
 from rodgen.live.run.plot_spec import AXES, PLOT_KINDS
-from rodgen.scene import SceneError
 
 OWN = "A quantity may be an expression: type it, such as phi_1 - phi_0 or d/dt(tip_x), and Enter."
 TITLE = {"title": "title (made from what is shown if empty)"}
@@ -73,7 +73,7 @@ class PlotsPanel:
             self.grid.put(specs)
 
     async def add(self, choice: dict[str, Any]) -> None:
-        """Add a plot. Raises SceneError."""
+        """Add a plot. Raises InputError."""
         await self.page.do(lambda: self.page.run.add_plot(choice))
 
     def _removed(self, name: str) -> None:
@@ -142,7 +142,7 @@ class PlotDialog:
             self.fields[name].props["suffix"] = self.names["when"].unit
 
     def _choice(self) -> dict[str, Any]:
-        """What was chosen, for PlotSpec. Raises SceneError for what is no number."""
+        """What was chosen, for PlotSpec. Raises InputError for what is no number."""
         choice = {"kind": self.kind.value}
         for name, field in self.fields.items():
             value = field.value
@@ -165,7 +165,7 @@ class PlotDialog:
             return
         try:
             await self._put(self._choice())
-        except SceneError as error:
+        except InputError as error:
             name = error.field.removeprefix("plot.").partition("[")[0]
             # Which of a kind: that is said there.
             self._refuse({} if name == "which" else {name: f"must be {error.allowed}"})

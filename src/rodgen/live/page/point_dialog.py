@@ -6,8 +6,8 @@ from collections.abc import Awaitable, Callable, Mapping
 
 from nicegui import ui
 
+from rodgen.errors import InputError
 from rodgen.live.page.fields import Field, dialog, number, plain, refuse, whole_number
-from rodgen.scene import SceneError
 
 Give = Callable[[int, float, tuple[float, float]], Awaitable[None]]
 
@@ -46,7 +46,7 @@ class PointDialog:
             link = whole_number(self._text("link"), "link")
             share, x, y = (number(self._text(name), name) for name in ("share", "x", "y"))
             await self._give_it(link, share, (x, y))
-        except SceneError as error:
+        except InputError as error:
             name = error.field.rpartition(".")[2]
             shown = name if name in self.fields else "y"
             refuse(self.fields, {shown: f"must be {error.allowed}"})

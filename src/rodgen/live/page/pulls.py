@@ -10,12 +10,13 @@ from typing import Any
 from nicegui import ui
 from nicegui.events import ValueChangeEventArguments
 
+from rodgen.errors import InputError
 from rodgen.integrate.pull import Pull
 from rodgen.live.page.elements import RodCanvas
 from rodgen.live.page.fields import Entry, number, plain
 from rodgen.live.page.point_dialog import PointDialog
 from rodgen.live.page.runs import PageRun
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 
 SWING = 2.0  # seconds in which the rod would swing on the spring, were it rigid
 DAMPED = 0.2  # of what would not let it swing
@@ -138,10 +139,10 @@ class Pulls:
 
 
 def _not_negative(name: str, text: str) -> float:
-    """A number of a spring, from a text. Raises SceneError."""
+    """A number of a spring, from a text. Raises InputError."""
     value = number(text, f"pull.{name}")
     if value < 0:
-        raise SceneError(f"pull.{name}", text, "not negative")
+        raise InputError(f"pull.{name}", text, "not negative")
     return value
 
 

@@ -10,8 +10,8 @@ from collections.abc import (
     Callable,
     Coroutine,
     Iterator,
+    Mapping,
     MutableMapping,
-    Sequence,
 )
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -21,9 +21,10 @@ from typing import Any, Protocol, TypeVar
 from nicegui import Client, app, background_tasks, ui
 from nicegui.element import Element
 
+from rodgen.errors import InputError
 from rodgen.live.run.live_run import LiveRun
-from rodgen.live.run.scenes import Place, edit
-from rodgen.scene import Scene, SceneError, Structure
+from rodgen.scene import Scene, Structure
+from rodgen.system import System
 
 GRACE = 7.0  # seconds that a page may take to come back, as it does on a reload
 FIRST = 30.0  # seconds that it may take to come at first
@@ -31,7 +32,7 @@ MOST = 16  # runs at a time
 VIEW = "view"  # chosen by the tab of a browser, which keeps it over a reload
 
 T = TypeVar("T")
-Edit = Callable[[Scene], Scene]
+Edit = Callable[[System], System]
 Make = Callable[[Scene], Awaitable[None]]
 
 
@@ -58,10 +59,10 @@ class Sessions:
 
     @contextmanager
     def room(self) -> Iterator[None]:
-        """Keep a place for a run whose module is being made. Raises SceneError where there is
+        """Keep a place for a run whose module is being made. Raises InputError where there is
         none."""
         if len(self) + self._coming >= MOST:
-            raise SceneError(
+            raise InputError(
                 "runs", len(self) + self._coming + 1, f"at most {MOST} on one server; close a tab"
             )
         self._coming += 1
@@ -71,7 +72,7 @@ class Sessions:
             self._coming -= 1
 
     def open(self, scene: Scene) -> str:
-        """Begin a run, within `room`; returns its name. Raises SceneError."""
+        """Begin a run, within `room`; returns its name. Raises InputError."""
         name = secrets.token_urlsafe(16)
         self._sessions[name] = Session(LiveRun(scene), self._clock() + FIRST)
         return name
@@ -146,7 +147,7 @@ class PageRun:
     make: has the module of a scene made; root: the element that dialogs are built in; tab: what the
     tab of the browser remembers over a reload.
 
-    Scenes are changed in the run's own thread, as functions from the scene that is there: what
+    A system is changed in the run's own thread, by a function from the system that is there: what
     comes between, from elsewhere on the page, is not lost.
     """
 
@@ -196,84 +197,86 @@ class PageRun:
         async def told() -> None:
             try:
                 await doing
-            except SceneError as error:
+            except InputError as error:
                 self.say(str(error))
 
         background_tasks.create(told(), context=self.client)
 
-    async def change(self, changes: Sequence[tuple[Place, Any]], what: str) -> None:
-        """Change values in the scene; what: in words, for the record. Raises SceneError."""
+    async def change(self, changes: Mapping[str, Any], what: str) -> None:
+        """Change values of keys of the scene; what: in words, for the record. Raises InputError."""
         await self.alter(
-            lambda scene: edit(scene, changes),
-            lambda scene: self.run.change(scene, what),
+            lambda system: system.at(changes),
+            lambda system: self.run.change(system, what),
             lambda before: self.run.undo.note(before, what),
         )
 
     async def take(self, scene: Scene) -> None:
-        """Run another scene, from its start. Raises SceneError."""
+        """Run another scene, from its start. Raises InputError."""
         await self.alter(
-            lambda _: scene, self.run.take, lambda before: self.run.undo.take(before, scene)
+            lambda _: System(scene),
+            self.run.take,
+            lambda before: self.run.undo.take(before, scene),
         )
 
     async def undo(self, forth: bool = False) -> None:
-        """Go back to the scene before the last change, or before the last kick or pull; or forth
-        again. Raises SceneError."""
+        """Go back to the system before the last change, or before the last kick or pull; or forth
+        again. Raises InputError."""
         run, undo = self.run, self.run.undo
         if (kept := undo.next(forth)) is None:
             return
         said = "redo" if forth else "undo"
 
-        def act(scene: Scene) -> None:
+        def act(system: System) -> None:
             if kept.mark is not None:
                 run.back_to(kept.mark)
             elif kept.anew:
-                run.take(scene)
+                run.take(system)
             else:
-                run.change(scene, said)
+                run.change(system, said)
 
-        await self.alter(lambda _: kept.scene, act, lambda before: undo.go(before, forth))
+        await self.alter(lambda _: kept.system, act, lambda before: undo.go(before, forth))
 
     async def alter(
-        self, edit: Edit, act: Callable[[Scene], object], note: Callable[[Scene], object]
+        self, edit: Edit, act: Callable[[System], object], note: Callable[[System], object]
     ) -> None:
-        """Another scene, made of the one that is there: `act` is given it in the run's thread
-        where its module is that of the run; else that is made first, and the scene begins from
-        its start. `note` is given the scene before, once it has gone well. Raises SceneError."""
+        """Another system, made of the one that is there: `act` is given it in the run's thread
+        where its module is that of the run; else that is made first, and the system begins from
+        its start. `note` is given the system before, once it has gone well. Raises InputError."""
         if await self._acted(edit, act, note) is None:
             return
         async with self._making:
             made = None
             while (wanted := await self._acted(edit, self.run.take, note, made)) is not None:
-                await self._make(wanted)
+                await self._make(wanted.scene)
                 made = wanted.structure
 
     async def allow_pulls(self) -> None:
         """Have the module by which the rod can be pulled, and let the run go on by it. Raises
-        SceneError."""
+        InputError."""
         if await self.do(self.run.allow_pulls) is None:
             return
         async with self._making:
             made = None
             while (wanted := await self.do(partial(self.run.allow_pulls, made))) is not None:
-                await self._make(wanted)
+                await self._make(wanted.scene)
                 made = wanted.structure
 
     async def _acted(
         self,
         edit: Edit,
-        act: Callable[[Scene], object],
-        note: Callable[[Scene], object],
+        act: Callable[[System], object],
+        note: Callable[[System], object],
         made: Structure | None = None,
-    ) -> Scene | None:
-        """Nothing, or the scene whose module is to be made; made: the structure of one that is
+    ) -> System | None:
+        """Nothing, or the system whose module is to be made; made: the structure of one that is
         there, beside that of the run."""
 
-        def work() -> Scene | None:
-            before = self.scene
-            scene = edit(before)
-            if scene.structure not in (made, before.structure):
-                return scene
-            act(scene)
+        def work() -> System | None:
+            before = self.run.live.system
+            system = edit(before)
+            if system.structure not in (made, before.structure):
+                return system
+            act(system)
             note(before)
             self.run.told()
             return None

@@ -21,6 +21,7 @@ from fastapi import FastAPI, Response, WebSocket, WebSocketDisconnect
 from fastapi.middleware.gzip import GZipMiddleware
 from nicegui import app, background_tasks, ui
 
+from rodgen.errors import InputError
 from rodgen.live.page.answers import take_up
 from rodgen.live.page.bar import SKETCH
 from rodgen.live.page.elements import STATIC
@@ -33,7 +34,7 @@ from rodgen.live.page.runs import Sessions
 from rodgen.live.page.sketch import sketch
 from rodgen.live.run.live_run import LiveRun
 from rodgen.live.run.scenes import Folder
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 
 LOOPBACK = "127.0.0.1"
 EVERYWHERE = {"0.0.0.0", "::"}
@@ -64,7 +65,7 @@ class Settings:
 
 
 def serve(settings: Settings) -> None:
-    """Serve until Ctrl-C. Raises SceneError for a port that is taken or a host that is not here."""
+    """Serve until Ctrl-C. Raises InputError for a port that is taken or a host that is not here."""
     with _listen(settings.host, settings.port) as listening:
         token = None if settings.host in OWN else secrets.token_urlsafe(16)
         port = listening.getsockname()[1]
@@ -112,7 +113,7 @@ def _site(settings: Settings, modules: Modules, told: str, opened: str) -> FastA
     def _(name: str) -> Response:
         try:
             return Response(sketch(folder.scene(name)), media_type="image/svg+xml")
-        except SceneError as error:
+        except InputError as error:
             return Response(str(error), 404, media_type="text/plain")
 
     for place, content in replacements().items():
@@ -194,7 +195,7 @@ def _listen(host: str, port: int) -> socket.socket:
         found.close()
         reason = getattr(error, "strerror", None) or str(error)
         named, given = ("--port", port) if error.errno in PORT_ERRORS else ("--host", host)
-        raise SceneError(named, given, f"one that can be listened on ({reason})") from None
+        raise InputError(named, given, f"one that can be listened on ({reason})") from None
     return found
 
 

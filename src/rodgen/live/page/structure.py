@@ -7,13 +7,13 @@ from typing import Any
 
 from nicegui import ui
 
+from rodgen.errors import InputError
 from rodgen.live.page.fields import Field, heading, number, plain, refuse, whole_number
 from rodgen.live.page.runs import PageRun
 from rodgen.live.page.scene_file import ENDING, SceneFile
 from rodgen.live.run.scenes import (
     LARGEST,
     Form,
-    Place,
     form_of,
     from_toml_text,
     reshape,
@@ -21,8 +21,9 @@ from rodgen.live.run.scenes import (
 )
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.model.terms import TERMS
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.scene.plain import entry
+from rodgen.system import System
 
 PAIRS = {"initial.position", "initial.velocity"}
 LIST = "(a list)"  # stands for values that are too many for a field
@@ -37,7 +38,7 @@ class StructurePanel:
     def __init__(self, page: PageRun):
         self.page = page
         self._scene: Scene | None = None
-        self._starts: dict[Place, str] = {}  # initial values, as their fields have them
+        self._starts: dict[str, str] = {}  # initial values, as their fields have them
         heading("Structure")
         with ui.element("div").classes("rg-knobs"):
             self.fields: dict[str, Field] = {
@@ -74,18 +75,16 @@ class StructurePanel:
             box.set_value(term in form.terms)
         refuse(self.fields, {})
 
-    def _have(self, starts: dict[Place, str]) -> None:
+    def _have(self, starts: dict[str, str]) -> None:
         """Have fields for these initial values."""
         if starts == self._starts:
             return
-        for place in self._starts:
-            del self.fields[".".join(place)]
+        for key in self._starts:
+            del self.fields[key]
         self._starts = starts
         self._box.clear()
         with self._box:
-            self.fields |= {
-                ".".join(place): _styled(ui.input(text)) for place, text in starts.items()
-            }
+            self.fields |= {key: _styled(ui.input(text)) for key, text in starts.items()}
 
     async def _apply(self) -> None:
         refuse(self.fields, {})
@@ -93,11 +92,11 @@ class StructurePanel:
             form, starts = self._form(), self._given()
             run = self.page.run
             await self.page.alter(
-                lambda scene: reshape(scene, form, starts),
+                lambda system: System(reshape(system.scene, form, starts)),
                 run.restart,
                 lambda before: run.undo.note(before, "structure and initial state", anew=True),
             )
-        except SceneError as error:
+        except InputError as error:
             named = (name for name in self.fields if f"{error.field}.".startswith(f"{name}."))
             refusals = {next(named, error.field): f"must be {error.allowed}"}
             if refuse(self.fields, refusals):
@@ -111,19 +110,16 @@ class StructurePanel:
         links = whole_number(self._text("rod.links"), "rod.links")
         return Form(links, self._text("rod.boundary"), self._text("rod.inertia"), terms)
 
-    def _given(self) -> list[tuple[Place, Any]]:
+    def _given(self) -> dict[str, Any]:
         """Initial values; None takes away what the scene has."""
-        texts = {place: self._text(".".join(place)) for place in self._starts}
-        return [
-            (place, _value(text, ".".join(place)))
-            for place, text in texts.items()
-            if not text.startswith(LIST)
-        ]
+        texts = {key: self._text(key) for key in self._starts}
+        given = {key: text for key, text in texts.items() if not text.startswith(LIST)}
+        return {key: _value(text, key) for key, text in given.items()}
 
     async def _uploaded(self, content: bytes) -> None:
         try:
             await self.page.take(await asyncio.to_thread(from_toml_text, content))
-        except SceneError as error:
+        except InputError as error:
             self.page.say(str(error))
 
     def _rejected(self) -> None:
@@ -138,13 +134,13 @@ def _styled(field: Field) -> Field:
 
 def _value(text: str, field: str) -> Any:
     """An initial value from its text: nothing, a number, two of them, or an expression, which the
-    scene parses. Raises SceneError."""
+    scene parses. Raises InputError."""
     if not text:
         return None
     if field in PAIRS:
         parts = text.replace(";", ",").split(",")
         if len(parts) != 2:
-            raise SceneError(field, text, "two numbers: x, y")
+            raise InputError(field, text, "two numbers: x, y")
         return [number(part.strip(), field) for part in parts]
     try:
         return float(text)
@@ -156,7 +152,7 @@ def _shown_of(scene: Scene) -> tuple[Form, dict[str, str]]:
     """The form of a scene, and what fields show of it, by their names."""
     form = form_of(scene)
     texts = {"rod.links": str(form.links), "rod.boundary": form.boundary}
-    starts = {".".join(place): entry(scene, *place) for place in starts_of(scene)}
+    starts = {key: entry(scene, *key.split(".")) for key in starts_of(scene)}
     shown = {name: _shown(value, name in PAIRS) for name, value in starts.items()}
     return form, {**texts, "rod.inertia": form.inertia, **shown}
 

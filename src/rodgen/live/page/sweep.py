@@ -10,13 +10,13 @@ from typing import Any
 from nicegui import ui
 from nicegui.events import GenericEventArguments
 
+from rodgen.errors import InputError
 from rodgen.live.page.fields import Entry, number, plain
 from rodgen.live.page.runs import PageRun
 from rodgen.live.page.sweep_picture import HEIGHT, WIDTH, Diagram, Point, picture
 from rodgen.live.run.aside import ASIDE, Answer, Errand
-from rodgen.live.run.scenes import Field, edit
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.overrides import with_state
+from rodgen.live.run.scenes import SceneField
+from rodgen.system import System
 
 STEPS = 200  # of the slider for the range
 CLICKED = """(event) => {
@@ -32,7 +32,7 @@ class Sweep:
     def __init__(
         self,
         page: PageRun,
-        field: Field,
+        field: SceneField,
         reach: tuple[float, float],
         mark: Callable[[float | None], object],
     ):
@@ -75,7 +75,7 @@ class Sweep:
             self._errand.drop()
             self._errand = None
 
-    def refresh(self, field: Field) -> None:
+    def refresh(self, field: SceneField) -> None:
         """Show the value that the scene has now."""
         if field.value != self.field.value:
             self.field = field
@@ -106,7 +106,7 @@ class Sweep:
             ends = [self.low, self.high]
             ends[at] = number(text, self.field.key)
             if not ends[0] < ends[1]:
-                raise SceneError(
+                raise InputError(
                     self.field.key, text, "ends of a range, the first below the second"
                 )
             self.low, self.high = ends
@@ -138,20 +138,19 @@ class Sweep:
 
         def told(answer: Answer) -> None:
             with suppress(RuntimeError):  # the server is ending
-                self._loop.call_soon_threadsafe(self._take, answer, errand)
+                self._loop.call_soon_threadsafe(self._take, answer, request)
 
-        errand = [*self.field.path]
-        self._waits = errand
+        self._waits = request = object()
         scene, now = self.page.scene, self.page.run.live.t
         start, end = scene.integrate.span
         self._t = now if now > start else end  # loads may begin with nothing
         self._errand = ASIDE.ask(
-            "sweep", scene, told, path=errand, low=self.low, high=self.high, t=self._t
+            "sweep", scene, told, key=self.field.key, low=self.low, high=self.high, t=self._t
         )
 
-    def _take(self, answer: Answer, errand: list[str]) -> None:
+    def _take(self, answer: Answer, request: object) -> None:
         """Take up a part of what was asked for last."""
-        if errand is not self._waits or self._picture.is_deleted:
+        if request is not self._waits or self._picture.is_deleted:
             return
         part: dict[str, Any] = answer.value or {}
         for value, growth, _, stable in part.get("rows", ()):
@@ -205,8 +204,8 @@ class Sweep:
         changes = self.field.changes(point.value)
         run, at = self.page.run, f"{self.field.key} = {plain(point.value)}"
 
-        def there(scene: Scene) -> Scene:
-            return with_state(edit(scene, changes), list(point.state))
+        def there(system: System) -> System:
+            return system.at(changes, y0=list(point.state))
 
         try:
             if point.state:
@@ -216,5 +215,5 @@ class Sweep:
                 )
             else:
                 await self.page.change(changes, at)
-        except SceneError as error:
+        except InputError as error:
             self.page.say(str(error))

@@ -7,14 +7,15 @@ import math
 from nicegui import ui
 from nicegui.events import GenericEventArguments
 
+from rodgen.errors import InputError
 from rodgen.live.page.fields import Entry, IconButton, heading, number, plain
 from rodgen.live.page.runs import PageRun
 from rodgen.live.page.sweep import Sweep
-from rodgen.live.run.scenes import Field, edit, fields_of, scale_of
+from rodgen.live.run.scenes import SceneField, fields_of, scale_of
 from rodgen.live.texts import Row, groups
 from rodgen.model.methods import FIXED_STEP, METHODS
-from rodgen.scene import Scene, SceneError
 from rodgen.scene.integration import AUTO
+from rodgen.system import System
 
 THROTTLE = 0.04  # seconds between two values of a slider that is dragged
 STEPS = 1000  # of a slider
@@ -32,7 +33,7 @@ class Values:
 
     def refresh(self) -> None:
         """Show the rows that the scene has now."""
-        rows = groups(self.page.run.live.placed)
+        rows = groups(self.page.run.live.placed.scene)
         if rows == self._rows:
             return
         self._rows = rows
@@ -61,7 +62,7 @@ def _cells(row: Row) -> None:
         ui.label(row.unit)
 
 
-def shown_of(field: Field) -> str:
+def shown_of(field: SceneField) -> str:
     """A value as its field shows it."""
     return field.text if field.value is None else plain(field.value)
 
@@ -69,7 +70,7 @@ def shown_of(field: Field) -> str:
 class Knob:
     """A slider with its field."""
 
-    def __init__(self, page: PageRun, field: Field):
+    def __init__(self, page: PageRun, field: SceneField):
         self.page, self.field, self._scale = page, field, scale_of(field)
         self._waiting: float | None = None  # where the slider is by now
         self._critical: float | None = None  # that a sweep has found
@@ -141,7 +142,7 @@ class Knob:
                 await self._set(value)
                 if self._waiting == place:
                     self._waiting = None
-        except SceneError as error:
+        except InputError as error:
             self.entry.say(f"must be {error.allowed}")
         finally:
             self._waiting = None
@@ -162,7 +163,7 @@ class Knob:
     async def _typed(self, text: str) -> None:
         try:
             value: float | str = number(text, self.field.key)
-        except SceneError:
+        except InputError:
             value = text  # an expression, where the scene may have one there
         await self._set(value)
 
@@ -175,7 +176,7 @@ class Knob:
         if self.slider is not None:
             self.slider.props(f'aria-valuetext="{plain(value)} {self.field.unit}"')
 
-    def refresh(self, field: Field, filed: Field | None) -> None:
+    def refresh(self, field: SceneField, filed: SceneField | None) -> None:
         """Show the value that the scene has now; filed: that of its file, which may have none."""
         before, self.field = self.field, field
         if self.sweep is not None:
@@ -222,7 +223,7 @@ class Parameters:
     def _setting(self, name: str, unit: str) -> None:
         async def put(text: str) -> None:
             value = number(text, f"integrate.{name}")
-            await self.page.change([(("integrate", name), value)], f"{name} = {text}")
+            await self.page.change({f"integrate.{name}": value}, f"{name} = {text}")
 
         self._settings[name] = Entry(name.replace("_", " "), "", put, unit=unit)
 
@@ -232,19 +233,18 @@ class Parameters:
             return
         run = self.page.run
 
-        def by_method(scene: Scene) -> Scene:
+        def by_method(system: System) -> System:
             """Of equal steps, with one that is stable here; of others, as the tolerances say."""
             step = run.live.step_for(method) if method in FIXED_STEP else None
-            changes = [(("integrate", "method"), method), (("integrate", "step"), step)]
-            return edit(scene, changes)
+            return system.at({"integrate.method": method, "integrate.step": step})
 
         try:
             await self.page.alter(
                 by_method,
-                lambda scene: run.change(scene, f"method {method}"),
+                lambda system: run.change(system, f"method {method}"),
                 lambda before: run.undo.note(before, f"method {method}"),
             )
-        except SceneError as error:
+        except InputError as error:
             self.page.say(str(error))
             self.refresh()
 

@@ -15,11 +15,11 @@ from typing import Any, TextIO
 import numpy as np
 
 from rodgen.analyse.critical import critical_force
-from rodgen.analyse.errors import AnalysisError
 from rodgen.analyse.modes_about import modes_about
+from rodgen.errors import AnalysisError, InputError
 from rodgen.live.run.sweep import sweep
 from rodgen.loading import build_fastest
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 
 MOST_MODES, MOST_LINKS = 12, 250  # shown; beyond so many links they take seconds
 GROWS = 1e-6  # 1/s over Hz: below, growth is rounding
@@ -40,7 +40,7 @@ def modes(scene: Scene, t: float, y: list[float], p: list[float]) -> Work:
     of them."""
     if scene.rod.links > MOST_LINKS:
         links = scene.rod.links
-        raise SceneError("rod.links", links, f"at most {MOST_LINKS} for modes on the page")
+        raise InputError("rod.links", links, f"at most {MOST_LINKS} for modes on the page")
     model = build_fastest(scene)
     found = modes_about(model, t, np.array(y), np.array(p), MOST_MODES)
     named = [
@@ -84,7 +84,7 @@ class Works:
         del self._works[number]
         try:
             value = next(work, None)
-        except (AnalysisError, SceneError) as error:
+        except (AnalysisError, InputError) as error:
             self._answer(number, refused=str(error), last=True)
         except Exception as error:  # a defect: whoever waits is told
             traceback.print_exc()

@@ -56,7 +56,7 @@ class Comparing:
     def _keep(self) -> None:
         """Keep the run as it is by now, where runs are kept and it has begun to move."""
         if self.keeps and self.store.count > 1:
-            self._beside(Ghost(self.store, self.live.placed, self.catalogue))
+            self._beside(Ghost(self.store, self.catalogue))
 
     def _beside(self, ghost: Ghost | None) -> None:
         self.ghost = ghost

@@ -1,4 +1,4 @@
-"""The critical force of the scene that a run has at present."""
+"""The critical force of the system that a run has at present."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from rodgen.live.run.aside import ASIDE, Answer, Errand
 from rodgen.model.terms import TERMS
-from rodgen.scene import Scene
+from rodgen.system import System
 
 MOST_LINKS = 200  # beyond, it takes seconds
 PATIENCE = 0.4  # seconds without another change, before it is computed
@@ -15,7 +15,7 @@ COMPUTING = "computing"
 
 
 class Critical:
-    """value: critical force [N] of the scene looked at last, or in words why there is none, or
+    """value: critical force [N] of the system looked at last, or in words why there is none, or
     None where no force follows the rod. do: has work done in the thread that all else is called
     in; done: called there when the value has come."""
 
@@ -26,39 +26,42 @@ class Critical:
         clock: Callable[[], float] = time.perf_counter,
     ):
         self._do, self._done, self._clock = do, done, clock
-        self._scene: Scene | None = None  # whose force is to be computed, or is
+        self._system: System | None = None  # whose force is to be computed, or is
         self._errand: Errand | None = None
         self._since = 0.0
         self.value: float | str | None = None
 
-    def look(self, scene: Scene) -> None:
-        """Have it computed for another scene, where that has a critical force."""
+    def look(self, system: System) -> None:
+        """Have it computed for another system, where that has a critical force."""
         self.cancel()
-        if not any(TERMS[name].has_size for name in scene.loads.following[:1]):
+        following = [TERMS[name] for name in system.load_terms if TERMS[name].follows]
+        if not any(term.has_size for term in following[:1]):
             self.value = None
-        elif scene.rod.links > MOST_LINKS:
+        elif system.structure.links > MOST_LINKS:
             self.value = f"not computed: more than {MOST_LINKS} links"
         else:
-            self.value, self._scene, self._since = COMPUTING, scene, self._clock()
+            self.value, self._system, self._since = COMPUTING, system, self._clock()
 
     def tick(self) -> None:
-        """Ask for it once the scene has stayed what it is for a while."""
-        scene = self._scene
-        if scene is None or self._errand is not None:
+        """Ask for it once the system has stayed what it is for a while."""
+        system = self._system
+        if system is None or self._errand is not None:
             return
         if self._clock() - self._since >= PATIENCE:
             self._errand = ASIDE.ask(
-                "critical", scene, lambda answer: self._do(lambda: self._take(scene, answer))
+                "critical",
+                system.scene,
+                lambda answer: self._do(lambda: self._take(system, answer)),
             )
 
     def cancel(self) -> None:
         """Do not ask for it, or no longer."""
-        self._scene = None
+        self._system = None
         if self._errand is not None:
             self._errand.drop()
             self._errand = None
 
-    def _take(self, scene: Scene, answer: Answer) -> None:
-        if scene is self._scene and (answer.refused or answer.value is not None):
+    def _take(self, system: System, answer: Answer) -> None:
+        if system is self._system and (answer.refused or answer.value is not None):
             self.value = answer.refused or answer.value
             self._done()

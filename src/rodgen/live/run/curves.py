@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 
 Values = TypeVar("Values", float, Array)
 HALVINGS = 60  # more than a double has bits

@@ -6,23 +6,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from rodgen.live.catalogue import Catalogue
 from rodgen.live.run.curves import resample
 from rodgen.live.run.plot import Plot
 from rodgen.live.run.plot_spec import LONGEST, counterpart
 from rodgen.live.samples import Chunk, Store
-from rodgen.scene import Scene
 
 LEAST = 4  # samples, of which values between them are made
 
 
 class Ghost:
-    """The samples of a run, and what they are of: store, which is not added to any more, scene,
-    catalogue with its module. To be used from one thread at a time."""
+    """The samples of a run, and what they are of: store, which is not added to any more, catalogue
+    with its module. To be used from one thread at a time."""
 
-    def __init__(self, store: Store, scene: Scene, catalogue: Catalogue):
-        self.store, self.scene, self.catalogue = store, scene, catalogue
+    def __init__(self, store: Store, catalogue: Catalogue):
+        self.store, self.catalogue = store, catalogue
         self._columns: dict[tuple[str, ...], tuple[Array, Array]] = {}
 
     def joints(self, t: float) -> Array:

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import tomli_w
 
+from rodgen.errors import InputError
 from rodgen.integrate.samples import Samples
 from rodgen.live.run.scenes import LARGEST
 from rodgen.model.terms import EMPTYING
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.scene.plain import is_number, read_text
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ class State:
 
     @classmethod
     def from_dict(cls, table: Any) -> State:
-        """Check what an address has. Raises SceneError."""
+        """Check what an address has. Raises InputError."""
         try:
             single = [table[name] for name in ("t", "given", "start")]
             several = [tuple(table[name]) for name in ("y", "work")]
@@ -68,7 +69,7 @@ class Link:
     file: Scene | None = None
 
     def pack(self) -> str:
-        """Pack the link into letters, digits, - and _, for an address. Raises SceneError for a
+        """Pack the link into letters, digits, - and _, for an address. Raises InputError for a
         scene that is too long for one."""
         page: dict[str, Any] = {"plots": list(self.plots), "view": self.view}
         if self.state is not None and len(self.state.y) <= MOST_STATES:
@@ -78,19 +79,19 @@ class Link:
         text = self.scene.to_toml() + "\n" + tomli_w.dumps({PAGE: page})
         if len(text.encode()) > LARGEST:
             allowed = f"of at most {LARGEST} bytes in a link: save it as a file"
-            raise SceneError("scene", f"{len(text.encode())} bytes", allowed)
+            raise InputError("scene", f"{len(text.encode())} bytes", allowed)
         return base64.urlsafe_b64encode(zlib.compress(text.encode(), 9)).decode().rstrip("=")
 
     @classmethod
     def unpack(cls, text: str) -> Link:
-        """A link from `pack`. Raises SceneError for anything else."""
+        """A link from `pack`. Raises InputError for anything else."""
         try:
             data = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
             content = zlib.decompressobj().decompress(data, LARGEST + 1)
         except (binascii.Error, zlib.error, ValueError):
             raise _refused("scene", text[:40]) from None
         if len(content) > LARGEST:
-            raise SceneError("scene", f"{len(content)} bytes", f"at most {LARGEST} bytes")
+            raise InputError("scene", f"{len(content)} bytes", f"at most {LARGEST} bytes")
         table = read_text(content, "this address")
         page = table.pop(PAGE, {})
         scene = Scene.from_dict(table)
@@ -106,19 +107,19 @@ class Link:
         return cls(scene, tuple(plots), view, begun, file)
 
 
-def _refused(field: str, value: Any) -> SceneError:
-    return SceneError(field, value, "as the link button gives it")
+def _refused(field: str, value: Any) -> InputError:
+    return InputError(field, value, "as the link button gives it")
 
 
 def link_to(run: LiveRun, view: str) -> Link:
     """The scene of a run and that of its file, its plots, a view, and the state that its page looks
     at. In the thread of the run."""
     sample, placed = run.seen, run.live.placed
-    now = replace(sample, p=run.model.parameters(**placed.parameters))  # without a pull
+    now = replace(sample, p=placed.p)  # without a pull
     before, after = (
         float(run.catalogue.columns(["total_energy"], chunk)[-1, 0]) for chunk in (sample, now)
     )
-    own = np.isin(run.live.works, [*run.live.scene.structure.loads, EMPTYING])
+    own = np.isin(run.live.works, [*run.live.system.structure.loads, EMPTYING])
     work = sample.work[-1]
     plots = [plot.spec.to_dict() for plot in run.plots.values()]
     state = State(
@@ -135,12 +136,12 @@ def link_to(run: LiveRun, view: str) -> Link:
 
 def follow(run: LiveRun, link: Link) -> None:
     """Have a run of the scene of a link begin as that says. In the thread of the run. Raises
-    SceneError for what cannot be had."""
+    InputError for what cannot be had."""
     run.undo.file = link.file or link.scene
     if link.state is not None:
         state, live = link.state, run.live
         if (len(state.y), len(state.work)) != (live.states, len(live.works)):
-            raise SceneError("page.state", len(state.y), f"{live.states} numbers")
+            raise InputError("page.state", len(state.y), f"{live.states} numbers")
         sample = Samples(*map(np.array, ([state.t], [state.y], [state.work])))
         run.begin_at(sample, state.given, state.start)
     for choice in link.plots:

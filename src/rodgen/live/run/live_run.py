@@ -9,9 +9,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from rodgen.errors import InputError
 from rodgen.integrate.endings import FAILED, FINISHED
 from rodgen.integrate.live import Live, LiveError, Samples
-from rodgen.integrate.solution import Stats
+from rodgen.integrate.stepper import Stats
 from rodgen.live.catalogue import Catalogue
 from rodgen.live.run.critical import Critical
 from rodgen.live.run.marks import Marks
@@ -24,7 +25,9 @@ from rodgen.live.samples import Chunk, Recorded, Store
 from rodgen.live.texts import Present
 from rodgen.loading import build_fastest
 from rodgen.loading.module import asked
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
+from rodgen.scene.integration import Integrate
+from rodgen.system import System
 
 RUNNING, PAUSED, STOPPED = "running", "paused", "stopped"
 SLICE = 0.012  # seconds of a frame, for steps
@@ -43,8 +46,8 @@ class LiveRun(Worker, Pulling):
     the scene or the plots have changed.
     """
 
-    def __init__(self, scene: Scene, told: Callable[[], None] = lambda: None):
-        """The module of the scene should be in the cache already: it is loaded here."""
+    def __init__(self, system: System | Scene, told: Callable[[], None] = lambda: None):
+        """The module of the system should be in the cache already: it is loaded here."""
         super().__init__()
         self.told, self.page = told, PageState()
         self.status, self.message = PAUSED, ""
@@ -54,10 +57,11 @@ class LiveRun(Worker, Pulling):
         self.files: dict[str, Scene] | None = None
         self.goes_round = False
         self.past: Chunk | None = None
-        self.undo = Undo(scene)
+        system = System.of(system)
+        self.undo = Undo(system.scene)
         self.strict = False
         self.critical = Critical(self.do, self.page.touched)
-        self.take(scene)
+        self.take(system)
         self.start()
 
     def close(self) -> None:
@@ -75,13 +79,13 @@ class LiveRun(Worker, Pulling):
     @property
     def _ended(self) -> bool:
         """Whether the span of the scene is over."""
-        return bool(self.shown.t[-1] >= self.live.scene.integrate.span[1])
+        return bool(self.shown.t[-1] >= self.live.system.settings.span[1])
 
     @property
     def lost(self) -> bool:
         """Whether no other value leads on from the state: it has grown too far, or its energy has
         come from nowhere."""
-        start, here = np.abs(self.live.scene.initial_state()).max(initial=1.0), self.shown
+        start, here = np.abs(self.live.system.y0).max(initial=1.0), self.shown
         with np.errstate(all="ignore"):
             energies = asked(self.model, "energy", here.t[-1], here.y[-1], here.p)
             parts = np.concatenate((energies, -here.work[-1], [-here.given, -here.start]))
@@ -141,12 +145,14 @@ class LiveRun(Worker, Pulling):
 
     # What can be asked of it: in its thread ----------------------------------------------------
 
-    def take(self, scene: Scene) -> None:
-        """Run another scene, from its start; plots go on as far as it has their quantities."""
-        model = build_fastest(scene)
+    def take(self, system: System | Scene) -> None:
+        """Run another system, from its start; plots go on as far as it has their quantities."""
+        system = System.of(system)
+        model = build_fastest(system.structure)
         if self.taken:
             self._keep()
-        live, catalogue = Live(scene, model, self._every(scene)), Catalogue(scene, model)
+        every = self._every(system.settings)
+        live, catalogue = Live(system, model, every), Catalogue(system, model)
         self._transfer_plots(catalogue)
         self.model, self.live, self.catalogue = model, live, catalogue
         self.taken += 1
@@ -154,10 +160,10 @@ class LiveRun(Worker, Pulling):
         self.page.structure_changed()
         self._begin()
 
-    def restart(self, scene: Scene | None = None) -> None:
+    def restart(self, system: System | Scene | None = None) -> None:
         """Go back to the initial state."""
         self._keep()
-        self.live.restart(scene)
+        self.live.restart(system)
         self._begin()
 
     def begin_at(self, sample: Samples, given: float, start: float) -> None:
@@ -180,7 +186,7 @@ class LiveRun(Worker, Pulling):
         self.page.restarted(self.plots)
         self._first()
         self._resume()
-        self.critical.look(live.scene)
+        self.critical.look(live.system)
         self._warned()
         self._changed()
 
@@ -188,7 +194,7 @@ class LiveRun(Worker, Pulling):
         """Take the sample at the start."""
         self._look()
         try:
-            self._took(self.live.advance(self.live.scene.integrate.span[0], 0.0))
+            self._took(self.live.advance(self.live.system.settings.span[0], 0.0))
         except LiveError as error:
             self._took(error.samples)
             self.status, self.message = STOPPED, str(error)
@@ -241,24 +247,24 @@ class LiveRun(Worker, Pulling):
             self._stop(str(error))
         self._changed()
 
-    def change(self, scene: Scene, what: str = "") -> None:
+    def change(self, system: System | Scene, what: str = "") -> None:
         """Take other values of parameters, method, tolerances; what: in words, for the record."""
-        then, p = self.live.scene.integrate, self.live.p
-        self.live.change(scene)
-        if scene.integrate.output_every != then.output_every:
-            self.live.sample_every(self._every(scene))
-        if scene.integrate != then:
+        then, moved = self.live.system.settings, self.live.change(system)
+        now = self.live.system.settings
+        if now.output_every != then.output_every:
+            self.live.sample_every(self._every(now))
+        if now != then:
             self._warned()
             self.strict = False
-        if p is not self.live.p:
+        if moved:
             self._changed_motion(what)
             self._renew_plots()
-            self.critical.look(scene)
+            self.critical.look(self.live.system)
         self._mended()
 
     def roughen(self, on: bool) -> None:
         """Go on by a method and coarser tolerances for looking, or by those of the scene, whatever
-        time that takes. Raises SceneError."""
+        time that takes. Raises InputError."""
         self.live.roughen(on)
         self.strict = not on
         used = self.live.settings
@@ -272,7 +278,7 @@ class LiveRun(Worker, Pulling):
         around = self.goes_round
         try:
             self.roughen(True)
-        except SceneError:
+        except InputError:
             self.strict = True
         self.goes_round = around
 
@@ -294,15 +300,15 @@ class LiveRun(Worker, Pulling):
     def set_speed(self, speed: float) -> None:
         """Set the simulated seconds per second; infinite: as fast as it goes."""
         self.pace.speed = speed
-        every = self._every(self.live.scene)
+        every = self._every(self.live.system.settings)
         if not math.isclose(every, self.live.every):
             self.live.sample_every(every)
         self._resume()
         self._changed()
 
-    def _every(self, scene: Scene) -> float:
-        """Seconds between samples: the scene's, or less where frames need it."""
-        wanted = scene.integrate.output_every
+    def _every(self, settings: Integrate) -> float:
+        """Seconds between samples: those asked for, or less where frames need it."""
+        wanted = settings.output_every
         return min(wanted, self.pace.speed * FRAME) if math.isfinite(self.pace.speed) else wanted
 
     # Looking back ------------------------------------------------------------------------------
@@ -338,7 +344,7 @@ class LiveRun(Worker, Pulling):
         pieces = tuple(self.store.chunks()) or (self.shown,)
         work = np.concatenate([piece.work for piece in pieces])
         return Recorded(
-            scene=self.live.placed.model_copy(update={"integrate": self.live.settings}),
+            system=self.live.integrated,
             t=np.concatenate([piece.t for piece in pieces]),
             y=np.concatenate([piece.y for piece in pieces]),
             work={term: work[:, at] for at, term in enumerate(self.live.works)},

@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.arrays import Array
 from rodgen.integrate.catalogue import Piece, principal_axes
-from rodgen.integrate.stepper import Array
 from rodgen.live.samples import Chunk, Store
 from rodgen.loading.module import asked
-from rodgen.scene import Scene
+from rodgen.system import System
 
 WORD = 8  # bytes to which the arrays are aligned
 TYPES = {np.dtype(np.float32): "f4", np.dtype(np.float64): "f8"}
@@ -74,15 +74,15 @@ def rod_arrays(model: ModuleType, chunk: Chunk) -> tuple[list[float], list[Named
 NEAR = 1.0  # m, by which an end of a spring is moved: its energy is quadratic, any size is exact
 
 
-def pull_array(model: ModuleType, scene: Scene, chunk: Chunk, origin: Sequence[float]) -> Named:
+def pull_array(model: ModuleType, system: System, chunk: Chunk, origin: Sequence[float]) -> Named:
     """Of the pull at the last sample, none or for the message: its link, the share of that before
     its point, its far end from the origin [m], and the force on the rod [N], x and y, by which the
     energy grows with the place of the far end."""
     t, y, p = chunk.t[-1], chunk.y[-1], chunk.p
-    link = pulled_link(scene, p)
+    link = pulled_link(system, p)
     if link is None:
         return "pull", _single(np.zeros(0))
-    places, force = scene.structure.places, []
+    places, force = system.structure.places, []
     share, x, y0 = (p[places[f"support_{name}"]][link] for name in ("share", "x", "y"))
     for axis in "xy":
         sides = []
@@ -95,14 +95,14 @@ def pull_array(model: ModuleType, scene: Scene, chunk: Chunk, origin: Sequence[f
     return "pull", _single(np.array([link, share, x - origin[0], y0 - origin[1], *force]))
 
 
-def pulled_link(scene: Scene, p: Array) -> int | None:
+def pulled_link(system: System, p: Array) -> int | None:
     """The link that is pulled, where parameters of a module hold: one that a support holds which
-    the scene does not have."""
-    places = scene.structure.places
+    the system does not have."""
+    places = system.structure.places
     if "support_share" not in places:
         return None
     parts = [p[places[f"support_{name}"]] for name in ("stiffness_x", "damping_x")]
-    held = {tie.link for tie in scene.anchors.ties}
+    held = {tie.link for tie in system.scene.anchors.ties}
     found = [int(link) for link in np.flatnonzero(np.any(parts, axis=0)) if int(link) not in held]
     return found[0] if found else None
 

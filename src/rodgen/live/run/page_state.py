@@ -4,25 +4,48 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any, Protocol
 
 import numpy as np
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
+from rodgen.integrate.live import Live
 from rodgen.live.run.curves import thin
-from rodgen.live.run.marks import Mark
+from rodgen.live.run.ghost import Ghost
+from rodgen.live.run.marks import Mark, Marks
 from rodgen.live.run.message import Named, Trail, encode, ghost_array, pull_array, rod_arrays
 from rodgen.live.run.plot import Plot
-from rodgen.live.samples import Chunk
-from rodgen.live.texts import texts
-
-if TYPE_CHECKING:
-    from rodgen.live.run.live_run import LiveRun
+from rodgen.live.samples import Chunk, Store
+from rodgen.live.texts import Present, texts
 
 AHEAD = 2  # messages that are sent before one is acknowledged
 TEXTS = 0.2  # seconds between two of them
 MOST_WAITING, LEAST = 2**18, 500  # numbers of a plot that wait for a page, rows at least
 Send = Callable[[bytes], None]
+
+
+class ShownRun(Protocol):
+    """What a page shows of a run; see LiveRun."""
+
+    status: str
+    begun: int
+    goes_round: bool
+    live: Live
+    model: ModuleType
+    store: Store
+    marks: Marks
+    plots: dict[str, Plot]
+    past: Chunk | None
+    ghost: Ghost | None
+    keeps: bool
+
+    @property
+    def seen(self) -> Chunk:
+        """What the page looks at."""
+
+    def present(self) -> Present:
+        """How the run goes."""
 
 
 class Connection:
@@ -142,7 +165,7 @@ class PageState:
 
     # What goes out -----------------------------------------------------------------------------
 
-    def show(self, run: LiveRun) -> None:
+    def show(self, run: ShownRun) -> None:
         """Send a message if there is something to show and the page can take it."""
         page = self._page
         if page is not None and page is not self._told:
@@ -157,7 +180,7 @@ class PageState:
         self._frame += 1
         page.send(message)
 
-    def _begin(self, run: LiveRun) -> None:
+    def _begin(self, run: ShownRun) -> None:
         """Begin with another page, which has nothing yet."""
         self._since, self._texts, self._marks = self._frame, {}, None
         self._replaced.clear()
@@ -166,7 +189,7 @@ class PageState:
             self.added(plot, run.store.chunks())
         self.touched()
 
-    def _message(self, run: LiveRun, frame: int) -> bytes:
+    def _message(self, run: ShownRun, frame: int) -> bytes:
         header: dict[str, Any] = {"frame": frame, "state": run.status, "begun": run.begun}
         header["loops"] = run.goes_round
         arrays: list[Named] = []
@@ -186,7 +209,7 @@ class PageState:
         arrays += self._plotted(run)
         return encode(header, arrays)
 
-    def _line(self, run: LiveRun) -> dict[str, Any]:
+    def _line(self, run: ShownRun) -> dict[str, Any]:
         """The time line: its ends [s], how many samples it has, which the page looks back at [s],
         if it does; whether runs are kept; and all marks, where they are other than before."""
         first, last = run.store.span if run.store.count else (run.seen.t[-1],) * 2
@@ -203,14 +226,14 @@ class PageState:
             line["marks"] = self._marks
         return line
 
-    def _new_texts(self, run: LiveRun) -> dict[str, str]:
+    def _new_texts(self, run: ShownRun) -> dict[str, str]:
         """Texts that are other than before."""
-        every = texts(run.live.placed, run.model, run.present())
+        every = texts(run.live.placed.scene, run.model, run.present())
         new = {key: text for key, text in every.items() if self._texts.get(key) != text}
         self._texts |= new
         return new
 
-    def _plotted(self, run: LiveRun) -> list[Named]:
+    def _plotted(self, run: ShownRun) -> list[Named]:
         """Rows of plots to send; what a page was not there for is kept until it is."""
         found: list[Named] = []
         for name, plot in run.plots.items():
@@ -232,7 +255,7 @@ class PageState:
         return found
 
 
-def _leading(run: LiveRun, plot: Plot) -> Iterator[Chunk] | None:
+def _leading(run: ShownRun, plot: Plot) -> Iterator[Chunk] | None:
     """The samples that lead to that of the past which is looked at, in the window of a plot."""
     if run.past is None:
         return None

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from rodgen.live.catalogue import KINDS, PERIODS, TURNS, Catalogue, Shown
 from rodgen.live.run.curves import MOST_ROWS, Condition, Section, Window, spectrum, thin
 from rodgen.live.run.plot_spec import PlotSpec, title_of

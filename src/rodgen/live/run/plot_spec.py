@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
+from rodgen.errors import InputError
 from rodgen.live.catalogue import KINDS, Catalogue
 from rodgen.live.run.curves import DIRECTIONS
 from rodgen.model.quantities import OWN
-from rodgen.scene import SceneError
 from rodgen.scene.structure import choose
 from rodgen.scene.tables import LARGEST
 
@@ -51,15 +51,15 @@ class PlotSpec:
 
     @classmethod
     def from_dict(cls, choice: Mapping[str, Any], catalogue: Catalogue) -> PlotSpec:
-        """Check what a user has chosen. Raises SceneError that names field, value and what is
+        """Check what a user has chosen. Raises InputError that names field, value and what is
         allowed, also for a quantity that this rod does not have."""
         known = [field.name for field in fields(cls)]
         for name in choice:
             if name not in known:
-                raise SceneError("plot", name, f"absent: not a known key (known: {known})")
+                raise InputError("plot", name, f"absent: not a known key (known: {known})")
         for name in ("id", "kind", "y"):
             if name not in choice:
-                raise SceneError(f"plot.{name}", None, "given")
+                raise InputError(f"plot.{name}", None, "given")
         return _checked(dict(choice), catalogue)
 
     def to_dict(self) -> dict[str, Any]:
@@ -69,11 +69,11 @@ class PlotSpec:
 
 def _checked(choice: dict[str, Any], catalogue: Catalogue) -> PlotSpec:
     if not isinstance(choice["id"], str) or not re.fullmatch(r"[A-Za-z0-9_-]{1,32}", choice["id"]):
-        raise SceneError("plot.id", choice["id"], "1 to 32 letters, digits, - and _")
+        raise InputError("plot.id", choice["id"], "1 to 32 letters, digits, - and _")
     choose("plot.kind", choice["kind"], PLOT_KINDS)
     title = choice.get("title", "")
     if not (isinstance(title, str) and len(title) <= 80 and (title.isprintable() or not title)):
-        raise SceneError("plot.title", title, "at most 80 printable characters")
+        raise InputError("plot.title", title, "at most 80 printable characters")
     for name, low, high in (
         ("window", SHORTEST, LONGEST),
         ("value", -LARGEST, LARGEST),
@@ -84,11 +84,11 @@ def _checked(choice: dict[str, Any], catalogue: Catalogue) -> PlotSpec:
     choose("plot.direction", choice.get("direction", "rising"), DIRECTIONS)
     choose("plot.axes", choice.get("axes", "linear"), AXES)
     if not isinstance(choice.get("wrapped", True), bool):
-        raise SceneError("plot.wrapped", choice["wrapped"], "true or false")
+        raise InputError("plot.wrapped", choice["wrapped"], "true or false")
     y = choice["y"]
     y = (y,) if isinstance(y, str) else y
     if not (isinstance(y, list | tuple) and 0 < len(y) <= MOST_NAMES):
-        raise SceneError("plot.y", y, f"1 to {MOST_NAMES} names of quantities")
+        raise InputError("plot.y", y, f"1 to {MOST_NAMES} names of quantities")
     spec = PlotSpec(**{**choice, "y": tuple(y)})
     _check_names(spec, catalogue)
     return spec
@@ -105,7 +105,7 @@ def _check_names(spec: PlotSpec, catalogue: Catalogue) -> None:
         case _:
             catalogue.quantity(spec.y[0], "plot.y[0]")
     if len(spec.y) > 1:
-        raise SceneError("plot.y", list(spec.y), f"one name in a plot of kind {spec.kind}")
+        raise InputError("plot.y", list(spec.y), f"one name in a plot of kind {spec.kind}")
     if spec.kind in ("phase", "poincare"):
         catalogue.quantity(spec.x, "plot.x")
     if spec.kind == "poincare":
@@ -115,7 +115,7 @@ def _check_names(spec: PlotSpec, catalogue: Catalogue) -> None:
 def _number(field: str, value: Any, low: float, high: float) -> float:
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if not (number and low <= value <= high):  # not-a-number is not between
-        raise SceneError(field, value, f"a number from {low:g} to {high:g}")
+        raise InputError(field, value, f"a number from {low:g} to {high:g}")
     return float(value)
 
 
@@ -152,7 +152,7 @@ def _own(text: str, after: Catalogue) -> str | None:
     """An expression, if it can be had of another rod."""
     try:
         return after.quantity(text).name
-    except SceneError:
+    except InputError:
         return None
 
 
@@ -188,5 +188,5 @@ def transfer(spec: PlotSpec, name: str, before: Catalogue, after: Catalogue) -> 
         return None
     try:
         return PlotSpec.from_dict(replace(spec, id=name, y=y, x=x, when=when).to_dict(), after)
-    except SceneError:  # a kind that does not go along this rod
+    except InputError:  # a kind that does not go along this rod
         return None

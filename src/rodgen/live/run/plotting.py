@@ -7,11 +7,11 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
+from rodgen.errors import InputError
 from rodgen.live.catalogue import Catalogue
 from rodgen.live.run.comparing import Comparing
 from rodgen.live.run.plot import Plot
 from rodgen.live.run.plot_spec import PlotSpec, lacking, transfer
-from rodgen.scene import SceneError
 
 MOST_PLOTS = 24
 Chosen = tuple[PlotSpec, Catalogue]  # a plot, and of which rod it is
@@ -30,9 +30,9 @@ class Plotting(Comparing):
         return f"p{next(self._numbers)}"
 
     def add_plot(self, choice: dict[str, Any]) -> None:
-        """Add a plot, which begins with what was before it. Raises SceneError."""
+        """Add a plot, which begins with what was before it. Raises InputError."""
         if len(self.plots) >= MOST_PLOTS:
-            raise SceneError("plots", len(self.plots) + 1, f"at most {MOST_PLOTS} on a page")
+            raise InputError("plots", len(self.plots) + 1, f"at most {MOST_PLOTS} on a page")
         spec = PlotSpec.from_dict({**choice, "id": self.new_name()}, self.catalogue)
         self.plots[spec.id] = plot = Plot(spec, self.catalogue)
         plot.beside = self.ghost

@@ -6,9 +6,9 @@ from abc import abstractmethod
 from dataclasses import replace
 from types import ModuleType
 
+from rodgen.arrays import Array
 from rodgen.integrate.pull import Pull, widened, with_place
 from rodgen.integrate.samples import Samples
-from rodgen.integrate.stepper import Array
 from rodgen.live.catalogue import Catalogue
 from rodgen.live.run.marks import Mark
 from rodgen.live.run.plot import Plot
@@ -17,7 +17,8 @@ from rodgen.live.run.undo import Undo
 from rodgen.live.samples import Chunk
 from rodgen.loading import build_fastest
 from rodgen.model.terms import PULL
-from rodgen.scene import Scene, Structure
+from rodgen.scene import Structure
+from rodgen.system import System
 
 
 class Pulling(Plotting):
@@ -45,22 +46,22 @@ class Pulling(Plotting):
     def _resume(self) -> None:
         """Count time from the state that is shown."""
 
-    def allow_pulls(self, made: Structure | None = None) -> Scene | None:
-        """Go on in the same state by a module that has a place for a pull. The scene whose module
+    def allow_pulls(self, made: Structure | None = None) -> System | None:
+        """Go on in the same state by a module that has a place for a pull. The system whose module
         is to be made first, or None; made: the structure of one that is there, beside that of the
         run."""
-        scene, live = self.live.scene, self.live
-        wanted = with_place(scene)
+        live = self.live
         if live.pulls:
             return None
-        if wanted.structure not in (made, scene.structure):
+        here, wanted = live.system.structure, with_place(live.system)
+        if wanted.structure not in (made, here):
             return wanted
-        model = build_fastest(wanted)
+        model = build_fastest(wanted.structure)
         live.allow_pulls(model)
         self.model = model
 
         def wide(p: Array) -> Array:
-            return widened(p, scene, wanted, live.p)
+            return widened(p, here, wanted.structure, live.p)
 
         self.store = self.store.widened(live.works, wide)
         self.store.change(live.p, live.given)
@@ -95,15 +96,15 @@ class Pulling(Plotting):
         """Kick a link by an impulse [N s]."""
         self.live.kick(link, share, impulse)
         self._changed_motion(f"kick ({impulse[0]:.4g}, {impulse[1]:.4g}) N s upon link {link}")
-        self.undo.note_mark(self.live.scene, self.marks.every[-1])
+        self.undo.note_mark(self.live.system, self.marks.every[-1])
         self._mended()
 
     def pull(self, pull: Pull) -> None:
-        """Pull the rod from here on, where that is allowed. Raises SceneError."""
+        """Pull the rod from here on, where that is allowed. Raises InputError."""
         self._to = None
         self.live.pull(pull)
         self._changed_motion(f"pull at link {pull.link} by {pull.stiffness:.4g} N/m")
-        self.undo.note_mark(self.live.scene, self.marks.every[-1])
+        self.undo.note_mark(self.live.system, self.marks.every[-1])
         self._mended()
 
     def move_pull(self, to: tuple[float, float]) -> None:
@@ -119,7 +120,7 @@ class Pulling(Plotting):
             self._changed()
 
     def _follow_hand(self) -> None:
-        """Have the far end where it was moved to. Raises SceneError."""
+        """Have the far end where it was moved to. Raises InputError."""
         to, self._to = self._to, None
         now = self.live.pulling
         if now is not None and to is not None and to != now.to:

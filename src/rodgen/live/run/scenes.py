@@ -1,8 +1,8 @@
-"""Scenes made of scenes, by other values or in another form; scenes as text, to save or link."""
+"""Keys of a scene as they are shown; scenes in another form, and from files."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rodgen.errors import InputError
 from rodgen.model.fixtures import (
     AT_IN_MODULE,
     BODY,
@@ -21,13 +22,12 @@ from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, Parameter
 from rodgen.model.rod import BOUNDARIES, CLAMP_ANGLE, MASS_PER_LENGTH, ROD, SPRING
 from rodgen.model.term import Term
 from rodgen.model.terms import TERMS
-from rodgen.scene import Scene, SceneError
-from rodgen.scene.literals import literals, with_literal
+from rodgen.scene import Scene
+from rodgen.scene.keys import put_values
+from rodgen.scene.literals import literals
 from rodgen.scene.load_tables import FinFactor
 from rodgen.scene.numbers import row_of
 from rodgen.scene.plain import entry, read_text
-
-Place = tuple[str, ...]  # keys of tables, from the outermost in
 
 LARGEST = 2**20  # bytes of a scene, unpacked
 MOST_SCENES = 500  # of a folder
@@ -37,24 +37,25 @@ SHAPES = ("phi", "omega")  # initial values of which each link may have its own
 
 
 @dataclass(frozen=True)
-class Field:
-    """A value that can be moved: of which parameter, where it stands, what it is in words; value:
-    None where it is an expression of time or place, given as text; whole: all numbers of its key,
-    where the scene leaves that out. A number in an expression stands at its place in the text."""
+class SceneField:
+    """A key of a scene as it is shown: the row of its parameter, its dotted name, what it is in
+    words; value: None where it is an expression of time or place, given as text; whole: all numbers
+    of its list, where the scene leaves that out. A number in an expression has its place in the
+    text behind the key of that."""
 
     of: Parameter
-    path: Place
+    key: str
     label: str
     value: float | None
     text: str = ""
     whole: tuple[float, ...] = ()
 
-    def changes(self, value: float | str) -> list[tuple[Place, Any]]:
-        """What `edit` is to change for another value."""
+    def changes(self, value: float | str) -> dict[str, Any]:
+        """Another value of the key, for `System.at`."""
         if not self.whole:
-            return [(self.path, value)]
-        *outer, last = self.path
-        return [(tuple(outer), [value if k == int(last) else v for k, v in enumerate(self.whole)])]
+            return {self.key: value}
+        outer, _, last = self.key.rpartition(".")
+        return {outer: [value if k == int(last) else v for k, v in enumerate(self.whole)]}
 
     @property
     def unit(self) -> str:
@@ -65,11 +66,6 @@ class Field:
     def decades(self) -> bool:
         """Whether a slider moves over powers of ten."""
         return self.of.decades and (self.value or 0.0) > 0
-
-    @property
-    def key(self) -> str:
-        """The path as one word."""
-        return ".".join(self.path)
 
     def reach(self, scale: float) -> tuple[float, float]:
         """From where to where a slider goes, when the value is of such a size."""
@@ -83,10 +79,10 @@ class Field:
 
 
 class Group(NamedTuple):
-    """Numbers of a table of a scene: where that stands, their rows, what is said after the label of
+    """Numbers of a table of a scene: its dotted name, their rows, what is said after the label of
     each, and what holds of keys that the table leaves out."""
 
-    path: Place
+    key: str
     table: Any
     rows: Iterable[Parameter]
     suffix: str = ""
@@ -97,29 +93,29 @@ def groups_of(scene: Scene) -> Iterator[Group]:
     """All tables whose numbers a run takes up."""
     straight = {CLAMP_ANGLE.key: 0.0} if scene.hold.clamped else {}
     rod = (*ROD, MASS_PER_LENGTH, SPRING, CLAMP_ANGLE)
-    yield Group(("rod",), scene.rod, rod, left_out=straight)
+    yield Group("rod", scene.rod, rod, left_out=straight)
     for at, body in enumerate(scene.bodies):
-        group = Group(("bodies", str(at)), body, BODY, f" of {body.name}")
+        group = Group(f"bodies.{at}", body, BODY, f" of {body.name}")
         yield group._replace(rows=TANK) if isinstance(body.mass, str) else group
     for name in scene.loads.terms:
         term = TERMS[name]
         one = term.parameters[0]
-        path = scene.place(one.name)[: -len(one.keys)]
-        table = entry(scene, *path)
-        yield Group(path, table, term.parameters)
+        place = scene.place(one.name)[: -len(one.keys)]
+        key, table = ".".join(place), entry(scene, *place)
+        yield Group(key, table, term.parameters)
         if term.placed:
-            yield Group(path, table, (AT_IN_MODULE,), f" of the {term.label}")
+            yield Group(key, table, (AT_IN_MODULE,), f" of the {term.label}")
     if scene.foundation is not None:
-        yield Group(("foundation",), scene.foundation, TERMS["foundation"].given)
+        yield Group("foundation", scene.foundation, TERMS["foundation"].given)
     for at, support in enumerate(scene.supports):
-        rows, place = TERMS["supports"].given, {"to": [*scene.anchors.place(support)]}
-        yield Group(("supports", str(at)), support, rows, f" of support {at}", place)
+        rows, to = TERMS["supports"].given, {"to": [*scene.anchors.place(support)]}
+        yield Group(f"supports.{at}", support, rows, f" of support {at}", to)
     for name, state in scene.states.items():
-        yield Group(("states", name), state, STATE, f" of {name}")
-    yield Group(("parameters",), scene.numbers, map(row_of, scene.numbers))
+        yield Group(f"states.{name}", state, STATE, f" of {name}")
+    yield Group("parameters", scene.numbers, map(row_of, scene.numbers))
 
 
-def fields_of(scene: Scene) -> Iterator[Field]:
+def fields_of(scene: Scene) -> Iterator[SceneField]:
     """All numbers that a run takes up, and expressions that stand for them; of a long list the
     first and the last."""
     for group in groups_of(scene):
@@ -127,8 +123,9 @@ def fields_of(scene: Scene) -> Iterator[Field]:
             yield from _fields(group, one, scene)
 
 
-def _fields(group: Group, one: Parameter, scene: Scene) -> Iterator[Field]:
-    path, label = (*group.path, *one.keys), f"{one.label} {one.symbol}".strip() + group.suffix
+def _fields(group: Group, one: Parameter, scene: Scene) -> Iterator[SceneField]:
+    key = ".".join((group.key, *one.keys))
+    label = f"{one.label} {one.symbol}".strip() + group.suffix
     value, whole = entry(group.table, one.key), ()
     if value is None:
         value = group.left_out.get(one.key)
@@ -136,64 +133,38 @@ def _fields(group: Group, one: Parameter, scene: Scene) -> Iterator[Field]:
     if one.part is not None:
         value = value[one.part]
     if isinstance(value, str):
-        yield from _fields_of_text(Field(one, path, label, None, value), scene)
+        yield from _fields_of_text(SceneField(one, key, label, None, value), scene)
     elif isinstance(value, FinFactor):
         for part in FinFactor.model_fields:
-            yield Field(one, (*path, part), f"{label}, {part}", float(getattr(value, part)))
+            yield SceneField(one, f"{key}.{part}", f"{label}, {part}", float(getattr(value, part)))
     elif isinstance(value, list):
         last, each = len(value) - 1, LINKS if len(value) == scene.rod.links else JOINTS
         for number in range(len(value)) if last < MOST_LISTED else (0, last):  # the ends count most
-            at = (*path, str(number))
-            yield Field(one, at, f"{label}, {each} {number}", float(value[number]))
+            said = f"{label}, {each} {number}"
+            yield SceneField(one, f"{key}.{number}", said, float(value[number]))
     elif value is not None:
-        yield Field(one, path, label, float(value), whole=whole)
+        yield SceneField(one, key, label, float(value), whole=whole)
 
 
-def _fields_of_text(whole: Field, scene: Scene) -> Iterator[Field]:
+def _fields_of_text(whole: SceneField, scene: Scene) -> Iterator[SceneField]:
     """An expression after its amplitude, if it has one, and before the other numbers in it."""
     found = list(enumerate(literals(whole.text, scene.numbers)))[:MOST_LISTED]
-    places = {at: (*whole.path, str(at)) for at, _ in found}
+    keys = {at: f"{whole.key}.{at}" for at, _ in found}
     leading = [at for at, one in found if one.leads]
     for at in leading:
         # Its sign is that of the text, another one another expression.
         size = replace(whole.of, rule=NOT_NEGATIVE)
-        yield Field(size, places[at], whole.label, found[at][1].value)
+        yield SceneField(size, keys[at], whole.label, found[at][1].value)
     yield replace(whole, label=f"{whole.label}, expression") if leading else whole
     for at, one in found:
         if at not in leading:
             row = row_of(str(at), ANY if one.signed else NOT_NEGATIVE)
-            yield Field(row, places[at], f"{whole.label}: {one.around}", one.value)
+            yield SceneField(row, keys[at], f"{whole.label}: {one.around}", one.value)
 
 
-def scale_of(field: Field) -> float:
+def scale_of(field: SceneField) -> float:
     """The size of a value, for its slider; where it is zero, that of a usual one."""
     return abs(field.value or 0.0) or abs(field.of.beginning or 0.0) or 1.0
-
-
-def edit(scene: Scene, changes: Sequence[tuple[Place, Any]]) -> Scene:
-    """The scene with other values at some places; None takes away what is there. Raises
-    SceneError."""
-    table = scene.model_dump(exclude_none=True)
-    for path, value in changes:
-        _put(table, path, value)
-    return Scene.from_dict(table)
-
-
-def _put(table: Any, path: Place, value: Any) -> None:
-    *outer, last = path
-    for depth, key in enumerate(outer):
-        inner = table[int(key)] if isinstance(table, list) else table.setdefault(key, {})
-        if isinstance(inner, str):  # the last is a number in it
-            value = with_literal(inner, int(last), value, ".".join(path[: depth + 1]))
-            _put(table, (key,), value)
-            return
-        table = inner
-    if isinstance(table, list):
-        table[int(last)] = value
-    elif value is None:
-        table.pop(last, None)
-    else:
-        table[last] = value
 
 
 @dataclass(frozen=True)
@@ -214,33 +185,30 @@ def form_of(scene: Scene) -> Form:
     return Form(rod.links, rod.boundary, rod.inertia, terms)
 
 
-# Values at the start, by where they stand: of the rod, in words, and those of states.
-RIGID: dict[Place, str] = {
-    ("initial", "phi"): "phi: a number, or an expression in s",
-    ("initial", "omega"): "omega: a number, or an expression in s",
-    ("initial", "position"): "position x, y of joint 0 [m]",
-    ("initial", "velocity"): "velocity x, y of joint 0 [m/s]",
+# Values of the rod at the start, in words.
+RIGID = {
+    "initial.phi": "phi: a number, or an expression in s",
+    "initial.omega": "omega: a number, or an expression in s",
+    "initial.position": "position x, y of joint 0 [m]",
+    "initial.velocity": "velocity x, y of joint 0 [m/s]",
 }
 
 
-def starts_of(scene: Scene) -> dict[Place, str]:
-    """All values at the start that a scene may give: where they stand, in words."""
-    key = STATE_AT_START.key
-    states: dict[Place, str] = {
-        ("states", name, key): f"{name} {STATE_AT_START.label}" for name in scene.states
-    }
-    return {**RIGID, **states}
+def starts_of(scene: Scene) -> dict[str, str]:
+    """Keys of all values at the start that a scene may give, and what they are in words."""
+    key, label = STATE_AT_START.key, STATE_AT_START.label
+    return RIGID | {f"states.{name}.{key}": f"{name} {label}" for name in scene.states}
 
 
-def reshape(scene: Scene, form: Form, starts: Sequence[tuple[Place, Any]]) -> Scene:
+def reshape(scene: Scene, form: Form, starts: Mapping[str, Any]) -> Scene:
     """The scene in another form, with other values at the start (None: left out). Raises
-    SceneError.
+    InputError.
 
     Left out are values that the form has no place for: the clamp's angle, the position of a rod
     that is held, lists of as many values as the links were. Stiffness and mass of every joint or
     link are read off between those of the former ones.
     """
-    table = scene.model_dump(exclude_none=True)
+    table = scene.to_dict()
     rod = table["rod"]
     for key, count in (("bending_stiffness", form.links + 1), ("mass_per_length", form.links)):
         if isinstance(rod.get(key), list) and form.links > 0:
@@ -252,8 +220,7 @@ def reshape(scene: Scene, form: Form, starts: Sequence[tuple[Place, Any]]) -> Sc
         rod.pop(CLAMP_ANGLE.key, None)
     for term in TERMS.values():
         _switch(table["loads"] if term.loads else table, term, term.name in form.terms, other)
-    for place, value in starts:
-        _put(table, place, value)
+    put_values(table, starts, Scene)
     initial = table["initial"]
     for key in SHAPES if other else ():
         if isinstance(initial.get(key), list):
@@ -285,9 +252,9 @@ def _switch(tables: dict[str, Any], term: Term, on: bool, other: bool) -> None:
 
 
 def from_toml_text(text: bytes) -> Scene:
-    """A scene from the bytes of a file, checked as files are. Raises SceneError."""
+    """A scene from the bytes of a file, checked as files are. Raises InputError."""
     if len(text) > LARGEST:
-        raise SceneError("scene", f"{len(text)} bytes", f"at most {LARGEST} bytes")
+        raise InputError("scene", f"{len(text)} bytes", f"at most {LARGEST} bytes")
     return Scene.from_dict(read_text(text, "this file"))
 
 
@@ -306,9 +273,9 @@ class Folder:
         return found[:MOST_SCENES]
 
     def scene(self, name: str) -> Scene:
-        """One of them. Raises SceneError."""
+        """One of them. Raises InputError."""
         if name not in self.names():
-            raise SceneError("scene", name, f"one of the folder: {', '.join(self.names())}")
+            raise InputError("scene", name, f"one of the folder: {', '.join(self.names())}")
         return Scene.from_toml(self._path / f"{name}.toml")
 
     def _inside(self, path: Path) -> bool:

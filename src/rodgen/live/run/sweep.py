@@ -12,17 +12,17 @@ from typing import Any
 
 import numpy as np
 
-import rodgen
-from rodgen.analyse.errors import AnalysisError
-from rodgen.live.run.scenes import Place, edit
-from rodgen.scene import Scene, SceneError
+from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
+from rodgen.errors import AnalysisError, InputError
+from rodgen.scene import Scene
 from rodgen.scene.literals import literals, with_name
 from rodgen.scene.plain import entry
+from rodgen.studies.engine import study
 
 COUNT = 41  # values
 TOGETHER = 7  # of them between two looks at what else is asked for
 ROUNDS, PARTS = 4, 6  # of the step between two values, for where it becomes unstable
-SWEPT = "swept_number"  # what a number in an expression is called while its equilibria are followed
+SWEPT = "swept_number"  # what a number in an expression is called while it is swept
 ROUNDING = 1e-9  # of the length, below which a deflection is none
 MOST_LINKS = 200  # beyond, a value takes seconds
 
@@ -30,15 +30,15 @@ Part = dict[str, Any]
 Row = list[Any]  # value, growth [1/s], frequency [Hz], whether stable; None where it failed
 
 
-def sweep(scene: Scene, path: Sequence[str], low: float, high: float, t: float) -> Iterator[Part]:
+def sweep(scene: Scene, key: str, low: float, high: float, t: float) -> Iterator[Part]:
     """Parts: "rows" of the stability map; "critical", the value at which the stability changes
     first, or None; "branch" and "special" of the bifurcation diagram, or "note", why there is
-    none. t: the time whose loads are taken [s]. Raises SceneError."""
+    none. t: the time whose loads are taken [s]. Raises InputError."""
     if scene.rod.links > MOST_LINKS:
-        raise SceneError("rod.links", scene.rod.links, f"at most {MOST_LINKS} for a sweep")
+        raise InputError("rod.links", scene.rod.links, f"at most {MOST_LINKS} for a sweep")
     start, end = scene.integrate.span
     scene = scene.with_integrate(span=[start, max(end, t)])  # a live run may be beyond it
-    key = tuple(path)
+    scene, key = _name_number(scene, key)
     values = np.linspace(low, high, COUNT).tolist()
     rows: list[Row] = []
     for at in range(0, COUNT, TOGETHER):
@@ -49,15 +49,11 @@ def sweep(scene: Scene, path: Sequence[str], low: float, high: float, t: float) 
     yield _branch(scene, key, (low, high), t)
 
 
-def stability(scene: Scene, path: Place, values: Sequence[float], t: float) -> list[Row]:
+def stability(scene: Scene, key: str, values: Sequence[float], t: float) -> list[Row]:
     """Of each value: the value, the largest growth rate [1/s], the frequency of that mode [Hz], and
     whether the straight rod is stable, None where that failed."""
-    whole = _text(scene, path)
-    given: Sequence[Any] = values
-    if whole:  # a number in an expression: the expressions that have it
-        given = [entry(edit(scene, [(path, value)]), *whole) for value in values]
-    vary = {".".join(whole or path): {"values": list(given)}}
-    data = rodgen.study(scene, vary=vary, what="modes", options={"t": t}, workers=1)
+    vary = {key: {"values": list(values)}}
+    data = study(scene, vary=vary, what="modes", options={"t": t}, workers=1)
     growth, frequency = data["growth"].values, data["frequency"].values
     failed = data["status"].values != "finished"
     rows: list[Row] = []
@@ -71,24 +67,19 @@ def stability(scene: Scene, path: Place, values: Sequence[float], t: float) -> l
     return rows
 
 
-def _keyed(scene: Scene, path: Place) -> tuple[Scene, str]:
-    """The scene with a key for the number, and that: a number in an expression gets a name. Raises
-    SceneError."""
-    whole = _text(scene, path)
-    if not whole:
-        return scene, ".".join(path)
-    text, at = entry(scene, *whole), int(path[-1])
+def _name_number(scene: Scene, key: str) -> tuple[Scene, str]:
+    """Give a number in an expression a name: the scene that has it, and its key. All else is as it
+    was. Raises InputError."""
+    outer, _, last = key.rpartition(".")
+    text = entry(scene, *outer.split("."))
+    if not isinstance(text, str):
+        return scene, key
+    at, name = int(last), f"parameters.{SWEPT}"
     value = literals(text)[at].value
-    named = edit(scene, [(whole, with_name(text, at, SWEPT)), (("parameters", SWEPT), value)])
-    return named, f"parameters.{SWEPT}"
+    return scene.replace({outer: with_name(text, at, SWEPT), name: value}), name
 
 
-def _text(scene: Scene, path: Place) -> Place:
-    """Where the expression stands that a number is in; nothing where it is none of those."""
-    return path[:-1] if isinstance(entry(scene, *path[:-1]), str) else ()
-
-
-def _critical(scene: Scene, path: Place, rows: list[Row], t: float) -> float | None:
+def _critical(scene: Scene, key: str, rows: list[Row], t: float) -> float | None:
     """The first value at which the straight rod becomes unstable, or stable."""
     known = [(value, stable) for value, _, _, stable in rows if stable is not None]
     for (low, before), (high, after) in pairwise(known):
@@ -96,19 +87,19 @@ def _critical(scene: Scene, path: Place, rows: list[Row], t: float) -> float | N
             continue
         for _ in range(ROUNDS):
             places = np.linspace(low, high, PARTS + 1).tolist()
-            found = stability(scene, path, places[1:-1], t)
+            found = stability(scene, key, places[1:-1], t)
             same = [stable == before for _, _, _, stable in found] + [False]
             low, high = places[(first := same.index(False))], places[first + 1]
         return float(f"{(low + high) / 2:.4g}")
     return None
 
 
-def _branch(scene: Scene, path: Place, ends: tuple[float, float], t: float) -> Part:
+def _branch(scene: Scene, key: str, ends: tuple[float, float], t: float) -> Part:
     """The branch of equilibria on which the scene is: values, the deflection of the tip from the
     first one [m], how many directions are unstable, states; and the special points on it."""
     try:
-        data = rodgen.continue_equilibria(*_keyed(scene, path), ends, t=t)
-    except (AnalysisError, SceneError) as error:
+        data = continue_equilibria(scene, key, ends, t=t)
+    except (AnalysisError, InputError) as error:
         return {"note": f"no equilibria: {error}"}
     tip = data["tip"].values
     away = np.hypot(*(tip - tip[0]).T)

@@ -1,4 +1,4 @@
-"""What was done to a run: the scenes that it had before its present one, to go back to, and forth
+"""What was done to a run: the systems that it had before its present one, to go back to, and forth
 again, and kicks and pulls, before which it can go back alone."""
 
 from __future__ import annotations
@@ -7,15 +7,17 @@ from typing import NamedTuple
 
 from rodgen.live.run.marks import Mark
 from rodgen.scene import Scene
+from rodgen.system import System
 
 MOST = 100
 
 
 class Kept(NamedTuple):
-    """A scene; the file's that it was made of; whether a run of it begins at its start; what was
-    done to it, in words; the kick or pull before which the run goes back, if it was one."""
+    """A system; the scene of the file that it was made of; whether a run of it begins at its start;
+    what was done to it, in words; the kick or pull before which the run goes back, if it was
+    one."""
 
-    scene: Scene
+    system: System
     file: Scene
     anew: bool
     what: str
@@ -32,9 +34,10 @@ class Undo:
         self._forth: list[Kept] = []
         self._last = ""
 
-    def note(self, before: Scene, what: str, anew: bool = False) -> None:
-        """Note a change of a scene ("name = value", or other words); those of one value that follow
-        each other, as a slider makes them, count as one. anew: its run begins at the start."""
+    def note(self, before: System, what: str, anew: bool = False) -> None:
+        """Note a change of a system ("name = value", or other words); those of one value that
+        follow each other, as a slider makes them, count as one. anew: its run begins at the
+        start."""
         name, is_change, _ = what.partition(" = ")
         self._forth.clear()
         if is_change and self._last == name and self._back:
@@ -43,16 +46,16 @@ class Undo:
             self._back = [*self._back[1 - MOST :], Kept(before, self.file, anew, what)]
         self._last = name if is_change else ""
 
-    def note_mark(self, scene: Scene, mark: Mark) -> None:
+    def note_mark(self, system: System, mark: Mark) -> None:
         """Note a kick or a pull of a run."""
-        self.note(scene, str(mark))
+        self.note(system, str(mark))
         self._back[-1] = self._back[-1]._replace(mark=mark)
 
     def begin(self) -> None:
         """Let go of kicks and pulls: the run that had them is over."""
         self._back = [kept for kept in self._back if kept.mark is None]
 
-    def take(self, before: Scene, scene: Scene) -> None:
+    def take(self, before: System, scene: Scene) -> None:
         """Note that the scene of a file was taken up."""
         self.note(before, f"scene {scene.name}", anew=True)
         self.file = scene
@@ -62,10 +65,10 @@ class Undo:
         some = self._forth if forth else self._back
         return some[-1] if some else None
 
-    def go(self, before: Scene, forth: bool) -> None:
-        """Note that it was gone there, from a scene."""
+    def go(self, before: System, forth: bool) -> None:
+        """Note that it was gone there, from a system."""
         here, there = (self._forth, self._back) if forth else (self._back, self._forth)
         gone = here.pop()
         if gone.mark is None:
-            there.append(gone._replace(scene=before, file=self.file))
+            there.append(gone._replace(system=before, file=self.file))
         self.file, self._last = gone.file, ""

@@ -7,7 +7,7 @@ import re
 import warnings
 from collections.abc import Iterable
 
-from rodgen.scene.errors import meant, short
+from rodgen.errors import did_you_mean, short
 from rodgen.scene.grammar.vocabulary import FUNCTIONS, SENSORS, TABLE
 
 LINE_END = re.compile("\r\n|\r|\n")  # as Python counts lines
@@ -44,11 +44,11 @@ def advice(node: ast.AST | None, names: Iterable[str]) -> str:
         ):
             return f"; write {name} without {ast.unparse(_before(node))}."
         case ast.Call(func=ast.Name(id=name)) if name not in FUNCTIONS:
-            return meant(name, (*FUNCTIONS, TABLE, *SENSORS))
+            return did_you_mean(name, (*FUNCTIONS, TABLE, *SENSORS))
         case ast.Name(id="d" | "dt"):
             return "; there is no d/dt: omega(s), vx(s) and vy(s) are the rates"
         case ast.Name(id=name):
-            return meant(name, (*names, "pi"))
+            return did_you_mean(name, (*names, "pi"))
     return ""
 
 

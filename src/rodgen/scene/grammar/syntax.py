@@ -10,7 +10,7 @@ from functools import lru_cache
 from itertools import accumulate, pairwise
 from typing import NamedTuple, TypeGuard
 
-from rodgen.scene.errors import SceneError
+from rodgen.errors import InputError
 from rodgen.scene.grammar.vocabulary import (
     BINARY,
     COMPARE,
@@ -29,7 +29,7 @@ MOST_CHOICES = 100  # of an expression, each of which is looked at by itself
 CHOICES = "min", "max", "abs"
 KEPT = 4096  # parts of trees of which something is remembered
 # The error for a part, None for the whole, and what is allowed in its place: "" for the grammar.
-Refusal = Callable[[ast.AST | None, str], SceneError]
+Refusal = Callable[[ast.AST | None, str], InputError]
 
 
 class Table(NamedTuple):
@@ -56,12 +56,12 @@ class Sensor(NamedTuple):
 
 
 def parse(text: str, field: str) -> ast.expr | None:
-    """The tree of a text, None for what Python cannot parse; raises SceneError for a text beyond
+    """The tree of a text, None for what Python cannot parse; raises InputError for a text beyond
     the limits."""
     if len(text) > LONGEST:
-        raise SceneError(field, text, f"an expression of at most {LONGEST} characters")
+        raise InputError(field, text, f"an expression of at most {LONGEST} characters")
     if max(accumulate((c in "([") - (c in ")]") for c in text), default=0) > BRACKETS:
-        raise SceneError(field, text, f"of parentheses at most {BRACKETS} deep")
+        raise InputError(field, text, f"of parentheses at most {BRACKETS} deep")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Python's opinion of "1if t<1else 2"
@@ -70,7 +70,7 @@ def parse(text: str, field: str) -> ast.expr | None:
         return None
     if sum(map(_choices, ast.walk(tree))) > MOST_CHOICES:
         what = f"an expression of at most {MOST_CHOICES} choices ({', '.join(CHOICES)}, if)"
-        raise SceneError(field, text, f"{what}; a table, {TABLE}, may have {MOST_KNOTS} knots")
+        raise InputError(field, text, f"{what}; a table, {TABLE}, may have {MOST_KNOTS} knots")
     return tree
 
 

@@ -9,9 +9,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rodgen.arrays import Array
 from rodgen.scene.grammar.vocabulary import CUBIC, LINEAR, SLOPE
 
-Array = NDArray[np.float64]
 # Steps end at all knots of a table of at most MOST rows. Of a longer one they end at up to so many,
 # fewer where chords between these miss it by at most BEND of its range: its other knots are closer
 # than steps, or hardly bend it, and a step crosses them as it does a curve.

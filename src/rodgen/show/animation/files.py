@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from PIL import GifImagePlugin, Image
 from scipy.spatial import KDTree
 
+from rodgen.errors import InputError
 from rodgen.extras import how_to_have
-from rodgen.scene import SceneError
 from rodgen.show.animation.times import Settings
 
 Pixels = NDArray[np.uint8]
@@ -31,19 +31,19 @@ BITS = 6  # of red, of green, of blue, by which the nearest colour is looked up
 
 
 def check_file(path: Path, settings: Settings) -> None:
-    """Raise SceneError where a film with this name cannot be written."""
+    """Raise InputError where a film with this name cannot be written."""
     ending = path.suffix.lower()
     if ending not in ENDINGS:
-        raise SceneError("--out", str(path), f"a file that ends in {' or '.join(ENDINGS)}")
+        raise InputError("--out", str(path), f"a file that ends in {' or '.join(ENDINGS)}")
     if not path.parent.is_dir():
-        raise SceneError("--out", str(path), "in a folder that exists")
+        raise InputError("--out", str(path), "in a folder that exists")
     if path.is_dir():
-        raise SceneError("--out", str(path), "a file; this is a folder")
+        raise InputError("--out", str(path), "a file; this is a folder")
     if ending == ".gif" and settings.fps > FASTEST:
-        raise SceneError("fps", settings.fps, f"at most {FASTEST:g} in a GIF")
+        raise InputError("fps", settings.fps, f"at most {FASTEST:g} in a GIF")
     if ending == ".mp4" and ffmpeg() is None:
         allowed = f"a .gif, or ffmpeg installed ({how_to_have('view')} brings it)"
-        raise SceneError("--out", str(path), allowed)
+        raise InputError("--out", str(path), allowed)
 
 
 def ffmpeg() -> str | None:
@@ -115,11 +115,11 @@ def _mp4(path: Path, settings: Settings) -> Iterator[Writer]:
                 pipe.close()
 
 
-def _refused(said: IO[bytes]) -> SceneError:
+def _refused(said: IO[bytes]) -> InputError:
     said.seek(0)
     lines = said.read().decode(errors="replace").split("\n")
     last = next((line for line in reversed(lines) if line.strip()), "it does not say why")
-    return SceneError("--out", ".mp4", f".gif, or an ffmpeg that can write it ({last.strip()})")
+    return InputError("--out", ".mp4", f".gif, or an ffmpeg that can write it ({last.strip()})")
 
 
 class Palette(NamedTuple):

@@ -11,10 +11,11 @@ import numpy as np
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from rodgen.arrays import Array
+from rodgen.errors import InputError
 from rodgen.integrate import Solution
 from rodgen.integrate.files import replaced
-from rodgen.integrate.stepper import Array
-from rodgen.scene import Scene, SceneError
+from rodgen.scene import Scene
 from rodgen.show.animation.files import check_file, writer
 from rodgen.show.animation.motion import Motion, camera, ground, motion
 from rodgen.show.animation.stage import GRID, Arrows, Stage
@@ -60,7 +61,7 @@ def animate(
     """Write an animation of a solution, .mp4 or .gif, whole or not at all; see Settings.
 
     progress is told the simulated time [s] of every frame; what it raises ends the work. Can be
-    called in any thread. Raises SceneError for what cannot be used.
+    called in any thread. Raises InputError for what cannot be used.
     """
     settings = Settings(fps, speed, view, width, height, start, end)
     return film(solution.t, solution.taken, path, settings, progress)
@@ -101,7 +102,7 @@ def _drawable(solution: Solution, planned: Plan) -> tuple[NDArray[np.intp], list
     bad = len(good) if good.all() else int(good.argmin())
     frames = planned.frames[planned.frames < bad]
     if not len(frames):
-        raise SceneError(
+        raise InputError(
             "result", "not finite or beyond 1e15", "a run that can be drawn at its start"
         )
     if len(frames) < len(planned.frames):

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rodgen.arrays import Array
 from rodgen.integrate import Solution
-from rodgen.integrate.stepper import Array
 from rodgen.model.term import FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS
 

@@ -17,7 +17,7 @@ from matplotlib.quiver import Quiver
 from matplotlib.text import Text
 from matplotlib.ticker import MultipleLocator
 
-from rodgen.integrate.stepper import Array
+from rodgen.arrays import Array
 from rodgen.model.term import FORCE
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene

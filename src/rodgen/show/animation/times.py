@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.stepper import Array
-from rodgen.scene import SceneError
+from rodgen.arrays import Array
+from rodgen.errors import InputError
 
 VIEWS = ("fixed", "centre", "axes")
 LONGEST, SHORTEST = 60.0, 3.0  # seconds of film at a speed that is not given
@@ -23,7 +23,7 @@ FINER = 4  # samples of the trails in the time of a frame
 class Settings:
     """fps: frames a second; speed: simulated seconds in a second of film, and view: one of VIEWS,
     both chosen where they are None; width and height [pixels]; start and end: simulated times
-    [s], those of the run where they are None. Raises SceneError for what cannot be used."""
+    [s], those of the run where they are None. Raises InputError for what cannot be used."""
 
     fps: float = 30.0
     speed: float | None = None
@@ -35,16 +35,16 @@ class Settings:
 
     def __post_init__(self) -> None:
         if not 1 <= self.fps <= 120:
-            raise SceneError("fps", self.fps, "from 1 to 120 frames a second")
+            raise InputError("fps", self.fps, "from 1 to 120 frames a second")
         if self.speed is not None and not 0 < self.speed < math.inf:
-            raise SceneError("speed", self.speed, "a positive number")
+            raise InputError("speed", self.speed, "a positive number")
         if self.view is not None and self.view not in VIEWS:
-            raise SceneError("view", self.view, f"one of {', '.join(VIEWS)}")
+            raise InputError("view", self.view, f"one of {', '.join(VIEWS)}")
         for name in ("width", "height"):
             pixels = getattr(self, name)
             if not LEAST_PIXELS <= pixels <= MOST_PIXELS or pixels % 2:
                 allowed = f"an even number from {LEAST_PIXELS} to {MOST_PIXELS}"
-                raise SceneError(name, pixels, allowed)
+                raise InputError(name, pixels, allowed)
 
 
 @dataclass(frozen=True)
@@ -62,16 +62,16 @@ class Plan:
 
 def plan(t: Array, settings: Settings) -> Plan:
     """The samples nearest to the times of the frames, of those at times t (T,), and some between
-    for the trails; raises SceneError for a span that the run does not have."""
+    for the trails; raises InputError for a span that the run does not have."""
     if not len(t):
-        raise SceneError("result", "no samples", "a run with at least one sample")
+        raise InputError("result", "no samples", "a run with at least one sample")
     start, end = _span(t, settings)
     samples = max(int(np.count_nonzero((t >= start) & (t <= end))), 2)
     speed = settings.speed or _speed(end - start, settings.fps / (samples - 1))
     frames = math.floor((end - start) / speed * settings.fps * (1 + 1e-12)) + 1
     if frames > MOST_FRAMES:
         least = (end - start) * settings.fps / (MOST_FRAMES - 1)
-        raise SceneError("speed", speed, f"at least {least:.3g}: {MOST_FRAMES} frames at most")
+        raise InputError("speed", speed, f"at least {least:.3g}: {MOST_FRAMES} frames at most")
     step = speed / settings.fps
     fine: Array = start + step / FINER * np.arange((frames - 1) * FINER + 1.0)
     shown = nearest(t, fine[::FINER])
@@ -88,9 +88,9 @@ def _span(t: Array, settings: Settings) -> tuple[float, float]:
     slack = 1e-6 * (last - first)
     for name, value in (("from", start), ("to", end)):
         if not first - slack <= value <= last + slack:
-            raise SceneError(name, value, f"a time of the run, from {first:.9g} to {last:.9g} s")
+            raise InputError(name, value, f"a time of the run, from {first:.9g} to {last:.9g} s")
     if start > end or (start == end and first < last):
-        raise SceneError("to", end, f"later than {start:.9g} s, where the film begins")
+        raise InputError("to", end, f"later than {start:.9g} s, where the film begins")
     return max(start, first), min(end, last)
 
 

@@ -7,9 +7,9 @@ import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from rodgen.errors import InputError
 from rodgen.integrate import Solution
 from rodgen.progress import running
-from rodgen.scene import SceneError
 from rodgen.show.animation.files import ffmpeg
 from rodgen.show.animation.film import Film, film
 from rodgen.show.animation.times import Settings
@@ -39,16 +39,16 @@ class Video:
         return f"<video {width} controls autoplay loop muted playsinline {source}></video>"
 
     def save(self, path: str | Path) -> None:
-        """Write it to a file with its ending. Raises SceneError for another ending."""
+        """Write it to a file with its ending. Raises InputError for another ending."""
         path = Path(path)
         if path.suffix.lower() != self.ending:
-            raise SceneError("path", str(path), f"a file that ends in {self.ending}")
+            raise InputError("path", str(path), f"a file that ends in {self.ending}")
         path.write_bytes(self.data)
 
 
 def make_video(solution: Solution, settings: Settings) -> Video:
     """A film of a run in memory, MP4 where that can be made, else GIF; behind a bar. Raises
-    SceneError for what cannot be used."""
+    InputError for what cannot be used."""
     ending = ".gif" if ffmpeg() is None else ".mp4"
     first, last = (float(solution.t[at]) for at in (0, -1)) if len(solution.t) else (0.0, 0.0)
     with tempfile.TemporaryDirectory() as folder, running("drawing", first, last) as update:

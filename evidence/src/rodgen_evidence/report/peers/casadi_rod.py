@@ -16,9 +16,9 @@ import casadi as ca
 import numpy as np
 
 import rodgen
-from rodgen.analyse.precision.contestant import Array
 from rodgen.analyse.precision.job import SAMPLES, Job, Stretch, stretches
 from rodgen.analyse.precision.methods import SHARE, tolerances
+from rodgen.arrays import Array
 from rodgen_evidence.report.peers import chain, loads
 from rodgen_evidence.report.peers.native import FLAGS, compiled
 from rodgen_evidence.report.peers.peer import Over, Peer, Prepared, at_most, rod, steps

@@ -12,9 +12,9 @@ from collections.abc import Iterator
 import numpy as np
 from sksundae.cvode import CVODE
 
-from rodgen.analyse.precision.contestant import Array
 from rodgen.analyse.precision.job import Stretch
 from rodgen.analyse.precision.methods import LARGEST, SHARE, CountedRates, tolerances
+from rodgen.arrays import Array
 from rodgen_evidence.report.peers.peer import Over, Peer
 
 MOST = 2**31 - 1  # steps between two samples

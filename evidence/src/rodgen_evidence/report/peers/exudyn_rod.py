@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.analyse.precision.contestant import Array, Deadline
+from rodgen.analyse.precision.contestant import Deadline
 from rodgen.analyse.precision.job import SAMPLES, Job, Stretch
+from rodgen.arrays import Array
 from rodgen_evidence.report.peers import loads
 from rodgen_evidence.report.peers.peer import Over, Peer, fastest, runs, stable, steps, whole_steps
 from rodgen_evidence.report.peers.tree import KNOWN, Tree

@@ -14,8 +14,9 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from rodgen.analyse.precision.contestant import Array, Deadline, NotModelledError
+from rodgen.analyse.precision.contestant import Deadline, NotModelledError
 from rodgen.analyse.precision.job import Job, Stretch, stretches
+from rodgen.arrays import Array
 from rodgen_evidence.report.peers import chain, loads
 from rodgen_evidence.report.peers.peer import Over, Peer
 

@@ -11,8 +11,9 @@ import mujoco
 import numpy as np
 
 import rodgen
-from rodgen.analyse.precision.contestant import Array, Deadline
+from rodgen.analyse.precision.contestant import Deadline
 from rodgen.analyse.precision.job import Job, Stretch
+from rodgen.arrays import Array
 from rodgen_evidence.report.peers import loads
 from rodgen_evidence.report.peers.peer import (
     Over,

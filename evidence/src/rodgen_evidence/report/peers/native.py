@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.analyse.precision.contestant import Array
+from rodgen.arrays import Array
 from rodgen.native.library import load_library
 from rodgen_evidence.report.costs.cold import environment, scratch
 from rodgen_evidence.report.timing import Batch

@@ -8,7 +8,7 @@ from math import cos, sin
 import numpy as np
 from numba import njit
 
-from rodgen.analyse.precision.contestant import Array
+from rodgen.arrays import Array
 from rodgen_evidence.report.peers.peer import Prepared, rod
 from rodgen_evidence.report.timing import calls
 

@@ -19,7 +19,6 @@ import numpy as np
 
 import rodgen
 from rodgen.analyse.precision.contestant import (
-    Array,
     Contestant,
     Deadline,
     Finish,
@@ -27,6 +26,7 @@ from rodgen.analyse.precision.contestant import (
     TooSlowError,
 )
 from rodgen.analyse.precision.job import SAMPLES, Job, Stretch, integrated, stretches
+from rodgen.arrays import Array
 from rodgen.integrate.stability import Dominant, dominant
 from rodgen_evidence.report.costs.rod import VALUES, scene
 from rodgen_evidence.report.timing import Batch

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from rodgen.analyse.precision.contestant import Array
+from rodgen.arrays import Array
 from rodgen_evidence.report.peers.peer import Prepared, rod
 from rodgen_evidence.report.peers.tree import Tree
 from rodgen_evidence.report.timing import calls

@@ -12,7 +12,7 @@ import sympy.physics.mechanics as me
 from pydy.codegen.ode_function_generators import generate_ode_function
 from sympy import Matrix, Symbol, cos, sin, symbols
 
-from rodgen.analyse.precision.contestant import Array
+from rodgen.arrays import Array
 from rodgen_evidence.report.peers.peer import Prepared, at_most, rod
 from rodgen_evidence.report.timing import calls
 

@@ -12,7 +12,7 @@ from math import cos, sin
 import numpy as np
 
 import rodgen
-from rodgen.analyse.precision.contestant import Array
+from rodgen.arrays import Array
 from rodgen_evidence.report.peers.chain import KNOWN as KNOWN
 
 

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from rodgen.analyse.precision import methods
-from rodgen.analyse.precision.contestant import Array, Row, words
+from rodgen.analyse.precision.contestant import Row, words
 from rodgen.analyse.precision.rows import fine, number
+from rodgen.arrays import Array
 from rodgen_evidence.report.cases import Case
 from rodgen_evidence.report.precision.contests import prepared
 from rodgen_evidence.report.precision.references import NO_REFERENCE, NoReferenceError

@@ -10,8 +10,8 @@ import numpy as np
 
 import rodgen
 from rodgen.analyse.precision.contestant import Row
+from rodgen.errors import InputError
 from rodgen.integrate import RunError
-from rodgen.scene import SceneError
 from rodgen_evidence.report.stability.extremes_case import Array, Tables, Truth
 from rodgen_evidence.report.stability.extremes_cases import GROUPS
 from rodgen_evidence.report.stability.extremes_run import (
@@ -71,7 +71,7 @@ def _scenes() -> Iterator[Row]:
 def _refused(place: tuple[str, ...], value: float) -> Said:
     try:
         rodgen.Scene.from_dict(_with(loaded(), place, value))
-    except SceneError as error:
+    except InputError as error:
         return Said(REFUSED, said=str(error))
     return Said(WRONG, said="the scene takes it")
 
@@ -123,7 +123,7 @@ def _tiny(tables: Tables, place: tuple[str, ...], target: str) -> Said:
     """A denormal load is none; of a rod without mass or length nothing can be said."""
     try:
         tiny = _end(tables, target)
-    except SceneError as error:
+    except InputError as error:
         return Said(REFUSED, said=str(error))
     except RunError as error:
         return Said(STOPPED, said=str(error))

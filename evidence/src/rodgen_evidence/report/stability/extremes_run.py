@@ -12,11 +12,11 @@ import numpy as np
 
 import rodgen
 from rodgen.analyse.precision.contestant import Row
+from rodgen.errors import InputError
 from rodgen.integrate import Interrupted, RunError, Solution, StepWarning
 from rodgen.integrate.stability import dominant, limit
 from rodgen.integrate.stepper import StepError
 from rodgen.model.methods import FIXED_STEP
-from rodgen.scene import SceneError
 from rodgen_evidence.report.stability.extremes_case import (
     EPS,
     KINDS,
@@ -250,7 +250,7 @@ def _run(
         with warnings.catch_warnings(record=True) as heard, np.errstate(all="ignore"):
             warnings.simplefilter("always")
             solution = rodgen.simulate(case.scene, model=model, progress=look, **settings)
-    except SceneError as error:
+    except InputError as error:
         return Said(REFUSED, said=str(error))
     except Interrupted as error:
         return Said(UNFINISHED, said=f"{most:g} s were not enough; {error}")

@@ -8,6 +8,7 @@ from typing import Any
 import rodgen
 from rodgen.integrate.methods.choose import fastest_motion
 from rodgen.integrate.stepper import StepError
+from rodgen.system import System
 from rodgen_evidence.tolerance.measure.error_kinds import ATOL, Array, apart, quantities
 from rodgen_evidence.tolerance.measure.random_rods import random_tables
 from rodgen_evidence.tolerance.measure.tight_pair import TightPair, tight_pair
@@ -92,7 +93,7 @@ def features(scene: rodgen.Scene, model: ModuleType) -> Record:
     found: Record = {"n": scene.rod.links, "boundary": scene.rod.boundary, "span": span}
     found["loads"] = [*scene.structure.terms]
     try:
-        fastest = fastest_motion(scene, model)
+        fastest = fastest_motion(System.of(scene), model)
     except StepError:
         return found | {"cycles": None, "damping": None, "growth": None}
     growth = max(fastest.value.real, fastest.partner.real) / (fastest.rate or 1.0)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 import rodgen
+from rodgen.system import System
 from rodgen_evidence.tolerance.measure.error_kinds import (
     WORK,
     Array,
@@ -59,7 +60,7 @@ def tight_pair(scene: rodgen.Scene, model: ModuleType) -> TightPair | None:
     size, growth = sizes(runs[a]), 0.0
     for shift in BESIDE:
         beside = _beside(scene, runs[a], shift)
-        parted = timed(scene, model, a, rtol, 2 * PATIENCE, 1, y0=beside).solution
+        parted = timed(System(scene).at(y0=beside), model, a, rtol, 2 * PATIENCE, 1).solution
         if parted is None:
             return None
         grown = apart(runs[a], quantities(parted))

@@ -26,7 +26,7 @@ class TimedRun(NamedTuple):
 
 
 def timed(
-    scene: rodgen.Scene,
+    system: rodgen.System | rodgen.Scene,
     model: ModuleType,
     method: str,
     rtol: float,
@@ -35,17 +35,17 @@ def timed(
     **given: Any,
 ) -> TimedRun:
     """The run of a method at a tolerance; patience: seconds after which it is given up."""
-    best = _once(scene, model, method, rtol, patience, given)
+    best = _once(system, model, method, rtol, patience, given)
     for _ in range(times - 1):
         if best.solution is None or best.seconds > SHORT:
             break
-        again = _once(scene, model, method, rtol, patience, given)
+        again = _once(system, model, method, rtol, patience, given)
         best = best._replace(seconds=min(best.seconds, again.seconds))
     return best
 
 
 def _once(
-    scene: rodgen.Scene,
+    system: rodgen.System | rodgen.Scene,
     model: ModuleType,
     method: str,
     rtol: float,
@@ -63,7 +63,7 @@ def _once(
     with warnings.catch_warnings(record=True) as heard, np.errstate(all="ignore"):
         warnings.simplefilter("always")
         try:
-            solution = rodgen.simulate(scene, model=model, progress=look, **settings, **given)
+            solution = rodgen.simulate(system, model=model, progress=look, **settings, **given)
         except Interrupted:
             ended = f"{patience:g} s were not enough"
         except RunError as error:

@@ -1,0 +1,109 @@
+"""A chain of n links in polynomials: places, means over its mass, springs, virtual work."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from math import prod
+
+from sympy import Expr, S
+from sympy.physics.mechanics import dynamicsymbols
+from sympy.polys.rings import PolyElement
+
+from rodgen.model.rod import BOUNDARIES
+
+from .calculus import TIME, Calculus
+from .chain import position
+from .rod import Joint, Rod, centre, spread
+from .symbols import ALPHA, eta, k, l, m, xi
+
+
+@dataclass
+class ExplicitChain:
+    """A chain with n links, before its loads and its equations."""
+
+    n: int
+    boundary: str = "free"
+    inertia: str = "uniform"
+    uneven: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        hold = BOUNDARIES[self.boundary]
+        moving = list(dynamicsymbols(f"phi{hold.first}:{self.n}", real=True))
+        self.angles: list[Expr] = [ALPHA] * hold.first + moving
+        # Every angle that a spring knows, and the springs between them.
+        root, tail = ([size] if size else [] for size in (hold.root, hold.tail))
+        self.bent = [ALPHA] * len(root) + self.angles + [ALPHA] * len(tail)
+        self.rod = Rod(self.inertia, self.uneven)
+        sizes = zip(hold.springs(self.n), [*root, *([1] * (self.n - 1)), *tail], strict=True)
+        self.joints = [self.rod.joint(at, size) for at, size in sizes]
+        self.base: list[Expr] = list(dynamicsymbols("x0 y0", real=True)) if hold.translates else []
+        self.coordinates: list[Expr] = self.base + moving
+        self.moving = moving
+        self.first_joint = hold.first_joint
+        held = [ALPHA] if hold.clamped else []
+        # What all that is computed is polynomial in, and angles; loads add theirs.
+        self.constants, self.turning = [m, l, k, xi], [*moving, *held]
+        self.constants += [eta] if self.rod.sided else []
+        differing = [joint.stiffness for joint in self.joints]
+        differing += map(self.rod.mass, range(self.n))
+        if "bodies" in self.uneven or "points" in self.uneven:
+            differing += [base[q] for q in range(self.n) for base in (*centre, *spread)]
+        self.constants += [e for e in differing if e.is_Indexed]
+
+    @cached_property
+    def calculus(self) -> Calculus:
+        """Ring of all polynomials here."""
+        return Calculus(self.coordinates, self.turning, self.constants)
+
+    def point(
+        self, link: int, fraction: Expr, beside: Expr = S.Zero
+    ) -> tuple[PolyElement, PolyElement]:
+        """Position of a point of the chain, or of one beside it, as polynomials."""
+        origin = tuple(self.base) if self.base else (S.Zero, S.Zero)
+        x, y = position(origin, self.angles, link, fraction, beside)
+        return self.calculus.poly(x), self.calculus.poly(y)
+
+    def joint(self, s: int) -> tuple[PolyElement, PolyElement]:
+        """Position of joint s: the start of link s, for the tail the end of the last link."""
+        return self.point(s, S.Zero) if s < self.n else self.point(self.n - 1, S.One)
+
+    def rate(self, poly: PolyElement) -> PolyElement:
+        """Time derivative."""
+        return self.calculus.diff(poly, TIME)
+
+    def over_link(self, poly: PolyElement, link: int) -> PolyElement:
+        """Integral over the mass of a link."""
+        return self.calculus.poly(self.rod.mass(link)) * self.mean(poly, link)
+
+    def mean(self, poly: PolyElement, link: int = 0) -> PolyElement:
+        """Mean over the mass of a link: powers of xi, and of eta beside it, become moments."""
+        places = [xi, eta] if self.rod.sided else [xi]
+        parts = self.calculus.coefficients(poly, places)
+        return sum(
+            (self._moment(powers, link) * c for powers, c in parts.items()),
+            start=self.calculus.zero,
+        )
+
+    def _moment(self, powers: tuple[int, ...], link: int) -> PolyElement:
+        product = prod((x**p for x, p in zip((xi, eta), powers, strict=False)), start=S.One)
+        return self.calculus.poly(self.rod.mean(product, link))
+
+    @cached_property
+    def link_points(self) -> list[tuple[PolyElement, PolyElement]]:
+        """The point at xi of every link, and at eta beside it where there is mass."""
+        beside = eta if self.rod.sided else S.Zero
+        return [self.point(link, xi, beside) for link in range(self.n)]
+
+    @property
+    def springs(self) -> list[tuple[Joint, Expr, Expr]]:
+        """Joints with a spring, and the angles before and after them."""
+        ends = pairwise(self.bent)
+        return [(joint, *angles) for joint, angles in zip(self.joints, ends, strict=True)]
+
+    def virtual_work(
+        self, point: tuple[PolyElement, PolyElement], force: tuple[PolyElement, PolyElement]
+    ) -> list[PolyElement]:
+        """Generalised forces F . dr/dq of a force at a point, one for every coordinate."""
+        diff = self.calculus.diff
+        (x, y), (fx, fy) = point, force
+        return [diff(x, q) * fx + diff(y, q) * fy for q in self.coordinates]

@@ -1,0 +1,130 @@
+"""The periodic motion of a scene at its own values: a limit cycle, or a nonlinear mode."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rodgen.analyse.curves.twice import cycle_notes, twice
+from rodgen.analyse.cycles.cycle import Cycle
+from rodgen.analyse.cycles.nonlinear_modes import of_start
+from rodgen.analyse.cycles.search import PICARD, SHOOTING, WAYS, Search, segments_of
+from rodgen.analyse.cycles.shooting import SEGMENTS
+from rodgen.analyse.guard import guarded
+from rodgen.analyse.sizes import CYCLE, check_size
+from rodgen.arrays import Array
+from rodgen.errors import InputError
+from rodgen.scene import Scene
+from rodgen.scene.plain import is_number, plain
+from rodgen.system import System
+
+
+@guarded
+def find_cycle(
+    system: System | Scene,
+    *,
+    by: str | None = None,
+    segments: int | None = None,
+    multipliers: int | None = None,
+    y0: ArrayLike | None = None,
+    period: float | None = None,
+    target: str | None = None,
+    check_mesh: bool = False,
+) -> Cycle:
+    """Return the periodic motion that a scene settles on, with its Floquet multipliers.
+
+    The scene runs from its initial state over its span, or up to 16 spans until it settles. When
+    the motion comes back to itself, Newton's method takes over. Loads that repeat give the period,
+    or a whole multiple of it. Loads that come to rest are taken as they are at the end of the span.
+    A cycle may come back in another place and direction if nothing depends on these; a rod that
+    turns over and over comes back turned by whole turns. Without dissipation no motion settles. The
+    result is then the nonlinear mode that has most of the energy of the initial state, at that
+    energy (see `nonlinear_mode`).
+
+    Parameters
+    ----------
+    system
+        The scene, or a System.
+    by
+        "collocation": on a mesh of the period, refined until nothing changes. "shooting": in equal
+        segments. "picard": Newton's method in the directions of the leading multipliers, Picard's
+        iteration for the rest. By default, the method to which ``segments`` or ``multipliers``
+        belong, else collocation up to 100 states that count, and "picard" beyond.
+    segments
+        Number of equal parts of the period, for "shooting".
+    multipliers
+        Number of leading multipliers, for "picard". The default is 10.
+    y0, period
+        A state (states,) near a cycle, stable or not, and its approximate period [s]. Newton's
+        method then begins there, without a run.
+    target
+        "c" or "numpy"; if not given, C where it can be built.
+    check_mesh
+        Also find the cycle of twice as many links, and say in the notes what changes by more
+        than 1 %.
+
+    Returns
+    -------
+    Cycle
+        Period [s], a state on it, multipliers with the error of those that are 1.
+
+    Raises
+    ------
+    InputError
+        For values that cannot be used.
+    AnalysisError
+        If the motion comes to rest or does not settle, or if Newton's method finds no cycle.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> cycle = rodgen.find_cycle(rodgen.Scene.example("beck_after_flutter"))
+    >>> round(cycle.period, 4), cycle.stable, cycle.trivial_error < 1e-6
+    (0.8395, True, True)
+    """
+    system = System.of(system)
+    check_size(CYCLE, system)
+    if check_mesh:
+        if y0 is not None:
+            raise InputError("check_mesh", True, "absent beside y0")
+        given: dict[str, Any] = {"by": by, "segments": segments, "multipliers": multipliers}
+        found_twice = partial(find_cycle, twice(system.scene), **given, target=target)
+        found = find_cycle(system, **given, target=target)
+        return replace(found, notes=cycle_notes(found, system.structure.links, found_twice))
+    if by not in (None, *WAYS.values()):
+        raise InputError("by", by, " or ".join(map(repr, WAYS.values())))
+    for name, value, way in (
+        ("segments", segments, SHOOTING),
+        ("multipliers", multipliers, PICARD),
+    ):
+        if value is not None and (by not in (None, way) or (segments and multipliers)):
+            raise InputError(name, value, f"given with by = {way!r} alone")
+    segments = None if segments is None else segments_of(segments)
+    multipliers = None if multipliers is None else segments_of(multipliers, "multipliers")
+    begun = _begun(system, y0, period)
+    search = replace(Search.of(system, target), by=by, segments=segments, leading=multipliers)
+    if begun is not None:
+        return search.polished(*begun)
+    if search.conservative:
+        return of_start(system, segments or SEGMENTS, target)
+    return search.settled()
+
+
+def _begun(
+    system: System, y0: ArrayLike | None, period: float | None
+) -> tuple[Array, float] | None:
+    """A state and a period that were given, checked."""
+    if y0 is None and period is None:
+        return None
+    if y0 is None:
+        raise InputError("period", period, "given with y0, a state near the cycle")
+    if period is None:
+        raise InputError("y0", y0, "given with period, nearly that of the cycle")
+    made = plain(period, "period")
+    if not (is_number(made) and 0 < made < np.inf):
+        raise InputError("period", period, "a time above 0 s")
+    return system.at(y0=y0).y0, float(made)

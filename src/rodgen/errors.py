@@ -1,0 +1,162 @@
+"""Errors that users meet: of their input, of an analysis, of a study."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray
+
+LONGEST = 200  # characters of a field in a message
+UNKNOWN = "absent: not a known key"  # how a key is refused
+VERSIONS = "version", "format", "schema"  # keys by which files tell of which version they are
+
+
+class InputError(ValueError):
+    """A field of a scene, an option or a file cannot be used.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> try:
+    ...     rodgen.Scene.example("missile").replace({"rod.mass": -1})
+    ... except rodgen.InputError as error:
+    ...     print(error)
+    rod.mass = -1: must be greater than 0
+    """
+
+    def __init__(self, field: str, value: object, allowed: str):
+        self.field, self.value, self.allowed = field, value, allowed
+        shown = field if len(field) <= LONGEST else field[:LONGEST] + "..."
+        super().__init__(_one_line(f"{shown} = {short(value)}: must be {allowed}"))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # What reaches another process is the error, whatever the value was.
+        return type(self), (self.field, _portable(self.value), self.allowed)
+
+
+class _Shown(str):
+    """A value that cannot be pickled, as it is shown in a message."""
+
+    __slots__ = ()
+    __repr__ = str.__str__
+
+
+def _portable(value: object) -> object:
+    """The value, or what is shown of it where it cannot be pickled."""
+    try:
+        pickle.dumps(value)
+    except Exception:  # a value of any class, whose pickling may raise anything
+        return _Shown(short(value))
+    return value
+
+
+def check_type(name: str, value: object, *kinds: type, see: str = "") -> None:
+    """Raise TypeError unless the argument of this name is of one of these classes; see: what makes
+    one."""
+    if not isinstance(value, kinds):
+        wanted = " or a ".join(kind.__name__ for kind in kinds)
+        hint = f" (see {see})" if see else ""
+        raise TypeError(f"{name} must be a {wanted}{hint}, not {type(value).__name__}")
+
+
+def short(value: object, longest: int = 80) -> str:
+    """A value as it is shown in a message."""
+    try:
+        text = repr(value)
+    except ValueError:  # Python does not write whole numbers of thousands of digits
+        text = "(a number of thousands of digits)"
+    return text if len(text) <= longest else text[: longest - 3] + "..."
+
+
+def unknown_key(key: object, known: Iterable[str], hint: str = "") -> str:
+    """What is said of a key that a table does not have; hint: where it may belong, else the known
+    key that is next to it."""
+    known = list(known)
+    if key in VERSIONS:
+        hint = "; is the file of a newer rodgen? Files of this one name no version"
+    return f"{UNKNOWN} (known: {', '.join(known)}){hint or did_you_mean(key, known)}"
+
+
+def did_you_mean(word: object, known: Iterable[str]) -> str:
+    """What may have been meant by a word that is not known, to end a message with; else nothing."""
+    found = get_close_matches(str(word), list(known), 1)
+    return f"; did you mean {found[0]}?" if found else ""
+
+
+def _one_line(text: str) -> str:
+    """Control characters, which a key of a file may hold, as escapes."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
+class Missing:
+    """What stands for a value that is not there."""
+
+    def __repr__(self) -> str:
+        return "(missing)"
+
+
+class AnalysisError(ArithmeticError):
+    """An analysis has no result; the message says what was searched.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> try:
+    ...     rodgen.critical_force(rodgen.Scene.example("ziegler"), highest=1.0)
+    ... except rodgen.AnalysisError as error:
+    ...     print("none below 1 N")
+    none below 1 N
+    """
+
+
+class BranchInterrupted(KeyboardInterrupt):
+    """Ctrl-C while a branch, a boundary or a family of motions was followed.
+
+    found: the Dataset of the points so far. Give it as ``resume`` to continue.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene, key = rodgen.Scene.example("euler_column"), "loads.tip.y"
+    >>> try:
+    ...     branch = rodgen.continue_equilibria(scene, key, (0, -5))
+    ... except rodgen.BranchInterrupted as stopped:
+    ...     branch = rodgen.continue_equilibria(scene, key, (0, -5), resume=stopped.found)
+    """
+
+    def __init__(self, found: xarray.Dataset):
+        super().__init__(f"interrupted after {found.sizes['point']} points")
+        self.found = found
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.found,)
+
+
+class MeshWarning(UserWarning):
+    """Results for several numbers of links do not belong to the same rod.
+
+    Examples
+    --------
+    >>> import rodgen, warnings
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore", rodgen.MeshWarning)
+    ...     limit = rodgen.richardson([10, 20, 40], [1.03, 1.0075, 1.001875])
+    """
+
+
+class StudyError(RuntimeError):
+    """A study could not be finished. Its store keeps the points that are done.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> scene, vary = rodgen.Scene.example("ziegler"), {"loads.follower.force": [1.5, 3.0]}
+    >>> try:
+    ...     data = rodgen.study(scene, vary, what="modes", keep=["stable"], workers=1)
+    ... except rodgen.StudyError as error:
+    ...     print(error)  # the store, if one was given, has what was done
+    """

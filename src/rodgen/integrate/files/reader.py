@@ -1,0 +1,144 @@
+"""Solutions from result files: all of one, or some of its samples."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.arrays import Array
+from rodgen.errors import InputError
+from rodgen.integrate.endings import INTERRUPTED
+from rodgen.integrate.files.checksums import NO_STATS, RUNNING
+from rodgen.integrate.files.layout import WORK, changes_in, plain
+from rodgen.integrate.files.netcdf import RecordFile
+from rodgen.integrate.files.result_file import ResultFile, as_rodgens, warn
+from rodgen.integrate.solution import Solution
+from rodgen.scene import Scene
+from rodgen.system import System
+
+
+def load(path: str | Path, most: int | None = None, *, strict: bool = True) -> Solution:
+    """Read a Solution from a NetCDF file that rodgen wrote.
+
+    The run of a file that has not been ended counts as interrupted. Files of rodgen before format
+    "rodgen 3" cannot be checked, and are warned of.
+
+    Parameters
+    ----------
+    path
+        The file.
+    most
+        Samples to be read, evenly spaced with the first and the last; all, if not given.
+        `energy_error` is that of all.
+    strict
+        If False, all is read that is not damaged, and what is left out is warned of.
+
+    Returns
+    -------
+    Solution
+        The run, whose module is built when it is asked for.
+
+    Raises
+    ------
+    InputError
+        For other files, and for one that is not as it was written, with the times of samples that
+        are damaged.
+
+    Warns
+    -----
+    FileWarning
+        Of what is left out, and of what cannot be checked.
+
+    Examples
+    --------
+    >>> import rodgen, tempfile, pathlib
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "run.nc"
+    >>> sol = rodgen.simulate(rodgen.Scene.example("missile"), progress=False)
+    >>> sol.save(path)
+    >>> bool((rodgen.load(path).y == sol.y).all())
+    True
+    """
+    with ResultFile(Path(path), strict) as file:
+        records, good = file.samples()
+        solution = solution_of(file, records, good, most)
+        warn(file.notes)
+    return solution
+
+
+def solution_of(
+    file: ResultFile, records: NDArray[Any], good: NDArray[np.intp], most: int | None = None
+) -> Solution:
+    """The Solution of those records of a file that are good, or of so many, evenly spaced."""
+    with as_rodgens(file.path):
+        off = float(np.abs(records["energy_balance"])[good].max(initial=0.0))
+        if most is not None and len(good) > most:
+            kept = np.unique(np.linspace(0, len(good) - 1, most).round().astype(int))
+            good = good[kept]
+        whole = len(good) == len(records)
+        taken = records if whole else records[good]
+        terms = [name for name in records.dtype.names or () if name.startswith(WORK)]
+        work = {name[len(WORK) :]: plain(taken[name]) for name in terms}
+        t, y = plain(taken["time"]), plain(taken["y"])
+        changes = changes_in(taken, file.scene)
+        if y.shape[1:] != file.scene.initial_state().shape:
+            raise ValueError("not so: y")
+        events = file.events()
+    run = file.run
+    status, message = run.status, run.message
+    if status == RUNNING:
+        status, message = INTERRUPTED, _how_far(t, file.scene)
+    if run.lost:
+        message = f"{message}; {run.lost} more events than the file has room for"
+    for note in file.notes if file.checked else ():
+        message = f"{message}; {note}"
+    how = status, message.lstrip("; ")
+    stats = run.stats or NO_STATS
+    solution = Solution(System(file.scene), t, y, work, stats, *how, events=events, changes=changes)
+    solution.energy_error = off  # of all samples, also of those that are not read
+    return solution
+
+
+def _how_far(t: Array, scene: Scene) -> str:
+    """What is said of a run that did not come to say it itself."""
+    at = f"killed after t = {t[-1]:.9g} s" if len(t) else "killed before its first sample"
+    return f"{at} of {scene.integrate.span[1]:.9g} s; rodgen run --resume continues it"
+
+
+class Excerpt:
+    """A result file; scene: that of its run; model: its module, where it is built; t: times of its
+    samples [s], (T,), of those that are not damaged; notes: what is to be said of it.
+
+    Raises InputError for files that rodgen did not write, and, unless strict is False, for those
+    that are not as they were written.
+    """
+
+    def __init__(self, path: Path, strict: bool = True):
+        self.path = path
+        self.model: ModuleType | None = None
+        with ResultFile(path, strict) as file, as_rodgens(path):
+            records, self._good = file.samples()
+            file.events()  # none of them is shown, but a damaged file is to be told of
+            self.t = plain(records["time"])[self._good]
+            states = records["y"].shape[1:]
+            self.scene, self.notes = file.scene, tuple(file.notes)
+            self._header, self._run = file.header, file.run
+        if states != self.scene.initial_state().shape:
+            raise InputError("file", str(path), "written by rodgen (not so: y)")
+
+    def at(self, kept: NDArray[np.intp]) -> Solution:
+        """The samples with these numbers, without their work and events."""
+        try:
+            with RecordFile(self.path, self._header, "r") as file:
+                file.count = int(self._good[-1]) + 1
+                records, numbers = file.records(), self._good[kept]
+                y, changes = plain(records["y"][numbers]), changes_in(records, self.scene, numbers)
+        except (OSError, ValueError) as error:  # it was changed meanwhile
+            raise InputError("file", str(self.path), f"as it was ({error})") from None
+        stats = self._run.stats or NO_STATS
+        run = self._run
+        how = run.status, run.message, self.model
+        return Solution(System(self.scene), self.t[kept], y, {}, stats, *how, changes=changes)

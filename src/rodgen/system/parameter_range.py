@@ -1,0 +1,112 @@
+"""Numbers that a system is followed along: one of its scene, or one that parameters are in
+proportion to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError, InputError
+from rodgen.scene.plain import is_number, plain
+from rodgen.system.system import System
+
+SAME = "a number that leaves the structure of the equations as it is"
+WHOLE = ("rod.links", "integrate.max_steps")  # keys that no branch can follow
+KEPT = 64  # systems remembered
+
+
+class ParameterRange:
+    """A number of a system between two values, which leaves the structure of the equations.
+
+    system: whose number it is; key: of its scene; bounds: both values, in SI units.
+    """
+
+    def __init__(self, system: System, key: str, bounds: tuple[float, float]):
+        """Raise InputError for a key that the scene does not have, that is no number, that changes
+        the structure, such as the number of links, or on which the equations do not depend; and for
+        values that the scene refuses."""
+        self.system, self.key, self.bounds = system, key, bounds
+        self._systems: dict[float, System] = {}
+        check_key(system, key)
+        low, high = bounds
+        for value in bounds:
+            if not (is_number(plain(value, key)) and np.isfinite(value)):
+                raise InputError(f"vary.{key}", value, "a finite number")
+        if low == high:
+            raise InputError(f"vary.{key}", high, f"a range: its ends are both {low:g}")
+        made = [system.at({key: float(value)}) for value in bounds]
+        if any(one.structure != system.structure for one in made):
+            raise InputError("vary", key, SAME)
+        if np.array_equal(made[0].p, made[1].p):
+            raise InputError("vary", key, "a number that the equations depend on")
+
+    @property
+    def unit(self) -> float:
+        """How far the ends are apart."""
+        return abs(self.bounds[1] - self.bounds[0])
+
+    def at(self, value: float) -> System:
+        """The system at a value. Raises AnalysisError where the scene refuses it."""
+        if value not in self._systems:
+            while len(self._systems) > KEPT:
+                self._systems.pop(next(iter(self._systems)))
+            try:
+                self._systems[value] = self.system.at({self.key: float(value)})
+            except InputError as error:
+                raise AnalysisError(str(error)) from None
+        return self._systems[value]
+
+    def parameters(self, value: float) -> Array:
+        """p of the module at a value. Raises AnalysisError."""
+        return self.at(value).p
+
+
+class ParameterLine(NamedTuple):
+    """Parameters of a module that change linearly with a number, the same for all scenes.
+
+    start: p (width,) at the number 0; slope: by how much p changes with the number, (width,).
+    """
+
+    start: Array
+    slope: Array
+
+    @classmethod
+    def of(cls, system: System, parts: Mapping[str, ArrayLike]) -> ParameterLine:
+        """p of a system, some parameters of which are in proportion to the number.
+
+        parts: those at the number 1, by their names in the module.
+        """
+        start, slope = system.p.copy(), np.zeros(len(system.p))
+        for name, part in parts.items():
+            place = system.structure.places[name]
+            start[place], slope[place] = 0.0, part
+        return cls(start, slope)
+
+    @classmethod
+    def through(cls, low: tuple[float, Array], high: tuple[float, Array]) -> ParameterLine:
+        """p that are known at two numbers."""
+        (a, p), (b, q) = low, high
+        slope = (q - p) / (b - a)
+        return cls(p - a * slope, slope)
+
+    def parameters(self, value: float) -> Array:
+        """p of the module (width,) at a value of the number."""
+        return self.start + value * self.slope
+
+
+def check_key(system: System, key: str) -> None:
+    """Raise InputError for a key that has no value in the scene, or that no branch can follow."""
+    if key in WHOLE:
+        raise InputError("vary", key, SAME)
+    system.value_of(key)
+
+
+def start_at(system: System, key: str, value: float) -> System:
+    """Return the system at the first value of a key, which may take the place of a law in time.
+    Raises InputError."""
+    check_key(system, key)
+    return system.at({key: float(value)})

@@ -1,0 +1,414 @@
+"""A scene made ready to compute with, and the same with other numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from types import ModuleType
+from typing import Any, Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rodgen.arrays import Array
+from rodgen.errors import InputError, check_type
+from rodgen.loading import build, build_fastest
+from rodgen.model.rod import Boundary
+from rodgen.native.library import surroundings
+from rodgen.scene import Scene, Structure
+from rodgen.scene.course import Course
+from rodgen.scene.event import Event
+from rodgen.scene.expression import Expression
+from rodgen.scene.integration import Integrate, Settings
+from rodgen.scene.plain import plain
+from rodgen.scene.scene import with_values
+from rodgen.system.instant import freeze, instant
+from rodgen.system.packing import as_plain, fixed, initial_values, merge, pack
+from rodgen.system.parameter_map import ParameterMap
+
+SETTINGS = "integrate."
+# What is found out of a system, as scenes and of the laws among them.
+SCENES, LAWS = ("scene", "source"), ("_timed_by", "course", "laws", "timed")
+
+
+class System:
+    """A scene made ready to compute with, and the same with other numbers.
+
+    structure: what its module is specialised to; p: parameters of the module, (width,) in SI units;
+    y0: the state at the start, (states,) in SI units; t: the time whose loads and masses hold all
+    along [s], None where they change as the scene has it; settings: how it is integrated; scene:
+    all of it as a scene. None of them is changed: `at` makes another system.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> column = rodgen.System(rodgen.Scene.example("ziegler"))
+    >>> pushed = column.at({"loads.follower.force": 2.5})
+    >>> column.model("numpy").PARAMETERS[-1], float(pushed.p[-1] - column.p[-1]) != 0
+    ('follower_force', True)
+    >>> rodgen.simulate(pushed, span=(0, 0.1), progress=False).scene.loads.follower.force
+    2.5
+    """
+
+    structure: Structure
+    p: Array
+    y0: Array
+    t: float | None
+    settings: Integrate
+
+    def __init__(self, scene: Scene):
+        """scene: what is computed with. Raises TypeError for what is none."""
+        check_type("scene", scene, Scene, see="Scene.from_toml")
+        self._begin(scene, scene, None)
+
+    def _begin(self, source: Scene, base: Scene, t: float | None) -> None:
+        """source: the scene; base: the same with its loads at a time, where that is given."""
+        self._source, self._base, self.t = source, base, t
+        self._changes: dict[str, Any] = {}
+        self._models: dict[Any, ModuleType] = {}
+        self._map = ParameterMap(base, source)
+        self.structure, self.settings = base.structure, base.integrate
+        given, y0 = base.parameters, base.initial_state()
+        self.p, self.y0 = fixed(pack(self.structure, given)), fixed(y0)
+
+    @classmethod
+    def of(cls, given: System | Scene) -> System:
+        """A system as it is, or that of a scene.
+
+        given: a system or a scene.
+
+        Raises TypeError for what is neither.
+        """
+        return given if isinstance(given, System) else cls(given)
+
+    def __repr__(self) -> str:
+        at = "" if self.t is None else f", loads as at t = {self.t:g} s"
+        return f"<System of {self.scene!r}{at}>"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, System):
+            return NotImplemented
+        return (self.t, self.source) == (other.t, other.source)
+
+    def __hash__(self) -> int:
+        return hash((self.t, self.source))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but what is found out again."""
+        kept = ("_source", "_base", "t", "_changes", "structure", "settings", "p", "y0")
+        return {name: self.__dict__[name] for name in kept}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for array in (state["p"], state["y0"]):
+            array.flags.writeable = False
+        self.__dict__.update(state, _map=ParameterMap(state["_base"], state["_source"]), _models={})
+
+    # The same with other numbers ----------------------------------------------------------------
+
+    def at(
+        self,
+        changes: Mapping[str, Any] | None = None,
+        /,
+        *,
+        t: float | None = None,
+        y0: ArrayLike | None = None,
+        unused: bool = False,
+    ) -> System:
+        """The system with other values of keys of its scene, by their dotted names.
+
+        Parameters
+        ----------
+        changes
+            Values by names such as "loads.follower.force" or "integrate.rtol", as `Scene.replace`
+            takes them, in SI units.
+        t
+            Time in the span [s] whose loads and masses hold all along, by default that of the
+            system.
+        y0
+            State (states,) at the start in SI units, in the order of the module's STATE.
+        unused
+            Whether numbers of [parameters] that no expression names may be among the changes.
+
+        Returns
+        -------
+        System
+            It shares all that it can: numbers that go into p alone make no other scene.
+
+        Raises
+        ------
+        InputError
+            For what the scene refuses.
+
+        Examples
+        --------
+        >>> import rodgen
+        >>> rod = rodgen.System(rodgen.Scene.example("missile"))
+        >>> rod.at({"rod.mass": 18.0, "loads.gravity.g": 0.0}, t=1.0).scene.rod.mass
+        18.0
+        """
+        made = self
+        if changes is not None and not isinstance(changes, Mapping):
+            allowed = 'a dictionary of values by dotted names, such as {"rod.length": 3}'
+            raise InputError("changes", changes, allowed)
+        if changes:
+            given = {str(k): as_plain(v, str(k)) for k, v in changes.items()}
+            made = made._with_values(given)
+            if not unused and made.structure is not self.structure:
+                made.source.check_used(given)
+        if t is not None:
+            made = made.steady(t)
+        return made if y0 is None else made._from_state(y0)
+
+    def rows(self, values: Mapping[str, ArrayLike]) -> tuple[Array, Array]:
+        """p (rods, width) and y0 (rods, states) of many rods that are this one with other numbers.
+
+        values: by keys of the scene, each a number or (rods,), in SI units. Raises InputError for a
+        key of which more than p and y0 follows, such as the number of links, for values that the
+        scene refuses, and for arrays of different lengths.
+        """
+        columns = {key: _column(key, value) for key, value in values.items()}
+        counts = {len(one) for one in columns.values() if one.shape != (1,)}
+        if len(counts) > 1 or any(one.ndim != 1 for one in columns.values()):
+            shapes = {key: one.shape for key, one in columns.items()}
+            raise InputError("p", shapes, "for every key a number, or as many as there are rods")
+        count = counts.pop() if counts else 1
+        p, y0 = np.tile(self.p, (count, 1)), np.tile(self.y0, (count, 1))
+        for key, column in columns.items():
+            slot = self._map.slot(key)
+            if slot is None or slot.anchor:
+                self.at({key: np.ravel(values[key])[0]})  # which says whether there is such a key
+                allowed = "a key of which p or y0 alone follows; `rodgen.study` varies others"
+                raise InputError("p", key, allowed)
+            for value in np.unique(column).tolist():
+                if not slot.takes(value):
+                    self.at({key: value})  # which says why, unless that is another module
+                    raise InputError(f"p.{key}", value, "a number for which the module stays")
+            p[:, slot.p], y0[:, slot.y] = column[:, None], column[:, None]
+        return p, y0
+
+    def steady(self, t: float | None = None) -> System:
+        """The system whose loads and masses hold all along.
+
+        t: those of this time [s], by default those of the system, else of the start of the span.
+
+        Raises InputError for a time outside the span, and where none is given and masses change.
+        """
+        return self if self.t is not None and t in (None, self.t) else self._frozen(t)
+
+    def with_settings(self, **given: Unpack[Settings]) -> System:
+        """The system with other values in [integrate]; those that are None are left.
+
+        given: values by the names in [integrate].
+
+        A tolerance takes the place of a step of the scene, where the method has a use for either;
+        another output_every that of t_eval. Raises InputError.
+        """
+        if all(value is None for value in given.values()):
+            return self
+        return self._with_integrate(self.settings.with_values(**given))
+
+    def _with_integrate(self, settings: Integrate) -> System:
+        if self.t is not None:  # its numbers stay, whatever its laws do in another span
+            base = self._base.integrated(settings)
+            return self._copy(LAWS, _source=base, _base=base, settings=settings)
+        source = self._source.integrated(settings)
+        moved = settings.span[0] != self.settings.span[0]
+        if moved and (source.along or source.distribution.changing):
+            return self._made_of(with_values(source, self._changes) if self._changes else source)
+        return self._copy(LAWS, _source=source, _base=source, settings=settings)
+
+    def integrated_by(self, method: str) -> System:
+        """The system with the method that was found for it.
+
+        method: its name.
+        """
+        source, base = (one.integrated_by(method) for one in (self._source, self._base))
+        return self._copy(LAWS, _source=source, _base=base, settings=base.integrate)
+
+    def _copy(self, dropped: tuple[str, ...] = (), **others: Any) -> System:
+        """A system of other values; dropped: what was found out and does not hold of it."""
+        made = object.__new__(type(self))
+        made.__dict__.update(self.__dict__, **others)
+        for name in (*SCENES, *dropped):
+            made.__dict__.pop(name, None)
+        return made
+
+    def _with_values(self, given: dict[str, Any]) -> System:
+        slots = {key: self._map.slot(key) for key in given}
+        p, y0, anchored = self.p.copy(), self.y0.copy(), False
+        dropped: tuple[str, ...] = ()
+        for key, slot in slots.items():
+            if slot is None or not slot.takes(given[key]):
+                return self._otherwise(given)
+            if not slot.anchor:
+                p[slot.p], y0[slot.y] = given[key], given[key]
+            anchored = anchored or slot.anchor
+            dropped = LAWS if slot.timed else dropped
+        changes = merge(self._changes, given)
+        if any(_overlaps(key, changes) for key in given):
+            return self._otherwise(given)
+        if anchored:
+            self._map.put_anchors(changes, p)
+        return self._copy(dropped, _changes=changes, p=fixed(p), y0=fixed(y0))
+
+    def _otherwise(self, given: dict[str, Any]) -> System:
+        """By way of another scene."""
+        settings = {k.removeprefix(SETTINGS): v for k, v in given.items() if k.startswith(SETTINGS)}
+        known = settings.keys() <= Settings.__annotations__.keys() and None not in settings.values()
+        if known and len(settings) == len(given):
+            return self._with_integrate(self.settings.replace(settings))
+        return self._made_of(with_values(self.source, given))
+
+    def _made_of(self, source: Scene) -> System:
+        made = object.__new__(type(self))
+        made._begin(source, source if self.t is None else freeze(source, self.t), self.t)
+        return made
+
+    @cached_property
+    def source(self) -> Scene:
+        """The scene with its loads as functions of time, whatever the time of the system is."""
+        return with_values(self._source, self._changes) if self._changes else self._source
+
+    def _frozen(self, t: float | None) -> System:
+        source = self.source
+        t = instant(source, t)
+        base = freeze(source, t)
+        if base is source:
+            return self._copy(t=t)
+        made = object.__new__(type(self))
+        made._begin(source, base, t)
+        return made
+
+    def _from_state(self, y: ArrayLike) -> System:
+        states = len(self.y0)
+        state = np.asarray(plain(y, "y0"))
+        if (
+            state.dtype.kind not in "iuf"
+            or state.shape != (states,)
+            or not np.isfinite(state).all()
+        ):
+            allowed = f"{states} finite numbers, as the module's STATE has them"
+            raise InputError("y0", y, allowed)
+        values = initial_values(self._base, state.astype(float))
+        if self.hold.translates and (self._base.supports or self._base.foundation):
+            return self._otherwise(values)  # which rest where the rod begins
+        changes = merge(self._changes, values)
+        return self._copy(_changes=changes, y0=fixed(state.astype(float)))
+
+    def value_of(self, key: str, field: str = "vary") -> Any:
+        """The value of a key of the scene, None where it is left out.
+
+        key: its dotted name; field: what messages call it.
+
+        Raises InputError for what is no key with one value.
+        """
+        return self.source.value_of(key, field)
+
+    # What it is ---------------------------------------------------------------------------------
+
+    @property
+    def parameter_map(self) -> ParameterMap:
+        """Which numbers of p and of y0 a key of the scene is."""
+        return self._map
+
+    @cached_property
+    def scene(self) -> Scene:
+        """All of it as a scene, which is checked when it is first asked for."""
+        if not self._changes:
+            return self._base
+        return self.source if self.t is None else freeze(self.source, self.t)
+
+    @cached_property
+    def course(self) -> Course:
+        """Functions of time of the system, over the span."""
+        return self._timed_by.course
+
+    @cached_property
+    def laws(self) -> dict[str, Expression]:
+        """Parameters that change with time or with the motion, by name."""
+        return self._timed_by.expressions
+
+    @cached_property
+    def timed(self) -> dict[str, Expression]:
+        """Parameters that change with time alone, by name."""
+        return self._timed_by.timed
+
+    @cached_property
+    def _timed_by(self) -> Scene:
+        """The scene that has its laws in time: that before numbers were put into p, where none of
+        these is in a law."""
+        slots = (self._map.slot(key) for key in self._changes)
+        return self.scene if any(slot and slot.timed for slot in slots) else self._base
+
+    @property
+    def name(self) -> str:
+        """Name of the scene."""
+        return self._base.name
+
+    @property
+    def hold(self) -> Boundary:
+        """How the start of the rod is held."""
+        return self._base.hold
+
+    @cached_property
+    def events(self) -> tuple[Event, ...]:
+        """Events that runs look out for."""
+        return tuple(self._base.events)
+
+    @cached_property
+    def added(self) -> tuple[str, ...]:
+        """Names of the states that are neither positions nor velocities."""
+        return tuple(self._base.states)
+
+    @cached_property
+    def load_terms(self) -> tuple[str, ...]:
+        """Names of its loads."""
+        return self._base.loads.terms
+
+    def values(self, name: str) -> Any:
+        """A parameter of the module, in SI units: a number, or an array of several.
+
+        name: its name in the module.
+        """
+        place = self.structure.places[name]
+        return self.p[place] if name in self.structure.spans else float(self.p[place.start])
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """All parameters of the module by name, in SI units."""
+        return {name: self.values(name) for name in self.structure.places}
+
+    def field(self, name: str) -> str:
+        """Where a parameter of the module stands in the scene, as a dotted name.
+
+        name: its name in the module.
+        """
+        return self._base.field(name)
+
+    def model(self, target: str | None = None, parts: Iterable[str] = ("rhs",)) -> ModuleType:
+        """Its generated module, whose parts are made when they are asked for.
+
+        target: "c" or "numpy", by default C where it can be built; parts: what is made at once.
+        Raises InputError and BuildError.
+        """
+        key = target, tuple(parts), surroundings()
+        if key not in self._models:
+            made = build_fastest(self.structure, parts) if target is None else None
+            self._models[key] = made or build(self.structure, target or "", parts=parts)
+        return self._models[key]
+
+
+def _column(key: str, value: ArrayLike) -> Array:
+    """Values of a key as an array (rods,) or (1,). Raises InputError for what are no numbers."""
+    try:
+        array = np.atleast_1d(np.asarray(value))
+    except ValueError:  # of lists of different lengths
+        array = np.array([None])
+    if isinstance(value, np.ma.MaskedArray) or array.dtype.kind not in "iuf":
+        raise InputError(f"p.{key}", value, "real numbers")
+    return array.astype(float)
+
+
+def _overlaps(key: str, others: Mapping[str, Any]) -> bool:
+    """Whether one of some keys stands within this one, or this one within it."""
+    return any(other.startswith(f"{key}.") or key.startswith(f"{other}.") for other in others)
