@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import Any
 
 from sympy import Expr, Sum
@@ -20,13 +21,13 @@ class JointAnchor(JointDrag):
 
     by_position = True
 
+    @abstractmethod
     def stored(self, joint: JointMotion) -> Expr:
         """Energy of the springs of a joint [J]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def damper(self, joint: JointMotion) -> Vector:
         """Force of the dampers of a joint [N]."""
-        raise NotImplementedError
 
     def force(self, joint: JointMotion) -> Vector:
         energy, (x, y) = self.stored(joint), self.damper(joint)
@@ -45,14 +46,14 @@ class JointAnchor(JointDrag):
         damper = self.damper_by_hand(joint, value, functions)
         return spring[0] + damper[0], spring[1] + damper[1]
 
+    @abstractmethod
     def spring_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
         """Force of the springs of a joint."""
-        raise NotImplementedError
 
+    @abstractmethod
     def damper_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
         """Force of its dampers."""
-        raise NotImplementedError
 
+    @abstractmethod
     def rest_by_hand(self, joint: JointMotion, value: Value) -> Pair:
         """Where its springs have no force."""
-        raise NotImplementedError

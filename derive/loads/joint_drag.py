@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Any
 
@@ -80,9 +81,9 @@ class JointDrag(JointForces):
         """Velocity of the medium."""
         return NOTHING
 
+    @abstractmethod
     def force(self, joint: JointMotion) -> Vector:
         """The force on a joint [N]."""
-        raise NotImplementedError
 
     def constants(self, first_joint: int, links: int) -> list[Expr]:
         return [base[at] for at in range(first_joint, links + 1) for base in self.bases]
@@ -151,9 +152,9 @@ class JointDrag(JointForces):
         laws = {base: arrays[base].subs(joint, at) for base in self.bases}
         return {base[at]: law.xreplace({rod_angle[at]: angle}) for base, law in laws.items()}
 
+    @abstractmethod
     def force_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
         """The force on a joint that is not at rest, in the arithmetic of ``functions``."""
-        raise NotImplementedError
 
     def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
         """Sum of the forces on all joints that move (thesis 2.60)."""

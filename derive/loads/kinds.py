@@ -16,6 +16,7 @@ which proofs and the check of a module compare with.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass
@@ -59,7 +60,7 @@ class Acting:
     force: Vector
 
 
-class Load:
+class Load(ABC):
     """A load or a kind of damping; what is not said of a kind below does not act.
 
     letter: of its generalised forces, in proofs; conservative: it has a potential; by_velocity,
@@ -122,9 +123,9 @@ class Load:
         single = [p for p in self.parameters if p not in self.angles]
         return [*single, *(base[link] for base in self.per_link for link in range(links))]
 
+    @abstractmethod
     def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         """Generalised forces by virtual work, in parts to be added up."""
-        raise NotImplementedError
 
     # Derivations 2 and 3 ----------------------------------------------------------------------
 
@@ -180,7 +181,7 @@ class Load:
 
     def power(self, chain: GenericChain) -> Expr:
         """Power [W] of what has no potential."""
-        raise NotImplementedError
+        raise NotImplementedError  # one with a potential has none
 
     def energy(self, chain: GenericChain) -> Expr:
         """Energy of its springs [J]."""
@@ -190,11 +191,11 @@ class Load:
 
     def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
         """Generalised forces on x0 and y0."""
-        raise NotImplementedError
+        raise NotImplementedError  # of a moment across joints, see column_by_hand
 
     def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
         """Generalised force on the angle of link i."""
-        raise NotImplementedError
+        raise NotImplementedError  # of a moment across joints, see column_by_hand
 
     def column_by_hand(self, rod: ClosedForm, value: Value) -> list[Num]:
         """Generalised forces on all coordinates, of a given number of links."""
@@ -236,10 +237,10 @@ class JointMoment(Load):
     """A moment across every joint with a spring, in proportion to the rate at which it opens and
     to how large the spring is: by the size or the stiffness of the joint."""
 
+    @abstractmethod
     def moment(self, before: Expr, after: Expr, joint: Joint) -> Expr:
         """Moment across a joint [N m] on the link after it, at the rates of both links; the link
         before it, or the clamp, gets the opposite."""
-        raise NotImplementedError
 
     def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         poly, rows = chain.calculus.poly, []
@@ -267,9 +268,9 @@ class JointMoment(Load):
         ends = self.root(chain) * omega[0] - self.tail(chain) * omega[n - 1]
         return ends + inner
 
+    @abstractmethod
     def factor_by_hand(self, rod: ClosedForm, value: Value, at: Num, size: int) -> Num:
         """Minus the moment of a joint of a size that opens at the rate of one."""
-        raise NotImplementedError
 
 
 class JointForces(Load):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Any
 
@@ -40,13 +41,13 @@ class LinkAnchor(JointForces):
 
     by_velocity = by_position = True
 
+    @abstractmethod
     def stored(self, link: LinkMotion) -> Expr:
         """Energy of the springs of a link [J]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def damper(self, link: LinkMotion) -> tuple[Expr, ...]:
         """Force of the dampers of a link [N] and their moment [N m]."""
-        raise NotImplementedError
 
     @property
     def share(self) -> IndexedBase:
@@ -156,14 +157,14 @@ class LinkAnchor(JointForces):
         own = value(self.share)[i] * rod.turning(i, (x[i], y[i]))
         return rod.turning(i, behind) + own + turn[i]
 
+    @abstractmethod
     def spring_by_hand(self, link: LinkMotion, value: Value, functions: Any) -> tuple[Num, ...]:
         """Force of the springs of a link, and their moment."""
-        raise NotImplementedError
 
+    @abstractmethod
     def damper_by_hand(self, link: LinkMotion, value: Value, functions: Any) -> tuple[Num, ...]:
         """Force of its dampers, and their moment."""
-        raise NotImplementedError
 
+    @abstractmethod
     def rest_by_hand(self, link: LinkMotion, value: Value) -> tuple[Num, ...]:
         """Where its springs have no force, and the angle without a moment."""
-        raise NotImplementedError

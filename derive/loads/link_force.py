@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 from sympy import Expr, IndexedBase, Sum, expand
 from sympy.polys.rings import PolyElement
 
@@ -21,9 +23,9 @@ class LinkForce(JointForces):
 
     share: Expr = HALF
 
+    @abstractmethod
     def force(self, angle: Expr, link: Expr) -> Vector:
         """The force on a link [N], where that has this angle."""
-        raise NotImplementedError
 
     def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         poly, rows = chain.calculus.poly, []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Self
 
@@ -53,9 +54,9 @@ class PointForce(Load):
         found.point = Point.at(place)
         return found
 
+    @abstractmethod
     def force(self, angle: Expr) -> Vector:
         """The force [N], where its link has this angle."""
-        raise NotImplementedError
 
     @property
     def _force(self) -> Vector:

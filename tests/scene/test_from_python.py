@@ -99,7 +99,7 @@ def test_what_is_no_scene_or_solution() -> None:
         *(rodgen.floquet, rodgen.critical_force, rodgen.simulated_critical_force),
     ]
     for function in functions:
-        with pytest.raises(TypeError, match=r"^scene .*Scene.from_toml.* str$"):
+        with pytest.raises(TypeError, match=r"^(scene|system) .*Scene.from_toml.* str$"):
             function("chain.toml")
     with pytest.raises(TypeError, match=r"^solution .* Scene$"):
         rodgen.spectrum(scene_of())

@@ -173,8 +173,9 @@ def test_what_is_no_state_or_key_is_refused() -> None:
         assert refused(system.at, y0=y0).field == "y0"
     assert refused(system.at, {"rod.mas": 1.0}).field == "rod.mas"
     assert refused(system.at, {"rod.mass": -1.0})[:2] == ("rod.mass", -1.0)
-    with pytest.raises(TypeError, match="scene"):
-        System("missile.toml")  # type: ignore[arg-type]
+    for asked, name in ((System, "scene"), (System.of, "system")):
+        with pytest.raises(TypeError, match=name):
+            asked("missile.toml")  # type: ignore[operator]
 
 
 def test_rows_are_those_of_every_system() -> None:

@@ -189,35 +189,18 @@ class Expression:
         return {}
 
     def _with_names(self, prefix: str) -> tuple[str, dict[str, Any]]:
+        counts: Counter[str] = Counter()
         values: dict[str, Any] = {}
 
-        def named(name: str, value: float | str) -> ast.expr:
+        def named(value: float | str, what: str) -> ast.expr:
+            counts[what] += 1
+            name = f"{prefix}_{what}{counts[what]}"
             values[name] = self._values[value] if isinstance(value, str) else value
             return ast.Name(name)
 
-        tree = self._renamed(prefix, named)
+        tree = grammar.with_names(self._tree, named)
         own = {name: value for name, value in self.numbers if value is not None}
         return ast.unparse(tree), values | {name: own[name] for name in self.names if name in own}
-
-    def with_numbers(self, prefix: str, changed: Mapping[str, float]) -> str:
-        """The text with other values of numbers, by the names that ``parametrised`` gives them."""
-
-        def number(name: str, value: float | str) -> ast.expr:
-            text = value if isinstance(value, str) else repr(changed.get(name, value))
-            return ast.parse(text, mode="eval").body
-
-        return ast.unparse(self._renamed(prefix, number))
-
-    def _renamed(self, prefix: str, made: Callable[[str, float | str], ast.expr]) -> ast.expr:
-        """The tree with what is made of the name and value of every number, or table, in its
-        place."""
-        counts: Counter[str] = Counter()
-
-        def number(value: float | str, what: str) -> ast.expr:
-            counts[what] += 1
-            return made(f"{prefix}_{what}{counts[what]}", value)
-
-        return grammar.with_names(self._tree, number)
 
     @property
     def knot_names(self) -> list[list[str]]:
@@ -423,7 +406,10 @@ def _open_core(node: ast.expr, variable: str, states: tuple[str, ...] | None) ->
     """A part of an expression, whose numbers have no values yet."""
     others = {variable, *grammar.signals_in(node, states or ())}
     numbers = tuple((name, None) for name in grammar.names_in(node) if name not in others)
-    return Expression(ast.unparse(node), variable, "expression", numbers, states)
+    made = object.__new__(Expression)  # which was checked, and read, as part of the whole
+    known = {"variable": variable, "field": "expression", "numbers": numbers, "states": states}
+    vars(made).update(known, text=ast.unparse(node), _tree=node)
+    return made
 
 
 @lru_cache(maxsize=256)

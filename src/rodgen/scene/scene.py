@@ -8,7 +8,7 @@ from typing import Any, Self, Unpack
 
 import tomli_w
 
-from rodgen.errors import InputError, check_type
+from rodgen.errors import InputError
 from rodgen.model.terms import TERMS
 from rodgen.scene.examples import example, examples
 from rodgen.scene.files import TABLES, with_tables
@@ -204,11 +204,6 @@ class Scene(SceneTables, Shown):
         value for every link or watches one of its links.
         """
         return self.from_dict(with_links(self, links))
-
-
-def check_scene(scene: object) -> None:
-    """Raise TypeError for what is no Scene, such as the path of one."""
-    check_type("scene", scene, Scene, see="Scene.from_toml")
 
 
 def with_values(scene: Scene, given: Mapping[str, Any]) -> Scene:

@@ -23,7 +23,6 @@ from rodgen.scene.plain import entry, is_number, put
 from rodgen.scene.tables import Finite, Table
 
 NUMBERS = "parameters"  # the table of numbers that have names
-ANCHORS = "foundation", "supports"
 MOST_KNOWN = 10**5  # values of a key of which it is remembered whether its table takes them
 NOWHERE: NDArray[np.intp] = np.array([], dtype=np.intp)
 _FINITE = TypeAdapter(Finite)

@@ -79,6 +79,8 @@ class System:
 
         Raises TypeError for what is neither.
         """
+        if not isinstance(given, System | Scene):
+            check_type("system", given, System, Scene, see="Scene.from_toml")
         return given if isinstance(given, System) else cls(given)
 
     def __repr__(self) -> str:
