@@ -40,6 +40,7 @@ extensions = [
     "formulas",
     "commands",
     "quantities",
+    "rows",
     "headings",
     "names",
     "replays",

@@ -14,10 +14,11 @@ from pydantic.fields import FieldInfo
 from rodgen.model.parameter import LINKS, Parameter
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import TERMS
+from rodgen.result import Row
 from rodgen.scene import Scene
 from rodgen.scene.tables import Table
 from rodgen.studies.axis import Range, Sample
-from rodgen.studies.findings import FINDINGS, Finding
+from rodgen.studies.findings import ANALYSES, rows_of
 from rodgen.studies.study import KEYS
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -135,16 +136,18 @@ def _boundaries() -> Iterator[str]:
         yield _row(f"`{name}`", joint, links, one.description)
 
 
-def _finding(name: str, one: Finding) -> str:
-    text = f"`{name}(k)`" if one.several else f"`{name}`"
-    text = f"**{text}**" if one.usual else text
-    return f"{text} [{one.units}]" if one.units else text
+def _finding(row: Row) -> str:
+    assert row.kept is not None
+    text = f"`{row.name}(k)`" if row.kept.several else f"`{row.name}`"
+    text = f"**{text}**" if row.kept.usual else text
+    unit = row.unit.format(unit="that of the load")
+    return f"{text} [{unit}]" if unit else text
 
 
 def _findings() -> Iterator[str]:
     yield from ("| `what =` | what can be kept; **bold** is kept if none is named |", "|---|---|")
-    for what, found in FINDINGS.items():
-        kept = ", ".join(_finding(name, one) for name, one in found.items())
+    for what in ANALYSES:
+        kept = ", ".join(map(_finding, rows_of(what).values()))
         yield f'| `"{what}"` | {kept} |'
 
 

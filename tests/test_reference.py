@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rodgen.studies.findings import FINDINGS
+from rodgen.studies.findings import ANALYSES
 from rodgen.studies.study import WHAT
 from tests import reference
 
@@ -43,4 +43,4 @@ def test_kept_modules_are_those_under_version_control() -> None:
 
 def test_every_kind_of_study_is_in_the_table_of_the_docs() -> None:
     """But a run, of which everything is kept."""
-    assert {*FINDINGS} == {*WHAT} - {"run"}
+    assert {*ANALYSES} == {*WHAT} - {"run"}

@@ -72,7 +72,7 @@ def test_a_false_answer_is_reported(false: str) -> None:
     size, found = float(reference.grid[1]), list[Judgement]()
     if false in ("late", "kind", "none"):
         right = answers.critical()
-        late = replace(right, force=1.05 * right.force)
+        late = replace(right, value=1.05 * right.value)
         other = replace(right, kind="divergence", frequency=0.0)
         answer = {"late": late, "kind": other, "none": Refusal("none")}[false]
         found = critical_check.critical(reference, answer)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
@@ -106,7 +106,7 @@ class AnalysisError(ArithmeticError):
     --------
     >>> import rodgen
     >>> try:
-    ...     rodgen.critical_force(rodgen.Scene.example("ziegler"), highest=1.0)
+    ...     rodgen.critical_load(rodgen.Scene.example("ziegler"), bounds=(0.0, 1.0))
     ... except rodgen.AnalysisError as error:
     ...     print("none below 1 N")
     none below 1 N
@@ -136,16 +136,24 @@ class BranchInterrupted(KeyboardInterrupt):
         return type(self), (self.found,)
 
 
-class MeshWarning(UserWarning):
-    """Results for several numbers of links do not belong to the same rod.
+class DoubtWarning(UserWarning):
+    """A number that is computed is not to be trusted as it stands.
+
+    figures: the numbers that the doubt rests on, by name.
 
     Examples
     --------
-    >>> import rodgen, warnings
-    >>> with warnings.catch_warnings():
-    ...     warnings.simplefilter("ignore", rodgen.MeshWarning)
-    ...     limit = rodgen.richardson([10, 20, 40], [1.03, 1.0075, 1.001875])
+    >>> import warnings, rodgen
+    >>> tilted = rodgen.Scene.example("missile").replace({"loads.follower.angle": 30.0})
+    >>> with warnings.catch_warnings(record=True) as caught:
+    ...     solution = rodgen.simulate(tilted, span=(0, 0.01), progress=False)
+    >>> caught[0].category.__name__, solution.notes[0].figures
+    ('DoubtWarning', {'turns': 4.77...})
     """
+
+    def __init__(self, text: str = "", figures: Mapping[str, float] | None = None):
+        super().__init__(text)
+        self.figures = dict(figures or {})
 
 
 class StudyError(RuntimeError):

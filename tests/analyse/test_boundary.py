@@ -37,14 +37,14 @@ def test_ziegler_paradox_in_closed_form() -> None:
     at = int(np.argmin(np.abs(damping - 0.18)))
     assert (damping[at], force[at]) == pytest.approx((0.18, 13.4701714286), rel=1e-11)
     assert found.attrs["complete"]
-    assert rodgen.critical_force(ziegler).force == pytest.approx(force[at], rel=1e-11)
+    assert rodgen.critical_load(ziegler).value == pytest.approx(force[at], rel=1e-11)
     without = ziegler.replace({INTERNAL: 0.0})
-    assert rodgen.critical_force(without).force == pytest.approx(9 * (3.5 - np.sqrt(2)), rel=1e-10)
+    assert rodgen.critical_load(without).value == pytest.approx(9 * (3.5 - np.sqrt(2)), rel=1e-10)
     other = stability_boundary(ziegler, (INTERNAL, FORCE))
     np.testing.assert_allclose(force, other["b"], rtol=1e-9)
     assert other.attrs["a"] == INTERNAL
     with pytest.raises(AnalysisError, match=r"rod\.mass"):  # nothing begins in that range
-        stability_boundary(ziegler, ("rod.mass", INTERNAL), ranges=((1.0, 2.0), None))
+        stability_boundary(ziegler, ("rod.mass", INTERNAL), bounds=((1.0, 2.0), None))
 
 
 @pytest.mark.parametrize(
@@ -63,12 +63,12 @@ def test_every_point_is_a_critical_force(
     n: int, boundary: str, loads: dict[str, Any], key: str, ends: tuple[float, float]
 ) -> None:
     scene = rod(n, boundary, {"follower": {"force": 0.0}} | loads, **ONES)
-    found = stability_boundary(scene, (FORCE, key), ranges=(None, ends))
+    found = stability_boundary(scene, (FORCE, key), bounds=(None, ends))
     last = found.sizes["point"] - 1
     assert found["b"].values[[0, -1]] == pytest.approx(ends)
     for at in (0, last // 2, last):
-        critical = rodgen.critical_force(scene.replace({key: float(found["b"][at])}))
-        assert float(found["a"][at]) == pytest.approx(critical.force, rel=1e-9)
+        critical = rodgen.critical_load(scene.replace({key: float(found["b"][at])}))
+        assert float(found["a"][at]) == pytest.approx(critical.value, rel=1e-9)
         assert float(found["frequency"][at]) == pytest.approx(critical.frequency, rel=1e-6)
 
 
@@ -78,13 +78,13 @@ def test_divergence_under_two_dead_loads() -> None:
     loads = {"gravity": {"g": 1.0}, "tip": {"x": 0.0, "y": 0.0}}
     scene = rod(5, "clamped", loads, clamp_angle=np.pi / 2, **ONES)
     keys = "loads.gravity.g", "loads.tip.y"
-    found = stability_boundary(scene, keys, ranges=(None, (-2.0, 2.0)))
+    found = stability_boundary(scene, keys, bounds=(None, (-2.0, 2.0)))
     assert found.attrs["kind"] == "divergence"
     assert not found["frequency"].any()
     for at in (0, found.sizes["point"] // 2, -1):
         pulled = scene.replace({keys[1]: float(found["b"][at])})
-        critical = rodgen.critical_force(pulled, load="gravity")
-        assert float(found["a"][at]) == pytest.approx(critical.force, rel=1e-9)
+        critical = rodgen.critical_load(pulled, load="gravity")
+        assert float(found["a"][at]) == pytest.approx(critical.value, rel=1e-9)
 
 
 @pytest.mark.slow
@@ -98,7 +98,7 @@ def test_much_damping_has_a_limit() -> None:
     force, damping = found["a"].values, found["b"].values
     assert damping[0] == 0.0
     least = scene.replace({EXTERNAL: 1e-6})
-    assert force[0] == pytest.approx(rodgen.critical_force(least).force, rel=1e-10)
+    assert force[0] == pytest.approx(rodgen.critical_load(least).value, rel=1e-10)
     # Beyond where inertia counts, points go on as far as needed for the load to stand still.
     assert damping[-1] > 10.0
     assert np.abs(np.diff(force[-4:])).max() < 1e-6
@@ -147,7 +147,7 @@ def test_flutter_goes_on_as_divergence(tau: float, corner: Any) -> None:
         loads["material_damping"] = {"time": tau}
     scene = rod(3, "cantilever", loads, inertia="lumped", **ONES)
     ends = ((-30.0, 30.0), (-30.0, 10.0))
-    found = stability_boundary(scene, (FORCE, "loads.tip.x"), ranges=ends)
+    found = stability_boundary(scene, (FORCE, "loads.tip.x"), bounds=ends)
     assert found["special_kind"].values.tolist() == ["zero frequency"]
     p, f = float(found["special_a"][0]) / 9, -float(found["special_b"][0]) / 9
     if corner is None:
@@ -185,7 +185,7 @@ def test_a_cusp_is_named() -> None:
     support = [{"at": 0.5, "stiffness": [0.0, 10.0]}]
     scene = rod(4, "clamped", {"follower": {"force": 1.0}}, supports=support, **ONES)
     keys, ends = (FORCE, "supports.0.stiffness.1"), ((0.0, 400.0), (0.0, 1500.0))
-    found = stability_boundary(scene, keys, ranges=ends)
+    found = stability_boundary(scene, keys, bounds=ends)
     assert "cusp" in found["special_kind"].values
     at = int(found["special_after"][list(found["special_kind"].values).index("cusp")])
     a, b = found["a"].values, found["b"].values
@@ -197,15 +197,15 @@ def test_a_boundary_begins_in_its_range_or_not_at_all() -> None:
     """Beck's column with a little damping flutters at some 11 EI/L^2: by the range of the force, of
     the other number, and of one without width."""
     scene = rod(3, "clamped", {"follower": {"force": 2.0}, "material_damping": {"time": 0.1}})
-    force = rodgen.critical_force(scene).force
+    force = rodgen.critical_load(scene).value
     for a in ((1.0, 2.0), (force + 1, force + 2)):
         with pytest.raises(AnalysisError, match=r"loads\.follower\.force"):
-            stability_boundary(scene, (FORCE, MATERIAL), ranges=(a, (0.05, 0.2)))
+            stability_boundary(scene, (FORCE, MATERIAL), bounds=(a, (0.05, 0.2)))
     narrow = (1.0, 1.0000000000000002)
-    for ranges in ((narrow, None), (None, narrow)):
-        told = refused(stability_boundary, scene, (FORCE, MATERIAL), ranges=ranges)
-        assert told.value == narrow[1]
-    whole = stability_boundary(scene, (FORCE, MATERIAL), ranges=((0.0, 2 * force), (0.05, 0.2)))
-    outside = {"resume": whole, "ranges": ((0.0, force / 4), (0.05, 0.2))}
+    for bounds in ((narrow, None), (None, narrow)):
+        told = refused(stability_boundary, scene, (FORCE, MATERIAL), bounds=bounds)
+        assert (told.field, told.value) == ("bounds", narrow)
+    whole = stability_boundary(scene, (FORCE, MATERIAL), bounds=((0.0, 2 * force), (0.05, 0.2)))
+    outside = {"resume": whole, "bounds": ((0.0, force / 4), (0.05, 0.2))}
     with pytest.raises(AnalysisError, match=r"loads\.follower\.force"):
         stability_boundary(scene, (FORCE, MATERIAL), **outside)

@@ -8,9 +8,10 @@ import pytest
 
 import rodgen
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
-from rodgen.analyse.curves.twice import compared, cycle_notes
+from rodgen.analyse.curves.twice import compared, cycle_doubts
 from rodgen.analyse.cycles.periodic_motion import find_cycle
 from rodgen.errors import AnalysisError
+from rodgen.result import Note
 from tests.analyse.rods import FORCE, ONES, THRUST, ZIEGLER, rod
 from tests.told import numbers, refused
 
@@ -20,11 +21,11 @@ COLUMN = rod(4, "clamped", THRUST | {"material_damping": {"time": 0.01}}, **ONES
 def test_a_branch_tells_of_a_hopf_point_that_moves() -> None:
     """To the critical forces of both meshes; of finer ones, where it does not, nothing."""
     branch = continue_equilibria(COLUMN, FORCE, (1.0, 20.0), check_mesh=True)
-    (note,) = branch.attrs["notes"].splitlines()
-    due = [rodgen.critical_force(COLUMN.with_links(n)).force for n in (4, 8)]
+    (note,) = branch.rodgen.doubts
+    due = [rodgen.critical_load(COLUMN.with_links(n)).value for n in (4, 8)]
     assert numbers(note) == pytest.approx([due[0], 4, due[1], 8], rel=1e-5)  # six digits are shown
     fine = continue_equilibria(COLUMN.with_links(24), FORCE, (1.0, 20.0), check_mesh=True)
-    assert fine.attrs["notes"] == ""
+    assert fine.rodgen.notes == ()
 
 
 def test_what_is_of_another_kind_is_told() -> None:
@@ -32,11 +33,11 @@ def test_what_is_of_another_kind_is_told() -> None:
     none at all."""
     branch = continue_equilibria(COLUMN, FORCE, (1.0, 20.0)).assign_attrs(supercritical=1)
 
-    def notes(other: Any) -> list[str]:
-        made = compared(branch, 4, lambda: other).attrs["notes"]
-        return made.splitlines()
+    def notes(other: Any) -> tuple[Note, ...]:
+        found: tuple[Note, ...] = compared(branch, 4, lambda: other).rodgen.doubts
+        return found
 
-    assert notes(branch) == []
+    assert notes(branch) == ()
     assert len(notes(branch.assign_attrs(supercritical=0))) == 1
     assert len(notes(branch.isel(special=slice(0, 0)))) == 1
     assert len(notes(branch.assign(unstable=branch["unstable"] + 2))) == 1
@@ -44,8 +45,8 @@ def test_what_is_of_another_kind_is_told() -> None:
     def none() -> Any:
         raise AnalysisError("no state to start with")
 
-    assert len(compared(branch, 4, none).attrs["notes"].splitlines()) == 1
-    assert len(cycle_notes(find_cycle(ZIEGLER), 3, none)) == 1
+    assert len(compared(branch, 4, none).rodgen.doubts) == 1
+    assert len(cycle_doubts(find_cycle(ZIEGLER), 3, none)) == 1
 
 
 def test_a_cycle_tells_of_what_changes() -> None:

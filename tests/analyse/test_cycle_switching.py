@@ -80,7 +80,7 @@ def test_cycles_begin_in_a_hopf_point_of_a_branch_of_equilibria() -> None:
         with pytest.raises(InputError, match=r"^at = "):
             continue_cycles(scene, FORCE, ends, start=branch, at=at)
     key = "loads.internal_damping.coefficient"
-    with pytest.raises(InputError, match=rf"^from = '{FORCE}'"):
+    with pytest.raises(InputError, match=rf"^start = '{FORCE}'"):
         continue_cycles(scene, key, (0.1, 0.4), start=branch, at=number)
 
 

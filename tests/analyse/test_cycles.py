@@ -15,7 +15,7 @@ from rodgen.analyse.cycles.periodic_motion import find_cycle
 from rodgen.analyse.cycles.search import Search
 from rodgen.scene import Scene
 from rodgen.system import System
-from tests.analyse.rods import COLUMN
+from tests.analyse.rods import COLUMN, rod
 
 # Near the cycle; three digits suffice to begin with.
 NEAR, ABOUT = [0.397, 1.249, 1.647, 1.617, 4.071, 4.251], 0.915
@@ -123,3 +123,24 @@ def test_a_kink_takes_more_intervals_and_what_is_left_is_told() -> None:
     shot = find_cycle(scene, y0=found.y0, period=found.period, by="shooting")
     assert shot.period == pytest.approx(found.period, rel=1e-9)
     assert np.abs(shot.nontrivial[0] - found.nontrivial[0]) < 1e-5
+
+
+def test_what_is_doubtful_about_a_cycle_is_among_its_notes() -> None:
+    """That it is unstable, and multipliers with an error; where energy is kept, they move by the
+    root of the rounding."""
+    kept = rod(1, "pinned", {"gravity": {}}, bending_stiffness=0.0, initial={"phi": -1.0})
+    model, y0 = rodgen.build(kept, "numpy"), kept.initial_state()
+    about: dict[str, Any] = {"t": 0.0, "period": 3.0, "y0": y0, "trivial": 0, "angle": 0.0}
+    about |= {"energy": 0.0, "amplitude": 0.1, "forced": False, "residual": 0.0, "iterations": 3}
+    about |= {"by": "collocation", "model": model, "trivial_error": 0.0}
+    about |= {"multipliers": np.array([0.5 + 0.0j]), "system": System(kept)}
+    assert Cycle(**about).notes == ()
+    (told,) = Cycle(**about | {"multipliers": np.array([2.0 + 0.0j, 0.5])}).doubts
+    assert told.figures == {"multiplier": 2.0}
+    (told,) = Cycle(**about | {"error": 1e-3}).doubts
+    assert told.figures == {"error": 1e-3}
+    for forced, errors in ((False, (1e-5, 1e-3)), (True, (1e-7, 1e-5))):
+        few, many = (
+            Cycle(**about | {"forced": forced, "trivial_error": error}).doubts for error in errors
+        )
+        assert (few, [one.figures for one in many]) == ((), [{"error": errors[1]}])

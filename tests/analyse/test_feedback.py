@@ -33,9 +33,9 @@ def _scene(
 def test_a_thrust_that_is_fed_back_lets_a_free_rod_diverge() -> None:
     """Whatever the gain, and wherever the sensor."""
     links = [5, 10, 20, 40]
-    found = [rodgen.critical_force(_scene(n, "0.01*phi(0.3)")) for n in links]
+    found = [rodgen.critical_load(_scene(n, "0.01*phi(0.3)")) for n in links]
     assert {one.kind for one in found} == {"divergence"}
-    value = rodgen.richardson(links, [one.force for one in found]).value
+    value = rodgen.richardson(links, [one.value for one in found]).value
     assert value == pytest.approx(DIVERGENCE, rel=1e-6)
 
 
@@ -43,11 +43,11 @@ def test_a_thrust_that_is_fed_back_lets_a_free_rod_diverge() -> None:
 def test_the_error_says_what_a_tiny_gain_leaves(links: int) -> None:
     """The stiffness is singular beside the turning of the whole rod at one and the same force for
     every gain; a tiny one leaves that to rounding."""
-    exact = rodgen.critical_force(_scene(links, "0.5*phi(0.3)"), lowest=15.0, highest=35.0)
+    exact = rodgen.critical_load(_scene(links, "0.5*phi(0.3)"), bounds=(15.0, 35.0))
     for gain in (1e-2, 1e-4):
         scene = _scene(links, f"{gain}*phi(0.3)")
-        found = rodgen.critical_force(scene, lowest=15.0, highest=35.0)
-        assert abs(found.force - exact.force) < found.error + exact.error
+        found = rodgen.critical_load(scene, bounds=(15.0, 35.0))
+        assert abs(found.value - exact.value) < found.error + exact.error
         # No blank cheque: known to a thousandth of itself at least.
         assert found.error < 1e-3
 
@@ -57,12 +57,12 @@ def test_a_lag_moves_no_divergence() -> None:
     """At rest the gimbal stands where it is told to: that of the rod without a lag, and none of
     its bending modes, which the lead drives."""
     without, lagging = (
-        rodgen.critical_force(scene, lowest=10.0, highest=40.0)
+        rodgen.critical_load(scene, bounds=(10.0, 40.0))
         for scene in (_scene(8, "0.1*phi(0.3)"), _scene(8, "gimbal", LAGGING))
     )
     assert lagging.kind == "divergence"
     # Rounding of entries that grow as n^4, and the tolerance of the search.
-    assert lagging.force == pytest.approx(without.force, rel=1e-8)
+    assert lagging.value == pytest.approx(without.value, rel=1e-8)
 
 
 DAMPING = {"material_damping": {"time": 0.01}}
@@ -112,8 +112,8 @@ def test_growth_in_runs_is_that_of_eigenvalues(
     scene = _scene(links, f"z - {offset}", states, boundary, **DAMPING)
     how: dict[str, Any] = {"tolerance": 1e-3}
     if boundary == "free":
-        how = {"tolerance": 0.02, "high": 0.1}
-    seen = rodgen.simulated_critical_force(scene, span=SPAN, target="c", **how)
+        how = {"tolerance": 0.02, "bounds": (0.0, 0.1)}
+    seen = rodgen.simulated_critical_load(scene, span=SPAN, target="c", **how)
     y = scene.initial_state()
     y[-1] = offset  # at rest
     rates = []
@@ -122,7 +122,7 @@ def test_growth_in_runs_is_that_of_eigenvalues(
         rates.append(s.real[np.abs(s) > 1e-5].max())  # but for motions that are neutral
     assert rates[0] < np.log(1.01) / SPAN < rates[1]
     if boundary == "clamped":
-        assert seen.force == pytest.approx(rodgen.critical_force(scene).force, rel=0.01)
+        assert seen.value == pytest.approx(rodgen.critical_load(scene).value, rel=0.01)
 
 
 T = np.linspace(0.0, 4.0, 801)

@@ -29,9 +29,9 @@ def test_loads_are_those_at_the_start() -> None:
     modes = rodgen.natural_modes(changing, 2)
     np.testing.assert_array_equal(modes.frequencies, rodgen.natural_modes(constant, 2).frequencies)
     pushed = {"follower": {"force": "t"}}
-    begun = rodgen.critical_force(timed(pushed | {"tip": {"x": "2 + t"}}, (-1.0, 1.0)))
-    given = rodgen.critical_force(rod(5, "clamped", pushed | {"tip": {"x": 1.0}}))
-    assert (begun.force, begun.t) == (given.force, -1.0)
+    begun = rodgen.critical_load(timed(pushed | {"tip": {"x": "2 + t"}}, (-1.0, 1.0)))
+    given = rodgen.critical_load(rod(5, "clamped", pushed | {"tip": {"x": 1.0}}))
+    assert (begun.value, begun.t) == (given.value, -1.0)
     asked = rodgen.natural_modes(timed({"follower": {"force": "t"}}), 2, t=3.0)
     pushed = rod(5, "clamped", {"follower": {"force": 3.0}})
     np.testing.assert_array_equal(asked.frequencies, rodgen.natural_modes(pushed, 2).frequencies)

@@ -29,7 +29,7 @@ def _boundary() -> tuple[Follow, str, str]:
     loads = {"follower": {"force": 2.0}, "internal_damping": {"coefficient": 0.18}}
     scene = rod(3, "cantilever", loads, inertia="lumped", **ONES)
     ends = ((0.0, 60.0), (0.0, 3.0))
-    return partial(rodgen.stability_boundary, scene, (FORCE, INTERNAL), ranges=ends), "b", "a"
+    return partial(rodgen.stability_boundary, scene, (FORCE, INTERNAL), bounds=ends), "b", "a"
 
 
 def _cycles() -> tuple[Follow, str, str]:
@@ -106,13 +106,13 @@ def test_a_boundary_is_gone_on_with_through_a_corner() -> None:
     loads = {"follower": {"force": 2.0}, "tip": {"x": 0.0, "y": 0.0}}
     scene = rod(3, "cantilever", loads, inertia="lumped", **ONES)
     keys, ends = (FORCE, AXIAL), ((-30.0, 30.0), (-30.0, 10.0))
-    whole = rodgen.stability_boundary(scene, keys, ranges=ends)
+    whole = rodgen.stability_boundary(scene, keys, bounds=ends)
     still = np.flatnonzero(whole["frequency"].values == 0.0)
     part = whole.isel(point=slice(int(still[-1]) - 8, int(still[-1]) - 3), special=slice(0))
     part = part.assign(length=part["length"] - part["length"][0])
     if float(part["a"][0]) > float(part["a"][-1]):
         part = part.isel(point=slice(None, None, -1))
-    on = rodgen.stability_boundary(scene, keys, ranges=ends, resume=part)
+    on = rodgen.stability_boundary(scene, keys, bounds=ends, resume=part)
     assert on["special_kind"].values.tolist() == ["zero frequency"]
     corner = [float(on[f"special_{name}"][0]) for name in ("a", "b")]
     exact = [float(whole[f"special_{name}"][0]) for name in ("a", "b")]

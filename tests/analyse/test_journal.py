@@ -15,6 +15,7 @@ from rodgen.analyse.curves import continuation
 from rodgen.analyse.curves.curve import Point, Problem, Special
 from rodgen.analyse.curves.journal import Journal, Step, written
 from rodgen.arrays import Array
+from rodgen.result import doubt
 from tests.analyse.test_interruption import _boundary, _cycles, _equilibria
 from tests.sets import sets
 
@@ -107,7 +108,10 @@ def test_steps_are_read_as_they_were_written(tmp_path: Path) -> None:
     point = Point(u, tangent, None, -1, {"cusp": 1 / 7})
     ways = np.array([[1.0, 2.0], [3.0, 4.0]])
     special = [Special("branch", u, 3, 0.7, ways, "why"), Special("hopf", u)]
-    step, path = Step(point, special, ["a\nnote", "é"], 0.3, 2), tmp_path / "a.steps"
+    step, path = (
+        Step(point, special, [doubt("a\nnote", value=1 / 3), doubt("é")], 0.3, 2),
+        tmp_path / "a.steps",
+    )
     made = Journal(path, COMMAND)
     assert not path.exists()  # before there is anything to lose
     made.begin(NEAR, point)

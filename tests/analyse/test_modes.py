@@ -138,10 +138,10 @@ def test_shapes_keep_the_centre_of_gravity() -> None:
 
 def test_what_grows_is_seen_among_motions_that_die_away() -> None:
     """Strong damping and thrust give dozens of motions that are gone within a period, with
-    frequencies next to zero. Growth begins where `critical_force`, by other matrices, finds it."""
+    frequencies next to zero. Growth begins where `critical_load`, by other matrices, finds it."""
     for time in (0.001, 0.1, 1.0):
         damping = {"material_damping": {"time": time}}
-        force = rodgen.critical_force(rod(50, "clamped", THRUST | damping)).force
+        force = rodgen.critical_load(rod(50, "clamped", THRUST | damping)).value
         for factor, grows in ((0.999, False), (1.001, True), (2.0, True)):
             pushed = rod(50, "clamped", {"follower": {"force": factor * force}} | damping)
             assert (natural_modes(pushed, count=1).growth.max() > 0) == grows

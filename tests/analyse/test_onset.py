@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from rodgen.analyse.critical import critical_force
+from rodgen.analyse.critical import critical_load
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.onset import digits
@@ -174,13 +174,13 @@ def _judge(seed: int, n: int, boundary: str, inertia: str, share: float = 0.25) 
         unit = mp.mpf(stiffness) / mp.mpf(length) ** 2
         d = mp.mpf(c) * mp.sqrt(mp.mpf(mass) / (mp.mpf(stiffness) * mp.mpf(length)))
         try:
-            found = critical_force(scene)
+            found = critical_load(scene)
         except AnalysisError:
             if d > 100 and n > 5:
                 return  # the onset is lost in rounding
             force, errors = HIGHEST * unit, []
         else:
-            force, errors = mp.mpf(found.force), [1e-9, found.error / found.force]
+            force, errors = mp.mpf(found.value), [1e-9, found.error / found.value]
         words = f"seed {seed}, n = {n}, {boundary}, {inertia}, d = {mp.nstr(d, 3)}"
         if model.n > 1 or boundary == "clamped":
             assert not any(model.growing(x * force / unit, d) for x in SHARES), words
@@ -222,48 +222,50 @@ def test_exact_forces() -> None:
     32 of two that are free, a force of the grid, and 54 of three: determinants by hand."""
     clamped = rod(2, "clamped", THRUST, inertia="lumped", **ONES)
     two, three = (rod(n, "free", THRUST, inertia="uniform", **ONES) for n in (2, 3))
-    assert critical_force(clamped).force == pytest.approx(8.0, rel=1e-14)
-    assert critical_force(two, lowest=31.0, highest=33.0).force == pytest.approx(32.0, rel=1e-14)
+    assert critical_load(clamped).value == pytest.approx(8.0, rel=1e-14)
+    assert critical_load(two, bounds=(31.0, 33.0)).value == pytest.approx(32.0, rel=1e-14)
     for scene, force in ((two, 32.0), (three, 54.0)):
-        found = critical_force(scene)
+        found = critical_load(scene)
         assert (found.kind, found.frequency, found.modes) == ("divergence", 0.0, (1, 1))
-        assert (found.force, found.factor) == pytest.approx((force, force), rel=1e-12)
+        assert (found.value, found.load_parameter) == pytest.approx((force, force), rel=1e-12)
 
 
 def test_a_heavy_column_that_thrust_holds_up() -> None:
     """Too weak a thrust lets it buckle, too strong a one lets it flutter."""
     column = rod(5, "clamped", THRUST | WEIGHT, **UPRIGHT)
-    lower, upper = (critical_force(column, lowest=0.0, end=end) for end in ("lower", "upper"))
+    lower, upper = (
+        critical_load(column, bounds=(0.0, None), end=end) for end in ("lower", "upper")
+    )
     assert (lower.kind, upper.kind) == ("divergence", "flutter")
     assert lower.growth == upper.growth > 0
-    window = critical_force(column, windows=True).stable
+    window = critical_load(column, windows=True).windows
     assert window is not None
-    assert np.array(window) == pytest.approx(np.array([(lower.force, upper.force)]))
+    assert np.array(window) == pytest.approx(np.array([(lower.value, upper.value)]))
     # By the eigenvalues of `natural_modes`, which know nothing of the search.
-    for force, inside in ((lower.force, 1 + 1e-6), (upper.force, 1 - 1e-6)):
+    for force, inside in ((lower.value, 1 + 1e-6), (upper.value, 1 - 1e-6)):
         for factor, grows in ((inside, False), (2 - inside, True)):
             at = {"follower": {"force": force * factor}} | WEIGHT
             growth = natural_modes(rod(5, "clamped", at, **UPRIGHT), 5).growth.max(initial=0.0)
             assert bool(growth > 0) is grows
     with pytest.raises(AnalysisError) as error:
-        critical_force(column)
+        critical_load(column)
     assert {float(f"{force:.6g}") for force in window[0]} <= {*numbers(error.value)}
     with pytest.raises(AnalysisError):
-        critical_force(column, lowest=10.0, end="lower")
+        critical_load(column, bounds=(10.0, None), end="lower")
 
 
 def test_the_next_motion_that_grows() -> None:
     """Of a search that begins above the onset: a second pair of frequencies meets."""
     scene = rod(5, "clamped", THRUST | {"internal_damping": {"coefficient": 0.0}}, **ONES)
-    found = critical_force(scene, lowest=25.0, highest=200.0)
+    found = critical_load(scene, bounds=(25.0, 200.0))
     assert found.growth > 0
     model = chain(5, "clamped", lumped=False)
     with mp.workdps(80):
-        counts = [model.growing(found.force * (1 + x), 0) for x in (-1e-9, 1e-9)]
+        counts = [model.growing(found.value * (1 + x), 0) for x in (-1e-9, 1e-9)]
         assert [model.growing(P, 0) for P in (25, 50, 70)] == [counts[0]] * 3
     assert counts[1] > counts[0] > 0
     with pytest.raises(AnalysisError, match=r"\b25\b.*\b60 N"):
-        critical_force(scene, lowest=25.0, highest=60.0)
+        critical_load(scene, bounds=(25.0, 60.0))
 
 
 GREENHILL = float(9 / 4 * mp.findroot(lambda x: mp.besselj(-1 / mp.mpf(3), x), 1.87) ** 2)
@@ -282,10 +284,10 @@ def test_dead_loads(load: str, push: float, g: float, factor: float) -> None:
     n = [5, 10, 20]
     given = UPRIGHT | {"length": 2.0, "mass": 3.0, "bending_stiffness": 4.0}
     loads: dict[str, Any] = {"tip": {"y": push}, "gravity": {"g": g}}
-    found = [critical_force(rod(k, "clamped", loads, **given), load=load) for k in n]
+    found = [critical_load(rod(k, "clamped", loads, **given), load=load) for k in n]
     assert {one.kind for one in found} == {"divergence"}
     # The error falls with n^2: extrapolated twice, at n = 20 what is left is of order n^-6.
-    limit = richardson(n, [one.factor for one in found], order=[2, 4])
+    limit = richardson(n, [one.load_parameter for one in found], order=[2, 4])
     assert limit.value == pytest.approx(factor, rel=1e-6)
 
 
@@ -294,9 +296,9 @@ def test_turning_counts() -> None:
     """A free rod at rest with fins turns at any thrust; a flag leaves that out."""
     fins = {"external_damping": {"coefficient": 0.5, "fin_factor": {"tail": 20.0}}}
     scene = rod(6, "free", THRUST | fins)
-    found, bent = critical_force(scene), critical_force(scene, elastic=True)
+    found, bent = critical_load(scene), critical_load(scene, elastic=True)
     assert (found.kind, found.frequency) == ("turning", 0.0)
-    assert found.force + found.error < 0.1 * bent.force
+    assert found.value + found.error < 0.1 * bent.value
     assert bent.kind != "turning"
     assert bent.elastic
 
@@ -304,7 +306,7 @@ def test_turning_counts() -> None:
 def test_error_of_a_frequency_is_a_share_of_it() -> None:
     """A rod that is 1e8 times as stiff is the same one in other units of time."""
     stiff = ONES | {"bending_stiffness": 1e8}
-    found = [critical_force(rod(6, "clamped", THRUST, **given)) for given in (ONES, stiff)]
+    found = [critical_load(rod(6, "clamped", THRUST, **given)) for given in (ONES, stiff)]
     shares = [one.frequency_error / one.frequency for one in found]
     assert found[1].frequency == pytest.approx(1e4 * found[0].frequency, rel=1e-6)
     # Roundings are others; of an error of the squared frequency the shares would be as 1 to 1e4.
@@ -351,4 +353,4 @@ def test_flutter_of_bodies_on_a_rod_without_weight(n: int) -> None:
         | {"loads": THRUST, "integrate": {"span": [0.0, 1.0]}}
     )
     # The mass of the rod is a hundred-thousandth of the lighter body's.
-    assert critical_force(scene).force == pytest.approx(_flutter_of_two_bodies(n), rel=1e-5)
+    assert critical_load(scene).value == pytest.approx(_flutter_of_two_bodies(n), rel=1e-5)

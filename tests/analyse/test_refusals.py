@@ -13,14 +13,14 @@ from rodgen.analyse.branches.boundary import stability_boundary
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.chaos.exponents import lyapunov_exponents
 from rodgen.analyse.chaos.zero_one import zero_one_test
-from rodgen.analyse.critical import critical_force
+from rodgen.analyse.critical import critical_load
 from rodgen.analyse.cycles.branches import continue_cycles
 from rodgen.analyse.cycles.floquet import floquet
 from rodgen.analyse.cycles.nonlinear_modes import nonlinear_mode
 from rodgen.analyse.cycles.periodic_motion import find_cycle
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.fourier import peaks_of
-from rodgen.analyse.growth import simulated_critical_force
+from rodgen.analyse.growth import simulated_critical_load
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.references.columns import LOADS, thrust_frequencies
 from rodgen.analyse.references.continuum import (
@@ -65,11 +65,13 @@ OPTIONS: list[tuple[Callable[..., object], tuple[Any, ...], dict[str, tuple[Any,
     (natural_modes, (BURNING,), {"t": (8.1,)}),
     (static_equilibrium, (BURNING,), {"t": (-0.1,)}),
     (static_equilibrium, (CLAMPED,), {"imperfection": (0.0, -0.01, 1.5, nan, inf, "0.1", True)}),
-    (critical_force, (BURNING,), {"t": (nan, inf, "1", True), "load": ("wind",)}),
-    (critical_force, (CLAMPED,), {"highest": (5e-324, inf, nan, 1e61, b"3"), "speed": (3.0,)}),
-    (critical_force, (CLAMPED,), {"lowest": (-inf, nan, True), "end": ("middle",)}),
-    (critical_force, (FREE,), {"speed": (nan, "fast", True), "after": (11.0, -1.0, inf)}),
-    (simulated_critical_force, (CLAMPED,), {"step": (0.01,)}),
+    (critical_load, (BURNING,), {"t": (nan, inf, "1", True), "load": ("wind",)}),
+    (critical_load, (CLAMPED,), {"bounds": [(None, one) for one in (5e-324, inf, nan, 1e61, "3")]}),
+    (critical_load, (CLAMPED,), {"bounds": ((-inf, None), (nan, 1.0), (True, None), 3.0, (1.0,))}),
+    (critical_load, (CLAMPED,), {"speed": (3.0,), "end": ("middle",), "simulate": (0.0, nan)}),
+    (critical_load, (CLAMPED,), {"simulate": ("8",)}),
+    (critical_load, (FREE,), {"speed": (nan, "fast", True), "after": (11.0, -1.0, inf)}),
+    (simulated_critical_load, (CLAMPED,), {"step": (0.01,)}),
     (continue_equilibria, (BENT, AXIAL, (0.0, -5.0)), {"switch": (1,)}),
     (continue_equilibria, (FALLING, STIFFNESS, (1.0, 2.0)), {"motion": ("rest",)}),
     (find_cycle, (ROUND,), {"period": (1.0,), "y0": ([0.1] * 4,), "segments": (0,)}),
@@ -108,28 +110,28 @@ OTHERS: list[tuple[str, Callable[[], object]]] = [
     ("t", lambda: natural_modes(FREE, after=1.0, t=2.0)),
     ("speed", lambda: natural_modes(FREE, after=1.0, speed=2.0)),
     ("rod.boundary", lambda: static_equilibrium(rod(4, "free", {"gravity": {}}))),
-    ("loads.follower", lambda: critical_force(rod(4, "free"))),
-    (STIFFNESS, lambda: critical_force(rod(4, "free", THRUST, bending_stiffness=0.0))),
-    ("highest", lambda: critical_force(CLAMPED, lowest=10.0, highest=5.0)),
-    ("highest", lambda: critical_force(CLAMPED, lowest=3.0, highest=3.0)),
-    ("highest", lambda: critical_force(CLAMPED, lowest=1e9, highest=np.nextafter(1e9, 2e9))),
-    ("loads.tip", lambda: critical_force(CLAMPED, load="tip")),
-    ("rtol", lambda: simulated_critical_force(CLAMPED, method="rk4", step=0.01, rtol=1e-3)),
+    ("loads.follower", lambda: critical_load(rod(4, "free"))),
+    (STIFFNESS, lambda: critical_load(rod(4, "free", THRUST, bending_stiffness=0.0))),
+    ("bounds", lambda: critical_load(CLAMPED, bounds=(10.0, 5.0))),
+    ("bounds", lambda: critical_load(CLAMPED, bounds=(3.0, 3.0))),
+    ("bounds", lambda: critical_load(CLAMPED, bounds=(1e9, np.nextafter(1e9, 2e9)))),
+    ("loads.tip", lambda: critical_load(CLAMPED, load="tip")),
+    ("rtol", lambda: simulated_critical_load(CLAMPED, method="rk4", step=0.01, rtol=1e-3)),
     ("vary", lambda: stability_boundary(ROUND, (FORCE, FORCE))),
     ("vary", lambda: stability_boundary(ROUND, (FORCE, "loads.nothing.x"))),
     ("rod.links", lambda: stability_boundary(ROUND, (FORCE, "rod.links"))),
     # External damping of a rod in flight has no linear part.
     ("vary", lambda: stability_boundary(FLYING, (FORCE, EXTERNAL))),
     *(
-        (f"vary.{key}", lambda key=key, e=e: stability_boundary(ROUND, (FORCE, key), ranges=e))
+        ("bounds", lambda key=key, e=e: stability_boundary(ROUND, (FORCE, key), bounds=e))
         for key, e in ((INTERNAL, (None, (1.0, 0.0))), (INTERNAL, (None, (0.0, inf))))
     ),
     ("vary", lambda: continue_equilibria(BENT, "rod.links", (5, 10))),
     ("vary", lambda: continue_equilibria(BENT, "name", (0, 1))),
     ("vary", lambda: continue_equilibria(BENT, "initial.phi.0", (0.0, 1.0))),
     ("loads.tip.z", lambda: continue_equilibria(BENT, "loads.tip.z", (0, 1))),
-    (f"vary.{AXIAL}", lambda: continue_equilibria(BENT, AXIAL, (1.0, 1.0))),
-    (f"vary.{AXIAL}", lambda: continue_equilibria(BENT, AXIAL, (0.0, nan))),
+    ("bounds", lambda: continue_equilibria(BENT, AXIAL, (1.0, 1.0))),
+    ("bounds", lambda: continue_equilibria(BENT, AXIAL, (0.0, nan))),
     ("rod.mass", lambda: continue_equilibria(BENT, "rod.mass", (1.0, -1.0))),
     ("y0", lambda: find_cycle(ROUND, y0=[0.0], period=1.0, target="numpy")),
     ("segments", lambda: find_cycle(ROUND, by="collocation", segments=3, target="numpy")),
@@ -137,7 +139,9 @@ OTHERS: list[tuple[str, Callable[[], object]]] = [
     ("multipliers", lambda: find_cycle(ROUND, by="shooting", multipliers=3, target="numpy")),
     ("vary", lambda: continue_cycles(CYCLING, "rod.links", (3, 9))),
     ("loads.none", lambda: continue_cycles(CYCLING, "loads.none", (1, 2))),
-    (f"vary.{FORCE}", lambda: continue_cycles(CYCLING, FORCE, (5.0, 5.0))),
+    ("bounds", lambda: continue_cycles(CYCLING, FORCE, (5.0, 5.0))),
+    ("bounds", lambda: continue_cycles(CYCLING, FORCE, (5.0, nan))),
+    ("bounds", lambda: continue_equilibria(BENT, AXIAL, 5.0)),
     ("mode", lambda: nonlinear_mode(SPRINGY, 9, 0.5)),
     ("energy", lambda: nonlinear_mode(SPRINGY, 1, -0.5)),
     ("mode", lambda: nonlinear_mode(CYCLING, 1, 0.5)),

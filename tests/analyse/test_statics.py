@@ -154,7 +154,7 @@ def test_what_does_not_buckle_is_the_same_with_an_imperfection() -> None:
 def test_flutter_is_told_from_divergence() -> None:
     """Beck's column just below and above its critical load; no imperfection helps it."""
     scene = rod(6, "clamped", {"follower": {"force": 1.0}})
-    critical = rodgen.critical_force(scene).force
+    critical = rodgen.critical_load(scene).value
     for over, instability in ((-1e-6, ""), (1e-6, "flutter")):
         pushed = rod(6, "clamped", {"follower": {"force": critical * (1 + over)}})
         assert static_equilibrium(pushed).instability == instability

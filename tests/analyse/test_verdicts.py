@@ -72,23 +72,23 @@ def test_the_critical_load_is_where_a_motion_begins_to_grow(seed: int) -> None:
     grows = np.array([growth(scene, load) > NOTHING for load in loads])
     if grows[0] or not grows.any():
         with pytest.raises(AnalysisError):
-            rodgen.critical_force(scene, highest=HIGHEST)
+            rodgen.critical_load(scene, bounds=(None, HIGHEST))
         return
-    found = rodgen.critical_force(scene, highest=HIGHEST)
-    assert found.force <= loads[np.argmax(grows)] * (1 + 1e-9)
-    assert not grows[loads < found.force * (1 - 1e-9)].any()
-    beside = [growth(scene, found.force * (1 + way) + 10 * way) for way in (-1e-4, 1e-4)]
-    assert beside[1] > max(beside[0], 0.0) or found.force == 0.0
-    assert growth(scene, found.force + 1e-2) > 0
+    found = rodgen.critical_load(scene, bounds=(None, HIGHEST))
+    assert found.value <= loads[np.argmax(grows)] * (1 + 1e-9)
+    assert not grows[loads < found.value * (1 - 1e-9)].any()
+    beside = [growth(scene, found.value * (1 + way) + 10 * way) for way in (-1e-4, 1e-4)]
+    assert beside[1] > max(beside[0], 0.0) or found.value == 0.0
+    assert growth(scene, found.value + 1e-2) > 0
 
 
 def test_modes_of_a_thrust_that_follows_the_motion_of_a_joint() -> None:
     """Whatever the thrust is, also none: the same numbers count."""
     for angle in ("0.2*phi(0) - 0.1*vy(1)", "-0.1*vy(1)"):
         scene = rod(3, "free", {"follower": {"force": 1.0, "angle": angle}}, **ONES)
-        found = rodgen.critical_force(scene, highest=HIGHEST)
-        assert growth(scene, found.force + 1e-2) > NOTHING
-        assert found.force == 0.0 or growth(scene, 0.99 * found.force) < NOTHING
+        found = rodgen.critical_load(scene, bounds=(None, HIGHEST))
+        assert growth(scene, found.value + 1e-2) > NOTHING
+        assert found.value == 0.0 or growth(scene, 0.99 * found.value) < NOTHING
 
 
 @pytest.mark.parametrize(("tau", "force", "kind"), [(0.005, 15.0, "flutter"), (0.005, 9.9, "")])

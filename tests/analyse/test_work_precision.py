@@ -18,7 +18,7 @@ from scipy.special import ellipj, ellipk
 import rodgen
 from rodgen.analyse.precision import contestant
 from rodgen.analyse.precision import work_precision as sets
-from rodgen.analyse.precision.contestant import Contestant, Deadline, Finish, Limits, Row
+from rodgen.analyse.precision.contestant import Contestant, Deadline, Finish, Limits, Measurement
 from rodgen.analyse.precision.job import Job, Measures
 from rodgen.analyse.precision.rows import cheapest, front
 from rodgen.scene import Scene
@@ -116,7 +116,7 @@ def test_command_draws_tells_and_prints_json(tmp_path: Path, rodgen: Callable[..
     found = json.loads(done.stdout)
     assert found["links"] == 1
     assert {"rk4", "gauss"} <= {row["method"] for row in found["rows"]}
-    assert "rk4" in found["largest_stable_steps"]  # where the time allows to find one
+    assert "rk4" in found["limits"]  # where the time allows to find one
     done = rodgen("precision", scene, "--seconds", 0, cwd=tmp_path)
     assert done.returncode == 2
     assert "seconds = 0" in done.stderr
@@ -132,7 +132,7 @@ def test_scene_without_a_reference_is_an_error() -> None:
 
 # Sweeps ------------------------------------------------------------------------------------------
 
-LABEL: Row = {"scene": "pendulum", "n": 1, "who": "nobody", "method": "m", "target": "c"}
+LABEL: Measurement = {"scene": "pendulum", "n": 1, "who": "nobody", "method": "m", "target": "c"}
 
 
 class Stage:
@@ -159,7 +159,7 @@ class Stage:
             one = partial(self.run, wanted, self.states if states is None else states)
             yield Contestant("nobody", method, "c", "rtol", 10.0 ** -(at + 1), one)
 
-    def swept(self, family: Iterator[Contestant], most: float = 0.1) -> list[Row]:
+    def swept(self, family: Iterator[Contestant], most: float = 0.1) -> list[Measurement]:
         return contestant.sweep(family, LABEL, self.measures, Limits(most, 1.0))
 
 
@@ -221,7 +221,7 @@ def test_slow_contestant_is_stopped_and_told_from_one_that_fails(stage: Stage) -
 # Fronts ------------------------------------------------------------------------------------------
 
 
-def row(method: str, setting: float, seconds: float, error: float, **more: Any) -> Row:
+def row(method: str, setting: float, seconds: float, error: float, **more: Any) -> Measurement:
     known = {"scene": "s", "who": "rodgen", "method": method, "target": "c", "kind": "step"}
     made_up = {"setting": setting, "seconds": seconds, "error_phi": error, "failed": ""}
     return known | made_up | more

@@ -30,7 +30,7 @@ def test_gif_of_a_part(works: Run, result: Path, work: Path) -> None:
     """Ten frames a second of a second that is slowed down to two, and the last. Then thirteen
     frames, 8 ms apart, that show eleven samples: a sixth repeats the one before."""
     film = work / "film.gif"
-    times = ("--from", 0.5, "--to", 1.5, "--fps", 10)
+    times = ("--bounds", "0.5,1.5", "--fps", 10)
     chosen = ("--speed", 0.5, "--view", "axes")
     done = works("animate", result, "--out", film, *times, *SIZE, *chosen)
     assert {21, 480, 320, 2.1, 0.5} <= {*numbers(done.stdout)}
@@ -39,7 +39,7 @@ def test_gif_of_a_part(works: Run, result: Path, work: Path) -> None:
     with Image.open(film) as opened:
         assert (opened.n_frames, opened.size) == (21, (480, 320))
     assert list(work.iterdir()) == [film]
-    part = ("--to", 0.1, "--speed", 0.4, "--fps", 50)
+    part = ("--bounds", ",0.1", "--speed", 0.4, "--fps", 50)
     done = works("animate", result, "--out", film, *SIZE, *part)
     assert 17 in numbers(done.stderr)  # per cent
 

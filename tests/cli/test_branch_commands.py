@@ -19,7 +19,7 @@ from rodgen.system import System
 from tests.cli.conftest import Run, Write, one_object, python
 from tests.told import numbers
 
-BOTH = ("--vary", "loads.follower.force,loads.internal_damping.coefficient", "--a", "0:60")
+BOTH = ("--vary", "loads.follower.force,loads.internal_damping.coefficient", "--bounds", "0,60")
 FLUTTER = ("boundary", *BOTH)
 
 
@@ -31,20 +31,20 @@ def scene(column: Write, work: Path) -> Path:
 
 
 def test_branch_as_json(works: Run, scene: Path) -> None:
-    way = ("--vary", "loads.tip.x", "--from", 0, "--to", -30, "--step", 0.1)
+    way = ("--vary", "loads.tip.x", "--bounds", "0,-30", "--step", 0.1)
     found = one_object(works("branch", scene, *way, "--json"))
     data = continue_equilibria(Scene.from_toml(scene), "loads.tip.x", (0.0, -30.0), step=0.1)
     assert [one["value"] for one in found["points"]] == data["value"].values.tolist()
-    assert set(found["points"][0]) == {"value", "unstable", "tip", "phi"}
+    assert {"value", "unstable", "tip", "phi"} <= set(found["points"][0])
     assert len(found["points"][0]["phi"]) == 3
     assert [one["kind"] for one in found["special"]] == ["branch", "branch"]
-    assert set(found["special"][0]) == {"kind", "value", "frequency"}
+    assert {"kind", "value", "frequency"} <= set(found["special"][0])
     assert found["points"][-1]["unstable"] == 2
 
 
 @pytest.mark.slow
 def test_branch_as_table_file_and_picture(works: Run, scene: Path) -> None:
-    way = ("--vary", "loads.tip.x", "--from", 0, "--to", -10, "--step", 0.1)
+    way = ("--vary", "loads.tip.x", "--bounds", "0,-10", "--step", 0.1)
     done = works("branch", scene, *way, "--switch", 1)
     # Euler's load, pi^2/4, of which six links have some per cent less or more.
     assert any(abs(n / -(np.pi**2) * 4 - 1) < 0.05 for n in numbers(done.stdout))
@@ -52,7 +52,7 @@ def test_branch_as_table_file_and_picture(works: Run, scene: Path) -> None:
     assert {file.name for file in folder.iterdir()} == {"branch_1.nc", "branch_1.png"}
     data = branch_data.read(folder / "branch_1.nc")
     assert np.abs(data["phi"].values).max() > 1.5
-    more = ("--vary", "loads.tip.x", "--from", 0, "--to", -15, "--step", 0.1, "--json")
+    more = ("--vary", "loads.tip.x", "--bounds", "0,-15", "--step", 0.1, "--json")
     found = works("branch", scene, *more, "--resume", folder / "branch_1.nc")
     points = json.loads(found.stdout)["points"]
     assert [one["value"] for one in points[: data.sizes["point"]]] == data["value"].values.tolist()
@@ -60,7 +60,7 @@ def test_branch_as_table_file_and_picture(works: Run, scene: Path) -> None:
 
 
 def test_a_branch_that_ends_is_kept(rodgen: Run, scene: Path) -> None:
-    way = ("--vary", "loads.tip.x", "--from", 0, "--to", 50, "--most", 5)
+    way = ("--vary", "loads.tip.x", "--bounds", "0,50", "--most", 5)
     folder = Path("results/rod")
     done = rodgen("branch", scene, *way)
     assert done.returncode == 3
@@ -85,7 +85,7 @@ def test_all_equilibria(works: Run, write: Write, work: Path) -> None:
     assert [one["stable"] for one in found] == [True, True, False, False, False]
     shown = numbers(works("static", pressed, "--all").stdout)
     for one in found:
-        assert min(abs(n - one["tip"][0]) for n in shown) < 1e-4  # it has few digits
+        assert min(abs(n - one["tip_x"]) for n in shown) < 1e-4  # it has few digits
 
 
 PROGRAM = """
@@ -109,7 +109,7 @@ main()
 @pytest.mark.parametrize(
     ("name", "command", "file"),
     [
-        ("SIGINT", ("branch", "--vary", "loads.tip.x", "--from", 0, "--to", -30), "branch"),
+        ("SIGINT", ("branch", "--vary", "loads.tip.x", "--bounds", "0,-30"), "branch"),
         pytest.param("SIGTERM", FLUTTER, "boundary", marks=pytest.mark.nightly),
         pytest.param("SIGHUP", FLUTTER, "boundary", marks=pytest.mark.nightly),
     ],
@@ -151,7 +151,7 @@ phi = "0.2*s"
 [integrate]
 span = [0.0, 20.0]
 """
-VARIED = ("--vary", "loads.follower.force", "--between", "18,20")
+VARIED = ("--vary", "loads.follower.force", "--bounds", "18,20")
 
 
 @pytest.fixture
@@ -162,7 +162,7 @@ def flutter(column: Write) -> Path:
 def test_a_cycle_as_json_and_as_a_table(works: Run, flutter: Path, tmp_path: Path) -> None:
     """It comes back to where it began, which is a multiplier of 1; and pictures beside a table."""
     found = json.loads(works("cycle", flutter, "--json").stdout)
-    assert list(found) == ["period", "multipliers", "energy", "y0", "notes"]
+    assert {"period", "multipliers", "energy", "y0", "notes"} <= {*found}
     scene = Scene.from_toml(flutter)
     run = simulate(
         System(scene).at(y0=found["y0"]), span=[0, found["period"]], rtol=1e-10, atol=1e-12
@@ -180,7 +180,7 @@ def test_a_cycle_as_json_and_as_a_table(works: Run, flutter: Path, tmp_path: Pat
 @pytest.mark.slow
 def test_a_branch_in_a_file_and_a_cycle_of_it(works: Run, flutter: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    works("cycle", flutter, *VARIED, "--start", "run", "--out", out)
+    works("cycle-branch", flutter, *VARIED, "--start", "run", "--out", out)
     file = out / "rod" / "cycles.nc"
     assert {path.name for path in file.parent.iterdir()} == {file.name, "cycles.png"}
     branch = files.read(file, "file", "a branch", "rodgen cycles 1")

@@ -36,10 +36,10 @@ FORCE, TIP, DAMPING = "loads.follower.force", "loads.tip.x", "loads.internal_dam
 COMMANDS: dict[str, tuple[str, tuple[Any, ...]]] = {
     "branch": (
         "branch_1",
-        (*UNLOADED, "--vary", TIP, "--from", 0, "--to", -30, "--start", -15, "--switch", 1),
+        (*UNLOADED, "--vary", TIP, "--bounds", "0,-30", "--start", -15, "--switch", 1),
     ),
-    "boundary": ("boundary", (*UNLOADED, "--vary", f"{FORCE},{DAMPING}", "--a", "0:60")),
-    "cycle": ("cycles", ("--vary", FORCE, "--between", "5,20")),
+    "boundary": ("boundary", (*UNLOADED, "--vary", f"{FORCE},{DAMPING}", "--bounds", "0,60")),
+    "cycle-branch": ("cycles", ("--vary", FORCE, "--bounds", "5,20")),
 }
 # Ends after so many lines, of which the last is cut off.
 KILLED = """
@@ -72,7 +72,7 @@ def _killed(after: int, *words: Any) -> None:
     assert done.returncode == -signal.SIGKILL, done.stderr
 
 
-@pytest.mark.parametrize("command", sets([], slow=["branch"], nightly=["boundary", "cycle"]))
+@pytest.mark.parametrize("command", sets([], slow=["branch"], nightly=["boundary", "cycle-branch"]))
 def test_what_was_killed_is_gone_on_with(
     works: Run, rodgen: Run, scene: Path, command: str
 ) -> None:
@@ -82,7 +82,7 @@ def test_what_was_killed_is_gone_on_with(
     told = (command, scene, *words)
     works(*told, "--no-pictures", "--out", "whole")
     file, steps = Path(f"results/rod/{name}.nc"), Path(f"results/rod/{name}.nc.steps")
-    kind = f"rodgen {'cycles' if command == 'cycle' else command} 1"
+    kind = f"rodgen {'cycles' if command == 'cycle-branch' else command} 1"
     whole = files.read(Path(f"whole/rod/{name}.nc"), "file", "a curve", kind)
     points = whole.sizes["point"]
     for kills in ([2], [5, 3, 4], [points - 2]):
@@ -108,17 +108,17 @@ def test_what_was_killed_is_gone_on_with(
 def test_what_a_kill_of_an_extension_leaves(works: Run, scene: Path) -> None:
     """A branch that is gone on with from a point of its file is one, and its file stays as it was
     until the whole is there."""
-    way = ("branch", scene, *UNLOADED, "--vary", TIP, "--from", 0, "--no-pictures")
+    way = ("branch", scene, *UNLOADED, "--vary", TIP, "--no-pictures")
     file = Path("results/rod/branch.nc")
-    works(*way, "--to", -3)
+    works(*way, "--bounds", "0,-3")
     before = file.read_bytes()
-    more = (*way, "--to", -30, "--resume", file)
+    more = (*way, "--bounds", "0,-30", "--resume", file)
     _killed(6, *more)
     assert file.read_bytes() == before
     works(*more)
     found = files.read(file, "file", "a curve", "rodgen branch 1")
-    works(*way, "--to", -3, "--out", "other")
-    works(*way, "--to", -30, "--out", "other", "--resume", "other/rod/branch.nc")
+    works(*way, "--bounds", "0,-3", "--out", "other")
+    works(*way, "--bounds", "0,-30", "--out", "other", "--resume", "other/rod/branch.nc")
     whole = files.read(Path("other/rod/branch.nc"), "file", "a curve", "rodgen branch 1")
     xr.testing.assert_identical(found, whole)
     assert np.all(np.diff(found["length"]) > 0)

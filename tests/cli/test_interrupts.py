@@ -48,11 +48,11 @@ COMMANDS: dict[str, tuple[tuple[Any, ...], str]] = {
     "static --all": (("--set", "rod.links=100", "--set", "loads.tip.x=-300"), "looking"),
     "modes": (("--set", "rod.links=1200", "--count", 1200), "eigenvalues"),
     "critical": (("--simulate", 3e3), "simulating"),
-    "branch": ((*ALONG, "--from", 0, "--to", 10, "--step", 1e-6), FORCE),
+    "branch": ((*ALONG, "--bounds", "0,10", "--step", 1e-6), FORCE),
     "boundary": (("--vary", f"{FORCE},{DAMPING}", "--step", 1e-6), "following"),
     "exponents": ((), "t = "),
     "cycle": ((), "t = "),
-    "cycle --vary": ((*ALONG, "--between", "5,40", "--step", 1e-6), FORCE),
+    "cycle-branch": ((*ALONG, "--bounds", "5,40", "--step", 1e-6), FORCE),
     "precision": (("--seconds", 1000), "measuring"),
     "study": (("--workers", 1), "points"),
     "study 2": (("--workers", 2), "points"),
@@ -63,7 +63,7 @@ STUDY = """
 name = "sweep"
 scene = "rod.toml"
 [vary]
-"loads.follower.force" = {from = 1.0, to = 2.0, count = 1000}
+"loads.follower.force" = {bounds = [1.0, 2.0], count = 1000}
 [compute]
 what = "run"
 keep = ["last(tip_y)"]

@@ -21,7 +21,8 @@ LOADED = {
     "TURNED": (f"{PUSHED}\nangle = 0.3", "free"),
 }
 FORCE = "--vary loads.follower.force"
-BRANCH = "DAMPED --from 0 --to 10 --vary"
+OPEN_BOUNDS = "--bounds 0,", "--bounds 0,nan"
+BRANCH = "DAMPED --bounds 0,10 --vary"
 # By command: the field that is named, and the arguments that it is named for.
 REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
     "derive": {
@@ -68,7 +69,7 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
         "SCENE": (f"DAMPED --from {ROOT}/README.md",),
         "--at": ("DAMPED --at 3",),
     },
-    "new": {"name": ("../other",), "example": ("more --from rocket", "more --from forgetting")},
+    "new": {"name": ("../other",), "example": ("more --like rocket", "more --like forgetting")},
     "modes": {
         "scene": ("", "missing.toml"),
         "count = 0": ("FREE --count 0",),
@@ -85,16 +86,18 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
     "critical": {
         "loads.follower": ("FREE",),
         "load = 'wind'": ("PUSHED --load wind",),
-        "--lowest = nan": ("PUSHED --lowest nan",),
-        "--highest = inf": ("PUSHED --highest inf",),
+        "--bounds": tuple(f"PUSHED --bounds {x}" for x in ("nan,", ",inf", "5", "a,b", "1,2,3")),
+        "bounds": ("PUSHED --bounds 5,5",),
         "end = 'middle'": ("PUSHED --end middle",),
         "50": ("PUSHED 50",),
-        "--simulate": tuple(f"PUSHED --simulate {x}" for x in ("0", "-5", "nan")),
-        "--simulate = 5.0": ("PUSHED --load all --simulate 5",),
+        "simulate": tuple(f"PUSHED --simulate {x}" for x in ("0", "-5", "nan")),
+        "simulate = 5.0": ("PUSHED --load all --simulate 5",),
     },
     "branch": {
         "loads.tip.q": (f"{BRANCH} loads.tip.q",),
-        "--to = nan": (f"{BRANCH} loads.tip.x --to nan",),
+        "--bounds": tuple(
+            f"DAMPED --vary loads.tip.x{x}" for x in ("", " --bounds 0,", " --bounds 0,nan")
+        ),
         "switch = 1": (f"{BRANCH} loads.tip.x --switch 1",),
         "start = 11.0": (f"{BRANCH} loads.tip.x --start 11",),
         "--at": (f"{BRANCH} loads.tip.x --at 3",),
@@ -104,19 +107,30 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
     "boundary": {
         "--vary": ("DAMPED --vary loads.tip.x",),
         "vary": ("DAMPED --vary loads.tip.x,loads.tip.x",),
-        "--b = '2'": ("DAMPED --vary loads.follower.force,rod.mass --b 2",),
+        "--bounds = '2'": ("DAMPED --vary loads.follower.force,rod.mass --bounds 2",),
+        "--bounds": ("DAMPED --vary loads.follower.force,rod.mass" + 3 * " --bounds 0,2",),
     },
     "cycle": {
         "segments = 0": ("DAMPED --segments 0",),
         "by = 'hand'": ("DAMPED --by hand",),
         "multipliers = 4": ("DAMPED --multipliers 4 --by shooting",),
-        "--by": (f"DAMPED --by shooting {FORCE} --between 18,20",),
         "--at": ("DAMPED --at 3",),
-        "--between": ("DAMPED --between 1,2", f"DAMPED {FORCE}"),
-        "--switch": ("DAMPED --switch 1",),
-        "--mode": ("DAMPED --mode 1",),
-        "mode": ("DAMPED --mode 1 --energy 1",),
         "from = 'nothing.nc'": ("DAMPED --from nothing.nc",),
+    },
+    "cycle-branch": {
+        "--bounds": (f"DAMPED {FORCE}", f"DAMPED {FORCE} --bounds 18"),
+        "--vary": ("DAMPED --bounds 18,20 --switch 1",),
+        "start = 'rest'": (f"DAMPED {FORCE} --bounds 18,20 --start rest",),
+        "--at": (
+            f"DAMPED {FORCE} --bounds 18,20 --at 3",
+            f"DAMPED {FORCE} --bounds 1,2 --from a.nc",
+        ),
+        "file": (f"DAMPED {FORCE} --bounds 18,20 --from nothing.nc --at 1",),
+        "--from": (f"DAMPED {FORCE} --bounds 18,20 --from a.nc --resume b.nc",),
+    },
+    "nonlinear-mode": {
+        "--energy": ("DAMPED", "DAMPED --energy much"),
+        "mode": ("DAMPED --mode 1 --energy 1",),
     },
     "study": {
         "study": ("missing.toml", "MISSILE"),
@@ -125,12 +139,12 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
 }
 # What is well asked for and has no answer.
 UNANSWERED = (
-    "critical DAMPED --highest 30 --out new",
-    "critical DAMPED --highest 30 --json",
-    "critical DAMPED --lowest 200 --highest 210",
+    "critical DAMPED --bounds ,30 --out new",
+    "critical DAMPED --bounds ,30 --json",
+    "critical DAMPED --bounds 200,210",
     "critical TURNED",
     "modes TURNED",
-    f"cycle DAMPED {FORCE} --between 1,2",
+    f"cycle-branch DAMPED {FORCE} --bounds 1,2",
 )
 
 

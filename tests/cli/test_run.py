@@ -82,7 +82,7 @@ def test_a_run_in_json_without_pictures_with_settings_of_the_command_line(
     assert (run.scene.integrate.rtol, run.scene.integrate.atol) == (1e-6, 1e-7)
     assert (told["end"], told["tip"]) == (0.5, run.tip[-1].tolist())
     assert told["energy_error"] == run.energy_error
-    assert (told["samples"], told["steps"]) == (len(run.t), run.stats.steps)
+    assert (told["samples"], told["nsteps"]) == (len(run.t), run.stats.nsteps)
     assert told["files"][:2] == ["solution.nc", "summary.txt"]
     assert not any(name.endswith(".png") for name in told["files"])
     assert {name.rstrip("/") for name in told["files"]} == {

@@ -26,7 +26,7 @@ def test_scenes_are_listed(works: Run) -> None:
 
 def test_a_copy_is_written_once(works: Run, refused: Run, tmp_path: Path) -> None:
     folder = tmp_path / "new"
-    works("new", "mine", "--from", "ziegler", "--out", folder)
+    works("new", "mine", "--like", "ziegler", "--out", folder)
     file = folder / "mine.toml"
     assert Scene.from_toml(file) == Scene.example("ziegler").replace({"name": "mine"})
     kept = file.read_text(encoding="utf-8")
@@ -38,12 +38,12 @@ def test_a_copy_is_written_once(works: Run, refused: Run, tmp_path: Path) -> Non
 
 def test_a_study_is_copied_with_its_scene(works: Run, refused: Run, tmp_path: Path) -> None:
     """Which it does not write over; nor has a study the name of its scene."""
-    works("new", "angles", "--from", "studies/forgetting", "--out", tmp_path)
+    works("new", "angles", "--like", "studies/forgetting", "--out", tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {"angles.toml", "falling_chain.toml"}
     copy, own = Study.from_toml(tmp_path / "angles.toml"), Study.from_toml(FORGETTING)
     assert copy.name == "angles"
     assert copy.digest == own.digest
     for name in ("more", "falling_chain"):
-        done = refused("new", name, "--from", "studies/forgetting", "--out", tmp_path)
+        done = refused("new", name, "--like", "studies/forgetting", "--out", tmp_path)
         assert "falling_chain" in done.stderr
     assert not (tmp_path / "more.toml").exists()

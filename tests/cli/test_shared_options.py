@@ -77,7 +77,7 @@ COMPLETED = {
     "run x.toml --method rk": {"rk4", "rk23", "rk45"},
     "run x.toml --set loads.drag.": {f"loads.drag.{k}" for k in ("normal", "tangential", "wind")},
     "branch x.toml --vary integrate.sp": {"integrate.span"},
-    "new mine --from missile": {"missile", "missile_conservative"},
+    "new mine --like missile": {"missile", "missile_conservative"},
     "derive 3 --terms drag,gra": {"drag,gravity"},
     "run x": set(),  # the shell completes files
 }

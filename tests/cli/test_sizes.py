@@ -34,8 +34,8 @@ output_every = 0.001
 """
 SMALL = 0.4  # GB that may be taken
 OWN = 0.25e9  # bytes of Python with its libraries, and room to spare
-VARIED = ("--vary", TIP, "--from", 0, "--to", -0.2, "--most", 4)
-BOTH = ("--vary", f"{FORCE},{TIP}", "--a", "0:30", "--b=-1:1", "--most", 2)
+VARIED = ("--vary", TIP, "--bounds", "0,-0.2", "--most", 4)
+BOTH = ("--vary", f"{FORCE},{TIP}", "--bounds", "0,30", "--bounds=-1,1", "--most", 2)
 # Of each command that can ask for too much: its arguments, and whether it can do what it says in a
 # test: others take minutes.
 COMMANDS: dict[str, tuple[tuple[Any, ...], bool]] = {
@@ -51,8 +51,8 @@ COMMANDS: dict[str, tuple[tuple[Any, ...], bool]] = {
     "exponents": ((), False),
     "exponents some": (("--count", 3), False),
     "cycle": ((), False),
-    "cycle branch": (("--vary", FORCE, "--between", "1,2"), False),
-    "cycle mode": (("--mode", 1, "--energy", 1.0), False),
+    "cycle-branch": (("--vary", FORCE, "--bounds", "1,2"), False),
+    "nonlinear-mode": (("--mode", 1, "--energy", 1.0), False),
     "precision": ((), False),
     "show": ((), True),
 }

@@ -6,7 +6,7 @@ import numpy as np
 
 import rodgen
 from rodgen import Scene
-from rodgen.integrate.methods.choose import by_rule, warn_of_tolerance
+from rodgen.integrate.methods.choose import by_rule, tolerance_doubt
 from rodgen.integrate.stability import Dominant
 from rodgen.system import System
 from tests.compiled.conftest import NO_LOADS
@@ -55,7 +55,7 @@ def test_tolerances_that_are_not_kept_are_warned_of(missile: Scene) -> None:
         ("dop853", 2.3e-14, 1e-3, False),
     ):
         scene = _damped(missile, damping, method=method, rtol=rtol)
-        assert bool(warn_of_tolerance(System(scene), model)) == warned
+        assert bool(tolerance_doubt(System(scene), model)) == warned
     for damping, expected in ((1e-3, "dop853"), (20.0, "radau")):
         scene = _damped(missile, damping, rtol=1e-6, method="auto")
         assert rodgen.choose(scene, model).method == expected

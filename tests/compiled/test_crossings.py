@@ -50,7 +50,7 @@ def test_both_are_found_side_by_side(thrown: Scene, number: str) -> None:
     )
     how = {"method": "rk4", "step": STEP, "span": [0.0, STEP], "output_every": STEP}
     made = watched_many(model, p, y, crossings=(both, up, down), **how)
-    assert made.steps.tolist() == [1] * len(y)
+    assert made.nsteps.tolist() == [1] * len(y)
     due = np.stack((HIGHEST - APART, HIGHEST + APART), axis=1)
     for crossed, times in zip(made.crossed, (due, due[:, :1], due[:, 1:]), strict=True):
         count = times.shape[1]
@@ -70,6 +70,6 @@ def test_both_are_found_in_a_run(thrown: Scene, target: str) -> None:
         scene = thrown.replace({"events": [{"quantity": number, "value": 0.0}]})
         for y0, highest, apart in zip(_starts(model), HIGHEST, APART, strict=True):
             sol = rodgen.simulate(System(scene).at(y0=y0), model=model)
-            assert sol.stats.steps == 1
+            assert sol.stats.nsteps == 1
             found = [event.t for event in sol.events]
             assert found == pytest.approx([highest - apart, highest + apart], abs=1e-13)

@@ -54,7 +54,7 @@ def varied(model: ModuleType, scene: Scene, rods: int) -> tuple[Array, Array]:
 
 def same(a: rodgen.Ensemble, b: rodgen.Ensemble, rods: Any = slice(None)) -> None:
     """Both have the same bits, the second in some of the rods of the first."""
-    for name in ("t", "y", "steps", "rejected", "rhs", "energy_error", "status"):
+    for name in ("t", "y", "nsteps", "rejected", "nfev", "energy_error", "status"):
         np.testing.assert_array_equal(getattr(a, name)[rods], getattr(b, name), name)
     for mine, other in ((a.values, b.values), (a.work, b.work)):
         for name, values in mine.items():
@@ -81,7 +81,7 @@ def test_neighbours_order_and_lane_do_not_matter(
     every = rodgen.simulate_many(model, p, y, **how)
     assert (every.status == "finished").all()
     if method == "dop853":
-        assert len(set(every.steps.tolist())) > LANES  # so that lanes are filled at all times
+        assert len(set(every.nsteps.tolist())) > LANES  # so that lanes are filled at all times
     order = np.random.default_rng(2).permutation(len(p))
     same(every, rodgen.simulate_many(model, p[order], y[order], **how), order)
     for rods in (slice(3, 4), slice(1, LANES + 2)):
@@ -97,7 +97,7 @@ def test_a_run_is_that_of_its_scene(model: ModuleType, smooth: Scene, method: st
     p, y0 = model.parameters(**scene.parameters), scene.initial_state()
     made = rodgen.simulate_many(model, p, y0, method=method, keep=KEEP, **SPAN, **STEPS[method])
     assert len(made) == 1
-    assert (made.t[0], made.steps[0], made.rhs[0]) == (1.0, sol.stats.steps, sol.stats.rhs)
+    assert (made.t[0], made.nsteps[0], made.nfev[0]) == (1.0, sol.stats.nsteps, sol.stats.nfev)
     np.testing.assert_allclose(made.y[0], sol.y[-1], rtol=0, atol=1e-10)
     np.testing.assert_allclose(made.energy_error[0], sol.energy_error, rtol=1e-3, atol=1e-12)
     omega, t = sol.omega[:, 1], sol.t
@@ -126,7 +126,7 @@ def test_both_ways_agree(model: ModuleType, smooth: Scene, method: str) -> None:
     how = SPAN | STEPS[method] | {"method": method}
     beside = rodgen.simulate_many(model, p, y, keep=KEEP, **how)
     single = rodgen.simulate_many(model, p, y, keep=[*KEEP, "last(tip_vx)"], **how)
-    np.testing.assert_array_equal(beside.steps, single.steps)
+    np.testing.assert_array_equal(beside.nsteps, single.nsteps)
     np.testing.assert_allclose(beside.y, single.y, rtol=0, atol=1e-9)
     for text in KEEP:
         np.testing.assert_allclose(beside[text], single[text], rtol=1e-8, atol=1e-8, err_msg=text)
@@ -143,7 +143,7 @@ def test_break_points_of_each(missile: Scene, bundle: ModuleType) -> None:
     for rod, at in enumerate(map(float, times)):
         scene = missile.replace({"parameters.ramp": at, "parameters.jump": at})
         sol = rodgen.simulate(scene, model=bundle, method="dop853", **SPAN)
-        assert (made.steps[rod], made.rhs[rod]) == (sol.stats.steps, sol.stats.rhs)
+        assert (made.nsteps[rod], made.nfev[rod]) == (sol.stats.nsteps, sol.stats.nfev)
         np.testing.assert_allclose(made.y[rod], sol.y[-1], rtol=1e-9, atol=1e-9)
     np.testing.assert_array_equal(made.y[0], made.y[3])
 
@@ -170,7 +170,7 @@ def test_what_is_not_side_by_side_is_a_run_to_the_bit(
     sol = rodgen.simulate(scene, model=model, **how)
     np.testing.assert_array_equal(made.y[0], sol.y[-1])
     assert made["max(tip_x)"][0] == sol.tip[:, 0].max()
-    assert (made.steps[0], made.energy_error[0]) == (sol.stats.steps, sol.energy_error)
+    assert (made.nsteps[0], made.energy_error[0]) == (sol.stats.nsteps, sol.energy_error)
 
 
 # Failures ----------------------------------------------------------------------------------------
@@ -204,12 +204,12 @@ def test_a_run_that_fails_is_alone(missile: Scene, bundle: ModuleType, more: lis
 def test_budget(model: ModuleType, smooth: Scene, more: list[str]) -> None:
     p, y = varied(model, smooth, 5)
     whole = rodgen.simulate_many(model, p, y, **SPAN)
-    most = int(whole.steps.min())
+    most = int(whole.nsteps.min())
     made = rodgen.simulate_many(model, p, y, max_steps=most, keep=more, **SPAN)
-    spent = whole.steps > most
+    spent = whole.nsteps > most
     assert 0 < spent.sum() < 5
     np.testing.assert_array_equal(made.status == "failed", spent)
-    assert (made.steps[spent] == most).all()
+    assert (made.nsteps[spent] == most).all()
     assert (made.t[spent] < 1.0).all()
     assert all("max_steps" in said for said in made.message.values())
 

@@ -62,7 +62,7 @@ def test_motion_is_that_of_a_run(scene: Scene) -> None:
     on = _with(scene)
     on.on(SPAN)
     sol = rodgen.simulate(scene, target="c", method="dop853")
-    assert on.counts[0] == sol.stats.steps
+    assert on.counts[0] == sol.stats.nsteps
     np.testing.assert_allclose(on.y, sol.y[-1], rtol=1e-11, atol=1e-12)
 
 

@@ -100,7 +100,14 @@ def _all_used(tree: ast.Module) -> None:
         read = {n.id for n in names if isinstance(n.ctx, ast.Load)}
         assert stored - read <= {"_"}, name
     public = {"rhs", "jac", "implicit", "energy", "power", "mass_matrix", "joints", "parameters"}
-    public |= {"centre_of_gravity", "inertia", "bending_moments", "forces", "generalised_force"}
+    public |= {
+        "__dir__",
+        "centre_of_gravity",
+        "inertia",
+        "bending_moments",
+        "forces",
+        "generalised_force",
+    }
     used = _names(tree)
     assert functions.keys() - public <= used
     imported = {a.asname or a.name for node in tree.body for a in getattr(node, "names", ())}

@@ -193,13 +193,13 @@ def test_rod_is_pulled_by_the_pointer_and_kicked_by_the_keyboard(view: View, run
 
 
 def test_sweep_finds_the_critical_force(view: View) -> None:
-    """That of `rodgen.critical_force`; a click on the picture takes the value there, at its right
+    """That of `rodgen.critical_load`; a click on the picture takes the value there, at its right
     end that of the range."""
     view.button("Sweep of follower force P").click()
     swept = view.page.get_by_role("group", name="sweep of follower force P", exact=True)
     swept.get_by_role("textbox", name="to").fill("200")
     swept.get_by_role("textbox", name="to").press("Enter")
-    critical = rodgen.critical_force(SCENE).force  # four digits are shown
+    critical = rodgen.critical_load(SCENE).value  # four digits are shown
     drawn, before = swept.get_by_role("img"), ""
     while f"{critical:.4g}" not in before:
         before = until(drawn.inner_html, lambda seen, old=before: seen != old, "no more comes")

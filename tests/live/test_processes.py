@@ -76,7 +76,7 @@ def test_process_answers_what_is_not_dropped_and_is_started_again_where_it_died(
         for errand in [aside.ask("critical", SCENE, dropped.put) for _ in range(50)]:
             errand.drop()
         aside.ask("critical", SCENE, told.put)
-        wanted = [Answer(rodgen.critical_force(SCENE).force), Answer(last=True)]
+        wanted = [Answer(rodgen.critical_load(SCENE).value), Answer(last=True)]
         assert told.all() == wanted
         assert dropped.empty()
         aside.ask("critical", SCENE, told.put)

@@ -154,12 +154,12 @@ def test_the_distance_to_the_critical_force(make_scene: Make) -> None:
         (words, (*none[:3], words)),
     ):
         found = shown(scene, critical=critical)
-        names = ("force", "ratio", "distance", "why")
+        names = ("load", "ratio", "distance", "why")
         assert tuple(found[f"critical_{name}"] for name in names) == expected
 
 
 def test_how_the_run_goes(make_scene: Make) -> None:
-    counts = Counts(steps=1234567, rejected=89, rhs=12)
+    counts = Counts(nsteps=1234567, rejected=89, nfev=12)
     scene = make_scene(5, terms=THESIS_TERMS, output_every=0.02)
     used = scene.integrate.model_copy(update={"method": "radau"})
     found = shown(scene, t=12.3, counts=counts, seconds=7.126, ratio=1.7264, settings=used)

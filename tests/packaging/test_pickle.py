@@ -42,10 +42,11 @@ EXAMPLES: dict[str, Callable[[], Any]] = {
     "System": lambda: rodgen.System(rodgen.Scene.example("ziegler")).at(t=0.0),
     "FileWarning": lambda: rodgen.FileWarning("damaged"),
     "Interrupted": lambda: rodgen.Interrupted(made("Solution")),
-    "MeshWarning": lambda: rodgen.MeshWarning("damping was not converted"),
     "RunError": lambda: rodgen.RunError("stopped at t = 1 s", made("Solution")),
     "InputError": _refusal,
-    "StepWarning": lambda: rodgen.StepWarning("the step is too long"),
+    "DoubtWarning": lambda: rodgen.DoubtWarning("the step is too long", {"longest": 0.1}),
+    "Note": lambda: rodgen.Note("doubt", "the step is too long", {"longest": 0.1}),
+    "Result": lambda: rodgen.Result(),
     "Structure": lambda: SCENE.structure,
     "StudyError": lambda: rodgen.StudyError("the scheduler does not answer any more"),
 }
@@ -80,6 +81,8 @@ def _same(one: Any, other: Any) -> bool:
         return one is other or made[0] == made[1]
     if isinstance(one, BaseException):
         return _same([str(one), one.args, vars(one)], [str(other), other.args, vars(other)])
+    if type(one) is rodgen.Result:
+        return vars(one) == vars(other)
     if is_dataclass(one):
         names = [field.name for field in fields(one)]
         return all(_same(getattr(one, name), getattr(other, name)) for name in names)

@@ -14,6 +14,7 @@ from told import sections, told
 
 import rodgen
 from rodgen.scene.integration import Integrate
+from tests.view.results import made
 
 ROOT = Path(__file__).parents[2]
 
@@ -34,7 +35,7 @@ NAMES = {name: getattr(rodgen, name) for name in rodgen.__all__}
 FUNCTIONS = [name for name, one in NAMES.items() if inspect.isfunction(one)]
 CLASSES = [name for name, one in NAMES.items() if inspect.isclass(one)]
 RESULTS = [name for name in CLASSES if not issubclass(NAMES[name], BaseException)]
-INHERITED = {name for one in (BaseModel, tuple, object) for name in dir(one)}
+INHERITED = {name for one in (BaseModel, tuple, object, rodgen.Result) for name in dir(one)}
 NUMBER = re.compile(r"\b(float|complex|Array|ArrayLike|Any\]\]|float64\])")
 UNIT = re.compile(
     r"\[(1/)?([km]?(g|m|s|N|J|W|Hz)|rad|pixels)\b[^]]*\]|dimensionless|SI units|\bunits? of "
@@ -61,6 +62,17 @@ def test_functions_tell_what_they_take_and_return_with_an_example() -> None:
 def test_classes_tell_of_their_fields_and_members() -> None:
     for name in RESULTS:
         assert not [*_holes(name)], name
+
+
+def test_editors_offer_what_the_pages_show_and_not_what_extending_needs() -> None:
+    for name in ("Scene", "Solution"):
+        shown, parts = _entries(name)
+        offered = {*dir(made(name))}
+        assert shown | NAMES[name].__annotations__.keys() - {"run_notes"} <= offered
+        assert not offered & parts - {"scene", "value_of"}
+    module = rodgen.build(made("Scene"), "numpy")
+    assert not {"np", "math", "sys", "dpbsv"} & {*dir(module)}
+    assert {"rhs", "jac", "energy", "STATE"} <= {*dir(module)}
 
 
 def _holes(name: str) -> Iterator[str]:

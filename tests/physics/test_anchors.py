@@ -56,9 +56,9 @@ def test_a_foundation_does_not_change_the_critical_force_of_becks_column() -> No
     forces = []
     for stiffness in (0.0, 100.0):
         founded = {"foundation": {"stiffness": stiffness}}
-        found = rodgen.critical_force(Scene.example("foundation").replace(founded))
+        found = rodgen.critical_load(Scene.example("foundation").replace(founded))
         assert found.kind == "flutter"
-        forces.append(found.force)
+        forces.append(found.value)
     assert forces[0] == pytest.approx(forces[1], rel=1e-9)
     # The error of 40 links is 0.3 %.
     assert forces[1] == pytest.approx(beck().load, rel=5e-3)

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.integrate import Interrupted, RunError, StepWarning
+from rodgen.errors import DoubtWarning
+from rodgen.integrate import Interrupted, RunError
 from rodgen.integrate.methods.libraries import ScipyStep
 from rodgen.scene import Scene
 from tests.sets import Make, sets
@@ -29,7 +30,7 @@ def _blames(error: RunError, load: str, at: float, within: float) -> None:
 
 def test_explicit_method_beyond_its_stability_limit_is_stopped(make_scene: Make) -> None:
     scene = make_scene(3, "free", ("follower",), span=[0.0, 5.0])
-    with pytest.warns(StepWarning, match="euler"), pytest.raises(RunError) as caught:
+    with pytest.warns(DoubtWarning, match="euler"), pytest.raises(RunError) as caught:
         rodgen.simulate(scene, method="euler", step=0.05)
     sol = caught.value.solution
     assert sol.status == "failed"
@@ -82,7 +83,7 @@ def test_pole_far_ahead_is_not_blamed(make_scene: Make) -> None:
     """Euler's method leaves its stability limit long before the force is not finite."""
     scene = make_scene(3, "free", ("follower",), span=[0.0, 500.0])
     scene = _with_force(scene, "40 + 1/(t - 499.3)", method="euler", step=0.05)
-    with pytest.warns(StepWarning), pytest.raises(RunError) as caught:
+    with pytest.warns(DoubtWarning), pytest.raises(RunError) as caught:
         rodgen.simulate(scene)
     assert "loads." not in str(caught.value)
 

@@ -66,7 +66,7 @@ def test_compiled_methods_end_after_the_last_sample(scene: Scene, method: str) -
     whole = rodgen.simulate(scene, target="c", method=method, **step)
     sol = rodgen.simulate(scene, target="c", method=method, t_eval=[whole.t[3]], **step)
     np.testing.assert_array_equal(sol.y[0], whole.y[3])
-    assert sol.stats.steps == whole.stats.steps
+    assert sol.stats.nsteps == whole.stats.nsteps
     assert sol.stats.target == "c"
 
 
@@ -133,7 +133,7 @@ def test_moments_and_forces_of_a_run(scene: Scene, tmp_path: Path) -> None:
 def test_a_run_that_stops_before_its_first_sample_is_summed_up(scene: Scene) -> None:
     """With steps far beyond what is stable."""
     far = scene.with_integrate(span=[0.0, 1e3], t_eval=[999.0], method="rk4", step=0.5)
-    with pytest.warns(rodgen.StepWarning), pytest.raises(rodgen.RunError) as stopped:
+    with pytest.warns(rodgen.DoubtWarning), pytest.raises(rodgen.RunError) as stopped:
         rodgen.simulate(far, target="numpy")
     solution = stopped.value.solution
     assert solution is not None

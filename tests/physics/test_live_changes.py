@@ -126,7 +126,7 @@ def test_balance_stays_small(make_scene: Make, how: int) -> None:
     assert np.sum(np.abs(jumps) > 1e-2) >= 8 + 4
     assert np.abs(samples.work[-1]).max() > 1.0
     live.restart()
-    assert (live.t, live.given, live.seconds, live.counts.steps) == (0.0, 0.0, 0.0, 0)
+    assert (live.t, live.given, live.seconds, live.counts.nsteps) == (0.0, 0.0, 0.0, 0)
     samples = live.advance(0.05, 60.0)
     energy = sum(live.model.energy(samples.y, live.p))
     assert np.abs(energy - live.energy_start - samples.work.sum(axis=1)).max() < 1e-5

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.integrate import StepWarning
+from rodgen.errors import DoubtWarning
 from rodgen.scene import Scene
 from tests.palette import cases
 from tests.physics.live_runs import PULSE, bar
@@ -48,11 +48,11 @@ def test_what_rises_before_a_pulse_counts_is_felt_too(target: str) -> None:
 
 
 def test_fixed_step_that_is_too_long_for_a_pulse_is_warned_of() -> None:
-    with pytest.warns(StepWarning) as warned:
+    with pytest.warns(DoubtWarning) as warned:
         rodgen.simulate(STRUCK, method="rk4", step=0.1, target="numpy")
     assert any(7.2 <= number < 7.4 for number in numbers(warned[0].message))
     with warnings.catch_warnings():
-        warnings.simplefilter("error", StepWarning)
+        warnings.simplefilter("error", DoubtWarning)
         rodgen.simulate(STRUCK, method="rk4", step=0.002, target="numpy", span=[7.2, 7.4])
 
 
@@ -126,7 +126,7 @@ def test_load_that_changes_often_is_followed(method: str, target: str) -> None:
 @pytest.mark.compiler
 def test_fixed_step_that_cannot_see_a_load_is_warned_of() -> None:
     scene = free(SWINGING, 0.1, "rk4", step=5e-4)
-    with pytest.warns(StepWarning) as warned:
+    with pytest.warns(DoubtWarning) as warned:
         rodgen.simulate(scene, target="c")
     # Its period, in some digits.
     told = numbers(warned[0].message)
@@ -137,7 +137,7 @@ def test_fixed_step_that_cannot_see_a_load_is_warned_of() -> None:
 @pytest.mark.compiler
 def test_load_that_cannot_be_followed_is_warned_of() -> None:
     scene = free("sin(1e9*t)", 1.0, "rk4", step=0.1)
-    with pytest.warns(StepWarning, match=r"loads\.tip\.x = 'sin\(1e9\*t\)'"):
+    with pytest.warns(DoubtWarning, match=r"loads\.tip\.x = 'sin\(1e9\*t\)'"):
         rodgen.simulate(scene, target="c")
 
 

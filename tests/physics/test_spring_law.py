@@ -100,11 +100,11 @@ def test_period_of_one_spring() -> None:
 def test_a_straight_rod_buckles_by_the_slope_at_zero() -> None:
     load = {"follower": {"force": 1.0}}
     linear, twice = (
-        rodgen.critical_force(_scene(spring, loads=load)).force for spring in ("k*d", "k*sin(2*d)")
+        rodgen.critical_load(_scene(spring, loads=load)).value for spring in ("k*d", "k*sin(2*d)")
     )
     assert twice == pytest.approx(2 * linear, rel=1e-9)
     with pytest.raises(InputError, match=r"rod\.spring"):
-        rodgen.critical_force(_scene("k*d**3", loads=load))
+        rodgen.critical_load(_scene("k*d**3", loads=load))
 
 
 @pytest.mark.slow

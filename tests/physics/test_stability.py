@@ -11,10 +11,10 @@ from scipy.integrate import DOP853, RK23, RK45, OdeSolver
 
 import rodgen
 from rodgen.arrays import Array
+from rodgen.errors import DoubtWarning
 from rodgen.integrate import RunError, stability
-from rodgen.integrate.endings import StepWarning
 from rodgen.integrate.methods.fixed_step import advance
-from rodgen.integrate.stability import LIMITS, Dominant, dominant, limit, warn_of_step
+from rodgen.integrate.stability import LIMITS, Dominant, dominant, limit, step_doubt
 from rodgen.integrate.stepper import Rhs, StepError
 from rodgen.model.methods import TABLEAUX
 from rodgen.model.rod import BOUNDARIES, INERTIAS
@@ -144,7 +144,7 @@ def test_spectrum_of_rates_that_are_not_finite() -> None:
     model, p = _model(20, "free")
     with pytest.raises(StepError):
         dominant(model, 0.0, np.full(44, np.nan), p)
-    assert warn_of_step("rk4", 1.0, 10.0, model, 0.0, np.full(44, np.nan), p) is None
+    assert step_doubt("rk4", 1.0, 10.0, model, 0.0, np.full(44, np.nan), p) is None
 
 
 # Limits -----------------------------------------------------------------------------------------
@@ -224,7 +224,7 @@ def test_limit_is_where_steps_begin_to_grow(method: str, damping: float) -> None
 def test_a_step_far_beyond_the_limit_is_warned_of(make_scene: Make) -> None:
     """The growth over the span is more than a number can hold."""
     scene = make_scene(3, "clamped", span=[0.0, 3.0])
-    with pytest.warns(StepWarning, match="rk4"), pytest.raises(RunError):
+    with pytest.warns(DoubtWarning, match="rk4"), pytest.raises(RunError):
         rodgen.simulate(scene, method="rk4", step=0.5)
 
 
@@ -236,18 +236,19 @@ def test_warning_has_step_limit_and_rate() -> None:
     y = np.zeros(len(model.STATE))
     found: Dominant = dominant(model, 0.0, y, p)
     most = limit("rk4", found.value, found.partner)
-    assert warn_of_step("rk4", 0.999 * most, 10.0, model, 0.0, y, p) is None
-    assert warn_of_step("radau", 1.0, 10.0, model, 0.0, y, p) is None
-    text = warn_of_step("rk4", 0.1, 10.0, model, 0.0, y, p)
-    assert text is not None
+    assert step_doubt("rk4", 0.999 * most, 10.0, model, 0.0, y, p) is None
+    assert step_doubt("radau", 1.0, 10.0, model, 0.0, y, p) is None
+    told = step_doubt("rk4", 0.1, 10.0, model, 0.0, y, p)
+    assert told is not None
+    assert told.figures == {"step": 0.1, "longest": most, "rate": found.rate}
     # In two or three digits; the damping in per cent of critical.
     for value in (0.1, most, found.rate, 100 * found.damping):
-        assert any(number == pytest.approx(value, rel=0.06) for number in numbers(text))
+        assert any(number == pytest.approx(value, rel=0.06) for number in numbers(told))
 
 
 def test_warning_of_euler_without_damping() -> None:
     model, p = _model(20, "clamped")
     y = np.zeros(len(model.STATE))
-    assert warn_of_step("euler", 1e-4, 10.0, model, 0.0, y, p) is not None
+    assert step_doubt("euler", 1e-4, 10.0, model, 0.0, y, p) is not None
     # exp(h omega^2/2 T) with h = 1e-9 s, omega = 547 rad/s, T = 10 s: a growth of 0.2 %.
-    assert warn_of_step("euler", 1e-9, 10.0, model, 0.0, y, p) is None
+    assert step_doubt("euler", 1e-9, 10.0, model, 0.0, y, p) is None

@@ -19,7 +19,7 @@ def told(force: str, field: str = "force") -> list[str]:
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
         rodgen.simulate(scene, target="numpy", progress=False)
-    assert all(issubclass(one.category, rodgen.StepWarning) for one in found)
+    assert all(issubclass(one.category, rodgen.DoubtWarning) for one in found)
     return [str(one.message) for one in found]
 
 

@@ -97,7 +97,7 @@ def test_pflueger_column() -> None:
     16.21212894249526 EI/L^2."""
     scene = Scene.example("pflueger")
     forces = {
-        links: rodgen.critical_force(scene.with_links(links)).force for links in (5, 10, 20, 40)
+        links: rodgen.critical_load(scene.with_links(links)).value for links in (5, 10, 20, 40)
     }
     found = rodgen.richardson(list(forces), list(forces.values()))
     assert found.value == pytest.approx(16.21212894249526, rel=1e-7)
@@ -116,9 +116,9 @@ def test_ziegler_pendulum(bodies: bool) -> None:
         )
         # Of the 3 kg of the links 1 kg and 0.5 kg stand in the joints.
         scene = scene.replace({"rod.mass": 3.0, "bodies": [elbow, end]})
-    found = rodgen.critical_force(scene)
+    found = rodgen.critical_load(scene)
     assert found.kind == "flutter"
-    assert found.force == pytest.approx(3.5 - np.sqrt(2), rel=1e-9)
+    assert found.value == pytest.approx(3.5 - np.sqrt(2), rel=1e-9)
 
 
 @pytest.mark.slow
@@ -147,7 +147,7 @@ def test_critical_forces_of_a_tapered_damped_rod_are_of_second_order(boundary: s
     found = []
     for links in (9, 27, 81):
         rod = TAPERED | {"links": links, "boundary": boundary}
-        found.append(rodgen.critical_force(_scene(rod, bodies=bodies, loads=loads)).force)
+        found.append(rodgen.critical_load(_scene(rod, bodies=bodies, loads=loads)).value)
     order = np.log((found[1] - found[0]) / (found[2] - found[1])) / np.log(3)
     assert order == pytest.approx(2.0, abs=0.1)
 

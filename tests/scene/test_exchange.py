@@ -142,7 +142,7 @@ def test_equal_scenes_have_one_hash() -> None:
 def test_a_scene_that_is_not_there_but_comes_with_rodgen(tmp_path: Path) -> None:
     told = refused(Scene.from_toml, tmp_path / "missile.toml")
     assert told[:2] == ("scene", str(tmp_path / "missile.toml"))
-    assert "rodgen new missile --from missile" in told.allowed
+    assert "rodgen new missile --like missile" in told.allowed
     assert "rodgen new" not in refused(Scene.from_toml, tmp_path / "none_such.toml").allowed
 
 

@@ -96,7 +96,7 @@ def test_what_is_no_scene_or_solution() -> None:
     functions: list[Callable[..., Any]] = [
         *(rodgen.build, rodgen.simulate, rodgen.natural_modes, rodgen.static_equilibrium),
         *(rodgen.static_equilibria, rodgen.find_cycle, rodgen.lyapunov_exponents),
-        *(rodgen.floquet, rodgen.critical_force, rodgen.simulated_critical_force),
+        *(rodgen.floquet, rodgen.critical_load, rodgen.simulated_critical_load),
     ]
     for function in functions:
         with pytest.raises(TypeError, match=r"^(scene|system) .*Scene.from_toml.* str$"):

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from rodgen.analyse.critical import critical_force
+from rodgen.analyse.critical import critical_load
 from rodgen.errors import Missing
 from rodgen.scene import Scene
 from rodgen.scene.places import place_of
@@ -84,12 +84,12 @@ def test_terms_at_no_place_are_refused() -> None:
 
 
 def test_two_halves_flutter_as_one() -> None:
-    whole = critical_force(_rod({"force": 1.0}, **THREE))
+    whole = critical_load(_rod({"force": 1.0}, **THREE))
     halves = _rod([{"force": 0.5}, {"force": 0.5}], **THREE)
-    both = critical_force(halves, load="followers")
-    assert both.force == pytest.approx(whole.force, rel=1e-9)
+    both = critical_load(halves, load="followers")
+    assert both.value == pytest.approx(whole.value, rel=1e-9)
     assert both.unit == "times the loads"
     # Beside the half that stays, the other bears the rest.
-    second = critical_force(halves, load="follower_2")
-    assert second.force == pytest.approx(whole.force - 0.5, rel=1e-9)
-    assert refused(critical_force, halves, load="follower_3")[:2] == ("loads.follower_3", Missing)
+    second = critical_load(halves, load="follower_2")
+    assert second.value == pytest.approx(whole.value - 0.5, rel=1e-9)
+    assert refused(critical_load, halves, load="follower_3")[:2] == ("loads.follower_3", Missing)

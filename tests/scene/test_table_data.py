@@ -13,10 +13,10 @@ from scipy.interpolate import PchipInterpolator
 import rodgen
 from rodgen.scene import Scene
 from rodgen.scene.contents import contents
-from rodgen.scene.doubts import doubts
 from rodgen.scene.expression import Expression
 from rodgen.scene.grammar import TableData
 from rodgen.scene.lookup_table import MOST_ROWS
+from rodgen.system import System
 from tests.scene.tables import TOML, scene_of
 from tests.told import refused
 
@@ -188,7 +188,7 @@ def test_a_long_table_costs_what_the_curve_costs() -> None:
     table, curve = run("interp(t, 'f')"), run("sin(3*t)")
     corners = TableData(**SINE).corners
     # A few to each corner, where the run begins anew.
-    assert curve.stats.steps < table.stats.steps < curve.stats.steps + 4 * len(corners) < 250
+    assert curve.stats.nsteps < table.stats.nsteps < curve.stats.nsteps + 4 * len(corners) < 250
     # Ten tolerances; a line between two knots is off by less, 9 (1e-4)^2/8.
     assert table.y[-1, -1] == pytest.approx((1 - np.cos(6.0)) / 3, abs=1e-6)
 
@@ -250,9 +250,9 @@ def test_tables_have_a_limit_together_and_an_unread_one_is_a_doubt(tmp_path: Pat
     tables = {"f": half, "g": half}
     found = refused(scene_of, rod={"links": 1, "boundary": "pinned"}, tables=tables)
     assert found[:2] == ("tables", 200_002)
-    (said,) = doubts(scene("1.0", {"knots": [0, 1], "values": [5, 6]}))
-    assert "tables.f" in said
-    assert not [*doubts(scene(table={"knots": [0, 1], "values": [5, 6]}))]
+    (said,) = System(scene("1.0", {"knots": [0, 1], "values": [5, 6]})).doubts
+    assert "tables.f" in said.text
+    assert not System(scene(table={"knots": [0, 1], "values": [5, 6]})).doubts
 
 
 def test_what_stands_in_tables_is_not_read_from_a_file(tmp_path: Path) -> None:

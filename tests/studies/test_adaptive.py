@@ -23,8 +23,8 @@ Values = Callable[[Array], dict[str, Array]]  # of the points that are asked for
 
 def stability(rows: int, columns: int, **more: Any) -> Study:
     vary = {
-        FORCE: {"from": 20.0, "to": 90.0, "count": rows},
-        TIME: {"from": 1e-3, "to": 1.0, "count": columns, "scale": "log"},
+        FORCE: {"bounds": [20.0, 90.0], "count": rows},
+        TIME: {"bounds": [1e-3, 1.0], "count": columns, "scale": "log"},
     }
     return Study.of(scene(BECK), vary, what="modes", keep=["stable", "largest_growth"], **more)
 
@@ -103,7 +103,7 @@ def test_the_border_of_stability_is_the_critical_force() -> None:
     known, _ = refined(study, of)
     forces, times = (np.array(axis.values) for axis in study.axes)
     for column, time in enumerate(times):
-        critical = rodgen.critical_force(study.scene_at({TIME: float(time), FORCE: 20.0})).force
+        critical = rodgen.critical_load(study.scene_at({TIME: float(time), FORCE: 20.0})).value
         row = int(np.searchsorted(forces, critical))
         assert known[row - 1 : row + 1, column].all()
         assert of(np.array([(row - 1) * 3 + column, row * 3 + column]))["stable"].tolist() == [1, 0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -12,7 +13,7 @@ import rodgen
 from rodgen import InputError, Scene, Solution
 from rodgen.analyse.fourier import peaks_of
 from rodgen.errors import AnalysisError
-from rodgen.studies import point_batch, runs
+from rodgen.studies import point_batch, runs, task
 from rodgen.studies.block import evaluate
 from rodgen.studies.points import points
 from rodgen.studies.study import Study
@@ -202,6 +203,43 @@ def test_auto_finds_the_method_of_every_point(monkeypatch: pytest.MonkeyPatch) -
     same(every, computed(apart, [3, 1]), [3, 1])
 
 
+@pytest.mark.parametrize("together", [True, False])
+def test_doubts_of_runs_are_counted(together: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Angles of more than a turn at the start, in lanes and one by one, and nobody is warned."""
+    study = Study.of(scene(PENDULUM), {"initial.phi": [0.1, 7.0, 40.0]}, keep=["last(tip_x)"])
+    if not together:
+        monkeypatch.setattr(runs, "_together", _by_themselves)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", rodgen.DoubtWarning)
+        found = task.computed(study, [0, 1, 2])
+    assert found["doubts"].tolist() == [0, 1, 1]
+
+
+def _by_themselves(study: Study, given: Any, made: Any, wanted: Any) -> None:
+    runs._one_by_one(study, given, range(len(given)), made, wanted)
+
+
+def test_a_study_tells_how_many_points_are_doubtful() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", rodgen.DoubtWarning)
+        data = rodgen.study(scene(BECK), {FORCE: [20.0, 95.0]}, what="modes", workers=1)
+    assert data["doubts"].values.tolist() == [0, 1]
+    assert data.rodgen.notes[0].figures == {"points": 1}
+    assert data.rodgen.to_dict()["notes"] == [data.rodgen.notes[0].to_dict()]
+    assert data["frequencies"].attrs == {"long_name": "frequency", "units": "Hz"}
+    assert rodgen.study(scene(BECK), {FORCE: [20.0]}, what="modes", workers=1).rodgen.notes == ()
+
+
+def test_what_is_not_known_of_a_point_is_none_in_plain_data() -> None:
+    """Of points that failed, along one axis and two."""
+    vary = {FORCE: [20.0], "rod.mass": [50.0, -1.0]}
+    data = rodgen.study(scene(BECK), vary, what="modes", keep=["stable"], workers=1)
+    found = data.rodgen.to_dict()
+    assert (found["stable"], found["doubts"]) == ([[1, None]], [[0, None]])
+    assert data.isel({FORCE: 0}).rodgen.to_dict()["stable"] == [1, None]
+    assert not {"token", "digest", "variables"} & found.keys()
+
+
 # Analyses ----------------------------------------------------------------------------------------
 
 
@@ -216,14 +254,14 @@ Alone = Callable[..., dict[str, Any]]
 
 
 def critical(of: Scene, **options: Any) -> dict[str, Any]:
-    found = rodgen.critical_force(of, **options)
-    return {"force": found.force, "kind": found.kind}
+    found = rodgen.critical_load(of, **options)
+    return {"value": found.value, "kind": found.kind}
 
 
 def modes(of: Scene) -> dict[str, Any]:
     found = rodgen.natural_modes(of, 16)
     growth = found.growth.max()
-    return {"stable": growth < 0, "largest_growth": growth, "frequency(3)": found.frequencies[:3]}
+    return {"stable": growth < 0, "largest_growth": growth, "frequencies(3)": found.frequencies[:3]}
 
 
 def static(of: Scene) -> dict[str, Any]:
@@ -239,22 +277,22 @@ def cycle(of: Scene) -> dict[str, Any]:
 def lyapunov(of: Scene, **options: Any) -> dict[str, Any]:
     found = rodgen.lyapunov_exponents(of, count=2, **options)
     first, *_ = found.exponents
-    return {"exponent(2)": found.exponents, "error(2)": found.errors, "exponent": first}
+    return {"exponents(2)": found.exponents, "errors(2)": found.errors, "exponents": first}
 
 
 KEPT = {
-    "critical": ["force", "kind"],
-    "modes": ["stable", "largest_growth", "frequency(3)"],
+    "critical": ["value", "kind"],
+    "modes": ["stable", "largest_growth", "frequencies(3)"],
     "static": ["tip_y", "stable"],
     "cycle": ["period", "stable", "moduli(2)"],
-    "lyapunov": ["exponent(2)", "error(2)", "exponent", "chaotic"],
+    "lyapunov": ["exponents(2)", "errors(2)", "exponents", "chaotic"],
 }
 # Columns of which thrust, damping, mass or weight are varied, and pendulums. Some have no result: a
 # mass below zero, thrust too small for flutter, a motion that comes to rest, and a transient longer
 # than the span.
 ANALYSES: list[tuple[Alone, dict[str, Any], dict[str, Any], dict[str, Any], int]] = [
     (critical, BECK, {TIME: [1e-3, 1.0], "rod.mass": [20.0, -1.0]}, {}, 2),
-    (critical, BECK, {TIME: [1e-3]}, {"highest": 20.0}, 1),
+    (critical, BECK, {TIME: [1e-3]}, {"bounds": (None, 20.0)}, 1),
     (modes, BECK, {FORCE: [20.0, 95.0]}, {}, 0),
     (static, {**BECK, "loads": {"gravity": {"g": 9.81}}}, {"loads.gravity.g": [0.0, 1.0]}, {}, 0),
     (lyapunov, PENDULUM, {"initial.phi": [0.2]}, {"transient": 1e9}, 1),

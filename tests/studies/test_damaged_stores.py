@@ -30,7 +30,7 @@ GRID = Study.of(
 )
 SAMPLE = Study.of(
     SHORT,
-    {"parameters.A": {"from": 0, "to": 2}, "rod.mass": {"from": 1, "to": 3}},
+    {"parameters.A": {"bounds": [0, 2]}, "rod.mass": {"bounds": [1, 3]}},
     keep=KEEP,
     sample={"method": "random", "count": 20, "seed": 1},
 )

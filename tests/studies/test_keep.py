@@ -36,6 +36,7 @@ def test_variables_of_a_run() -> None:
         "method": ((), (), "U16", ""),
         "status": ((), (), "U8", ""),
         "message": ((), (), "U200", ""),
+        "doubts": ((), (), "i4", ""),
         "energy_error": ((), (), "f8", "J"),
         "seconds": ((), (), "f8", "s"),
     }
@@ -64,20 +65,20 @@ NOT_KEPT: list[tuple[list[str], str]] = [
 def test_variables_of_analyses() -> None:
     vary = {"loads.material_damping.time": [1e-4, 1e-2]}
     usual = Study.of(scene(BECK), vary, what="modes")
-    found = {one.name: (one.dims, one.shape, one.dtype) for one in variables(usual)[:-4]}
+    found = {one.name: (one.dims, one.shape, one.dtype) for one in variables(usual)[:-5]}
     assert found == {
-        "frequency": (("mode",), (4,), "f8"),
+        "frequencies": (("mode",), (4,), "f8"),
         "growth": (("mode",), (4,), "f8"),
         "stable": ((), (), "i8"),
     }
-    asked = Study.of(scene(BECK), vary, what="modes", keep=["frequency(2)", "growth(3)"])
+    asked = Study.of(scene(BECK), vary, what="modes", keep=["frequencies(2)", "growth(3)"])
     assert [one.dims for one in variables(asked)[:2]] == [("mode",), ("mode_2",)]
 
 
 NOT_KEPT_OF_ANALYSES: list[tuple[str, list[str], dict[str, int], str]] = [
     ("critical", ["max(phi_0)"], {}, "compute.keep[0]"),
-    ("critical", ["force(2)"], {}, "compute.keep[0]"),
-    ("modes", ["frequency(0)"], {}, "compute.keep[0]"),
+    ("critical", ["value(2)"], {}, "compute.keep[0]"),
+    ("modes", ["frequencies(0)"], {}, "compute.keep[0]"),
     ("static", ["tip_z"], {}, "compute.keep[0]"),
     ("critical", [], {"force": 3}, "compute.options.force"),
     ("modes", [], {"count": 3}, "compute.options.count"),

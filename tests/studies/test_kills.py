@@ -68,7 +68,7 @@ def test_two_clients_do_not_harm_each_other(tmp_path: Path) -> None:
 def file(tmp_path: Path) -> Path:
     """A study of 40 points of a few hundredths of a second, in blocks of two."""
     long = {"method": "rk4", "step": 1e-4, "span": [0.0, 4.0]}
-    vary = {"parameters.A": {"from": 0.1, "to": 2, "count": 40}}
+    vary = {"parameters.A": {"bounds": [0.1, 2], "count": 40}}
     path = study_file(tmp_path / "study.toml", "swings", {**PENDULUM, "integrate": long}, vary)
     in_blocks(tmp_path / "swings" / "study.zarr", Study.from_toml(path), 2)
     return path

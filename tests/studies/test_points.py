@@ -17,9 +17,9 @@ from rodgen.studies.points import points
 from tests.studies.conftest import BECK, scene
 
 VARY: dict[str, Any] = {
-    "loads.follower.force": {"from": 5, "to": 60},
-    "loads.material_damping.time": {"from": 1e-5, "to": 1, "scale": "log"},
-    "rod.links": {"from": 4, "to": 6},
+    "loads.follower.force": {"bounds": [5, 60]},
+    "loads.material_damping.time": {"bounds": [1e-5, 1], "scale": "log"},
+    "rod.links": {"bounds": [4, 6]},
     "rod.boundary": {"values": ["clamped", "cantilever"]},
 }
 

@@ -22,11 +22,11 @@ FILE = """
 name = "forces"
 scene = "beck.toml"
 [vary]
-"loads.follower.force" = {from = 5, to = 60, count = 4}
-"loads.material_damping.time" = {from = 1e-4, to = 1e-1, count = 4, scale = "log"}
+"loads.follower.force" = {bounds = [5, 60], count = 4}
+"loads.material_damping.time" = {bounds = [1e-4, 1e-1], count = 4, scale = "log"}
 [compute]
 what = "modes"
-keep = ["frequency"]
+keep = ["frequencies"]
 """
 
 
@@ -43,12 +43,12 @@ def of(vary: Any, table: dict[str, Any] = BECK, **given: Any) -> Study:
 
 def test_a_file_and_python_give_the_same_study(file: Path) -> None:
     vary = {
-        "loads.follower.force": {"from": 5, "to": 60, "count": 4},
-        "loads.material_damping.time": {"from": 1e-4, "to": 1e-1, "count": 4, "scale": "log"},
+        "loads.follower.force": {"bounds": [5, 60], "count": 4},
+        "loads.material_damping.time": {"bounds": [1e-4, 1e-1], "count": 4, "scale": "log"},
     }
     study = Study.from_toml(file)
     own = rodgen.Scene.from_toml(file.with_name("beck.toml"))
-    assert study == Study.of(own, vary, what="modes", keep=["frequency"])
+    assert study == Study.of(own, vary, what="modes", keep=["frequencies"])
     assert study.shape == (4, 4)
     listed = [point["loads.follower.force"] for point in points(study, range(0, 16, 4))]
     np.testing.assert_array_equal(listed, np.linspace(5, 60, 4))
@@ -83,7 +83,7 @@ def test_any_number_of_a_scene_can_be_varied() -> None:
         assert of_scene(study.scene_at(points(study, [0])[0])) == value, key
 
 
-LINE = {"from": 1, "to": 2, "count": 2}
+LINE = {"bounds": [1, 2], "count": 2}
 # By field: what is given of the axes of a study; of the mass alone; and beside a varied mass.
 NOT_VARIED: dict[str, list[Any]] = {
     "vary": [
@@ -91,16 +91,19 @@ NOT_VARIED: dict[str, list[Any]] = {
         *({"name": ["a"]}, {"bodies.0.mass": [1.0]}, {"__class__": [1.0]}),
     ],
     "vary.loads.follower.forse": [{"loads.follower.forse": [1.0]}],
-    "vary.rod.links": [{"rod.links": [2.5]}, {"rod.links": {"from": 2, "to": 5, "count": 3}}],
+    "vary.rod.links": [{"rod.links": [2.5]}, {"rod.links": {"bounds": [2, 5], "count": 3}}],
     "vary.integrate.method": [{"integrate.method": ["none"]}],
 }
 NO_MASSES: dict[str, list[Any]] = {
     "": [1.0, ["heavy"], [-1.0, -2.0]],
     ".values": [[], [1.0, "a"], [1.0, 1.0]],
     ".values[0]": [[True], [float("nan")]],
-    ".count": [{"from": 1, "to": 2}, {"values": [1.0], "count": 2}],
-    ".from": [{"to": 2, "count": 2}, {**LINE, "from": "1"}, {**LINE, "from": 0, "scale": "log"}],
-    ".to": [{**LINE, "to": 1}],
+    ".count": [{"bounds": [1, 2]}, {"values": [1.0], "count": 2}],
+    ".bounds": [
+        *({"count": 2}, {**LINE, "bounds": [1]}, {**LINE, "bounds": [1, 1]}),
+        {**LINE, "bounds": [0, 2], "scale": "log"},
+    ],
+    ".bounds.0": [{**LINE, "bounds": ["1", 2]}],
     ".step": [{**LINE, "step": 2}],
     ".scale": [{**LINE, "scale": "square"}],
 }
@@ -126,7 +129,7 @@ def test_what_cannot_be_varied_or_computed_is_refused() -> None:
     ]
     for field, each in NOT_COMPUTED.items():
         for given in each:
-            line = {"from": 1, "to": 2} if "sample" in given else LINE
+            line = {"bounds": [1, 2]} if "sample" in given else LINE
             refusals.append((field, {"rod.mass": line}, given))
     for field, vary, given in refusals:
         assert refused(of, vary, **given).field == field, (vary, given)
@@ -150,7 +153,7 @@ def test_files_that_are_none_are_refused(file: Path, rodgen: Any, tmp_path: Path
 
 
 def test_more_points_than_anybody_wants_are_asked_for_twice(tmp_path: Path) -> None:
-    axis = {"from": 1, "to": 2, "count": 10**4 + 1}
+    axis = {"bounds": [1, 2], "count": 10**4 + 1}
     vary = {"rod.mass": axis, "rod.length": axis}
     with pytest.raises(InputError, match="--yes"):
         rodgen.study(scene(BECK), vary, what="critical", out=tmp_path / "a.zarr", workers=1)

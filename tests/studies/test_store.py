@@ -33,7 +33,7 @@ def grid(count: int = 6, **given: Any) -> Study:
 
 
 def sampled(count: int, method: str = "random") -> Study:
-    vary = {"parameters.A": {"from": 0, "to": 2}, "rod.mass": {"from": 1, "to": 3}}
+    vary = {"parameters.A": {"bounds": [0, 2]}, "rod.mass": {"bounds": [1, 3]}}
     sample = {"method": method, "count": count, "seed": 1}
     return Study.of(SHORT, vary, keep=KEEP[:2], sample=sample)
 

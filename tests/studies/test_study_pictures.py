@@ -39,7 +39,7 @@ def dataset(names: tuple[str, ...], **more: Any) -> xarray.Dataset:
         "last(tip_x)": (names, values, {"units": "m"}),
         "stable": (names, np.where(values > 2, 1, 0)),
         "kind": (names, np.where(values > 2, "flutter", "divergence").astype(object)),
-        "frequency(2)": ((*names, "mode"), np.stack([values, 2 * values], axis=-1)),
+        "frequencies(2)": ((*names, "mode"), np.stack([values, 2 * values], axis=-1)),
         SECTION: ((*names, "crossing"), np.stack([values, -values], axis=-1)),
         f"{SECTION}.t": ((*names, "crossing"), np.stack([values, values + 1], axis=-1)),
         "status": (names, status),
@@ -53,7 +53,9 @@ def test_pictures_of_a_grid(tmp_path: Path) -> None:
     """Of one axis to four; text is as stores have it, of any length."""
     of_three = {"last_tip_x", "stable", "kind"}
     of_two = of_three | {"section_tip_y_where_tip_x_rising_0"}
-    for count, expected in enumerate((of_two | {"frequency_2"}, of_two, of_three, {"scatter"}), 1):
+    for count, expected in enumerate(
+        (of_two | {"frequencies_2"}, of_two, of_three, {"scatter"}), 1
+    ):
         data = dataset(tuple(AXES)[:count])
         text = {one: data[one].astype(np.dtypes.StringDType()) for one in ("status", "kind")}
         made = study_pictures.draw(data.assign(text), tmp_path)

@@ -28,6 +28,8 @@ TABLE: dict[str, Any] = {
 }
 SCENE = Scene.from_dict(TABLE)
 
+REFERENCE = {"method": "dop853", "order": 8, "checked_by": "radau, rtol 1e-12"}
+
 
 def _ensemble() -> rodgen.Ensemble:
     model = rodgen.build(SCENE)
@@ -38,7 +40,7 @@ def _ensemble() -> rodgen.Ensemble:
 def _cycle() -> rodgen.Cycle:
     y, mu = SCENE.initial_state(), np.full(6, 0.5 + 0j)
     numbers = (0.0, 0.2, y, mu, 0, 0.0, 0.0, 0.5, 0.1, False, 1e-12, 4)
-    return rodgen.Cycle(SCENE, *numbers, "collocation")
+    return rodgen.Cycle(rodgen.System(SCENE), *numbers, "collocation")
 
 
 def _setting(error: float) -> dict[str, Any]:
@@ -50,9 +52,10 @@ def _setting(error: float) -> dict[str, Any]:
 MAKERS: dict[str, Callable[[], Any]] = {
     "Scene": lambda: SCENE,
     "Solution": lambda: rodgen.simulate(SCENE, target="numpy"),
+    "Description": lambda: rodgen.describe(SCENE),
     "Modes": lambda: rodgen.natural_modes(SCENE),
     "Equilibrium": lambda: rodgen.static_equilibrium(SCENE),
-    "Critical": lambda: rodgen.critical_force(SCENE),
+    "Critical": lambda: rodgen.critical_load(SCENE),
     "Cycle": _cycle,
     "Exponents": lambda: rodgen.lyapunov_exponents(SCENE, count=2),
     "Floquet": lambda: rodgen.Floquet(np.array([0.5 + 0j]), 0.2, np.zeros(6), 1e-9, 1e-12, (0,)),
@@ -62,7 +65,7 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "Extrapolation": lambda: rodgen.richardson([4, 8, 16], [1 + 1 / n**2 for n in (4, 8, 16)]),
     "SimulatedCritical": lambda: rodgen.SimulatedCritical(2.5, 2.0, 3.0, 10.0, None, 7, 0.1, "c"),
     "WorkPrecision": lambda: rodgen.WorkPrecision(
-        SCENE, [_setting(1e-6), _setting(1e-8)], {}, {"error_phi": 1e-9}, {}
+        SCENE, [_setting(1e-6), _setting(1e-8)], REFERENCE, {"error_phi": 1e-9}, {}
     ),
     "Study": lambda: rodgen.Study.of(SCENE, {"loads.follower.force": [1.0, 2.5]}, what="modes"),
     "Ensemble": _ensemble,

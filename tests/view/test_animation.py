@@ -217,8 +217,10 @@ REFUSED: dict[str, list[tuple[str, dict[str, Any]]]] = {
     "view": [("film.gif", {"view": "sideways"})],
     "width": [("film.gif", {"width": 641})],
     "height": [("film.gif", {"height": 100_000})],
-    "from": [("film.gif", {"start": -1.0})],
-    "to": [("film.gif", {"end": float("nan")}), ("film.gif", {"start": 0.5, "end": 0.4})],
+    "bounds": [
+        *(("film.gif", {"bounds": bounds}) for bounds in ((-1.0, None), (None, float("nan")))),
+        ("film.gif", {"bounds": (0.5, 0.4)}),
+    ],
 }
 
 
@@ -266,7 +268,7 @@ def test_nearest_samples_are_taken() -> None:
     times = random.uniform(-0.1, 1.1, 400)
     assert (nearest(t, times) == np.abs(t[:, None] - times).argmin(axis=0)).all()
     assert (nearest(t[:1], times) == 0).all()
-    planned = plan(t, Settings(start=float(t[10]), end=float(t[30])))
+    planned = plan(t, Settings(bounds=(float(t[10]), float(t[30]))))
     assert np.abs(t[planned.kept[planned.frames]] - planned.times).max() == pytest.approx(
         np.abs(t[:, None] - planned.times).min(axis=0).max()
     )

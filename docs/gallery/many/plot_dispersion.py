@@ -15,8 +15,8 @@ scene = rodgen.Scene.example("missile")
 data = rodgen.study(
     scene,
     {
-        "loads.follower.angle": {"from": -0.01, "to": 0.01},
-        "rod.mass": {"from": 0.95 * scene.rod.mass, "to": 1.05 * scene.rod.mass},
+        "loads.follower.angle": {"bounds": (-0.01, 0.01)},
+        "rod.mass": {"bounds": (0.95 * scene.rod.mass, 1.05 * scene.rod.mass)},
     },
     sample={"method": "sobol", "count": 256, "seed": 1},
     keep=["last(tip_x)", "last(tip_y)"],

@@ -25,7 +25,7 @@ data = rodgen.study(
 figure, axes = plt.subplots()
 stable = data["stable"].transpose(force, time)
 axes.pcolormesh(data[time], data[force], stable, cmap="RdYlBu", vmin=-0.5, vmax=1.5)
-boundary = rodgen.stability_boundary(scene, (force, time), ranges=((30, 130), (1e-3, 3)))
+boundary = rodgen.stability_boundary(scene, (force, time), bounds=((30, 130), (1e-3, 3)))
 axes.plot(boundary.b, boundary.a, "k")
 axes.set(xscale="log", xlabel="time of material damping [s]", ylabel="follower force [N]")
 axes.text(2e-3, 100, "flutter")

@@ -33,7 +33,7 @@ scene = rodgen.Scene.from_dict(
     }
 )
 sol = rodgen.simulate(scene, rtol=1e-6, progress=False)
-critical = rodgen.critical_force(scene).force
+critical = rodgen.critical_load(scene).value
 force, joints = 9 + 0.5 * sol.t, sol.joints
 
 figure, (column, curve) = plt.subplots(1, 2, figsize=(6.4, 2.8))

@@ -26,9 +26,9 @@ scene = rodgen.Scene.from_dict(
 )
 stiffness = np.geomspace(1, 1e5, 26)
 data = rodgen.study(
-    scene, {"foundation.stiffness": stiffness}, what="modes", keep=["frequency(4)"], workers=1
+    scene, {"foundation.stiffness": stiffness}, what="modes", keep=["frequencies(4)"], workers=1
 )
 
 figure, axes = plt.subplots()
-axes.loglog(stiffness, data["frequency(4)"])
+axes.loglog(stiffness, data["frequencies(4)"])
 axes.set(xlabel="stiffness of the foundation [N/m²]", ylabel="frequency [Hz]")

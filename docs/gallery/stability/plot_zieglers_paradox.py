@@ -14,13 +14,13 @@ scene = rodgen.Scene.example("becks_column").replace({"loads.material_damping.ti
 boundary = rodgen.stability_boundary(
     scene,
     ("loads.follower.force", "loads.material_damping.time"),
-    ranges=(None, (0.0, 1.0)),
+    bounds=(None, (0.0, 1.0)),
 )
 
 figure, axes = plt.subplots()
 axes.plot(boundary.b, boundary.a)
-undamped = rodgen.critical_force(rodgen.Scene.example("becks_column"))
-axes.axhline(undamped.force, color="tab:red", linestyle=":", label="without damping")
+undamped = rodgen.critical_load(rodgen.Scene.example("becks_column"))
+axes.axhline(undamped.value, color="tab:red", linestyle=":", label="without damping")
 axes.set(xlabel="time of material damping [s]", ylabel="critical force [N]", xlim=(0, 1))
 axes.set_xscale("symlog", linthresh=1e-3)
 axes.legend()

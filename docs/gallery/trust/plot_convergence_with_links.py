@@ -13,11 +13,11 @@ import rodgen
 
 scene = rodgen.Scene.example("becks_column")
 n = np.array([10, 20, 40, 80, 160])
-factors = [rodgen.critical_force(scene.with_links(int(k))).factor for k in n]
-limit = rodgen.richardson(n, factors)
+loads = [rodgen.critical_load(scene.with_links(int(k))).load_parameter for k in n]
+limit = rodgen.richardson(n, loads)
 
 figure, axes = plt.subplots()
-axes.loglog(n, np.abs(np.array(factors) - limit.value), "o-", label="n links")
+axes.loglog(n, np.abs(np.array(loads) - limit.value), "o-", label="n links")
 axes.loglog(n, 20.0 / n**2, "k:", label="order 2")
 axes.axhline(limit.error, color="tab:red", label=f"extrapolated: {limit.value:.7f}")
 axes.set(xlabel="number of links", ylabel="error of the critical load [EI/L²]")

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import NamedTuple
 
-from rodgen.analyse.precision.contestant import Row, Value
+from rodgen.analyse.precision.contestant import Measurement, Value
 from rodgen.analyse.precision.rows import short
 from rodgen.progress import duration
 
@@ -64,7 +64,7 @@ percent = as_in("+.2%")  # of a fraction
 times = partial(numeric, "{:.3g} x".format)
 
 
-def table(caption: str, rows: Iterable[Row], columns: Sequence[Column]) -> Shown:
+def table(caption: str, rows: Iterable[Measurement], columns: Sequence[Column]) -> Shown:
     """Columns that are empty in all rows are left out."""
     several = list(rows)
     kept = [c for c in columns if any(row.get(c.key) not in (None, "") for row in several)]
@@ -72,7 +72,7 @@ def table(caption: str, rows: Iterable[Row], columns: Sequence[Column]) -> Shown
     return Shown(caption, [column.title for column in kept], body)
 
 
-def cell(column: Column, row: Row) -> Cell:
+def cell(column: Column, row: Measurement) -> Cell:
     """An entry as it is printed."""
     value = row.get(column.key)
     text = isinstance(value, (str, bool, list)) or (value is None and column.show is words)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen_evidence.report.unit import Measured
 
 NASTY = "it said <script>alert('1 & 2')</script>"
@@ -22,7 +22,7 @@ FIXED = ("rk4", "semi_implicit_euler", "euler")
 SCENES = {"free_n20": 20, "below_flutter": 50, "damped_n200": 200, "missile": 20}
 
 
-def setting(scene: str, who: str, method: str, target: str, order: int, at: int) -> Row:
+def setting(scene: str, who: str, method: str, target: str, order: int, at: int) -> Measurement:
     """A point on a straight line: halving the step divides the error by 2^order."""
     fixed = method in FIXED
     value = 0.01 / 2**at if fixed else 10.0 ** -(at + 2)
@@ -62,7 +62,7 @@ def setting(scene: str, who: str, method: str, target: str, order: int, at: int)
     }
 
 
-def precision(scene: str) -> list[Row]:
+def precision(scene: str) -> list[Measurement]:
     ours = [("rodgen", m, t, o) for m, o in OURS.items() for t in ("c", "numpy")]
     theirs = [(who, m, "rodgen's c" if who == "SciPy" else who, 6) for who, m in THEIRS.items()]
     rows = [setting(scene, *who, at) for who in (*ours, *theirs) for at in range(7)]
@@ -70,34 +70,34 @@ def precision(scene: str) -> list[Row]:
     return [*rows, {**rows[-1], **broken, "seconds": None, "setting": 1e-15, "failed": NASTY}]
 
 
-def reference(scene: str) -> Row:
+def reference(scene: str) -> Measurement:
     estimates = {f"estimate_{name}": 2e-12 for name in ("phi", "tail", "modes", "energy")}
     checked = {"checked_by": "Taylor series", "check_phi": 1.5e-12}
     made = {"method": "extrapolation", "order": 16, "tolerance": 1e-18, "rhs": 10**6}
-    start: Row = {"scene": scene, "n": SCENES[scene], "seconds": 3.2, "failed": ""}
+    start: Measurement = {"scene": scene, "n": SCENES[scene], "seconds": 3.2, "failed": ""}
     return {**start, **made, **estimates, **checked}
 
 
-def others() -> dict[str, list[Row]]:
+def others() -> dict[str, list[Measurement]]:
     t = [0.05 * k for k in range(101)]
     chaos = [min(1e-14 * math.exp(8 * x), 2.0) for x in t]
     chaos[0] = 0.0
-    grow: Row = {"scene": "falling_chain", "n": 10, "method": "dop853", "setting": 1e-12}
+    grow: Measurement = {"scene": "falling_chain", "n": 10, "method": "dop853", "setting": 1e-12}
     sizes = (10, 20, 50, 200, 1000)
-    costs: list[Row] = [
+    costs: list[Measurement] = [
         {"what": what, "who": who, "n": n, "seconds": a * n**b, "rounds": 5, "failed": ""}
         for what in ("rhs", "implicit step")
         for who, a, b in (("rodgen, C", 1e-8, 1), ("rodgen, NumPy", 1e-6, 0.6), ("CasADi", 1e-7, 2))
         for n in sizes
     ]
-    left: list[Row] = [
+    left: list[Measurement] = [
         {"scene": s, "n": n, "variant": v, "operations": 900 * n * f, "source_bytes": 40000 * f}
         | {"object_bytes": 9000 * f, "generate": 1.2 * f, "compile": 0.8 * f, "failed": ""}
         | {"rhs": 2e-8 * n * f, "run": 0.01 * n * f}
         for s, n in SCENES.items()
         for v, f in (("as the scene", 1.0), ("every term, at zero", 2.5))
     ]
-    steps: list[Row] = [
+    steps: list[Measurement] = [
         {"method": m, "n": n, "damping": d, "damping_ratio": r, "rate": 40.0 * n**2}
         | {"found": c / (40.0 * n**2) * (1.3 if (m, n) == ("rk4", 50) else 1.0005)}
         | {"theory": c / (40.0 * n**2), "how": "bisection", "failed": ""}
@@ -108,7 +108,7 @@ def others() -> dict[str, list[Row]]:
     ]
     outcomes = ("right", "right", "stopped", "refused", "warned", "lost")
     methods = ("gauss", "radau", "dop853", "rk4", "euler", "auto")
-    extremes: list[Row] = [
+    extremes: list[Measurement] = [
         {"group": g, "case": f"{g} {10.0**e:g}", "n": 20, "target": "c", "method": m}
         | {"outcome": o, "digits": 9.3 if o == "right" else None, "condition": 1e3}
         | {"seconds": 0.1, "said": "" if o == "right" else f"{o}: the step became too small"}
@@ -118,7 +118,7 @@ def others() -> dict[str, list[Row]]:
         for o in (outcomes[(i * k) % len(outcomes)],)
     ]
     extremes.append({**extremes[0], "case": "folded back", "outcome": "wrong", "said": NASTY})
-    rounding: list[Row] = [
+    rounding: list[Measurement] = [
         {
             "group": "length",
             "case": f"L = {10.0**e:g} m",
@@ -132,7 +132,7 @@ def others() -> dict[str, list[Row]]:
         for n in (3, 1000)
         for f in ("c", "numpy chain", "numpy dense")
     ]
-    duel: Row = {"scene": "free_n20", "n": 20, "asked": 1e-6, "ours": "dop853 in C"}
+    duel: Measurement = {"scene": "free_n20", "n": 20, "asked": 1e-6, "ours": "dop853 in C"}
     duel |= {"ours_error": 8e-7, "ours_seconds": 0.02, "theirs": "heyoka Taylor"}
     duel |= {"theirs_error": 5e-7, "theirs_seconds": 0.25, "ratio": 12.5, "rounds": 9, "failed": ""}
     lost = {**duel, "scene": "missile", "theirs": "SciPy LSODA", "ratio": 0.8}
@@ -149,7 +149,7 @@ def others() -> dict[str, list[Row]]:
 
 
 def made_up(scenes: tuple[str, ...] = ("free_n20", "missile")) -> dict[str, list[Measured]]:
-    def unit(section: str, name: str, rows: list[Row], failed: str = "") -> Measured:
+    def unit(section: str, name: str, rows: list[Measurement], failed: str = "") -> Measured:
         return Measured(section, f"{section}-{name}", "f", 1.25, rows, failed)
 
     contents = {

@@ -160,7 +160,7 @@ def test_gauss_is_allowed_a_tolerance_a_step(swing: Extreme) -> None:
     ):
         sol = rodgen.simulate(swing.scene, target="numpy", method=method, rtol=1e-8, atol=1e-10)
         off = tolerances * Measure(sol.scene, truth.y).tolerated()["angles"]
-        moved = replace(_moved(sol, truth, off), stats=replace(sol.stats, steps=1000))
+        moved = replace(_moved(sol, truth, off), stats=replace(sol.stats, nsteps=1000))
         assert (of_adaptive(truth, moved).outcome == RIGHT) is right, (method, tolerances)
 
 

@@ -15,8 +15,8 @@ import rodgen
 from rodgen.analyse.precision import methods
 from rodgen.analyse.precision.contestant import (
     Limits,
+    Measurement,
     NotModelledError,
-    Row,
 )
 from rodgen.analyse.precision.contestant import sweep as measured
 from rodgen.analyse.precision.job import Job, Measures
@@ -50,7 +50,7 @@ def pendulum(span: float) -> dict[str, Any]:
     }
 
 
-def made(name: str, table: dict[str, Any], folder: Path) -> tuple[Row, Reference]:
+def made(name: str, table: dict[str, Any], folder: Path) -> tuple[Measurement, Reference]:
     (row,) = references.measured(name, table, str(folder), quick=True)
     return row, references.load(folder, name, table)
 
@@ -173,7 +173,7 @@ def test_refusals_are_told_from_failures(
         "not installed": ModuleNotFoundError("No module named 'scipy'", name="scipy"),
     }
 
-    def rows_of(error: Exception) -> list[Row]:
+    def rows_of(error: Exception) -> list[Measurement]:
         def fail(*_: Any) -> Any:
             raise error
 
@@ -207,7 +207,7 @@ def test_rodgens_rows_come_to_an_order_and_a_duel(tmp_path: Path) -> None:
     table = pendulum(10.0)
     made("pendulum", table, tmp_path)
     job, held = contests.prepared("pendulum", table, str(tmp_path))
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     for one in methods.families(job, False, TAKEN):
         if (one.method, one.target) in {("rk4", "c"), ("dop853", "c")}:
             measures = held.measures(job, one.method)
@@ -228,18 +228,18 @@ def test_rodgens_rows_come_to_an_order_and_a_duel(tmp_path: Path) -> None:
 # Orders and fronts -------------------------------------------------------------------------------
 
 
-def row(method: str, setting: float, seconds: float, error: float, **more: Any) -> Row:
+def row(method: str, setting: float, seconds: float, error: float, **more: Any) -> Measurement:
     known = {"scene": "s", "who": "rodgen", "method": method, "target": "c", "kind": "step"}
     made_up = {"setting": setting, "seconds": seconds, "error_phi": error, "failed": "", "order": 3}
     return known | made_up | more
 
 
-def fits(rows: list[Row]) -> list[Row]:
+def fits(rows: list[Measurement]) -> list[Measurement]:
     """Where an exponent is seen."""
     return [fit for fit in looked_at(rows) if fit["exponent"] is not None]
 
 
-def unfitted(rows: list[Row], **floor: float) -> list[Row]:
+def unfitted(rows: list[Measurement], **floor: float) -> list[Measurement]:
     """Where none is."""
     return [fit for fit in looked_at(rows, **floor) if fit["exponent"] is None]
 

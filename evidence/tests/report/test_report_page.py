@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from evidence.tests.report.report_rows import MADE, NASTY, SCENES, made_up
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen_evidence.pages import report_curves
 from rodgen_evidence.pages.report_guide import save_guide_figures
 from rodgen_evidence.pages.report_page import made_lines, read_report, write_report
@@ -137,7 +137,7 @@ def test_nothing_is_half_written(tmp_path, monkeypatch):
 
 
 def test_little_or_nothing_was_measured(tmp_path):
-    bare: list[Row] = [{"scene": "s", "failed": "not <to> be had"}]
+    bare: list[Measurement] = [{"scene": "s", "failed": "not <to> be had"}]
     empty = {name: [Measured(name, f"{name}-s", "f", 0.0)] for name in made_up()}
     for at, contents in enumerate(
         (

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from evidence.tests.report.report_rows import NASTY, SCENES, made_up, others, precision
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import label, short
 from rodgen_evidence.pages import report_curves
 from rodgen_evidence.report.contents import failed_of, frame, kind_of, trusted
@@ -60,7 +60,7 @@ def test_what_the_report_cut_short_is_no_failure():
     }
     for reason, kind in reasons.items():
         assert kind_of(reason) == kind
-    rows: list[Row] = [{"failed": reason} for reason in reasons]
+    rows: list[Measurement] = [{"failed": reason} for reason in reasons]
     said = sentences({"precision": [Measured("precision", "p", "f", 0.0, rows)]})[0]
     assert numbers(said)[:6] == [6, 1, 2, 2, 1, 1]
 
@@ -81,8 +81,10 @@ def test_growth_of_a_known_exponential():
 
 
 def test_digits_lost_against_another_form():
-    start: Row = {"group": "g", "case": "c", "n": 5, "kind": "free", "ulps_input": 2.0}
-    made: list[Row] = [{**start, "form": f, "ulps": u} for f, u in (("c", 100.0), ("dense", 3.0))]
+    start: Measurement = {"group": "g", "case": "c", "n": 5, "kind": "free", "ulps_input": 2.0}
+    made: list[Measurement] = [
+        {**start, "form": f, "ulps": u} for f, u in (("c", 100.0), ("dense", 3.0))
+    ]
     assert list(losing(frame(made))["form"]) == ["c"]
     assert losing(frame({**row, "ulps_input": 11.0} for row in made)).empty  # unavoidable
     assert losing(frame({**row, "ulps": 100.0} for row in made)).empty  # none keeps them

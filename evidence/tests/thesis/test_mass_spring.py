@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.critical import critical_force
+from rodgen.analyse.critical import critical_load
 from rodgen.analyse.extrapolate import richardson
 from rodgen_evidence.thesis import scenes
-from rodgen_evidence.thesis.mass_spring import MassSpring, grow, simulated_critical_force
+from rodgen_evidence.thesis.mass_spring import MassSpring, grow, simulated_critical_load
 from rodgen_evidence.thesis.mass_spring_table import compliance, rod
 
 FORCE = 300.0  # N
@@ -102,24 +102,24 @@ def test_critical_force_meets_that_of_lumped_links():
 
 def test_order_in_the_number_of_links_is_two():
     n = (10, 20, 40)
-    found = richardson(n, [critical_force(scenes.thrust(k, inertia="lumped")).force for k in n])
-    stiff = richardson(n, [rod(k, 1e10).critical_force() for k in n])
+    found = richardson(n, [critical_load(scenes.thrust(k, inertia="lumped")).value for k in n])
+    stiff = richardson(n, [rod(k, 1e10).critical_load() for k in n])
     assert stiff.orders[-1] == pytest.approx(2.0, abs=0.1)
     assert stiff.value == pytest.approx(found.value, rel=1e-6)
 
 
 def test_critical_force_by_eigenvalues_and_by_simulation():
     model = rod(5, 1e6)  # softer springs allow longer steps
-    exact = model.critical_force()
-    found = simulated_critical_force(model, 0.9 * exact, 1.15 * exact, 20.0, 30.0)
+    exact = model.critical_load()
+    found = simulated_critical_load(model, 0.9 * exact, 1.15 * exact, 20.0, 30.0)
     assert found == pytest.approx(exact, rel=0.01)  # what 20 s of growth leave open
     with pytest.raises(ValueError, match="no growth"):
-        simulated_critical_force(model, 0.5 * exact, 0.6 * exact, 2.0, 30.0)
+        simulated_critical_load(model, 0.5 * exact, 0.6 * exact, 2.0, 30.0)
 
 
 def test_growth_is_seen_beyond_the_critical_force_alone():
     model = rod(5, 1e6)
-    exact = model.critical_force()
+    exact = model.critical_load()
     result = grow(model, np.array([0.8, 1.1]) * exact, 10.0)
     assert result.grown[0] < 5
     assert result.grown[1] > 100
@@ -127,4 +127,4 @@ def test_growth_is_seen_beyond_the_critical_force_alone():
 
 def test_no_flutter_is_said():
     with pytest.raises(ValueError, match="no flutter"):
-        MassSpring(1, 50.0, 5.0, 100.0, 1e6).critical_force()
+        MassSpring(1, 50.0, 5.0, 100.0, 1e6).critical_load()

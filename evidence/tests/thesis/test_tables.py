@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from pandas import DataFrame
 
-from rodgen.analyse.critical import critical_force
+from rodgen.analyse.critical import critical_load
 from rodgen.analyse.references.columns import thrust
 from rodgen.integrate import simulate
 from rodgen_evidence.pages.thesis_page import summary, write_thesis
@@ -236,11 +236,11 @@ def test_clamps_converge_with_their_orders():
 
 @pytest.mark.nightly
 def test_the_outlook_is_answered():
-    """With figures of other routes: critical_force has the Hopf point, a run the amplitude; small
+    """With figures of other routes: critical_load has the Hopf point, a run the amplitude; small
     modes have the shapes of the continuum but for 1/n^2, 6e-4 times some ten for the third."""
     rows = outlook.table_outlook().rows
     value = dict(zip(rows["quantity"], rows["value"], strict=True))
-    force = critical_force(outlook.pushed(outlook.FORCE)).force
+    force = critical_load(outlook.pushed(outlook.FORCE)).value
     assert value[outlook.BEGIN] == pytest.approx(force, rel=1e-9)
     assert value["first Lyapunov coefficient (below 0: supercritical)"] < 0
     assert (rows[rows["question"] == outlook.SHAPES]["value"] < 0.01).all()

@@ -103,7 +103,7 @@ def eigenvalues(family: Family, load: float, near: complex | None = None) -> Eig
     return Eigenvalues.of(family.equations(load), family.lowest)
 
 
-def doubt(search: Search, loads: Iterable[float]) -> str:
+def contradiction(search: Search, loads: Iterable[float]) -> str:
     """Why what grows under some loads is not what a search counts, "" where it is."""
     for load in loads:
         said = next(search.family.each(np.array([load]), search.modes))
@@ -127,7 +127,7 @@ def contradicts(found: Eigenvalues, said: Motions, lowest: float) -> bool:
     return told > ALIKE * found.most(s)
 
 
-def doubt_of_onset(search: Search, onset: Onset, begins: bool) -> str:
+def onset_contradiction(search: Search, onset: Onset, begins: bool) -> str:
     """Why a motion does not begin to grow at an onset, or does not cease to; "" if it does, and
     where all damping is too weak to tell."""
     family, low, s = search.family, float(search.forces[0]), onset.s

@@ -8,33 +8,33 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rodgen.analyse.confirm import ALIKE, doubt, doubt_of_onset, eigenvalues
-from rodgen.analyse.family import (
-    BASIS,
-    FOLLOWER,
-    Family,
-    ScaledLoad,
-    default_load,
-    scaled,
-    unit_of,
-)
+from rodgen.analyse.bounds import Bounds, OpenBounds, open_bounds_of
+from rodgen.analyse.confirm import ALIKE, contradiction, eigenvalues, onset_contradiction
+from rodgen.analyse.family import BASIS, HIGHEST, Family, family_of
+from rodgen.analyse.growth import SimulatedCritical, difference, simulated_of
 from rodgen.analyse.guard import guarded
 from rodgen.analyse.modal import DIVERGENCE, FLUTTER, MOST_DENSE, slight
 from rodgen.analyse.onset import At, Onset, digits, onset
 from rodgen.analyse.pencil import Dense, Pencil
+from rodgen.analyse.scaled_load import (
+    FOLLOWER,
+    GROUPS,
+    label_of,
+    parameter_of,
+    scaled,
+    unit_of,
+)
 from rodgen.analyse.search import Event, Search, grid
-from rodgen.analyse.sizes import CRITICAL, check_size
-from rodgen.analyse.steady_rod import SteadyRod, state_after
+from rodgen.analyse.state_result import TIME, StateResult
 from rodgen.analyse.zero_onset import zero_onset
+from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, InputError
+from rodgen.result import ASKED, USUAL, WORD, Note, Row, doubt, hidden, remarks
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
-from rodgen.scene.plain import is_number, plain
-from rodgen.scene.tables import LARGEST
-from rodgen.shown import Shown
+from rodgen.scene.plain import is_number
 from rodgen.system import System
 
-HIGHEST = 1000.0  # EI/L^2: ten times what a free rod bears
 NARROWEST = 1e-6, 1e-9  # range that is searched: of EI/L^2, and of its ends
 SLOW = 0.01  # of the lowest frequency
 WHOLE = 0.9  # of the angles that links have in common, squared: the whole rod turns
@@ -43,43 +43,45 @@ AT_ONCE = 1e-9  # EI/L^2: an onset so close to the lowest force lies at it
 CHECKED = (0.0, 0.5, 0.9)  # of the way to an onset, where all eigenvalues are looked at
 TURNING = "turning"
 UPPER, LOWER = "upper", "lower"
+UNIT = "{unit}"  # that of the load
 
 
 @dataclass(frozen=True, repr=False)
-class Critical(Shown):
+class Critical(StateResult, Plottable):
     """The critical load: the steady state loses its stability, or regains it at a lower end.
 
-    force: size of the load [N; m/s^2 of gravity]; factor: force L^2/EI (`stiffness` is this EI), of
+    value: size of the load, in SI units; load_parameter: P L^2/EI (`stiffness` is this EI), of
     gravity the weight M g L^2/EI, of all loads their multiple, dimensionless; kind: "flutter",
     "divergence" (without oscillation), or "turning" (the rod turns as a whole); frequency: at the
     onset [Hz], zero for divergence; modes: numbers of the two modes whose frequencies meet, or,
     with damping, of the mode that grows and its neighbour in frequency, counted from 1 by frequency
-    just below the force, without rigid-body motions (a mode that diverges, or oscillates alone, is
-    named twice); turning: growth of a slow turning of the whole rod at that force [1/s]; error:
-    bound of the rounding error of the force [N]; searched: range of forces that was searched [N],
-    up to the onset, and number of forces; state: the steady state that grows unstable; complete:
-    whether all modes were looked at (under four forces up to this one, and just above it), or only
-    those next to the onset in rate; t: time at which the other loads are taken [s].
+    just below the load, without rigid-body motions (a mode that diverges, or oscillates alone, is
+    named twice); turning: growth of a slow turning of the whole rod at that load [1/s]; error:
+    bound of the rounding error of the value, in SI units; searched: range of sizes that was
+    searched, up to the onset, in SI units, and number of sizes; state: the steady state that grows
+    unstable; complete: whether all modes were looked at (under four sizes up to this one, and just
+    above it), or only those next to the onset in rate.
 
-    speed: of a free rod along its axis, nose first [m/s]; notes: what to know about this speed, and
-    about damping that depends on the number of links; applied: size that this load has in the scene
-    itself at t [N], not-a-number where it follows the motion, 1 of all loads; load: the load that
-    is scaled; unit: its unit; end: "upper" or "lower"; growth: of the motion that grows at the
-    lowest force already [1/s], 0 if none does; elastic: whether turning of the whole rod was left
-    out; stable: all windows of stability in the range (low, high) [N], if they were asked for;
-    frequency_error: bound of the rounding error of the frequency [Hz]; scene: the scene of the
-    steady state.
+    speed: of a free rod along its axis, nose first [m/s]; notes: what to know about this speed,
+    about damping that depends on the number of links, and about simulations that find another load;
+    applied: size that this load has in the scene itself at t, in SI units, not-a-number where it
+    follows the motion, 1 of all loads; load: the load that is scaled; unit: its unit; end: "upper"
+    or "lower"; growth: of the motion that grows at the lowest load already [1/s], 0 if none does;
+    elastic: whether turning of the whole rod was left out; windows: all windows of stability in the
+    range (low, high), in SI units, if they were asked for; frequency_error: bound of the rounding
+    error of the frequency [Hz]; simulated: what simulations found, if they were asked for and found
+    it; system: the rod in the steady state, with the loads of one time.
 
     Examples
     --------
     >>> import rodgen
-    >>> found = rodgen.critical_force(rodgen.Scene.example("ziegler"))
+    >>> found = rodgen.critical_load(rodgen.Scene.example("ziegler"))
     >>> found.kind, found.modes
     ('flutter', (1, 2))
     """
 
-    force: float
-    factor: float
+    value: float
+    load_parameter: float
     kind: str
     frequency: float
     modes: tuple[int, int]
@@ -88,44 +90,145 @@ class Critical(Shown):
     searched: tuple[float, float, int]
     state: str
     complete: bool
-    t: float
     speed: float = 0.0
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
     applied: float = math.nan
     load: str = FOLLOWER
     unit: str = unit_of(FOLLOWER)
     end: str = UPPER
     growth: float = 0.0
     elastic: bool = False
-    stable: tuple[tuple[float, float], ...] | None = None
+    windows: tuple[tuple[float, float], ...] | None = None
     frequency_error: float = 0.0
-    scene: Scene = field(kw_only=True, compare=False)
+    simulated: SimulatedCritical | None = None
+    system: System = field(kw_only=True, compare=False)
+
+    ROWS = (
+        Row("load", "load", text=lambda found: label_of(found.load)),
+        Row("value", "critical load", UNIT, text=lambda found: found._value, kept=USUAL),
+        Row("unit", "unit", text=hidden),
+        Row("load_parameter", "load parameter", text=lambda found: found._parameter, kept=USUAL),
+        Row("stiffness", "EI in it", "N m^2", text=lambda found: found._stiffness),
+        Row("applied", "load of the scene", UNIT, text=lambda found: found._applied),
+        Row("load_ratio", "load ratio", text=lambda found: found._ratio, kept=ASKED),
+        Row("kind", "kind", text=lambda found: found._kind, kept=WORD),
+        Row("frequency", "frequency at onset", "Hz", text=lambda found: found._hertz, kept=USUAL),
+        Row("frequency_error", "error of the frequency", "Hz", text=hidden, kept=ASKED),
+        Row("modes", "modes", text=lambda found: " and ".join(map(str, sorted({*found.modes})))),
+        Row("error", "error, estimated", UNIT, ".1e", kept=USUAL),
+        Row("end", "end of the window", text=hidden),
+        Row("state", "grows from the state"),
+        Row("searched", "searched", UNIT, text=lambda found: found._searched),
+        Row("complete", "modes looked at", text=lambda found: found._looked_at),
+        Row("growth", "grows already", "1/s", text=lambda found: found._growth, kept=ASKED),
+        Row("windows", "stable", UNIT, text=lambda found: found._windows),
+        Row("turning", "apart from that", "1/s", text=lambda found: found._turning, kept=ASKED),
+        Row("elastic", "turning left out", text=hidden),
+        Row("speed", "speed", "m/s", text=hidden, kept=ASKED),
+        Row(
+            "simulated",
+            "by simulation",
+            of=lambda found: found.simulated and found.simulated.to_dict(),
+            text=lambda found: found._simulated,
+        ),
+        *TIME,
+    )
 
     @property
     def stiffness(self) -> float:
-        """EI by which the factor is taken [N m^2]: of a rod along which it differs, the mean of the
+        """EI in the load parameter [N m^2]: of a rod along which it differs, the mean of the
         springs of the inner joints times the length of a link."""
         return self.scene.distribution.usual_stiffness
 
     @property
     def load_ratio(self) -> float:
-        """The load ratio: ``applied`` over ``force``, dimensionless; not-a-number where that is
-        zero."""
-        return self.applied / self.force if self.force else math.nan
+        """``applied`` over ``value``, dimensionless; not-a-number where that is zero."""
+        return self.applied / self.value if self.value else math.nan
+
+    @property
+    def _scaled(self) -> tuple[str, ...]:
+        term = scaled(self.load)
+        return () if term is None else tuple(one.name for one in term.sizes)
+
+    @property
+    def _value(self) -> str:
+        return f"{digits(self.value, self.error)} {self.unit}"
+
+    @property
+    def _parameter(self) -> dict[str, str]:
+        if self.load in GROUPS:  # it is the value
+            return {}
+        error = self.error * self.load_parameter / (self.value or 1)
+        return {parameter_of(self.load): digits(self.load_parameter, error)}
+
+    @property
+    def _stiffness(self) -> str | None:
+        """The EI of the load parameter, of a rod along which it differs."""
+        if self.scene.distribution.stiffness is not None or self.load in GROUPS:
+            return None
+        what = "the mean of the springs of the inner joints times the length of a link"
+        return f"{self.stiffness:.10g} N m^2, {what}"
+
+    @property
+    def _applied(self) -> str:
+        if math.isnan(self.applied):
+            return "follows the motion"
+        return f"{self.applied:.9g} {self.unit}"
+
+    @property
+    def _ratio(self) -> str:
+        return "not known" if math.isnan(self.load_ratio) else f"{self.load_ratio:.6g}"
+
+    @property
+    def _kind(self) -> str:
+        return self.kind + ", where stability is regained" * (self.end == LOWER)
+
+    @property
+    def _hertz(self) -> str:
+        return f"{digits(self.frequency, self.frequency_error)} Hz"
+
+    @property
+    def _searched(self) -> str:
+        low, high, count = self.searched
+        return f"{low:g} to {high:g} {self.unit} at {count} sizes"
+
+    @property
+    def _looked_at(self) -> str:
+        return "all" if self.complete else f"the lowest {BASIS}"
+
+    @property
+    def _growth(self) -> str | None:
+        low = self.searched[0]
+        return f"at {low:g} {self.unit}, with {self.growth:.4g} 1/s" if self.growth else None
+
+    @property
+    def _windows(self) -> str | None:
+        if self.windows is None:
+            return None
+        ends = [f"{a:.10g} to {b:.10g} {self.unit}" for a, b in self.windows]
+        return ", ".join(ends) or "nowhere in the range"
+
+    @property
+    def _turning(self) -> str | None:
+        turns = f"the rod turns as a whole, with {self.turning:.4g} 1/s"
+        return turns if self.turning else None
+
+    @property
+    def _simulated(self) -> dict[str, str]:
+        return {} if self.simulated is None else self.simulated._beside(self.value)
 
     def __repr__(self) -> str:
         at = f" at {digits(self.frequency, self.frequency_error)} Hz" * bool(self.frequency)
         ends = "ends" if self.end == LOWER else "from"
-        where = f"{ends} {digits(self.force, self.error)} {self.unit}{at}"
+        where = f"{ends} {digits(self.value, self.error)} {self.unit}{at}"
         return f"<Critical {self.load} of {self.scene.name}: {self.kind} {where}>"
 
 
 @guarded
-def critical_force(
+def critical_load(
     system: System | Scene,
     *,
-    lowest: float | None = None,
-    highest: float | None = None,
+    bounds: OpenBounds = (None, None),
     t: float | None = None,
     speed: float | None = None,
     after: float | None = None,
@@ -133,12 +236,14 @@ def critical_force(
     end: str = UPPER,
     windows: bool = False,
     elastic: bool = False,
+    simulate: float | None = None,
+    progress: Callable[[float, bool], None] = lambda force, grew: None,
 ) -> Critical:
-    """Return the smallest force above ``lowest`` at which a small motion begins to grow.
+    """Return the smallest load within bounds at which a small motion begins to grow.
 
-    A range of forces is searched in the lowest 16 modes, in steps of EI/(2 L^2) or 1 %. The onset
+    A range of sizes is searched in the lowest 16 modes, in steps of EI/(2 L^2) or 1 %. The onset
     is then solved for with all links, to the digits that ``error`` leaves. If a motion grows at a
-    ``lowest`` of your own already, the next motion that begins to grow is found. Internal damping
+    lower bound of your own already, the next motion that begins to grow is found. Internal damping
     counts as the scene has it: a little of it can lower the force much. External damping counts as
     at the given speed.
 
@@ -146,8 +251,9 @@ def critical_force(
     ----------
     system
         The scene, or a System. The size of the load that is scaled is not used.
-    lowest, highest
-        Forces at which the search begins and ends [N]. By default 0 and 1000 EI/L^2.
+    bounds
+        Sizes of the load (a, b) between which is searched, in its unit. None is the default of
+        either: 0 and 1000 EI/L^2.
     t
         Time whose other loads are taken [s]; by default the start of the span.
     speed
@@ -166,11 +272,18 @@ def critical_force(
         Also find all windows of stability in the range.
     elastic
         Leave out motions that turn a free rod as a whole.
+    simulate
+        Also find a critical follower force by simulations of this length [s], see
+        `simulated_critical_load`. A doubt says so where they find another.
+    progress
+        A function that is called with every force of these simulations [N], and with whether the
+        motion grew.
 
     Returns
     -------
     Critical
-        The force [N], its kind ("flutter", "divergence", "turning"), frequency [Hz] and error [N].
+        The load with its unit, its kind ("flutter", "divergence", "turning"), frequency [Hz] and
+        error.
 
     Raises
     ------
@@ -185,22 +298,24 @@ def critical_force(
     Beck's column of 50 links; the continuous one flutters at 20.0510 EI/L^2.
 
     >>> import rodgen
-    >>> found = rodgen.critical_force(rodgen.Scene.example("becks_column"))
-    >>> found.kind, round(found.factor, 4)
+    >>> found = rodgen.critical_load(rodgen.Scene.example("becks_column"))
+    >>> found.kind, round(found.load_parameter, 4)
     ('flutter', 20.0268)
     """
+    if simulate is not None:
+        _check_simulate(simulate, load)
     family = family_of(system, t, speed, after, load)
     if not family.whole:
         raise AnalysisError("no mode can become unstable: all motions move the rod as a whole")
     if end not in (UPPER, LOWER):
         raise InputError("end", end, f"{UPPER} or {LOWER}")
-    low, high = _range(lowest, highest, family.unit)
+    low, high = _range(bounds, family.unit)
     forces = grid(low, high, family.unit)
     search = Search(family, forces, BASIS, elastic)
     growth = float(search.first.growth.max(initial=0.0))
     if 0 < growth <= ALIKE * slight(0.0, family.lowest) and not eigenvalues(family, low).count:
         growth = 0.0  # the rounding of a motion that nothing resists
-    if growth and lowest is None and end == UPPER and not windows:
+    if growth and bounds[0] is None and end == UPPER and not windows:
         raise AnalysisError(_unstable(search, growth))
     found = _first(search, end, growth)
     looked = forces[: int(np.searchsorted(forces, found.force)) + 1]
@@ -208,9 +323,12 @@ def critical_force(
     # A rod that is held and stays straight is what it is without the load.
     same = family.straight and not family.rod.base
     state = family.state(0.0 if same else found.force)
+    simulated, doubts = None, tuple[Note, ...]()
+    if simulate is not None:
+        simulated, doubts = _by_simulation(family, found.force, simulate, progress)
     return Critical(
-        force=found.force,
-        factor=found.force / family.load.reference,
+        value=found.force,
+        load_parameter=found.force / family.load.reference,
         kind=_kind(search, found),
         frequency=found.s.imag / (2 * np.pi),
         modes=_pair(family, found, end, family.whole if complete else BASIS),
@@ -219,74 +337,63 @@ def critical_force(
         searched=(low, float(looked[-1]), len(looked)),
         state=state.words,
         complete=complete,
-        t=family.rod.t,
         speed=family.rod.speed,
-        notes=state.notes + mesh_notes(family.rod.system.source),
+        notes=(*state.notes, *doubts, *remarks(mesh_notes(family.rod.system.source))),
         applied=family.load.applied,
         load=family.load.name,
         unit=unit_of(family.load.name),
         end=end,
         growth=growth,
         elastic=elastic,
-        stable=tuple(_windows(search)) if windows else None,
+        windows=tuple(_windows(search)) if windows else None,
         frequency_error=found.rate_error / (2 * np.pi),
-        scene=family.rod.scene,
+        simulated=simulated,
+        system=family.rod.system,
     )
 
 
-def family_of(
-    system: System | Scene,
-    t: float | None = None,
-    speed: float | None = None,
-    after: float | None = None,
-    load: str | None = None,
-) -> Family:
-    """The linearised scene for every size of a load. Raises InputError, AnalysisError."""
-    system = System.of(system)
-    check_size(CRITICAL, system)
-    system, t = state_after(system, t, speed, after)
-    load = default_load(system) if load is None else load
-    term, law = scaled(load), None
-    if term and term.name in system.load_terms and term.has_size:
-        # Its size is not used by what follows; one that is a function of time is no parameter.
-        name = term.sizes[0].name
-        law = system.laws.get(name)
-        if law is not None:
-            system = system.at({system.field(name): 0.0})
-    rod = SteadyRod.of(system, t, speed)
-    made = ScaledLoad.of(load, rod)
-    if law is not None:
-        applied = math.nan if law.signals else float(law(rod.t))
-        made = replace(made, applied=applied)
-    return Family(rod, made)
+def _check_simulate(span: object, load: str | None) -> None:
+    """Raise InputError for a length of simulations that is none, and for loads that they do not
+    find."""
+    if not (is_number(span) and 0 < span < math.inf):
+        raise InputError("simulate", span, "a positive number of seconds")
+    if load not in (None, FOLLOWER):
+        raise InputError("simulate", span, "absent: runs find a follower force alone")
 
 
-def _range(lowest: float | None, highest: float | None, unit: float) -> tuple[float, float]:
+def _by_simulation(
+    family: Family, force: float, span: float, progress: Callable[[float, bool], None]
+) -> tuple[SimulatedCritical | None, tuple[Note, ...]]:
+    """The critical force by simulations, and what is doubtful where it is another, or none."""
+    try:
+        found = simulated_of(family, span, progress=progress)
+    except AnalysisError as error:
+        return None, (doubt(f"by simulation: {error}"),)
+    return found, tuple(difference(force, found, family))
+
+
+def _range(bounds: OpenBounds, unit: float) -> Bounds:
     """Ends of the search; raises InputError for what are none."""
-    low = 0.0 if lowest is None else _number("lowest", lowest)
-    high = HIGHEST * unit if highest is None else _number("highest", highest)
+    low, high = (
+        float(default if one is None else one)
+        for one, default in zip(open_bounds_of(bounds), (0.0, HIGHEST * unit), strict=True)
+    )
     least = max(NARROWEST[0] * unit, NARROWEST[1] * max(abs(low), abs(high)))
     if not high - low >= least:
-        raise InputError("highest", high, f"above lowest = {low:g} by {least:.3g} or more")
+        raise InputError("bounds", bounds, f"({low:g}, b) with b above that by {least:.3g} or more")
     return low, high
-
-
-def _number(name: str, value: float) -> float:
-    value = plain(value, name)
-    if not (is_number(value) and np.isfinite(value) and abs(value) <= LARGEST):
-        raise InputError(name, value, f"a finite number, at most {LARGEST:g} in size")
-    return float(value)
 
 
 def _unstable(search: Search, growth: float) -> str:
     """What is said of a rod that is unstable from the start."""
     low, unit = search.forces[0], unit_of(search.family.load.name)
-    said = f"unstable already at the lowest force of the search, {low:g} {unit}: "
+    said = f"unstable already at the lowest size of the search, {low:g} {unit}: "
     said += f"a motion grows with {growth:.3g} 1/s"
     found = [f"{a:.6g} to {b:.6g}" for a, b in _rough(search)]
     if not found:
         return said
-    return f"{said}; stable from {', '.join(found)} {unit} (a lowest within finds where that ends)"
+    where = f"stable from {', '.join(found)} {unit}"
+    return f"{said}; {where} (a lower bound within finds where that ends)"
 
 
 def _rough(search: Search) -> list[tuple[float, float]]:
@@ -324,14 +431,14 @@ def _first(search: Search, end: str, growth: float) -> Onset:
         low, high = float(search.forces[0]), float(search.forces[-1])
         if found is None:
             why = AnalysisError(_none(one, end, growth))
-            apart = doubt(one, (low, (low + high) / 2, high))
+            apart = contradiction(one, (low, (low + high) / 2, high))
             if not apart:
                 break
         else:
             ways = low + np.array(CHECKED) * (found.force - low)
             # The modes of many links are those of the whole unloaded rod already.
-            apart = doubt(one, [] if many else ways.tolist())
-            apart = apart or doubt_of_onset(one, found, end == UPPER)
+            apart = contradiction(one, [] if many else ways.tolist())
+            apart = apart or onset_contradiction(one, found, end == UPPER)
             if not apart:
                 return found
         why = AnalysisError(apart)

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
 
+from rodgen.analyse.onset import digits
 from rodgen.arrays import Array
-from rodgen.errors import AnalysisError, InputError, MeshWarning
+from rodgen.errors import AnalysisError, InputError
+from rodgen.result import Note, Result, Row, doubt, warns_of_doubts
 from rodgen.scene import Scene
 from rodgen.scene.mesh import unlike_damping
-from rodgen.shown import Told
 
 HIGHEST = 50.0  # order that is looked for
 WHOLE = 0.15  # an observed order is taken for a whole number within this: by then the next term
@@ -24,13 +24,14 @@ ROUNDING = 4 * np.finfo(float).eps  # relative, of a value that is given
 
 
 @dataclass(frozen=True, repr=False)
-class Extrapolation(Told):
+class Extrapolation(Result):
     """The limit of v(n) = v + C n^-p + ... for n to infinity.
 
     value: v, in units of the values; error: estimate of its absolute error, in units of v; order:
     p, dimensionless, inf if the values do not depend on n; orders: orders observed in successive
     triples of values, from coarse to fine, dimensionless, nan if rounding or a coarse grid hides
-    them; exponents: of the terms that were eliminated, dimensionless.
+    them; exponents: of the terms that were eliminated, dimensionless; notes: whose damping was not
+    the same for every number of links.
 
     Examples
     --------
@@ -44,11 +45,21 @@ class Extrapolation(Told):
     order: float
     orders: tuple[float, ...]
     exponents: tuple[float, ...]
+    notes: tuple[Note, ...] = ()
+
+    ROWS = (
+        Row("value", "value", text=lambda found: digits(found.value, found.error)),
+        Row("error", "error, estimated", format=".1e"),
+        Row("order", "order", format=".4g"),
+        Row("orders", "orders observed", format=".4g"),
+        Row("exponents", "exponents eliminated", format=".4g"),
+    )
 
     def __repr__(self) -> str:
         return f"<Extrapolation: {self.value:.12g} +- {self.error:.1e}, order {self.order:.4g}>"
 
 
+@warns_of_doubts
 def richardson(
     n: Sequence[float] | Sequence[Scene] | Array,
     values: Sequence[float] | Array,
@@ -67,7 +78,7 @@ def richardson(
     ----------
     n
         Numbers of links (m,), dimensionless, in any sequence, or the scenes themselves. Scenes
-        whose damping is not the same give a warning (see Scene.with_links).
+        whose damping is not the same give a doubt (see Scene.with_links).
     values
         The computed values (m,), in units of any kind.
     order
@@ -98,34 +109,38 @@ def richardson(
     >>> round(found.value, 9), found.order
     (1.0, 2.0)
     """
-    count, v = _checked(_links(n), values, 3 if order is None else 2)
+    links, notes = _links(n)
+    count, v = _checked(links, values, 3 if order is None else 2)
     if noise is not None and not 0 <= noise < np.inf:
         raise InputError("noise", noise, "a finite number of at least 0")
     floor = max(noise or 0.0, ROUNDING * float(np.abs(v).max()))
     orders = tuple(_triple(count[i : i + 3], v[i : i + 3], floor) for i in range(len(v) - 2))
     if np.ptp(v[-3:]) <= floor:
-        return Extrapolation(float(v[-1]), floor, float("inf"), orders, ())
+        return Extrapolation(float(v[-1]), floor, float("inf"), orders, (), notes)
     _must_converge(count, v, orders, floor)
     if order is None and abs(orders[-1] - _whole(orders[-1])) > WHOLE:
         value, error = _fitted(count, v, orders)
-        return Extrapolation(value, float(error + floor), orders[-1], orders, orders[-1:])
+        return Extrapolation(value, float(error + floor), orders[-1], orders, orders[-1:], notes)
     exponents = _powers(count, v, orders) if order is None else _given(order, len(v))
     value, error, terms = _best(count, v, exponents, floor)
-    return Extrapolation(value, error, exponents[0], orders, exponents[:terms])
+    return Extrapolation(value, error, exponents[0], orders, exponents[:terms], notes)
 
 
-def _links(n: Sequence[float] | Sequence[Scene] | Array) -> Sequence[float] | Array:
-    """Numbers of links, those of scenes too."""
+def _links(
+    n: Sequence[float] | Sequence[Scene] | Array,
+) -> tuple[Sequence[float] | Array, tuple[Note, ...]]:
+    """Numbers of links, those of scenes too, and the doubt about scenes of several rods."""
     scenes = [one for one in n if isinstance(one, Scene)]
     if not scenes:
         # None is a scene, which no annotation can tell.
-        return n  # type: ignore[return-value]
+        return n, ()  # type: ignore[return-value]
     if len(scenes) < len(n):
         raise InputError("n", [type(one).__name__ for one in n], "numbers, or scenes, not both")
-    if unlike := unlike_damping(scenes):
-        text = f"{' and '.join(unlike)}: not the same damping for every number of links"
-        warnings.warn(f"{text}; take Scene.with_links", MeshWarning, stacklevel=3)
-    return [one.rod.links for one in scenes]
+    links = [one.rod.links for one in scenes]
+    if not (unlike := unlike_damping(scenes)):
+        return links, ()
+    text = f"{' and '.join(unlike)}: not the same damping for every number of links"
+    return links, (doubt(f"{text}; take Scene.with_links"),)
 
 
 def _checked(

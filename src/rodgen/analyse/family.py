@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,20 +16,16 @@ from rodgen.analyse.eigen import Complex, all_shapes, lowest_shapes
 from rodgen.analyse.modal import MOST_DENSE, Modal, Motions
 from rodgen.analyse.neutral import NONE, Neutral
 from rodgen.analyse.pencil import Dense, Parts, Pencil
+from rodgen.analyse.scaled_load import ScaledLoad, default_load, scaled
+from rodgen.analyse.sizes import CRITICAL, check_size
 from rodgen.analyse.steady import Steady, linearised, steady
-from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.analyse.steady_rod import SteadyRod, state_after
 from rodgen.arrays import Array
-from rodgen.errors import AnalysisError, InputError, Missing
-from rodgen.model.term import WEIGHT, Term
+from rodgen.errors import AnalysisError
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.system import ParameterLine, System
 
-FOLLOWER, FOLLOWERS, ALL = "follower", "followers", "all"
-# Several loads that are scaled by one factor.
-GROUPS = {FOLLOWERS: "factor of all follower forces", ALL: "factor of all loads"}
-# What a critical load is asked for by: the table of a load, of several the name, or a group.
-SCALABLE = (*(term.table for term in TERMS.values() if term.sizes), *GROUPS)
 Flags = NDArray[np.bool_]
 BASIS = 16  # modes of the unloaded rod in which a range of forces is searched
 RIGID = 1e-6  # of the lowest frequency: less is a rigid-body motion
@@ -39,102 +35,7 @@ RIGID_DENSE, ROUNDED = 1e-4, 1e-7  # the same, of the lowest and of the largest,
 FAR = 16.0
 KEPT = 64  # steady states remembered
 SOME = 0.37, 1.61, FAR  # loads of no importance
-
-
-def scaled(load: str) -> Term | None:
-    """The load of a name, None of a group. Raises InputError for one that cannot be scaled."""
-    if load in GROUPS:
-        return None
-    tables = {term.table: term for term in TERMS.values()}
-    term = TERMS[load] if load in TERMS else tables.get(load)
-    if term is None or not term.sizes:
-        raise InputError("load", load, f"one of {', '.join(SCALABLE)}")
-    return term
-
-
-def unit_of(load: str) -> str:
-    """The unit of the size of a load."""
-    term = scaled(load)
-    return "times the loads" if term is None else "N" if term.spread else term.sizes[0].unit
-
-
-def label_of(load: str) -> str:
-    """What is scaled, in words."""
-    term = scaled(load)
-    return GROUPS[load] if term is None else term.label
-
-
-def factor_of(load: str) -> str:
-    """What a load is compared with EI/L^2 by, in letters."""
-    term = scaled(load)
-    return GROUPS[load] if term is None else f"{term.symbol} L^2/EI"
-
-
-def default_load(system: System) -> str:
-    """The first load of a system that follows the rod; the follower force, where there is none."""
-    return next((name for name in system.load_terms if TERMS[name].follows), FOLLOWER)
-
-
-@dataclass(frozen=True)
-class ScaledLoad:
-    """name: which load; parts: its parameters at the size one; unit: a size that matters, by
-    which a search steps; reference: the size whose multiple is the factor of a critical load;
-    applied: the size that the scene itself has."""
-
-    name: str
-    parts: dict[str, Any]
-    unit: float
-    reference: float
-    applied: float
-
-    @classmethod
-    def of(cls, name: str, rod: SteadyRod) -> ScaledLoad:
-        """A load of one size, such as a follower force [N] or gravity [m/s^2], whatever the scene's
-        own is; one of several components, such as a dead force [N], in the direction of the
-        scene's; one of a number for every link as a force [N] on the whole rod that is distributed
-        as the scene's; or a group of them as multiples of what the scene has. Raises InputError for
-        a load that the scene lacks."""
-        scene, term = rod.scene, scaled(name)
-        along = scene.distribution
-        if along.usual_stiffness == 0:
-            raise InputError("rod.bending_stiffness", 0.0, "positive: a chain bears no thrust")
-        if scene.slack:
-            allowed = "of a slope above 0 at d = 0: a straight rod bears no thrust"
-            raise InputError("rod.spring", scene.rod.spring, allowed)
-        every = [TERMS[one] for one in scene.loads.terms]
-        terms = [row for row in every if row.name == term.name] if term else every
-        if name == FOLLOWERS:
-            terms = [row for row in every if row.follows]
-        here = {
-            one.name: (np.asarray(rod.system.values(one.name)), _per_size(row, scene))
-            for row in terms
-            for one in row.sizes
-        }
-        place = f"loads.{name}" if term else "loads"
-        if not here:
-            found = ", ".join((*(row.name for row in every if row.sizes), *GROUPS))
-            raise InputError(place, Missing(), f"given: its size is asked for (there is {found})")
-        force = along.usual_stiffness / scene.rod.length**2
-        if term and term.has_size:
-            unit = force / _per_size(term, scene)
-            (own,) = (float(value) for value, _ in here.values())
-            return cls(name, dict.fromkeys(here, 1.0), unit, unit, own)
-        forces = [np.abs(value).sum() * per_size for value, per_size in here.values()]
-        if not any(forces):
-            raise InputError(place, 0.0, "not zero: its direction is that of the scene")
-        parts = {key: value for key, (value, _) in here.items()}
-        if term:
-            size = float(np.hypot.reduce(forces))
-            parts = {key: value / size for key, value in parts.items()}
-            return cls(name, parts, force, force, size)
-        return cls(name, parts, force / float(sum(forces)), 1.0, 1.0)
-
-
-def _per_size(term: Term, scene: Scene) -> float:
-    """The force [N] of a load of size one on the rod, or on a link of it."""
-    if term.spread:
-        return scene.rod.length / scene.rod.links
-    return scene.mass if term.kind == WEIGHT else 1.0
+HIGHEST = 1000.0  # EI/L^2, up to which is searched: ten times what a free rod bears
 
 
 class Family:
@@ -363,3 +264,30 @@ class Family:
                 self._dense.pop(next(iter(self._dense)))
             self._dense[force] = self.at(force).reduced()
         return self._dense[force]
+
+
+def family_of(
+    system: System | Scene,
+    t: float | None = None,
+    speed: float | None = None,
+    after: float | None = None,
+    load: str | None = None,
+) -> Family:
+    """The linearised scene for every size of a load. Raises InputError, AnalysisError."""
+    system = System.of(system)
+    check_size(CRITICAL, system)
+    system, t = state_after(system, t, speed, after)
+    load = default_load(system) if load is None else load
+    term, law = scaled(load), None
+    if term and term.name in system.load_terms and term.has_size:
+        # Its size is not used by what follows; one that is a function of time is no parameter.
+        name = term.sizes[0].name
+        law = system.laws.get(name)
+        if law is not None:
+            system = system.at({system.field(name): 0.0})
+    rod = SteadyRod.of(system, t, speed)
+    made = ScaledLoad.of(load, rod)
+    if law is not None:
+        applied = math.nan if law.signals else float(law(rod.t))
+        made = replace(made, applied=applied)
+    return Family(rod, made)

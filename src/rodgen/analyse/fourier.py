@@ -11,9 +11,10 @@ from scipy.signal import detrend
 from scipy.signal.windows import general_cosine
 
 from rodgen.arrays import Array
+from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, InputError, check_type
 from rodgen.integrate import Solution
-from rodgen.shown import Shown
+from rodgen.result import Result, Row
 
 # Windows of maximal sidelobe decay, sin^(2 H - 2): their H cosine terms.
 WINDOWS = {
@@ -33,7 +34,7 @@ FOLDED = 0.2  # relative, by which rates may miss 2 pi f of a peak that is not f
 
 
 @dataclass(frozen=True, repr=False)
-class Spectrum(Shown):
+class Spectrum(Result, Plottable):
     """The peaks of a spectrum, and the spectrum for a picture.
 
     frequencies (peaks,): of the peaks, rising [Hz]; amplitudes (peaks,): their sizes in the unit of
@@ -60,6 +61,12 @@ class Spectrum(Shown):
     resolution: float
     bins: Array = field(repr=False)
     density: Array = field(repr=False)
+
+    ROWS = (
+        Row("frequencies", "frequency", "Hz", along="peak"),
+        Row("amplitudes", "amplitude", format=".6g", along="peak"),
+        Row("resolution", "resolution", "Hz", ".3g"),
+    )
 
     def __repr__(self) -> str:
         strongest = float(self.frequencies[self.amplitudes.argmax()])

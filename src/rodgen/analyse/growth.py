@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from rodgen.analyse.critical import HIGHEST, Critical, family_of
-from rodgen.analyse.family import Family
+from rodgen.analyse.bounds import OpenBounds, open_bounds_of
+from rodgen.analyse.family import HIGHEST, Family, family_of
 from rodgen.analyse.guard import guarded
 from rodgen.analyse.steady_rod import Unknowns
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.solution import RunError, Solution
+from rodgen.progress import tell
+from rodgen.result import Note, Result, Row, doubt, hidden
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression
 from rodgen.scene.integration import Settings, check_used
-from rodgen.shown import Told
 from rodgen.system import System
 
 FAINT = 1e-6  # of the strongest direction: what is weaker is lost in errors of the run
@@ -37,6 +39,7 @@ TOLERANCES = {True: {"rtol": 1e-10, "atol": 1e-12}, False: {"rtol": 1e-6, "atol"
 AMPLITUDE = {True: 1e-6, False: 1e-4}
 DISTURBED = "{:g}*(cos(pi*s) + cos(2*pi*s) + cos(3*pi*s))"
 DISTURBED_CLAMPED = "{:g}*(sin(pi*s/2) + sin(3*pi*s/2))"
+TOLERANCE = 1e-4  # relative, of the force
 APART = 0.05  # relative: where forces differ by more, one is not to be trusted
 
 
@@ -67,25 +70,25 @@ def growth_in(parts: Sequence[Array], faint: float = FAINT) -> float:
 
 
 @dataclass(frozen=True, repr=False)
-class SimulatedCritical(Told):
+class SimulatedCritical(Result):
     """A critical load found by simulations.
 
     low: largest force whose motion did not grow [N]; high: smallest force whose motion grew [N];
-    force: between them [N]; span: simulated time of a run [s]; growth: factor by which the bending
+    value: between them [N]; span: simulated time of a run [s]; growth: factor by which the bending
     of the start had to be exceeded, dimensionless, None if the growth was measured; runs: their
     number; seconds: time of all runs [s]; target: of the module, "c" or "numpy"; speed: with which
-    a free rod starts along its axis [m/s].
+    a free rod starts along its axis [m/s]; notes: what is doubtful about the runs.
 
     Examples
     --------
     >>> import rodgen
     >>> scene = rodgen.Scene.example("ziegler")
-    >>> found = rodgen.simulated_critical_force(scene, span=40.0, tolerance=1e-2)
-    >>> (found.high - found.low) / found.force < 0.02, found.seen > 1
+    >>> found = rodgen.simulated_critical_load(scene, span=40.0, tolerance=1e-2)
+    >>> (found.high - found.low) / found.value < 0.02, found.seen > 1
     (True, True)
     """
 
-    force: float
+    value: float
     low: float
     high: float
     span: float
@@ -94,10 +97,50 @@ class SimulatedCritical(Told):
     seconds: float
     target: str
     speed: float = 0.0
+    notes: tuple[Note, ...] = ()
+
+    ROWS = (
+        Row("value", "critical force", "N"),
+        Row("low", "did not grow", "N"),
+        Row("high", "grew", "N"),
+        Row("span", "length of a run", "s"),
+        Row("growth", "growth", text=lambda found: found._limit),
+        Row("runs", "simulations", text=lambda found: found._cost),
+        Row("seconds", "time taken", "s", ".3g", text=hidden),
+        Row("target", "module", text=hidden),
+        Row("speed", "speed", "m/s", text=hidden),
+    )
+
+    @property
+    def unit(self) -> str:
+        """The unit of the force."""
+        return "N"
 
     def __repr__(self) -> str:
         between = f"between {self.low:.8g} and {self.high:.8g} N"
-        return f"<SimulatedCritical: {self.force:.8g} N, {between}; {self.runs} runs>"
+        return f"<SimulatedCritical: {self.value:.8g} N, {between}; {self.runs} runs>"
+
+    @property
+    def _limit(self) -> str:
+        if self.growth:
+            return f"bending beyond {self.growth:g} times its start"
+        return "growth of 1 %, measured"
+
+    @property
+    def _cost(self) -> str:
+        module = "C" if self.target == "c" else "NumPy"
+        return f"{self.runs} of {self.span:g} s in {self.seconds:.3g} s, in {module}"
+
+    def _beside(self, value: float) -> dict[str, str]:
+        """Lines of a table, beside the force that eigenvalues have found [N]."""
+        away = self.value / value - 1 if value else 0.0
+        low, high = f"{self.low:.6g} N (no growth)", f"{self.high:.6g} N (growth)"
+        return {
+            "by simulation": f"{self.value:.6g} N, {away:+.2%}",
+            "between": f"{low} and {high}",
+            "growth": self._limit,
+            "simulations": self._cost,
+        }
 
     @property
     def seen(self) -> float:
@@ -106,17 +149,16 @@ class SimulatedCritical(Told):
 
 
 @guarded
-def simulated_critical_force(
+def simulated_critical_load(
     system: System | Scene,
     *,
     span: float = 200.0,
     growth: float | None = None,
-    tolerance: float = 1e-4,
+    tolerance: float = TOLERANCE,
     t: float | None = None,
     speed: float | None = None,
     after: float | None = None,
-    low: float | None = None,
-    high: float | None = None,
+    bounds: OpenBounds = (None, None),
     disturbance: str | None = None,
     progress: Callable[[float, bool], None] = lambda force, grew: None,
     target: str | None = None,
@@ -148,10 +190,10 @@ def simulated_critical_force(
     tolerance
         Relative tolerance of the force, dimensionless.
     t, speed, after
-        Times [s] and speed [m/s] as in `critical_force`, but the speed changes during the run.
-    low, high
-        Forces between which the critical one lies [N]. By default they are found by doubling, from
-        4 EI/L^2 on.
+        Times [s] and speed [m/s] as in `critical_load`, but the speed changes during the run.
+    bounds
+        Forces (a, b) between which the critical one lies [N]. By default, or where it is None, a is
+        zero, and b is found by doubling, from 4 EI/L^2 on.
     disturbance
         Angles [rad], an expression in s as in a scene. By default about 1e-6, or 1e-4 if ``growth``
         is given.
@@ -180,8 +222,8 @@ def simulated_critical_force(
     --------
     >>> import rodgen
     >>> scene = rodgen.Scene.example("ziegler")
-    >>> found = rodgen.simulated_critical_force(scene, span=40.0, tolerance=1e-2)
-    >>> found.low <= found.force <= found.high
+    >>> found = rodgen.simulated_critical_load(scene, span=40.0, tolerance=1e-2)
+    >>> found.low <= found.value <= found.high
     True
     """
     # Refuses a scene without a follower force, or without a stiffness.
@@ -198,17 +240,36 @@ def simulated_critical_force(
     for name, value in (("span", span), ("growth - 1", over), ("tolerance", tolerance)):
         if not (np.isfinite(value) and value > 0):
             raise InputError(name, value, "positive")
+    settings = {name: value for name, value in given.items() if value is not None}
+    return simulated_of(
+        family, span, growth, tolerance, bounds, disturbance, progress, target, settings
+    )
+
+
+def simulated_of(
+    family: Family,
+    span: float,
+    growth: float | None = None,
+    tolerance: float = TOLERANCE,
+    bounds: OpenBounds = (None, None),
+    disturbance: str | None = None,
+    progress: Callable[[float, bool], None] = lambda force, grew: None,
+    target: str | None = None,
+    given: Mapping[str, Any] = MappingProxyType({}),
+) -> SimulatedCritical:
+    """Find the critical follower force of a family, as `simulated_critical_load` does; given:
+    settings in [integrate]."""
     begun = time.perf_counter()
-    settings: dict[str, Any] = TOLERANCES[growth is None] | {
-        name: value for name, value in given.items() if value is not None
-    }
+    settings: dict[str, Any] = TOLERANCES[growth is None] | {**given}
     run = _Run(family, span, growth, disturbance, progress, target, settings)
-    lower, upper = _bracket(run, low, high, family.unit)
+    if run.model.PROVENANCE["target"] == "numpy":
+        tell("simulating with NumPy, which takes long: no C module can be built")
+    lower, upper = _bracket(run, bounds, family.unit)
     while upper - lower > tolerance * upper:
         middle = (lower + upper) / 2
         lower, upper = (lower, middle) if run.grows(middle) else (middle, upper)
     return SimulatedCritical(
-        force=(lower + upper) / 2,
+        value=(lower + upper) / 2,
         low=lower,
         high=upper,
         span=span,
@@ -220,33 +281,40 @@ def simulated_critical_force(
     )
 
 
-def doubt(found: Critical, simulated: SimulatedCritical, family: Family) -> str | None:
-    """Why one of two critical forces is not to be trusted, as far as that is known: that by
-    eigenvalues, of a family, and that by simulations; None where they agree within 5 %."""
-    if abs(simulated.force - found.force) <= APART * abs(found.force):
-        return None
+def difference(force: float, simulated: SimulatedCritical, family: Family) -> Iterator[Note]:
+    """The doubt about two critical forces that differ by more than 5 %, with the reason as far as
+    that is known: that by eigenvalues [N], of a family, and that by simulations."""
+    if abs(simulated.value - force) <= APART * abs(force):
+        return
+    figures = {"by_eigenvalues": force, "by_simulations": simulated.value}
     words = (
         "the forces by eigenvalues and by simulations differ by more than 5 %: one of them is not "
         "to be trusted"
     )
-    of_speed = family.state(found.force).notes
+    of_speed = family.state(force).notes
     if of_speed:
-        return f"{'; '.join((words, *of_speed))}; the runs have the speed that they gain"
-    rate = np.nanmax(family.elastic(np.array([simulated.low]), family.whole).real)
+        words = "; ".join((words, *map(str, of_speed)))
+        yield doubt(f"{words}; the runs have the speed that they gain", **figures)
+        return
+    rate = float(np.nanmax(family.elastic(np.array([simulated.low]), family.whole).real))
     if 0 < rate * simulated.span < np.log(simulated.seen):
-        return (
-            f"{words}; under {simulated.low:.6g} N motions grow with {rate:.3g} 1/s by "
-            f"eigenvalues, too slowly to be seen in {simulated.span:g} s: simulate for longer"
+        words += (
+            f"; under {simulated.low:.6g} N motions grow with {rate:.3g} 1/s by eigenvalues, too "
+            f"slowly to be seen in {simulated.span:g} s: simulate for longer"
         )
-    return words
+        figures["rate"] = rate
+    yield doubt(words, **figures)
 
 
-def _bracket(run: _Run, low: float | None, high: float | None, unit: float) -> tuple[float, float]:
+def _bracket(run: _Run, bounds: OpenBounds, unit: float) -> tuple[float, float]:
     """Forces without and with growth."""
-    lower = 0.0 if low is None else low
+    low, high = open_bounds_of(bounds)
+    lower = low or 0.0
+    if high is not None and not high > lower:
+        raise InputError("bounds", bounds, f"({lower:g}, b) with b above that")
     if run.grows(lower):
         raise AnalysisError(f"the motion grows already at {lower:g} N within {run.span:g} s")
-    upper = max(FIRST * unit, 2 * lower) if high is None else high
+    upper = lower + FIRST * unit if high is None else high
     while not run.grows(upper):
         if high is not None or upper > HIGHEST * unit:
             raise AnalysisError(
@@ -332,7 +400,8 @@ class _Run:
         """Of the strongest direction, what is lost in errors of a run beside a steady state: where
         angles or added states are not zero, errors are relative to these, not to the disturbance.
         """
-        integrate = self.family.rod.system.with_settings(**self.settings).settings
+        span = [0.0, float(self.ends[-1])]
+        integrate = self.family.rod.system.with_settings(span=span, **self.settings).settings
         size = float(max(np.abs(at.phi).max(initial=0.0), np.abs(at.added).max(initial=0.0)))
         small = float(np.abs(self.start).max())
         if integrate.fixed or size <= small:

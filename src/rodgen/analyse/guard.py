@@ -8,6 +8,7 @@ from functools import lru_cache, wraps
 from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
 from rodgen.errors import AnalysisError
+from rodgen.result import warns_of_doubts
 
 if TYPE_CHECKING:
     from threadpoolctl import ThreadpoolController
@@ -25,9 +26,11 @@ def _controller() -> ThreadpoolController:
 
 
 def guarded(function: Callable[P, R]) -> Callable[P, R]:
-    """The function with BLAS held to one thread, since for small problems it would wake all cores
-    and wait for the last, and with AnalysisError where a number leaves the range of doubles."""
+    """Return the function with a warning of every doubt about what it returns, on one BLAS thread
+    (for small problems others would be woken, and waited for), and with AnalysisError where a
+    number leaves the range of doubles."""
 
+    @warns_of_doubts
     @wraps(function)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
         import numpy as np  # here, as commands need the errors alone

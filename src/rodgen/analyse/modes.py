@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,15 +15,17 @@ from rodgen.analyse.guard import guarded
 from rodgen.analyse.modal import CRUDE, ROUNDING
 from rodgen.analyse.pencil import Dense, Pencil
 from rodgen.analyse.sizes import MODES, check_size
+from rodgen.analyse.state_result import TIME, StateResult
 from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.steady_rod import SteadyRod, state_after
 from rodgen.arrays import Array
+from rodgen.display import Plottable
 from rodgen.errors import InputError
 from rodgen.progress import tell
+from rodgen.result import ASKED, FLAG, Kept, Note, Row, doubt, hidden, remarks
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
 from rodgen.scene.plain import plain
-from rodgen.shown import Shown
 from rodgen.system import System
 
 DENSE = 24  # links up to which all eigenvalues are computed; the lowest alone beyond
@@ -34,8 +37,17 @@ NAMED = 3  # frequencies in a line of text
 NUDGE = 1e-6  # rad, of the differences by which shapes are drawn: errors are its square
 
 
+SOME = Kept(usual=True, several=4)
+RIGID_WAYS = "", " (turning)", " (moving along and across)", " (moving and turning)"
+
+
+def _if_damped(found: Modes) -> str | None:
+    """Leave a column out where nothing grows or dies away."""
+    return "" if found.growth.any() else None
+
+
 @dataclass(frozen=True, repr=False)
-class Modes(Shown):
+class Modes(StateResult, Plottable):
     """Small motions about a steady state, y = Re(shape exp(s t)), by ascending frequency.
 
     frequencies: (k,) [Hz], Im s / 2 pi; growth: (k,) [1/s], Re s, negative for what dies away;
@@ -43,9 +55,9 @@ class Modes(Shown):
     of the joints, the largest 1, complex with damping or growth; state: the steady state; rigid:
     number of motions of the rod as a whole without frequency, which are left out; overdamped:
     number of computed motions without frequency, which are left out too; joints: (n+1, 2), places
-    in the steady state [m]; t: time at which the loads are taken [s]; speed: of a free rod along
-    its axis, nose first [m/s]; notes: what to know about this speed, and about damping that depends
-    on the number of links; scene: the scene that vibrates.
+    in the steady state [m]; speed: of a free rod along its axis, nose first [m/s]; notes: which
+    motions grow, what to know about the speed, and about damping that depends on the number of
+    links; system: what vibrates, with the loads of one time.
 
     Examples
     --------
@@ -63,17 +75,65 @@ class Modes(Shown):
     state: str
     rigid: int
     overdamped: int
-    t: float
     speed: float = 0.0
-    notes: tuple[str, ...] = ()
-    scene: Scene = field(kw_only=True, compare=False)
+    notes: tuple[Note, ...] = ()
+    system: System = field(kw_only=True, compare=False)
+
+    ROWS = (
+        Row("frequencies", "frequency", "Hz", along="mode", kept=SOME),
+        Row("periods", "period", "s", ".6g", along="mode"),
+        Row("growth", "growth", "1/s", ".6g", along="mode", kept=SOME, text=_if_damped),
+        Row("damping_ratios", "damping ratio", "", ".6g", along="mode", text=_if_damped),
+        Row("largest_growth", "largest growth", "1/s", kept=ASKED, text=hidden),
+        Row("stable", "stable", kept=FLAG),
+        Row("state", "state"),
+        Row("rigid", "left out", text=lambda found: found._left_out),
+        Row("overdamped", "overdamped motions", text=hidden),
+        Row("speed", "speed", "m/s", text=hidden),
+        *TIME,
+    )
+
+    @property
+    def periods(self) -> Array:
+        """Periods (k,) [s], infinite without oscillation."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(1 / self.frequencies)
+
+    @property
+    def damping_ratios(self) -> Array:
+        """Damping ratios (k,), dimensionless: -Re s over the modulus of s, negative for what grows,
+        not-a-number without oscillation."""
+        modulus = np.hypot(self.growth, 2 * np.pi * self.frequencies)
+        turns = self.frequencies > 0
+        return np.where(turns, 0.0 - self.growth / np.where(turns, modulus, 1.0), np.nan)
+
+    @property
+    def largest_growth(self) -> float:
+        """Growth of the motion that grows most [1/s], negative infinity if there is none."""
+        return float(self.growth.max(initial=-np.inf))
+
+    @property
+    def stable(self) -> bool:
+        """Whether no motion grows."""
+        return self.largest_growth <= 0
+
+    @property
+    def _left_out(self) -> str:
+        """Motions without a frequency, in words."""
+        s = "s" * (self.rigid != 1)
+        words = f"{self.rigid or 'no'} rigid-body motion{s}{RIGID_WAYS[self.rigid]}"
+        if not self.overdamped:
+            return words
+        plural = "s" * (self.overdamped != 1)
+        return f"{words}, {self.overdamped} overdamped motion{plural} among those computed"
 
     def __repr__(self) -> str:
         count, growing = len(self.frequencies), int((self.growth > 0).sum())
         span = ", ".join(f"{f:.5g}" for f in self.frequencies[:NAMED])
         more = ", ..." if count > NAMED else ""
         grow = f"; {growing} grow" if growing else ""
-        return f"<Modes of {self.scene.name}: {count}, {span}{more} Hz, {self.state}{grow}>"
+        found = f"{count}, {span}{more} Hz" if count else "none"
+        return f"<Modes of {self.scene.name}: {found}, {self.state}{grow}>"
 
 
 @guarded
@@ -162,11 +222,24 @@ def modes_about(state: Steady, count: int) -> Modes:
         state=state.words,
         rigid=_rigid(state),
         overdamped=int((~moves & (s.real < 0)).sum()),
-        t=rod.t,
         speed=rod.speed,
-        notes=state.notes + mesh_notes(rod.scene) + (SLACK,) * rod.scene.slack,
-        scene=rod.scene,
+        notes=(
+            *_unstable(growth),
+            *state.notes,
+            *remarks(mesh_notes(rod.scene) + (SLACK,) * rod.scene.slack),
+        ),
+        system=rod.system,
     )
+
+
+def _unstable(growth: Array) -> Iterator[Note]:
+    """The doubt about a state about which motions grow."""
+    numbers = [str(k + 1) for k in np.flatnonzero(growth > 0)]
+    if numbers:
+        which = f"mode {numbers[0]} grows"
+        if len(numbers) > 1:
+            which = f"modes {', '.join(numbers[:-1])} and {numbers[-1]} grow"
+        yield doubt(f"this state is unstable: {which}", growth=float(growth.max()))
 
 
 def _found(state: Steady, pencil: Pencil | Dense, count: int) -> Values:

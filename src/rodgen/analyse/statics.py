@@ -2,28 +2,35 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from rodgen.analyse.balance import free_ways
 from rodgen.analyse.guard import guarded
+from rodgen.analyse.modal import DIVERGENCE
 from rodgen.analyse.pencil import forces
 from rodgen.analyse.settle import settle, start_of
 from rodgen.analyse.sizes import STATIC, check_size
 from rodgen.analyse.small_motions import instability
+from rodgen.analyse.state_result import TIME, StateResult
 from rodgen.analyse.steady import Steady
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.arrays import Array
+from rodgen.display import Plottable
 from rodgen.errors import InputError
+from rodgen.result import FLAG, USUAL, WORD, Kept, Note, Row, doubt, hidden, in_degrees
 from rodgen.scene import Scene
 from rodgen.scene.plain import is_number, plain
-from rodgen.shown import Shown
 from rodgen.system import System
 
 MOST_BENT = 1.0  # rad
+ROUNDING = 1e-15  # of the largest coordinate
+NOT_KNOWN = "not known (more than 200 links, or external damping of a bent rod)"
 
 
 @dataclass(frozen=True, repr=False)
-class Equilibrium(Shown):
+class Equilibrium(StateResult, Plottable):
     """An equilibrium: the rod at rest under loads that do not change.
 
     y: the state (states,), in SI units; phi: angles of all n links [rad]; joints: (n+1, 2) [m];
@@ -33,9 +40,10 @@ class Equilibrium(Shown):
     fractions of the load through which it stepped, dimensionless; instability: "divergence" if a
     small motion grows without oscillating, "flutter" if one oscillates with growing amplitude, ""
     if none grows with all damping, None where this is not known (of more than 200 links; of a bent
-    rod, what external damping does beside loads that follow it); stable: the same as yes or no; t:
-    time at which the loads are taken [s]; states: added states by name, in the units of the scene;
-    scene: the scene at rest.
+    rod, what external damping does beside loads that follow it); stable: the same as yes or no;
+    states: added states by name, in the units of the scene; imperfection: by which it was found
+    [rad], 0 without, None where it is one of all that were looked for; system: what rests, with the
+    loads of one time.
 
     Examples
     --------
@@ -55,14 +63,71 @@ class Equilibrium(Shown):
     stages: tuple[float, ...]
     stable: bool | None = field(init=False)
     instability: str | None
-    t: float
     states: dict[str, float] = field(default_factory=dict)
-    scene: Scene = field(kw_only=True, compare=False)
+    imperfection: float | None = 0.0
+    system: System = field(kw_only=True, compare=False)
+
+    ROWS = (
+        Row("tip_x", "tip x", "m", ".12g", of=lambda rest: rest._round(rest.tip[0]), kept=USUAL),
+        Row("tip_y", "tip y", "m", ".12g", of=lambda rest: rest._round(rest.tip[1]), kept=USUAL),
+        Row(
+            "tip_angle",
+            "tip angle",
+            "rad",
+            of=lambda rest: float(rest.phi[-1]),
+            text=lambda rest: in_degrees(float(rest.phi[-1])),
+            kept=USUAL,
+        ),
+        Row(
+            "start",
+            "joint 0",
+            "m",
+            ".12g",
+            of=lambda rest: [rest._round(one) for one in rest.joints[0]],
+        ),
+        Row("phi", "angles of the links", "rad", text=hidden, kept=Kept(several=4)),
+        Row("states", "{}", format=".12g"),
+        Row("iterations", "Newton iterations", text=lambda rest: rest._iterations),
+        Row("stages", "load stages", text=lambda rest: rest._stages),
+        Row("stable", "stable", text=lambda rest: rest._stable, kept=FLAG),
+        Row("instability", "instability", text=hidden, kept=replace(WORD, usual=False)),
+        *TIME,
+    )
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tip", self.joints[-1])
         stable = None if self.instability is None else not self.instability
         object.__setattr__(self, "stable", stable)
+
+    def _round(self, value: float) -> float:
+        """A coordinate [m], zero where it is rounding."""
+        return float(value) if abs(value) >= ROUNDING * np.abs(self.joints).max() else 0.0
+
+    @property
+    def notes(self) -> tuple[Note, ...]:  # type: ignore[override]  # a field of other results
+        """Whether it is unstable, and how a stable one beside it is found."""
+        if not self.instability or self.imperfection is None:
+            return ()
+        words = f"this equilibrium is unstable ({self.instability}): small motions about it grow"
+        if self.instability == DIVERGENCE:
+            larger = "a larger imperfection" if self.imperfection else "imperfection 0.01"
+            words += f"; {larger} looks for a stable one beside it"
+        return (doubt(words),)
+
+    @property
+    def _iterations(self) -> str:
+        return f"{self.iterations}, the last correction {self.change:.1e} rad"
+
+    @property
+    def _stages(self) -> str:
+        count = len(self.stages)
+        return str(count) if count > 1 else "1 (the whole load at once)"
+
+    @property
+    def _stable(self) -> str:
+        if self.instability:
+            return f"NO ({self.instability})"
+        return NOT_KNOWN if self.stable is None else "yes"
 
     def __repr__(self) -> str:
         x, y = self.tip
@@ -126,6 +191,7 @@ def static_equilibrium(
         known = p if springs is None else springs.p
         rest.at = rest.at._replace(force=forces(rod, rest.at, known)[1])
     y = rod.at_rest(rest.at)
+    found = instability(Steady(rod, rest.at, p))
     return Equilibrium(
         y=y,
         phi=rod.all_links(rest.at.phi),
@@ -134,10 +200,10 @@ def static_equilibrium(
         change=rest.change,
         iterations=rest.iterations,
         stages=stages,
-        instability=instability(Steady(rod, rest.at, p)),
-        t=rod.t,
+        instability=found,
         states=dict(zip(system.added, rest.at.added.tolist(), strict=True)),
-        scene=system.scene,
+        imperfection=bend,
+        system=rod.system,
     )
 
 

@@ -17,6 +17,7 @@ from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 from rodgen.model.term import DRAG
 from rodgen.model.terms import TERMS
+from rodgen.result import Note, doubt, remarks
 
 STEADY = 1e-9  # of the accelerations that the joint forces would cause: rounding
 STRAIGHT = 1e-12  # rad
@@ -77,24 +78,26 @@ class Steady:
         return bool(gained > STEADY * np.abs(self.force).max(initial=0.0))
 
     @property
-    def notes(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[Note, ...]:
         """What a reader has to know of the speed, where it counts: nothing for a rod that is held,
         and where no load depends on it."""
         rod = self.rod
         if not (has_drag(rod) and rod.scene.hold.translates):
             return ()
         if is_kinked(rod) and not (rod.speed or rod.across):
-            return (
+            text = (
                 "linearised about a rod at rest, where external damping brakes small motions "
-                "across it; of one that moves along its axis it brakes none (give a speed)",
+                "across it; of one that moves along its axis it brakes none (give a speed)"
             )
+            return remarks((text,))
         angle = np.degrees(np.arctan2(abs(rod.across), abs(rod.speed)))
         if angle <= ASKEW:
             return ()
-        return (
+        text = (
             f"the rod moves {angle:.3g} degrees away from its axis, which is no steady state: "
-            "linearised as though it moved along its axis alone",
+            "linearised as though it moved along its axis alone"
         )
+        return (doubt(text, degrees=float(angle)),)
 
     @cached_property
     def turns_freely(self) -> bool:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 from rodgen.loading import cache
+from rodgen.result import Result, ResultTable, Row
 from rodgen.scene.structure import Structure
 
 # Links of the chain in which accelerations by joint forces are compared: every case is in it.
@@ -24,13 +25,50 @@ class Held:
     entries: int
 
 
-@dataclass(frozen=True)
-class Proof:
-    """All comparisons of a structure; kept says that they were made earlier."""
+WAYS = {
+    "any n": "any n (symbolic)",
+    "explicit n": "n = {links} (LagrangesMethod)",
+    "rational points": "n = {links} (exact, at random rational points)",
+    "joint forces": "n = {few} (from the joint forces, exact)",
+}
 
+
+@dataclass(frozen=True, repr=False)
+class Proof(Result):
+    """All comparisons of a structure with the closed form, which held; kept says that they were
+    made earlier."""
+
+    structure: Structure
     comparisons: tuple[Held, ...]
     seconds: float
     kept: bool = False
+
+    ROWS = (
+        Row("module", "module", of=lambda proof: proof.structure.stem),
+        Row("structure", "structure", of=lambda proof: proof.structure.hash),
+        Row("proven", "proven", of=lambda proof: [asdict(one) for one in proof.comparisons]),
+        Row("proven_earlier", "proven earlier, unchanged since", of=lambda proof: proof.kept),
+    )
+
+    @property
+    def entries(self) -> int:
+        """How many entries were compared."""
+        return sum(one.entries for one in self.comparisons)
+
+    def tables(self) -> list[ResultTable]:
+        """Numbers of entries that are equal to the closed form, exactly, by matrix or load and by
+        the way of comparing."""
+        ways = list(dict.fromkeys(one.how for one in self.comparisons))
+        names = list(dict.fromkeys(one.name for one in self.comparisons))
+        of = {(one.name, one.how): str(one.entries) for one in self.comparisons}
+        links = self.structure.links
+        heads = (WAYS[way].format(links=links, few=min(links, MOST_JOINTS)) for way in ways)
+        rows = [(name, *(of.get((name, way), "") for way in ways)) for name in names]
+        return [ResultTable.of_rows(("matrix or load", *heads), rows)]
+
+    def __repr__(self) -> str:
+        again = "proven earlier" if self.kept else f"proven in {self.seconds:.1f} s"
+        return f"<Proof of {self.structure.stem}: {self.entries} entries; {again}>"
 
 
 def prove(
@@ -49,7 +87,7 @@ def prove(
     what = (*rod, structure.terms, explicit, MOST_JOINTS, structure.uneven)
     packages = (*cache.PACKAGES, "rodgen.check")
     entry = ("proofs", f"{cache.key('proof', *what, packages=packages)}.json")
-    kept = _recall(cache.read_text(*entry))
+    kept = _recall(structure, cache.read_text(*entry))
     if kept is not None:
         for comparison in kept.comparisons:
             found(comparison)
@@ -60,17 +98,18 @@ def prove(
     for c in comparisons(*what):
         held.append(Held(c.name, c.how, c.entries))
         found(held[-1])
-    proof = Proof(tuple(held), time.perf_counter() - start)
+    proof = Proof(structure, tuple(held), time.perf_counter() - start)
     rows = [[h.name, h.how, h.entries] for h in proof.comparisons]
     cache.store_text(json.dumps({"held": rows, "seconds": proof.seconds}), *entry)
     return proof
 
 
-def _recall(text: str | None) -> Proof | None:
+def _recall(structure: Structure, text: str | None) -> Proof | None:
     """A stored proof, or None where there is none that can be read."""
     try:
         record = json.loads(text or "")
         rows = tuple(Held(str(n), str(how), int(count)) for n, how, count in record["held"])
-        return Proof(rows, float(record["seconds"]), kept=True) if rows else None
+        seconds = float(record["seconds"])
+        return Proof(structure, rows, seconds, kept=True) if rows else None
     except (ValueError, KeyError, TypeError):
         return None

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from rodgen.cli.console import err, out, progress, warn, working
+from rodgen.cli.options import bounds_of
 from rodgen.cli.results import writable
 from rodgen.cli.signals import end_as_by_ctrl_c
 from rodgen.show.animation.times import LEAST_PIXELS, MOST_PIXELS
@@ -35,11 +36,11 @@ def animate(
             "principal axes). Default: fixed, if the rod is then large enough."
         ),
     ] = None,
-    start: Annotated[
-        float | None, typer.Option("--from", help="Time at which the film begins [s].")
-    ] = None,
-    end: Annotated[
-        float | None, typer.Option("--to", help="Time at which the film ends [s].")
+    bounds: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A,B", help="Times between which the film shows the run [s]. Default: all."
+        ),
     ] = None,
     damaged: Annotated[
         bool, typer.Option("--damaged", help="Draw the readable part of a damaged result.")
@@ -52,7 +53,8 @@ def animate(
     from rodgen.show.animation.film import film
     from rodgen.show.animation.times import Settings, plan
 
-    settings = Settings(fps, speed, view, width, height, start, end)
+    between = (None, None) if bounds is None else bounds_of(bounds)
+    settings = Settings(fps, speed, view, width, height, between)
     check_file(out_file, settings)
     writable(out_file.parent)  # before the frames are drawn, which takes long
     stored = Excerpt(result, strict=not damaged)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rodgen.cli.console import finite, print_json, print_values
-from rodgen.cli.curves import followed, going_on, numbers
+from rodgen.cli.console import finite
+from rodgen.cli.curves import followed, going_on
 from rodgen.cli.options import (
     AsJson,
     AtTime,
@@ -17,6 +17,8 @@ from rodgen.cli.options import (
     OutFolder,
     PointNumber,
     ResumeFile,
+    bounds_of,
+    whole_bounds_of,
 )
 from rodgen.cli.results import promised
 from rodgen.scene import Scene
@@ -25,9 +27,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-RANGE = "FROM:TO"
 NAME = "boundary"  # of its files
-_SPECIAL = ("kind", "a", "b", "frequency")
 
 
 def boundary(
@@ -39,13 +39,13 @@ def boundary(
             help="Both numbers, such as loads.follower.force,loads.material_damping.time.",
         ),
     ],
-    first: Annotated[
-        str | None,
-        typer.Option("--a", metavar=RANGE, help="Range of A. Default: from 0 on."),
-    ] = None,
-    second: Annotated[
-        str | None,
-        typer.Option("--b", metavar=RANGE, help="Range of B. Default: from 0 on."),
+    bounds: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="A,B",
+            help="Range of the first number; given again, of the second. Default: from 0 on, also "
+            "where it is a comma alone.",
+        ),
     ] = None,
     resume: ResumeFile = None,
     at: PointNumber = None,
@@ -66,11 +66,13 @@ def boundary(
     if len(keys) != 2:
         raise InputError("--vary", vary, "two numbers of the scene with a comma between them")
     finite("--t", t)
-    given = (("--a", first), ("--b", second))
-    ranges = [(text and numbers(option, text, ":")) or None for option, text in given]
+    given = [_range(text) for text in bounds or ()]
+    if len(given) > len(keys):
+        raise InputError("--bounds", bounds, "given once for each number, twice at most")
+    ranges = (*given, None, None)[:2]
     file = None if as_json else out_folder / scene.name / f"{NAME}.nc"
     command: dict[str, Any] = {"command": NAME, "scene": scene.to_dict(), "vary": vary}
-    command |= {"ranges": ranges, "step": step, "most": most, "t": t}
+    command |= {"bounds": ranges, "step": step, "most": most, "t": t}
     going = going_on(resume, at, read, file, command)
     with promised(None if as_json else out_folder / scene.name) as folder:
         made = followed(
@@ -78,7 +80,7 @@ def boundary(
             lambda said: stability_boundary(
                 scene,
                 (keys[0], keys[1]),
-                ranges=(ranges[0], ranges[1]),
+                bounds=(ranges[0], ranges[1]),
                 step=step,
                 most=most,
                 t=t,
@@ -89,14 +91,8 @@ def boundary(
             going.journal,
         )
         found = made.data
-        made.warn()
-        if file is None:
-            print_json(_object(found))
-        else:
-            from rodgen.show.dataset_tables import of_boundary
-
-            print_values(f"{scene.name}: boundary of stability", of_boundary(found))
-            made.write(folder, NAME, lambda: _curve(found, scene))
+        title = f"{scene.name}: boundary of stability"
+        made.tell(title, file and folder / file.name, lambda: _curve(found, scene))
         made.stop(file)
 
 
@@ -106,16 +102,6 @@ def _curve(found: xarray.Dataset, scene: Scene) -> Figure:
     return boundary_curve(found, scene)
 
 
-def _object(found: xarray.Dataset) -> dict[str, Any]:
-    names = ("a", "b", "frequency")
-    rows = zip(*(found[name].values.tolist() for name in names), strict=True)
-    attributes = {name: found.attrs[name] for name in ("a", "b", "kind", "end", "t")}
-    points = [list(row) for row in rows]
-    special = zip(*(found[f"special_{name}"].values.tolist() for name in _SPECIAL), strict=True)
-    named = [dict(zip(_SPECIAL, one, strict=True)) for one in special]
-    return {
-        "points": points,
-        "special": named,
-        "complete": bool(found.attrs["complete"]),
-        **attributes,
-    }
+def _range(text: str) -> tuple[float, float] | None:
+    """The range of a number, None where neither end is given."""
+    return None if bounds_of(text) == (None, None) else whole_bounds_of(text)

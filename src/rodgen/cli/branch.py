@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rodgen.cli.console import finite, print_json, print_values
+from rodgen.cli.console import finite
 from rodgen.cli.curves import followed, going_on
 from rodgen.cli.options import (
     AsJson,
     AtTime,
+    Bounds,
     CheckMesh,
     LongestStep,
     MostPoints,
@@ -20,6 +21,7 @@ from rodgen.cli.options import (
     PointNumber,
     ResumeFile,
     Vary,
+    whole_bounds_of,
 )
 from rodgen.cli.results import promised
 from rodgen.scene import Scene
@@ -32,13 +34,11 @@ if TYPE_CHECKING:
 def branch(
     scene: Scene,
     vary: Vary,
-    first: Annotated[float, typer.Option("--from", help="Value at which range and branch begin.")],
-    last: Annotated[float, typer.Option("--to", help="Value at which the range ends.")],
+    bounds: Bounds,
     start: Annotated[
         float | None,
         typer.Option(
-            help="Begin at this value between both ends, and follow the branch both ways. Default:"
-            " --from."
+            help="Begin at this value between A and B, and follow the branch both ways. Default: A."
         ),
     ] = None,
     switch: Annotated[
@@ -82,8 +82,8 @@ def branch(
     from rodgen.analyse.branches import branch_data
     from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 
-    for option, value in (("--from", first), ("--to", last), ("--t", t)):
-        finite(option, value)
+    finite("--t", t)
+    between = whole_bounds_of(bounds)
     given: dict[str, Any] = {
         "start": start,
         "imperfection": imperfection,
@@ -101,7 +101,7 @@ def branch(
         "switch": switch,
         **given,
     }
-    command |= {"from": first, "to": last}
+    command |= {"bounds": between}
     going = going_on(resume, at, branch_data.read, file, command)
     given |= {"resume": going.curve, "at": going.at}
     with promised(None if as_json else out_folder / scene.name) as folder:
@@ -110,21 +110,15 @@ def branch(
             def watch(value: float) -> None:
                 said(f"{vary} = {value:.6g}")
 
-            ends = (first, last)
-            return continue_equilibria(scene, vary, ends, switch=switch, watch=watch, **given)
+            return continue_equilibria(scene, vary, between, switch=switch, watch=watch, **given)
 
         made = followed("the branch", lambda said: follow(said, switch), going.journal)
         found = made.data
-        made.warn()
         name = _name(found.attrs["switch"])  # 0 where Ctrl-C came before
-        if file is None:
-            print_json(_object(found))
-        else:
-            from rodgen.show.dataset_tables import of_branch
-
-            print_values(f"{scene.name}: branch along {vary}", of_branch(found))
-            made.write(folder, name, lambda: _diagram(found, scene, follow))
-        made.stop(file and folder / f"{name}.nc", file)
+        written = file and folder / f"{name}.nc"
+        title = f"{scene.name}: branch along {vary}"
+        made.tell(title, written, lambda: _diagram(found, scene, follow))
+        made.stop(written, file)
 
 
 def _name(switch: int | None) -> str:
@@ -142,32 +136,3 @@ def _diagram(
 
     others = [follow(lambda text: None, None)] if found.attrs["switch"] else []
     return bifurcation_diagram([*others, found], scene)
-
-
-def _object(found: xarray.Dataset) -> dict[str, Any]:
-    """One JSON object, whose numbers are those of the Dataset."""
-    unstable = [None if number < 0 else number for number in found["unstable"].values.tolist()]
-    points = zip(
-        found["value"].values.tolist(),
-        unstable,
-        found["tip"].values.tolist(),
-        found["phi"].values.tolist(),
-        strict=True,
-    )
-    special = zip(
-        found["special_kind"].values.tolist(),
-        found["special_value"].values.tolist(),
-        found["special_frequency"].values.tolist(),
-        strict=True,
-    )
-    return {
-        "points": [
-            dict(zip(("value", "unstable", "tip", "phi"), row, strict=True)) for row in points
-        ],
-        "special": [dict(zip(("kind", "value", "frequency"), row, strict=True)) for row in special],
-        "key": found.attrs["key"],
-        "complete": bool(found.attrs["complete"]),
-        "end": found.attrs["end"],
-        "notes": list(filter(None, found.attrs["notes"].split("\n"))),
-        "t": found.attrs["t"],
-    }

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import out, print_json, print_table, working
+from rodgen.cli.console import print_json, print_result, working
 from rodgen.cli.errors import DISPROVEN, fail
 from rodgen.cli.options import AsJson
 from rodgen.cli.results import is_generated
@@ -21,8 +21,7 @@ def check(
     as_json: AsJson = False,
 ) -> None:
     """Run MODULE and compare it with hand-assembled equations in 50-digit arithmetic."""
-    from rodgen.check.module import DIGITS, LIMIT, check_module
-    from rodgen.show.result_tables import ResultTable
+    from rodgen.check.module import LIMIT, check_module
 
     if not module_file.exists():
         raise InputError("module", str(module_file), "a file that is there")
@@ -30,22 +29,11 @@ def check(
         allowed = "a .py that rodgen derive wrote (of a C module, the .py beside the .c)"
         raise InputError("module", str(module_file), allowed)
     module = load_module(module_file)
-    deviations = []
-    with working(f"comparing {module_file.name}") as step:
-        for deviation in check_module(module, seed=seed):
-            deviations.append(deviation)
-            step(f"{deviation.quantity}, {deviation.states}")
-    worst = max(d.error for d in deviations)
+    with working(f"comparing {module_file.name}"):
+        found = check_module(module, seed=seed)
     if as_json:
-        rows = [{"quantity": d.quantity, "states": d.states, "error": d.error} for d in deviations]
-        print_json({"deviations": rows, "largest": worst, "allowed": LIMIT})
+        print_json(found.to_dict())
     else:
-        table = ResultTable.of_rows(
-            ("quantity", "states", "largest relative error"),
-            ((d.quantity, d.states, f"{d.error:.2e}") for d in deviations),
-        )
-        print_table(f"{module_file.name} against {DIGITS}-digit arithmetic", table)
-    if not worst <= LIMIT:
-        fail(f"largest relative error {worst:.2e} is above {LIMIT:g}", DISPROVEN)
-    if not as_json:
-        out.print(f"largest relative error {worst:.2e}, allowed {LIMIT:g}")
+        print_result(f"{module_file.name} against hand-assembled equations", found)
+    if not found.equal:
+        fail(f"largest relative error {found.largest:.2e} is above {LIMIT:g}", DISPROVEN)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import warnings
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
 from pathlib import Path
@@ -13,13 +14,14 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
+from rodgen.errors import DoubtWarning
 from rodgen.progress import running as progress
 from rodgen.progress import telling, working
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from rodgen.show.result_tables import ResultTable
+    from rodgen.result import Result, ResultTable
 
 __all__ = ["err", "out", "progress", "working"]
 
@@ -55,20 +57,28 @@ def finite(option: str, value: float | None) -> float | None:
     return value
 
 
-def finite_or_none(value: float) -> float | None:
-    """A number as JSON has it: None for one that is not finite."""
-    return value if math.isfinite(value) else None
-
-
 def warn(message: str) -> None:
     """A line on standard error; what is computed goes on."""
     err.print(f"rodgen: warning: {message}")
 
 
-def print_notes(notes: Iterable[str]) -> None:
-    """Sentences that belong to a result, each a line."""
-    for note in notes:
-        out.print(f"note: {note}")
+@contextmanager
+def doubts_printed() -> Iterator[None]:
+    """Python's warnings of doubts as lines on standard error, each once."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", DoubtWarning)
+        otherwise, said = warnings.showwarning, set[str]()
+
+        def show(message: Warning | str, category: type[Warning], *where: Any) -> None:
+            text = str(message)
+            if not issubclass(category, DoubtWarning):
+                otherwise(message, category, *where)
+            elif text not in said:
+                said.add(text)
+                warn(text)
+
+        warnings.showwarning = show  # type: ignore[assignment]  # its other arguments go on
+        yield
 
 
 def print_json(result: Mapping[str, Any]) -> None:
@@ -76,22 +86,30 @@ def print_json(result: Mapping[str, Any]) -> None:
     print(json.dumps(result, allow_nan=False))
 
 
-def print_values(title: str, rows: Mapping[str, str]) -> None:
-    """A table of names and values."""
-    table = Table(title=title, show_header=False)
-    for row in rows.items():
-        table.add_row(*row)
-    out.print(table)
+def print_result(title: str, found: Result) -> None:
+    """The tables of a result under a title, after what else there is to know about it; of its
+    doubts Python has warned."""
+    for note in found.notes:
+        if note.kind == "remark":
+            out.print(f"note: {note}")
+    for table in found.tables():
+        print_table(title, table)
+        title = ""
 
 
 def print_table(title: str, given: ResultTable) -> None:
-    """A table of numbers, to the right of their columns."""
-    table = Table(title=title)
-    for column in given.columns:
-        table.add_column(column, justify="right")
+    """A table of names and values, or of numbers to the right of their columns."""
+    table = Table(title=title or None, show_header=any(given.columns))
+    for number, column in enumerate(given.columns):
+        numbers = any(given.columns) and all(_is_number(row[number]) for row in given.rows)
+        table.add_column(column, justify="right" if numbers else "left")
     for row in given.rows:
         table.add_row(*row)
     out.print(table)
+
+
+def _is_number(cell: str) -> bool:
+    return cell.strip("-") == "" or cell[-1].isdigit()
 
 
 def write_picture(draw: Callable[[], Figure], folder: Path, name: str) -> None:

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rodgen.cli.console import finite, out, warn, working, write_picture
+from rodgen.cli.console import out, print_json, print_result, warn, working, write_picture
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
 from rodgen.cli.options import LAST, point_of
 from rodgen.cli.signals import at_last, end_as_by_ctrl_c, hold_back_ctrl_c
+from rodgen.dataset_result import DatasetResult
 
 if TYPE_CHECKING:
     import xarray
@@ -115,10 +116,15 @@ class Followed:
                 self.journal.discard()
             write_picture(draw, folder, name)
 
-    def warn(self) -> None:
-        """What makes it doubtful, each in a line."""
-        for note in filter(None, self.data.attrs["notes"].split("\n")):
-            warn(note)
+    def tell(self, title: str, file: Path | None, draw: Callable[[], Figure]) -> None:
+        """Print the curve as JSON where it goes into no file, else a table of it, and write the
+        file and the picture."""
+        found = DatasetResult(self.data)
+        if file is None:
+            print_json(found.to_dict())
+        else:
+            print_result(title, found)
+            self.write(file.parent, file.stem, draw)
 
     def stop(self, file: Path | None, resume: Path | None = None) -> None:
         """End with one line where Ctrl-C came, or where the curve ends too early. file: that was
@@ -161,16 +167,3 @@ def followed(
             if journal is not None:
                 journal.discard()
             raise
-
-
-def numbers(option: str, text: str, mark: str) -> tuple[float, float]:
-    """Two finite numbers with a mark between them. Raises InputError."""
-    from rodgen.errors import InputError
-
-    try:
-        low, high = (float(part) for part in text.split(mark))
-    except ValueError:
-        raise InputError(option, text, f"two numbers, as 0{mark}20") from None
-    finite(option, low)
-    finite(option, high)
-    return low, high

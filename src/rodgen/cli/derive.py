@@ -5,14 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
-from rich.table import Table
 
-from rodgen.check.proofs import MOST_EXPLICIT, MOST_JOINTS, Proof, prove
+from rodgen.check.proofs import MOST_EXPLICIT, Proof, prove
 from rodgen.cli.completion import listed_words, words
-from rodgen.cli.console import out, print_json, working
+from rodgen.cli.console import out, print_json, print_result, working
 from rodgen.cli.errors import DISPROVEN, fail
 from rodgen.cli.options import AsJson
 from rodgen.cli.results import promised, unwritable
@@ -105,7 +104,8 @@ def derive(
     with promised(out_folder):
         proof = _prove(structure, explicit)
         if not as_json:
-            out.print(_table(structure, proof))
+            print_result(f"{structure.stem}: entries equal to the closed form, exactly", proof)
+            out.print(_total(proof))
         with working("generating"):
             texts: dict[str, str] = {}
             for one in targets:
@@ -118,7 +118,7 @@ def derive(
             if not as_json:
                 out.print(said)
         if as_json:
-            print_json(_object(structure, proof, [out_folder / name for name in texts]))
+            print_json(proof.to_dict() | {"files": [str(out_folder / name) for name in texts]})
 
 
 def _structure(
@@ -140,19 +140,6 @@ def _structure(
     )
 
 
-def _object(structure: Structure, proof: Proof, files: Sequence[Path]) -> dict[str, Any]:
-    proven = [
-        {"name": one.name, "how": one.how, "entries": one.entries} for one in proof.comparisons
-    ]
-    return {
-        "module": structure.stem,
-        "structure": structure.hash,
-        "proven": proven,
-        "proven_earlier": proof.kept,
-        "files": [str(path) for path in files],
-    }
-
-
 def _whole(text: str) -> int:
     if not re.fullmatch(r"-?[0-9]{1,18}", text):
         raise InputError("links", text, "a whole number")
@@ -167,31 +154,12 @@ def _prove(structure: Structure, explicit: bool) -> Proof:
         fail(f"the equations are not proven: {error}", DISPROVEN)
 
 
-def _table(structure: Structure, proof: Proof) -> Table:
-    ways = list(dict.fromkeys(held.how for held in proof.comparisons))
-    table = Table(title=f"{structure.stem}: entries equal to the closed form, exactly")
-    table.add_column("matrix or load")
-    names = list(dict.fromkeys(held.name for held in proof.comparisons))
-    for way in ways:
-        table.add_column(_heading(way, structure.links), justify="right")
-    for name in names:
-        counts = {held.how: held.entries for held in proof.comparisons if held.name == name}
-        table.add_row(name, *(str(counts.get(way, "")) for way in ways))
-    total = sum(held.entries for held in proof.comparisons)
-    again = "proven earlier, unchanged since" if proof.kept else f"proven in {proof.seconds:.1f} s"
-    table.caption = f"{total} entries; {again}"
-    if "rational points" in ways:
-        table.caption += f"; beyond {MOST_EXPLICIT} links not by LagrangesMethod (see --explicit)"
-    return table
-
-
-def _heading(way: str, links: int) -> str:
-    return {
-        "any n": "any n (symbolic)",
-        "explicit n": f"n = {links} (LagrangesMethod)",
-        "rational points": f"n = {links} (exact, at random rational points)",
-        "joint forces": f"n = {min(links, MOST_JOINTS)} (from the joint forces, exact)",
-    }[way]
+def _total(proof: Proof) -> str:
+    """How many entries there are in all, and when they were proven."""
+    words = "proven earlier, unchanged since" if proof.kept else f"proven in {proof.seconds:.1f} s"
+    if any(one.how == "rational points" for one in proof.comparisons):
+        words += f"; beyond {MOST_EXPLICIT} links not by LagrangesMethod (see --explicit)"
+    return f"{proof.entries} entries; {words}"
 
 
 def _write(path: Path, text: str) -> str:

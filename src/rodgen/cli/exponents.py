@@ -2,29 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import (
-    finite_or_none,
-    out,
-    print_json,
-    print_notes,
-    print_table,
-    progress,
-    write_picture,
-)
+from rodgen.cli.console import print_json, print_result, progress, write_picture
 from rodgen.cli.options import AsJson, OutFolder
 from rodgen.cli.results import promised
 from rodgen.scene import Scene
-
-if TYPE_CHECKING:
-    from rodgen.analyse.chaos.exponents import Exponents
-
-VERDICT = {True: "chaotic", False: "not chaotic", None: "cannot be told; take a longer span"}
 
 
 def exponents(
@@ -57,47 +43,9 @@ def exponents(
                 scene, count=count, span=span, transient=transient, progress=step
             )
         if as_json:
-            print_json(_object(found))
+            print_json(found.to_dict())
             return
-        print_notes(found.notes)
+        print_result(f"{scene.name}: Lyapunov exponents", found)
         from rodgen.show.exponent_pictures import convergence
-        from rodgen.show.result_tables import of_exponents
 
-        print_table(f"{scene.name}: Lyapunov exponents", of_exponents(found))
-        for line in _words(found):
-            out.print(line)
         write_picture(lambda: convergence(found, scene.name), folder, "exponents")
-
-
-def _object(found: Exponents) -> dict[str, object]:
-    return {
-        "exponents": found.exponents.tolist(),
-        "errors": found.errors.tolist(),
-        "zero_one": finite_or_none(found.zero_one),
-        "divergence": finite_or_none(found.divergence),
-        "transient": found.transient,
-        "zeros": found.zeros,
-        "notes": list(found.notes),
-    }
-
-
-def _words(found: Exponents) -> list[str]:
-    """What the numbers mean."""
-    largest = float(found.exponents[0])
-    lines = [f"The motion: {VERDICT[found.chaotic]}."]
-    if found.chaotic is False:
-        most = largest + float(found.errors[0])
-        lines[0] += f" No exponent is above {most:.2g} 1/s by these {found.t[-1]:.4g} s."
-    if found.chaotic:
-        lines[0] += f" Errors grow tenfold in {math.log(10) / largest:.3g} s."
-    if math.isfinite(found.zero_one):
-        lines.append(f"0-1 test: {found.zero_one:.3f} (0: regular, 1: chaotic).")
-    else:
-        lines.append("0-1 test: too few independent samples.")
-    if found.zeros:
-        parts = (f"{number} by {reason}" for reason, number in found.zeros.items())
-        lines.append(f"Zero whatever the motion, unless it comes to rest: {', '.join(parts)}.")
-    if math.isfinite(found.divergence):
-        total = float(found.exponents.sum())
-        lines.append(f"Their sum: {total:.3g} 1/s; mean divergence: {found.divergence:.3g} 1/s.")
-    return lines

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -46,6 +47,7 @@ OutFolder = Annotated[
 AsJson = Annotated[
     bool, typer.Option("--json", help="Print one JSON object instead of tables and pictures.")
 ]
+Bounds = Annotated[str, typer.Option("--bounds", metavar="A,B", help="Range of the number.")]
 Vary = Annotated[
     str,
     typer.Option(
@@ -69,8 +71,34 @@ PointNumber = Annotated[
 LongestStep = Annotated[
     float, typer.Option("--step", help="Longest step along the curve, as a share of the range.")
 ]
+Segments = Annotated[int, typer.Option(help="Number of parts into which the period is cut.")]
 MostPoints = Annotated[int, typer.Option("--most", help="Largest number of points, to each side.")]
 LAST = -1  # the number of a point, if not given
+
+
+def bounds_of(text: str) -> tuple[float | None, float | None]:
+    """The ends of a range that is given as A,B, either of which may be left out. Raises
+    InputError."""
+    from rodgen.errors import InputError
+
+    parts = text.split(",")
+    try:
+        low, high = (float(part) if part.strip() else None for part in parts)
+    except ValueError:
+        raise InputError("--bounds", text, "two numbers, as 0,20") from None
+    if any(one is not None and not math.isfinite(one) for one in (low, high)):
+        raise InputError("--bounds", text, "two finite numbers, as 0,20")
+    return low, high
+
+
+def whole_bounds_of(text: str) -> tuple[float, float]:
+    """The same, both of which are needed."""
+    from rodgen.errors import InputError
+
+    low, high = bounds_of(text)
+    if low is None or high is None:
+        raise InputError("--bounds", text, "two numbers, as 0,20: the range of the number")
+    return low, high
 
 
 def point_of(file: Path | None, at: int | None, option: str) -> int:

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import typer
@@ -16,11 +12,9 @@ from rodgen.cli.completion import words
 from rodgen.cli.console import (
     drawn,
     err,
-    finite_or_none,
     out,
     print_json,
     progress,
-    warn,
     working,
 )
 from rodgen.cli.errors import FAILED_RUN, INTERRUPTED, fail
@@ -28,17 +22,15 @@ from rodgen.cli.options import OutFolder
 from rodgen.cli.results import check_same, promised, to_replace, unwritable
 from rodgen.cli.signals import end_as_by_ctrl_c, hold_back_ctrl_c, let_ctrl_c_through
 from rodgen.emit.targets import TARGETS
-from rodgen.integrate import Interrupted, RunError, Solution, StepWarning, resume, simulate
-from rodgen.integrate.error_growth import error_growth as growth_of
+from rodgen.integrate import Interrupted, RunError, Solution, resume, simulate
 from rodgen.integrate.files.checkpoint import beside
 from rodgen.integrate.files.saver import check_every
 from rodgen.integrate.methods.compiled import parts
-from rodgen.integrate.simulate import check_samples
+from rodgen.integrate.simulate import check_samples, follow_errors
 from rodgen.loading import build, companions, fastest, sources
 from rodgen.loading.cache import write_whole
 from rodgen.model.methods import METHODS
 from rodgen.scene import Scene
-from rodgen.scene.doubts import doubts
 from rodgen.scene.integration import AUTO, Settings, check_used
 from rodgen.system import System
 
@@ -97,8 +89,6 @@ def run(
     scene = scene.with_integrate(**overrides)
     check_used(scene.integrate, overrides, prefix="--")
     check_samples(System.of(scene), to_file=True)
-    for doubt in doubts(scene):
-        warn(doubt)
     start, end = scene.integrate.span
     folder = out_folder / scene.name
     file = folder / RESULT
@@ -115,7 +105,7 @@ def run(
         context.with_resource(promised(folder))
         stale = to_replace(scene, file)
     end_as_by_ctrl_c()
-    with progress(scene.name, start, end) as update, _warned():
+    with progress(scene.name, start, end) as update:
         try:
             if resumed:
                 solution = resume(file, progress=update, checkpoint=checkpoint)
@@ -137,7 +127,7 @@ def run(
         pictured = status != INTERRUPTED and len(solution.t) > 0
         written = _write(solution, folder, without_c, stale, pictured)
         if as_json:
-            print_json(_object(solution, folder, written))
+            print_json(solution.to_dict() | {"folder": str(folder), "files": written})
         else:
             out.print((folder / SUMMARY).read_text(encoding="utf-8"), end="")
             out.print(f"Written to {folder}: {', '.join(written)}.")
@@ -153,23 +143,10 @@ def _find_error_growth(solution: Solution) -> None:
     """How fast errors grow in the run, unless that is stopped by Ctrl-C."""
     try:
         with working("following a neighbouring motion"):
-            solution.errors = growth_of(solution)
+            follow_errors(solution)
     except KeyboardInterrupt:
         hold_back_ctrl_c()
         err.print("rodgen: interrupted: how fast errors grow is not known")
-
-
-@contextmanager
-def _warned() -> Iterator[None]:
-    """Warnings of a run as lines of their own."""
-
-    def show(message: Warning | str, *_: object, **__: object) -> None:
-        warn(str(message))
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("always", StepWarning)
-        warnings.showwarning = show
-        yield
 
 
 def _write(
@@ -207,24 +184,3 @@ def _write(
     except OSError as error:
         raise unwritable(folder, error) from None
     return written
-
-
-def _object(solution: Solution, folder: Path, written: Sequence[str]) -> dict[str, Any]:
-    stats, settings, t = solution.stats, solution.scene.integrate, solution.t
-    errors = solution.errors
-    return {
-        "name": solution.scene.name,
-        "status": solution.status,
-        "message": solution.message,
-        "samples": len(t),
-        "end": float(t[-1]) if len(t) else None,
-        "method": settings.method,
-        **asdict(stats),
-        "tip": [finite_or_none(float(x)) for x in solution.tip[-1]] if len(t) else None,
-        "work": {name: finite_or_none(float(w[-1])) for name, w in solution.work.items() if len(t)},
-        "energy_error": finite_or_none(solution.energy_error),
-        "error_growth": None if errors is None else finite_or_none(errors.factor),
-        "events": [{"name": event.name, "t": event.t} for event in solution.events],
-        "folder": str(folder),
-        "files": list(written),
-    }

@@ -30,7 +30,7 @@ def scenes(as_json: AsJson = False) -> None:
         )
         return
     for kind, of in kinds.items():
-        table = Table("name", "what it is", title=f"{kind.title()}: rodgen new NAME --from ...")
+        table = Table("name", "what it is", title=f"{kind.title()}: rodgen new NAME --like ...")
         for name, path in of.items():
             table.add_row(name, about(path))
         out.print(table)
@@ -44,7 +44,7 @@ def new(
     source: Annotated[
         str,
         typer.Option(
-            "--from",
+            "--like",
             metavar="EXAMPLE",
             help="Scene or study to copy, from the lists of rodgen scenes.",
             autocompletion=words([*examples(), *studies()]),

@@ -18,7 +18,7 @@ from typing import Annotated, Any
 import typer
 
 from rodgen.cli.completion import keys
-from rodgen.cli.console import printing
+from rodgen.cli.console import doubts_printed, printing
 from rodgen.cli.options import OutFolder
 from rodgen.errors import InputError
 from rodgen.scene import Scene
@@ -56,7 +56,8 @@ def with_shared(command: Callable[..., object]) -> Callable[..., object]:
         shared = {name: given.pop(name) for name in added}
         if takes_scene:
             given[SCENE] = read_scene(given[SCENE], shared[SET])
-        with printing(quiet=shared[QUIET], pictures=not shared.get(NO_PICTURES)):
+        how = printing(quiet=shared[QUIET], pictures=not shared.get(NO_PICTURES))
+        with how, doubts_printed():
             return command(*args, **given)
 
     parameters = [

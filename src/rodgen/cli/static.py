@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import finite, out, print_json, print_values, warn, working, write_picture
+from rodgen.cli.console import finite, print_json, print_result, print_table, working, write_picture
 from rodgen.cli.options import AsJson, AtTime, OutFolder
 from rodgen.cli.results import promised
 from rodgen.scene import Scene
-
-if TYPE_CHECKING:
-    from rodgen.analyse.statics import Equilibrium
 
 
 def static(
@@ -41,7 +38,6 @@ def static(
     from rodgen.analyse.statics import static_equilibrium
     from rodgen.analyse.steady_rod import SteadyRod
     from rodgen.errors import InputError
-    from rodgen.system.instant import describe_instant, inactive_loads
 
     if every:
         if imperfection is not None:
@@ -51,16 +47,11 @@ def static(
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("balancing"):
             rest = static_equilibrium(scene, t=finite("--t", t), imperfection=imperfection)
-        if rest.instability:
-            warn(_warning(rest.instability, imperfection))
         if as_json:
-            print_json(_object(rest) | {"silent": inactive_loads(scene, rest.t)})
+            print_json(rest.to_dict())
             return
-        out.print(f"{scene.name}: {describe_instant(scene, rest.t)}")
+        print_result(f"{scene.name}: static equilibrium", rest)
         from rodgen.show.analysis_pictures import equilibrium_shape
-        from rodgen.show.result_tables import of_equilibrium
-
-        print_values(f"{scene.name}: static equilibrium", of_equilibrium(rest))
 
         write_picture(lambda: equilibrium_shape(rest, SteadyRod.of(scene, t)), folder, "static")
 
@@ -68,51 +59,16 @@ def static(
 def _every(scene: Scene, t: float | None, out_folder: Path, as_json: bool) -> None:
     """List all equilibria that are found."""
     from rodgen.analyse.branches.coexistence import static_equilibria
-    from rodgen.system.instant import describe_instant, inactive_loads
+    from rodgen.result import side_by_side
 
     with promised(None if as_json else out_folder / scene.name) as folder:
         with working("looking for equilibria"):
             found = static_equilibria(scene, t=t)
         if as_json:
-            silence = inactive_loads(scene, found[0].t)
-            print_json({"equilibria": [_object(one) for one in found], "silent": silence})
+            print_json({"equilibria": [one.to_dict() for one in found]})
             return
-        out.print(f"{scene.name}: {describe_instant(scene, found[0].t)}")
-        rows = {f"tip at ({one.tip[0]:.9g}, {one.tip[1]:.9g}) m": _stability(one) for one in found}
-        print_values(f"{scene.name}: {len(found)} equilibria were found", rows)
+        told = side_by_side(found, ("tip_x", "tip_y", "tip_angle", "stable"))
+        print_table(f"{scene.name}: {len(found)} equilibria were found", told)
         from rodgen.show.branch_pictures import equilibrium_shapes
 
         write_picture(lambda: equilibrium_shapes(found, scene), folder, "equilibria")
-
-
-def _stability(rest: Equilibrium) -> str:
-    if rest.instability:
-        return f"unstable ({rest.instability})"
-    from rodgen.show.result_tables import STABLE
-
-    return "stable" if rest.stable else STABLE[None]
-
-
-def _warning(instability: str, imperfection: float | None) -> str:
-    """That the state is unstable, and how a stable one beside it is found."""
-    from rodgen.analyse.modal import DIVERGENCE
-
-    words = f"this equilibrium is unstable ({instability}): small motions about it grow"
-    if instability != DIVERGENCE:
-        return words
-    larger = "a larger --imperfection" if imperfection else "--imperfection 0.01"
-    return f"{words}; {larger} looks for a stable one beside it"
-
-
-def _object(rest: Equilibrium) -> dict[str, object]:
-    return {
-        "tip": rest.tip.tolist(),
-        "start": rest.joints[0].tolist(),
-        "phi": rest.phi.tolist(),
-        "states": rest.states,
-        "stable": rest.stable,
-        "instability": rest.instability,
-        "iterations": rest.iterations,
-        "stages": list(rest.stages),
-        "t": rest.t,
-    }

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rodgen.cli.console import drawn, err, out, print_json, print_values, working
+from rodgen.cli.console import drawn, err, out, print_json, print_result, working
 from rodgen.cli.errors import BAD_INPUT, FAILED_RUN, INTERRUPTED, fail
 from rodgen.cli.options import AsJson, OutFolder
 from rodgen.cli.signals import end_as_by_ctrl_c, hold_back_ctrl_c
@@ -139,11 +139,11 @@ def _tell(name: str, store: Path, as_json: bool) -> Tally:
 
     found = tally(store)
     if not as_json:
-        print_values(f"{name}: points", found.rows)
+        print_result(f"{name}: points", found)
     pictures = _draw(store) if drawn() else []
     if as_json:
         files = {"store": str(store), "pictures": [str(path) for path in pictures]}
-        print_json({"name": name, **vars(found), **files})
+        print_json(found.to_dict() | files)
     else:
         out.print(f"Written: {', '.join(map(str, [store, *pictures]))}")
     return found

@@ -33,7 +33,7 @@ def view(
             "--from",
             metavar="FILE",
             help="Start in a state of a branch, or on one of its cycles. FILE is written by rodgen"
-            " branch or rodgen cycle --vary.",
+            " branch or rodgen cycle-branch.",
         ),
     ] = None,
     at: PointNumber = None,

@@ -1,6 +1,5 @@
 """Callables to Solutions: methods, samples, events, work, storage."""
 
-from rodgen.integrate.endings import StepWarning
 from rodgen.integrate.methods.choose import Choice, choose
 from rodgen.integrate.simulate import resume, simulate
 from rodgen.integrate.solution import Interrupted, RunError, Solution
@@ -12,7 +11,6 @@ __all__ = [
     "Interrupted",
     "RunError",
     "Solution",
-    "StepWarning",
     "choose",
     "resume",
     "simulate",

@@ -87,7 +87,7 @@ class DenseOutput:
                 for end in [*map(float, met), last]:
                     run.begin(end, *inside(run.t, end), self._swing)
                     while not run.advance(recorder, watch, STRIDE):
-                        if run.counts.steps > self.settings.budget:
+                        if run.counts.nsteps > self.settings.budget:
                             raise StepError("the budget of steps is used up")
         except (StepError, OverflowError) as error:
             message = f"no states between samples after t = {t:.9g} s: {error}"

@@ -7,63 +7,80 @@ from collections.abc import Iterator
 from types import ModuleType
 
 import numpy as np
+from numpy.typing import NDArray
 
+from rodgen.arrays import Array
 from rodgen.errors import short
 from rodgen.integrate.machine import Machine
-from rodgen.integrate.methods.choose import warn_of_tolerance
-from rodgen.integrate.stability import warn_of_step
+from rodgen.integrate.methods.choose import tolerance_doubt
+from rodgen.integrate.stability import step_doubt
 from rodgen.integrate.stretches import Pole
 from rodgen.model.methods import COLLOCATION
 from rodgen.model.terms import TERMS
+from rodgen.result import Note, doubt
 from rodgen.scene import Scene
 from rodgen.scene.course import MOST_FRONTS
 from rodgen.scene.integration import Integrate
 from rodgen.system import System
+from rodgen.system.doubts import doubt_counts as of_angles
 
 PULSE = 4  # steps that a pulse takes at least to be felt
+SEMI_IMPLICIT = "semi_implicit_euler"
 MANY = 10**4  # steps over which a method that does not keep energy feeds what nothing damps
 SWING = 3  # steps that a period takes at least, not to be taken for a longer one
 MOST_TURNED = 1e15  # rad, where neighbouring doubles are an eighth of a radian apart
 NEAR = 1e-3  # share of the way to a pole within which it is what stops a run
 
 
-def step_warnings(system: System, model: ModuleType) -> Iterator[str]:
-    """What is wrong with step or tolerance of a run, in sentences, and with thrust whose table is
-    shorter than its span; its method is chosen."""
+def step_doubts(system: System, model: ModuleType) -> tuple[Note, ...]:
+    """Return what is doubtful about the steps of a run before the first: their length or tolerance,
+    and thrust whose table is shorter than the span; its method is chosen."""
+    return tuple(_of_steps(system, model))
+
+
+def doubt_counts(system: System, model: ModuleType, p: Array, y0: Array) -> NDArray[np.intp]:
+    """Return how many doubts there are about each of many runs: p (runs, width), y0 (runs, states);
+    steps and tolerance are looked at for one of them, system."""
+    same = len(system.unused) + sum(1 for _ in _of_steps(system, model))
+    return of_angles(system.structure, p, y0) + same
+
+
+def _of_steps(system: System, model: ModuleType) -> Iterator[Note]:
     settings = system.settings
     yield from _held(system)
     for load in system.course.loads:
         if not load.followed(*settings.span):
-            yield (
+            yield doubt(
                 f"{load.field} = {short(load.text)}: changes more often in the span than can be "
                 "looked at, and may be taken for another load; give it a shorter span"
             )
     for law in system.course.crowded():
-        yield (
+        yield doubt(
             f"{law.field} = {short(law.text)}: it is not smooth at places that pass more points of "
             f"the links than the {MOST_FRONTS} times that steps end at; they are passed over, and "
-            "digits are lost there: give it a shorter span, or tighten rtol"
+            "digits are lost there: give it a shorter span, or tighten rtol",
+            most=MOST_FRONTS,
         )
-    if not settings.fixed:
-        text = warn_of_tolerance(system, model)
-        if text:
-            yield text
+    drifts = drift_doubt(system)
+    if drifts is not None:
+        yield drifts
+    if not settings.fixed and (loose := tolerance_doubt(system, model)) is not None:
+        yield loose
     if settings.step is None or not settings.fixed:
         return
     (start, end), y0 = settings.span, system.y0
-    text = warn_of_step(settings.method, settings.step, end - start, model, start, y0, system.p)
-    if text:
-        yield text
+    long = step_doubt(settings.method, settings.step, end - start, model, start, y0, system.p)
+    if long is not None:
+        yield long
     yield from _passed_over(system, settings.step)
     half = system.course.swing()
     if 2 * half < SWING * settings.step:
-        yield (
-            f"a load swings with a period of {2 * half:.2g} s, for which the step of "
-            f"{settings.step:g} s is too long; take a smaller step, or dop853"
-        )
+        words = f"a load swings with a period of {2 * half:.2g} s, for which the step of "
+        words += f"{settings.step:g} s is too long; take a smaller step, or dop853"
+        yield doubt(words, period=2 * half, step=settings.step)
 
 
-def _held(system: System) -> Iterator[str]:
+def _held(system: System) -> Iterator[Note]:
     """Of thrusts that keep the first value of a table before it begins, or the last for good."""
     start, end = system.settings.span
     tables = {name: law for name, law in system.timed.items() if law.tabulated}
@@ -81,41 +98,39 @@ def _held(system: System) -> Iterator[str]:
             value = float(thrust(beyond))
             if at != beyond and value and value == float(thrust((at + beyond) / 2)):
                 low, high = sorted((at, beyond))
-                yield (
-                    f"{system.field(name)} = {short(thrust.text)}: the table has no value from "
-                    f"{low:g} to {high:g} s, where the thrust keeps {value:g} N"
-                )
+                words = f"{system.field(name)} = {short(thrust.text)}: the table has no value from "
+                words += f"{low:g} to {high:g} s, where the thrust keeps {value:g} N"
+                yield doubt(words, start=low, end=high, force=value)
 
 
-def drift_warning(scene: Scene) -> str | None:
-    """That a method will not keep the energy of a scene in which nothing is damped, in a sentence,
-    or None."""
-    settings = scene.integrate
-    damped = any(TERMS[term].damps for term in scene.loads.terms)
-    if settings.method != "semi_implicit_euler" or damped:
+def drift_doubt(system: System) -> Note | None:
+    """Return that a method will not keep the energy of a scene in which nothing is damped, or
+    None."""
+    settings = system.settings
+    if settings.method != SEMI_IMPLICIT or any(TERMS[one].damps for one in system.load_terms):
         return None
     assert settings.step is not None
     steps = (settings.span[1] - settings.span[0]) / settings.step
     if steps < MANY:
         return None
-    return (
+    words = (
         f"semi_implicit_euler over {steps:.2g} steps: nothing damps this rod, and the method does "
         "not keep its energy (its mass matrix changes with the angles); take gauss with a step, or "
         "dop853"
     )
+    return doubt(words, steps=steps)
 
 
-def _passed_over(system: System, step: float) -> Iterator[str]:
+def _passed_over(system: System, step: float) -> Iterator[Note]:
     """The first pulse of a load that is too short for a fixed step [s]."""
     course = system.course
     breaks = course.breaks()
     for begin, peak, over in () if course.pole() else course.pulses():
         met = any(begin <= at <= over for at in breaks)  # and stepped onto
         if begin < peak < over < begin + PULSE * step and not met:
-            yield (
-                f"a load changes within {over - begin:.2g} s at t = {begin:.6g} s, for which "
-                f"the step of {step:g} s is too long; take a smaller step, or dop853"
-            )
+            words = f"a load changes within {over - begin:.2g} s at t = {begin:.6g} s, for which "
+            words += f"the step of {step:g} s is too long; take a smaller step, or dop853"
+            yield doubt(words, lasts=over - begin, t=begin, step=step)
             return
 
 

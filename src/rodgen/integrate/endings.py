@@ -14,15 +14,3 @@ NO_RESULT = (FAILED, CHATTERS, TOO_LONG)
 def ended_by(t: float, name: str) -> str:
     """What there is to say of a run that an event has ended at a time [s]."""
     return f"ended at t = {t:.12g} s by the event {name!r}"
-
-
-class StepWarning(UserWarning):
-    """A fixed step is beyond the stability limit of its method.
-
-    Examples
-    --------
-    >>> import rodgen, warnings
-    >>> with warnings.catch_warnings():
-    ...     warnings.simplefilter("error", rodgen.StepWarning)  # such a step is refused
-    ...     sol = rodgen.simulate(rodgen.Scene.example("missile"), progress=False)
-    """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,18 +11,18 @@ from numpy.typing import NDArray
 from rodgen.arrays import Array
 from rodgen.integrate.crossings import Crossed
 from rodgen.integrate.endings import FINISHED
-from rodgen.shown import Told
+from rodgen.result import Result, Row, hidden
 
 
 @dataclass(repr=False)
-class Ensemble(Told):
+class Ensemble(Result):
     """Results of many runs, in arrays over the rods.
 
     values: reductions by their texts, each (rods,) in SI units, not-a-number for runs that failed;
     t: times that the runs reached [s], (rods,); y: states at these times, (rods, states), in SI
     units and the order of the module's STATE; work: of each load without potential until then [J],
     by term, each (rods,); status: "finished", "failed" or "chatters", (rods,); message: why a run
-    failed or which event ended it, by rod; steps, rejected, rhs: steps, rejected steps and
+    failed or which event ended it, by rod; nsteps, rejected, nfev: steps, rejected steps and
     evaluations of the rates, (rods,), -1 if the method does not count them; energy_error: largest
     error of the energy balance at the samples [J], (rods,), not-a-number for runs that failed;
     crossed: crossings of watched quantities; traces: values of traced quantities in SI units,
@@ -45,13 +46,52 @@ class Ensemble(Told):
     work: dict[str, Array]
     status: NDArray[np.str_]
     message: dict[int, str]
-    steps: NDArray[np.int64]
+    nsteps: NDArray[np.int64]
     rejected: NDArray[np.int64]
-    rhs: NDArray[np.int64]
+    nfev: NDArray[np.int64]
     energy_error: Array
     crossed: tuple[Crossed, ...] = ()
     traces: Array | None = None
     samples: Array | None = None
+
+    ROWS = (
+        Row("runs", "runs", of=len),
+        Row("failed", "failed"),
+        Row("kept", "quantity", along="kept", of=lambda found: [*found.reduced]),
+        Row("least", "least", format=".6g", along="kept"),
+        Row("largest", "largest", format=".6g", along="kept"),
+        Row("t", "times that the runs reached", "s", text=hidden),
+        Row("values", "values", text=hidden),
+        Row("status", "status", text=hidden),
+        Row("message", "messages", text=hidden),
+        Row("energy_error", "errors of the energy balance", "J", text=hidden),
+        Row("work", "work of {} until the end", "J", text=hidden),
+        Row("nsteps", "steps", text=hidden),
+        Row("rejected", "rejected steps", text=hidden),
+        Row("nfev", "evaluations of the rates", text=hidden),
+        Row("y", "states at the end", text=hidden),
+    )
+
+    @property
+    def failed(self) -> int:
+        """How many runs did not finish."""
+        return int((self.status != FINISHED).sum())
+
+    @property
+    def reduced(self) -> dict[str, Array]:
+        """Times and reductions of the runs that finished, by text, in SI units."""
+        fine = self.status == FINISHED
+        return {name: values[fine] for name, values in {"t": self.t, **self.values}.items()}
+
+    @property
+    def least(self) -> list[float]:
+        """The least of each, in SI units, not-a-number where no run finished."""
+        return [float(np.min(one)) if len(one) else math.nan for one in self.reduced.values()]
+
+    @property
+    def largest(self) -> list[float]:
+        """The largest of each, in SI units."""
+        return [float(np.max(one)) if len(one) else math.nan for one in self.reduced.values()]
 
     def __len__(self) -> int:
         return len(self.t)
@@ -75,5 +115,4 @@ class Ensemble(Told):
 
     def __repr__(self) -> str:
         kept = f"; {', '.join(self.values)}" if self.values else ""
-        failed = int((self.status != FINISHED).sum())
-        return f"<Ensemble of {len(self)} runs, {failed} failed{kept}>"
+        return f"<Ensemble of {len(self)} runs, {self.failed} failed{kept}>"

@@ -14,7 +14,7 @@ from threadpoolctl import ThreadpoolController
 from rodgen.arrays import Array
 from rodgen.errors import InputError
 from rodgen.integrate.catalogue import loads_at_work
-from rodgen.integrate.diagnosis import step_warnings
+from rodgen.integrate.diagnosis import step_doubts
 from rodgen.integrate.live_progress import Course, LiveError, Progress
 from rodgen.integrate.methods.choose import Choice, choose
 from rodgen.integrate.pull import Pull, check_number, check_point, pulled, with_place
@@ -90,7 +90,7 @@ class Live(Progress):
         """What is wrong with the step or the tolerance, as of the initial state."""
         if self._warnings is None:
             with np.errstate(all="ignore"):
-                self._warnings = list(step_warnings(self._course.system, self.model))
+                self._warnings = [*map(str, step_doubts(self._course.system, self.model))]
         return self._warnings
 
     def step_for(self, method: str) -> float:

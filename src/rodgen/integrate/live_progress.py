@@ -65,8 +65,8 @@ class Course:
     def one_step(self, tape: Tape) -> None:
         """Exactly one step, without samples. Raises StepError."""
         tape.until = tape.count
-        before = self.machine.counts.steps
-        while self.machine.counts.steps == before:
+        before = self.machine.counts.nsteps
+        while self.machine.counts.nsteps == before:
             self._some(tape, 1)
 
     def _most(self, left: float) -> int:
@@ -79,9 +79,9 @@ class Course:
         """At most so many steps. Raises StepError."""
         if self._ended:
             self._begin()
-        before, start = self.machine.counts.steps, time.perf_counter()
+        before, start = self.machine.counts.nsteps, time.perf_counter()
         self._ended = self.machine.advance(tape, self._watch, most)
-        steps = self.machine.counts.steps
+        steps = self.machine.counts.nsteps
         if steps > before:
             self._pace = (time.perf_counter() - start) / (steps - before)
         if steps >= self._look:

@@ -258,9 +258,9 @@ def _side_by_side(
         work={term: block.state[:, equations.states + at] for at, term in enumerate(works)},
         status=ended,
         message=message,
-        steps=outcome["steps"],
+        nsteps=outcome["steps"],
         rejected=outcome["rejected"],
-        rhs=outcome["rhs"],
+        nfev=outcome["rhs"],
         energy_error=np.maximum(most, -least),
         crossed=tuple(plan.watched.found(block.crossed)),
         traces=block.traces,
@@ -302,9 +302,9 @@ def _one_by_one(
         work={term: np.full(rods, np.nan) for term in works},
         status=np.full(rods, FINISHED),
         message={},
-        steps=np.zeros(rods, dtype=np.int64),
+        nsteps=np.zeros(rods, dtype=np.int64),
         rejected=np.zeros(rods, dtype=np.int64),
-        rhs=np.zeros(rods, dtype=np.int64),
+        nfev=np.zeros(rods, dtype=np.int64),
         energy_error=np.full(rods, np.nan),
     )
     for rod in range(rods):
@@ -325,7 +325,7 @@ def _one_by_one(
             for term, work in zip(works, taken.works(recorder), strict=True):
                 made.work[term][rod] = work
             counts = taken.counts
-            made.steps[rod], made.rhs[rod] = counts.steps, counts.rhs
+            made.nsteps[rod], made.nfev[rod] = counts.nsteps, counts.nfev
             made.rejected[rod] = -1 if counts.rejected is None else counts.rejected
     return made
 

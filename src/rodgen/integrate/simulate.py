@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import time
-import warnings
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Unpack
@@ -14,12 +13,11 @@ import numpy as np
 
 from rodgen.errors import InputError
 from rodgen.integrate.catalogue import loads_at_work
-from rodgen.integrate.diagnosis import failure, step_warnings
+from rodgen.integrate.diagnosis import failure, step_doubts
 from rodgen.integrate.endings import (
     FAILED,
     FINISHED,
     INTERRUPTED,
-    StepWarning,
     ended_by,
 )
 from rodgen.integrate.error_growth import error_growth as growth_of
@@ -36,6 +34,7 @@ from rodgen.integrate.trajectory import Event
 from rodgen.memory import check_memory, gigabytes, is_small, limit
 from rodgen.native.library import DeferredInterrupt
 from rodgen.progress import running, telling
+from rodgen.result import Note, warn_of
 from rodgen.scene import Scene
 from rodgen.scene.integration import AUTO, Settings, check_used, spelt_out
 from rodgen.system import System
@@ -106,8 +105,9 @@ def simulate(
 
     Warns
     -----
-    StepWarning
-        If a fixed step is beyond the method's stability limit, or if steps cannot follow a load.
+    DoubtWarning
+        Of every doubt about the run, such as a fixed step beyond the method's stability limit, or
+        an angle of several turns. They are notes of the Solution.
 
     Examples
     --------
@@ -118,6 +118,7 @@ def simulate(
     ('finished', True, True)
     """
     system = System.of(system)
+    notes = system.doubts
     if any(value is not None for value in overrides.values()):
         system = system.with_settings(**overrides)
         check_used(system.settings, overrides)
@@ -131,12 +132,30 @@ def simulate(
             raise InputError("model", model.__name__, allowed)
         if system.settings.method == AUTO:
             system = system.integrated_by(choose(system, model).method)
-        with DeferredInterrupt() as interrupt:  # from here on there is a file
+        with DeferredInterrupt() as interrupt:
+            notes += _doubts(system, model)
+            if notes:
+                warn_of(notes)  # before there is a file
             saver = Saver.begin(system, model, out, checkpoint)
-            solution = _run(saver, progress, interrupt)
+            if saver.stream is not None:
+                saver.stream.keep(notes)
+            solution = _run(saver, progress, interrupt, notes)
         if error_growth:
-            solution.errors = growth_of(solution)
+            follow_errors(solution)
     return solution
+
+
+def _doubts(system: System, model: ModuleType) -> tuple[Note, ...]:
+    """What is doubtful about the steps, as far as it can be looked at: else the run will say so."""
+    with np.errstate(all="ignore"), suppress(StepError, OverflowError):
+        return step_doubts(system, model)
+    return ()
+
+
+def follow_errors(solution: Solution) -> None:
+    """Find how fast errors grow in a run, and warn where its late angles are not to be trusted."""
+    solution.errors = growth_of(solution)
+    warn_of(solution.notes[len(solution.run_notes) :])
 
 
 def check_samples(system: System, to_file: bool) -> None:
@@ -199,8 +218,10 @@ def resume(
     rodgen.errors.InputError: ...
     """
     saver = Saver.resume(Path(path), checkpoint)
+    notes = saver.stream.notes if saver.stream is not None else ()
+    warn_of(notes)
     with DeferredInterrupt() as interrupt:
-        return _run(saver, progress, interrupt)
+        return _run(saver, progress, interrupt, notes)
 
 
 def _making(progress: Progress) -> AbstractContextManager[None]:
@@ -211,23 +232,34 @@ def _making(progress: Progress) -> AbstractContextManager[None]:
     return nullcontext() if stage is None else telling(stage)
 
 
-def _run(saver: Saver, progress: Progress, interrupt: DeferredInterrupt) -> Solution:
+def _run(
+    saver: Saver,
+    progress: Progress,
+    interrupt: DeferredInterrupt,
+    notes: tuple[Note, ...],
+) -> Solution:
     """The run, with a bar if nothing else was asked for."""
     if callable(progress):
-        return _Run(saver, progress, interrupt).go()
+        return _Run(saver, progress, interrupt, notes).go()
     if progress is False:
-        return _Run(saver, lambda _: None, interrupt).go()
+        return _Run(saver, lambda _: None, interrupt, notes).go()
     with running(saver.system.name, *saver.system.settings.span) as update:
-        return _Run(saver, update, interrupt).go()
+        return _Run(saver, update, interrupt, notes).go()
 
 
 class _Run:
     def __init__(
-        self, saver: Saver, progress: Callable[[float], None], interrupt: DeferredInterrupt
+        self,
+        saver: Saver,
+        progress: Callable[[float], None],
+        interrupt: DeferredInterrupt,
+        notes: tuple[Note, ...],
     ):
+        """notes: on the numbers of the system."""
         self.saver, self.progress, self.interrupt = saver, progress, interrupt
         self.system, self.model = system, model = saver.system, saver.model
         self.settings, self.p = system.settings, system.p
+        self.notes = notes
         switches = () if self.settings.fixed else system.course.switches()
         self.watch = Watch(system.events, model, self.p, switches)
         self.start = self._told = time.perf_counter()
@@ -244,7 +276,6 @@ class _Run:
     def go(self) -> Solution:
         try:
             with np.errstate(all="ignore"):
-                self._check_step()
                 message = self._walk()
         except (StepError, OverflowError) as error:
             message = failure(error, self.system.scene, self.machine, self.pole)
@@ -254,13 +285,6 @@ class _Run:
             message = f"interrupted at t = {self.machine.t:.9g} s"
             raise Interrupted(self.solution(INTERRUPTED, message)) from None
         return self.solution(FINISHED, message)
-
-    def _check_step(self) -> None:
-        """Warn of a step that is too long, or of a tolerance that is not kept, before the run."""
-        if self.saver.resumed:
-            return
-        for text in step_warnings(self.system, self.model):
-            warnings.warn(text, StepWarning, stacklevel=5)
 
     def _walk(self) -> str:
         """All stretches; what there is to say of the end."""
@@ -312,7 +336,9 @@ class _Run:
             t, y, work = self.recorder.kept()
             stats = self.counts
             if self.saver.stream is not None:
-                return self.saver.finish(status, message, stats)
+                kept = self.saver.finish(status, message, stats)
+                kept.run_notes = self.notes  # for all of which a file may have no room
+                return kept
         happened = tuple(Event(names[number], t, y) for number, t, y in self.watch.happened)
         return Solution(
             system=self.system,
@@ -324,4 +350,5 @@ class _Run:
             message=message,
             model=self.model,
             events=happened,
+            run_notes=self.notes,
         )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,21 +11,50 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rodgen.arrays import Array
+from rodgen.display import Plottable, appearance
 from rodgen.errors import InputError
 from rodgen.integrate.dense_output import DenseOutput
 from rodgen.integrate.files import storage
 from rodgen.integrate.stepper import StepError
 from rodgen.integrate.trajectory import Trajectory
-from rodgen.shown import Shown, appearance
+from rodgen.result import REMARK, Note, Result, ResultTable, Row, doubt, hidden
 
 if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from rodgen.shown import Video
+    from rodgen.display import Video
+
+SHOWN = 10  # events
+# Members that only quantities and studies read.
+PARTS = frozenset(
+    ("added", "called", "follows", "given", "hold", "names", "run_notes", "taken", "timed", "until")
+)
+COUNTED = {
+    "nsteps": "steps",
+    "rejected": "rejected steps",
+    "nfev": "evaluations of the rates",
+    "njev": "evaluations of their Jacobian",
+    "nlu": "factorisations of matrices",
+}
 
 
-class Solution(Trajectory, Shown):
+def _counted(name: str, words: str) -> Row:
+    """The row of a number of the run's Stats."""
+    return Row(name, words, of=lambda run: getattr(run.stats, name), text=hidden)
+
+
+def _off(run: Solution) -> float | None:
+    """By how much energy does not balance [J], if there are samples."""
+    return run.energy_error if len(run.t) else None
+
+
+def _time_taken(run: Solution) -> str:
+    target = f", target {run.stats.target}" if run.stats.target else ""
+    return f"{run.stats.wall_seconds:.3g} s{target}"
+
+
+class Solution(Trajectory, Result, Plottable):
     """States of a scene over time.
 
     system: what was run; t: times [s], (T,); y: states in SI units and the order of the module's
@@ -32,7 +63,8 @@ class Solution(Trajectory, Shown):
     "failed", "chatters" or "interrupted"; message: how the run ended; model: the generated module,
     built when it is first used if the solution comes from a file; events: that happened; changes:
     parameters at each sample of a live run whose values were changed, else None; errors: how fast
-    errors grow, if that was asked for (a file does not keep it).
+    errors grow, if that was asked for (a file does not keep it); run_notes: what was doubtful
+    before the first step.
 
     Examples
     --------
@@ -52,6 +84,106 @@ class Solution(Trajectory, Shown):
     >>> early.error_growth > 1, len(early.inertia)
     (True, 3)
     """
+
+    ROWS = (
+        Row("name", "scene", of=lambda run: run.scene.name, text=hidden),
+        Row("status", "status", text=lambda run: run._ended),
+        Row("message", "message", text=hidden),
+        Row("samples", "samples", of=lambda run: len(run.t), text=lambda run: run._samples),
+        Row("states", "states", of=lambda run: run.y.shape[-1], text=hidden),
+        Row("end", "end", "s", of=lambda run: run.t[-1] if len(run.t) else None, text=hidden),
+        Row("method", "method", of=lambda run: run.method, text=lambda run: run._method),
+        *(_counted(name, words) for name, words in COUNTED.items()),
+        Row("seconds", "time taken", "s", of=lambda run: run.stats.wall_seconds, text=_time_taken),
+        Row("target", "module", of=lambda run: run.stats.target, text=hidden),
+        Row("events", "events", of=lambda run: run._events, text=lambda run: run._named_events),
+        Row("tip", "tail at the end", "m", of=lambda run: run._tip, text=lambda run: run._tail),
+        Row("work", "work of {} until the end", "J", ".6g", of=lambda run: run._work, text=hidden),
+        Row("energy_error", "energy balances to", "J", of=_off, text=lambda run: run._balance),
+        Row("errors", "growth of small errors", of=lambda run: run._grown, text=hidden),
+    )
+
+    @property
+    def notes(self) -> tuple[Note, ...]:  # type: ignore[override]  # a field of other results
+        """What to know about the numbers: what was doubtful before the first step, and how fast
+        errors grow, where that was asked for."""
+        return (*self.run_notes, *self._grows)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Its rows by name and its notes, as plain data for JSON."""
+        with np.errstate(all="ignore"):  # of a run that blew up
+            return super().to_dict()
+
+    def tables(self) -> list[ResultTable]:
+        """Its rows in words."""
+        with np.errstate(all="ignore"):
+            return super().tables()
+
+    @property
+    def method(self) -> str:
+        """Name of the method."""
+        return self.system.settings.method
+
+    @property
+    def _grows(self) -> Iterator[Note]:
+        """That late angles are not to be trusted, or that this is not known."""
+        if self.errors is None:
+            return
+        if math.isnan(self.errors.factor):
+            yield Note(REMARK, "how fast errors grow is not known: a motion beside the run failed")
+        elif self.errors.visible < math.inf:
+            words = f"angles after t = {self.errors.visible:.3g} s are not to be trusted: errors "
+            words += f"grow tenfold in {self.errors.tenfold:.2g} s"
+            yield doubt(words, **self.errors._asdict())
+
+    @property
+    def _grown(self) -> dict[str, float] | None:
+        return None if self.errors is None else self.errors._asdict()
+
+    @property
+    def _ended(self) -> str:
+        return f"{self.status}: {self.message}" if self.message else self.status
+
+    @property
+    def _samples(self) -> str:
+        span = f", t = {self.t[0]:g} to {self.t[-1]:g} s" if len(self.t) else ""
+        return f"{len(self.t)} of {self.y.shape[-1]} states{span}"
+
+    @property
+    def _method(self) -> str:
+        stats = self.stats
+        rejected = f" ({stats.rejected} rejected)" if stats.rejected else ""
+        return f"{self.method}, {stats.nsteps} steps{rejected}, {stats.nfev} evaluations"
+
+    @property
+    def _events(self) -> list[dict[str, Any]]:
+        return [{"name": event.name, "t": event.t} for event in self.events]
+
+    @property
+    def _named_events(self) -> str | None:
+        shown = [f"{event.name} at {event.t:.6g} s" for event in self.events[:SHOWN]]
+        left = len(self.events) - len(shown)
+        return ", ".join(shown) + f" and {left} more" * bool(left) or None
+
+    @property
+    def _tip(self) -> Array | None:
+        return self.tip[-1] if len(self.t) else None
+
+    @property
+    def _tail(self) -> str | None:
+        return None if self._tip is None else f"({self._tip[0]:.6g}, {self._tip[1]:.6g}) m"
+
+    @property
+    def _work(self) -> dict[str, float]:
+        return {name: float(work[-1]) for name, work in self.work.items() if len(work)}
+
+    @property
+    def _balance(self) -> str | None:
+        return f"{self.energy_error:.2e} J" if len(self.t) else None
+
+    def __dir__(self) -> list[str]:
+        """What an editor offers: not what only those need who extend rodgen."""
+        return [name for name in super().__dir__() if name not in PARTS]
 
     def __repr__(self) -> str:
         span = f", t = {self.t[0]:g} to {self.t[-1]:g} s" if len(self.t) else ""
@@ -96,21 +228,20 @@ class Solution(Trajectory, Shown):
         view: str | None = None,
         width: int = 640,
         height: int = 360,
-        start: float | None = None,
-        end: float | None = None,
+        bounds: tuple[float | None, float | None] = (None, None),
     ) -> Video:
         """A video of the run, which notebooks play and `save` writes to a file.
 
         fps: frames a second [1/s]; speed: simulated seconds in a second of film, dimensionless, by
         default 1 where that takes 3 to 60 s; view: "fixed", "centre" (moves with the centre of
         gravity) or "axes" (turns with the principal axes, too), by default fixed where the rod is
-        then large enough; width, height: of a frame [pixels], even; start, end: simulated times
-        [s].
+        then large enough; width, height: of a frame [pixels], even; bounds: simulated times
+        (a, b) [s] between which the run is shown, by default all.
 
         It is MP4 where there is an ffmpeg or the package imageio-ffmpeg, else GIF. Raises
         InputError for what cannot be used.
         """
-        settings = {"fps": fps, "speed": speed, "view": view, "start": start, "end": end}
+        settings = {"fps": fps, "speed": speed, "view": view, "bounds": bounds}
         video: Video = appearance().video(self, width=width, height=height, **settings)
         return video
 

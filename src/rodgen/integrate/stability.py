@@ -20,6 +20,7 @@ from rodgen.integrate.stepper import StepError
 from rodgen.model.method import Tableau, stability_polynomial
 from rodgen.model.methods import METHODS
 from rodgen.model.rod import BOUNDARIES
+from rodgen.result import Note, doubt
 
 Complex = NDArray[np.complex128]
 
@@ -277,10 +278,10 @@ def _growth(method: str, step: float, fastest: Dominant) -> float:
     return min(float(LIMITS[method](*roots)), 1e9)
 
 
-def warn_of_step(
+def step_doubt(
     method: str, step: float, span: float, model: ModuleType, t: float, y: Array, p: Array
-) -> str | None:
-    """What is wrong with a step [s] of an explicit method at a state, in a sentence, or None.
+) -> Note | None:
+    """Return what is wrong with a step [s] of an explicit method at a state, or None.
 
     A step beyond the limit by which nothing grows GROWN times within the span [s] will do.
     """
@@ -297,12 +298,13 @@ def warn_of_step(
     motion = (
         f"the fastest motion, at {fastest.rate:.3g} rad/s with {share:.2g} % of critical damping"
     )
-    if most == 0:
-        return (
-            f"{method} is unstable with every step, not only with {step:g} s, for {motion}; take "
-            "semi_implicit_euler, or an adaptive (dop853) or implicit (radau) method"
-        )
-    return (
+    words = (
         f"the step of {step:g} s is beyond {most:.2g} s, up to which {method} is stable for "
         f"{motion}; take a smaller step, or an adaptive (dop853) or implicit (radau) method"
     )
+    if most == 0:
+        words = (
+            f"{method} is unstable with every step, not only with {step:g} s, for {motion}; take "
+            "semi_implicit_euler, or an adaptive (dop853) or implicit (radau) method"
+        )
+    return doubt(words, step=step, longest=most, rate=fastest.rate)

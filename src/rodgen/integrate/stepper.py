@@ -17,34 +17,39 @@ Interpolant = Callable[[Array], Array]
 
 @dataclass
 class Counts:
-    """Cost of a run so far; None where a method does not tell."""
+    """Cost of a run so far; None where a method does not tell, see Stats."""
 
-    steps: int = 0
+    nsteps: int = 0
     rejected: int | None = None
-    rhs: int = 0
-    jacobian: int = 0
-    factorisations: int = 0
+    nfev: int = 0
+    njev: int = 0
+    nlu: int = 0
 
     def __iadd__(self, other: Counts) -> Counts:
-        self.steps += other.steps
+        self.nsteps += other.nsteps
         if other.rejected is not None:
             self.rejected = (self.rejected or 0) + other.rejected
-        self.rhs += other.rhs
-        self.jacobian += other.jacobian
-        self.factorisations += other.factorisations
+        self.nfev += other.nfev
+        self.njev += other.njev
+        self.nlu += other.nlu
         return self
 
 
 @dataclass(frozen=True)
 class Stats:
-    """Cost of a run; rejected is None where the method does not tell; target: of the module that
-    ran, "c" or "numpy", empty where it is not known."""
+    """Cost of a run, by SciPy's names.
 
-    steps: int
+    nsteps: steps that were taken; rejected: steps that were not, None where the method does not
+    tell; nfev, njev: evaluations of the rates and of their Jacobian;
+    nlu: factorisations of matrices; wall_seconds: time by the clock [s]; target: of the module that
+    ran, "c" or "numpy", empty where it is not known.
+    """
+
+    nsteps: int
     rejected: int | None
-    rhs: int
-    jacobian: int
-    factorisations: int
+    nfev: int
+    njev: int
+    nlu: int
     wall_seconds: float
     target: str = ""
 

@@ -82,16 +82,16 @@ def step_to(
     hundredths of a second. Raises StepError, also where the budget of steps is used up, and
     Happened where an event ends the run."""
     seen, least = machine.t, CREEP * (end - machine.t)
-    goal = machine.counts.steps + STRIDE
+    goal = machine.counts.nsteps + STRIDE
     done = False
     while not done:
-        most = budget - machine.counts.steps
+        most = budget - machine.counts.nsteps
         if most <= 0 and machine.t < end:
             raise StepError(SPENT.format(budget))
-        most = max(0, min(most, goal - machine.counts.steps))
+        most = max(0, min(most, goal - machine.counts.nsteps))
         done = machine.advance(recorder, watch, most)
-        if machine.counts.steps >= goal:
-            goal = machine.counts.steps + STRIDE
+        if machine.counts.nsteps >= goal:
+            goal = machine.counts.nsteps + STRIDE
             if not done and machine.t - seen < least:
                 raise StepError(CREPT.format(STRIDE, seen))
             seen = machine.t

@@ -19,6 +19,7 @@ from rodgen.integrate.stepper import Stats
 from rodgen.loading import build, build_fastest
 from rodgen.loading.module import Asked, asked
 from rodgen.model.rod import Boundary
+from rodgen.result import Note
 from rodgen.scene import Scene
 from rodgen.system import System
 
@@ -139,6 +140,7 @@ class Trajectory(Motion):
     events: tuple[Event, ...] = ()
     changes: Changes | None = None
     errors: ErrorGrowth | None = None
+    run_notes: tuple[Note, ...] = ()
 
     def __getstate__(self) -> dict[str, Any]:
         """What cannot be made again: neither the module nor what follows from the states."""

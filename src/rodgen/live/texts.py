@@ -250,7 +250,7 @@ def _critical(scene: Scene) -> Iterator[Entry]:
             continue
         (force,) = (one.name for one in term.sizes)
         yield _parameter(force)
-        yield Row("critical_force", "critical force", "N"), _critical_force
+        yield Row("critical_load", "critical force", "N"), _critical_force
         yield Row("critical_why", "", ""), _critical_why
         row = Row("critical_ratio", "force over critical force", "%")
         yield row, partial(_beside_critical, force, _percent)
@@ -334,9 +334,9 @@ def _integration(scene: Scene) -> Iterator[Entry]:
     yield Row("t", "simulated time", "s"), None
     yield Row("seconds", "computing time", "s"), lambda now: fixed(now.present.seconds, 2)
     yield Row("ratio", "ratio to real time", ""), _ratio
-    yield Row("steps", "steps", ""), lambda now: whole(now.present.counts.steps)
+    yield Row("steps", "steps", ""), lambda now: whole(now.present.counts.nsteps)
     yield Row("rejected", "rejected steps", ""), _rejected
-    yield Row("rhs", "evaluations of rhs", ""), lambda now: whole(now.present.counts.rhs)
+    yield Row("rhs", "evaluations of rhs", ""), lambda now: whole(now.present.counts.nfev)
 
 
 def _method(now: Now) -> str:

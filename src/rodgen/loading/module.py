@@ -27,6 +27,10 @@ CONTRACT = (
 )
 
 
+# Names that not every structure and target has: offered once they are there.
+SOME_HAVE = {"VARIATIONS", "signals", "start_loads", "support_forces"}
+
+
 class Model(ModuleType):
     """A generated module.
 
@@ -72,7 +76,9 @@ class Model(ModuleType):
 
     def __dir__(self) -> list[str]:
         more = () if self._more is None else offered(self.PROVENANCE["target"])
-        return sorted({*super().__dir__(), *(name for part in more for name in PARTS[part])})
+        later = {name for part in more for name in PARTS[part]} - SOME_HAVE
+        names = {*super().__dir__(), *later}
+        return sorted(names - self.__dict__.get("_IMPORTED", set()))
 
     def __copy__(self) -> Self:
         return self

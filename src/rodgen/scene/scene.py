@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self, Unpack
 
 import tomli_w
 
+from rodgen.display import Plottable
 from rodgen.errors import InputError
 from rodgen.model.terms import TERMS
 from rodgen.scene.examples import example, examples
@@ -19,12 +21,22 @@ from rodgen.scene.mesh import with_links
 from rodgen.scene.plain import plain, read_table
 from rodgen.scene.scene_tables import SceneTables
 from rodgen.scene.structure import check_links
-from rodgen.shown import Shown
+from rodgen.scene.unused_names import unused_names
 
 LINKS = "rod.links"
 
+# Members that only systems, analyses and the making of modules read.
+PARTS = frozenset(
+    (
+        *("along", "along_at", "anchors", "check_used", "course", "distribution"),
+        *("distribution_at", "expression", "expressions", "fed", "field", "held", "hold"),
+        *("integrated", "integrated_by", "place", "rates", "slack", "spring_law", "timed"),
+        *("unused", "with_settings"),
+    )
+)
 
-class Scene(SceneTables, Shown):
+
+class Scene(SceneTables, Plottable):
     """A scene: a rod, its loads, its initial state, and how it is integrated.
 
     name: of the scene and of the folder of its results; numbers: those of [parameters], by name, in
@@ -57,6 +69,10 @@ class Scene(SceneTables, Shown):
 
     __str__ = __repr__
 
+    def __dir__(self) -> list[str]:
+        """What an editor offers: not what only those need who extend rodgen."""
+        return [name for name in super().__dir__() if name not in PARTS]
+
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
         """Read a scene from a TOML file, of at most 16 MB, 1e5 keys, and 50 levels; tables of
@@ -66,7 +82,7 @@ class Scene(SceneTables, Shown):
         """
         path = Path(path)
         if path.stem in examples() and not path.exists():
-            copied = f"a file that is there; `rodgen new {path.stem} --from {path.stem}` writes it"
+            copied = f"a file that is there; `rodgen new {path.stem} --like {path.stem}` writes it"
             raise InputError("scene", str(path), copied)
         table = read_table(path)
         try:
@@ -130,6 +146,14 @@ class Scene(SceneTables, Shown):
         made = with_values(self, given)
         made.check_used(given)
         return made
+
+    @cached_property
+    def unused(self) -> tuple[str, ...]:
+        """Sentences on the numbers and tables that no expression names."""
+        if not (self.numbers or self.tables):
+            return ()
+        given = self.model_dump(exclude_none=True)
+        return tuple(unused_names(given, self.numbers, self.tables))
 
     def check_used(self, given: Mapping[str, Any]) -> None:
         """Raise InputError for values, by their keys, of numbers that no expression names.

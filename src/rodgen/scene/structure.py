@@ -13,7 +13,17 @@ from itertools import starmap
 
 from rodgen.errors import InputError, did_you_mean
 from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, SPRINGS, Parameter
-from rodgen.model.rod import BOUNDARIES, INERTIAS, ROD, STEADY, TANK, UNEVEN, Boundary, tank_row
+from rodgen.model.rod import (
+    BOUNDARIES,
+    CLAMP_ANGLE,
+    INERTIAS,
+    ROD,
+    STEADY,
+    TANK,
+    UNEVEN,
+    Boundary,
+    tank_row,
+)
 from rodgen.model.terms import PARAMETERS, TERMS, THESIS_TERMS, named
 from rodgen.scene import spring
 from rodgen.scene.expression import Expression, open_expression
@@ -212,6 +222,18 @@ class Structure:
     def parameters(self) -> tuple[str, ...]:
         """Names of the parameters, in the order in which p holds them."""
         return tuple(one.name for one in self.rows)
+
+    @cached_property
+    def angles(self) -> dict[str, int]:
+        """Places in p of angles of loads and of the clamp, by the names of the parameters."""
+        names = [one.name for one in self.rows if one.angle or one.name == CLAMP_ANGLE.name]
+        return {name: self.places[name].start for name in names}
+
+    @cached_property
+    def angle_states(self) -> slice:
+        """Which of the states are angles."""
+        first = 2 * self.hold.translates
+        return slice(first, first + self.links - self.hold.first)
 
     @cached_property
     def spans(self) -> dict[str, range]:

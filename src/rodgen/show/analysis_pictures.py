@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from rodgen.analyse.critical import Critical
 from rodgen.analyse.eigen import Complex
-from rodgen.analyse.family import GROUPS, Family, label_of
+from rodgen.analyse.family import Family
 from rodgen.analyse.modes import Modes
+from rodgen.analyse.scaled_load import GROUPS, label_of
 from rodgen.analyse.statics import Equilibrium
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.arrays import Array
-from rodgen.errors import AnalysisError
+from rodgen.errors import AnalysisError, InputError
 from rodgen.model.parameter import typeset
 from rodgen.model.term import FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS
@@ -38,6 +39,8 @@ NEAR = 0.1  # of the critical force, up to where growth fills the picture
 def mode_shapes(modes: Modes, scene: Scene) -> Figure:
     """The shapes of up to six modes, at both ends of their motion, on the steady state."""
     count = min(PANELS, len(modes.frequencies))
+    if not count:
+        raise InputError("modes", modes, "at least one")
     size = AMPLITUDE * np.linalg.norm(np.diff(modes.joints, axis=0), axis=1).sum()
     moved = size * modes.displacements[:count]
     low = (modes.joints - np.abs(moved)).min(axis=(0, 1)) - size / 3
@@ -189,7 +192,7 @@ def _spread(joints: int) -> NDArray[np.int_]:
 def stability_curves(found: Critical, family: Family) -> Figure:
     """Frequencies of the lowest modes and below them growth, against the load that is scaled."""
     start = min(0.0, found.searched[0])
-    beyond = found.force + BEYOND * max(abs(found.force), family.unit * (not found.force))
+    beyond = found.value + BEYOND * max(abs(found.value), family.unit * (not found.value))
     forces, s = _rates(family, start, beyond, found)
     # Without damping one eigenvalue of each pair is here, with damping both: the upper half.
     kept = slice(s.shape[1] // 2 if family.damped else 0, None)
@@ -203,18 +206,18 @@ def stability_curves(found: Critical, family: Family) -> Figure:
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     upper.plot(forces, frequency[:, : last + 1], ".", markersize=1.5, color=CURVE)
     upper.set_ylim(0, 1.08 * max(float(np.nanmax(frequency[:, : last + 1])), 1e-300))
-    upper.plot(found.force, found.frequency, "o", color=SPECIAL, clip_on=False, markersize=5)
+    upper.plot(found.value, found.frequency, "o", color=SPECIAL, clip_on=False, markersize=5)
     lower.plot(forces, growth, ".", markersize=1.5, color=CURVE)
-    lower.set_ylim(_limits(forces, growth, found.force, family))
-    lower.plot(found.force, 0.0, "o", color=SPECIAL, markersize=5)
+    lower.set_ylim(_limits(forces, growth, found.value, family))
+    lower.plot(found.value, 0.0, "o", color=SPECIAL, markersize=5)
     for axes in (upper, lower):
-        axes.axvline(found.force, color=SPECIAL, linestyle="--", linewidth=0.8)
+        axes.axvline(found.value, color=SPECIAL, linestyle="--", linewidth=0.8)
         axes.grid(alpha=0.3)
     at = f" at {found.frequency:.5g} Hz" if found.frequency else ""
     name = family.rod.scene.name
     upper.set(
         ylabel="frequency [Hz]",
-        title=f"{name}: {found.kind} from {found.force:.6g} {found.unit}{at}",
+        title=f"{name}: {found.kind} from {found.value:.6g} {found.unit}{at}",
     )
     label = label_of(found.load) + f" [{typeset(found.unit)}]" * (found.load not in GROUPS)
     lower.set(xlabel=label, ylabel="growth [1/s]", xlim=(forces[0], forces[-1]))
@@ -234,7 +237,7 @@ def _limits(forces: Array, growth: Array, force: float, family: Family) -> tuple
 def _rates(family: Family, low: float, high: float, found: Critical) -> tuple[Array, Complex]:
     """Forces and eigenvalues at them, what is left out of the search as nan; only up to the
     critical force where no steady state lies beyond."""
-    for end in (high, found.force * (1 - 1e-6)):
+    for end in (high, found.value * (1 - 1e-6)):
         forces = np.linspace(low, end, FORCES)
         try:
             return forces, family.motions(forces, elastic=found.elastic).s

@@ -1,11 +1,10 @@
-"""How results and scenes look: the pictures and the table of each kind, by `rodgen.shown`."""
+"""How results and scenes look: the pictures and the table of each kind, by `rodgen.display`."""
 
 from __future__ import annotations
 
 import base64
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import partial
 from html import escape
 from io import BytesIO
@@ -15,21 +14,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from rodgen.analyse.chaos.exponents import Exponents
-from rodgen.analyse.critical import Critical, family_of
+from rodgen.analyse.critical import Critical
 from rodgen.analyse.cycles.cycle import Cycle
 from rodgen.analyse.cycles.floquet import Floquet
-from rodgen.analyse.extrapolate import Extrapolation
+from rodgen.analyse.family import family_of
 from rodgen.analyse.fourier import Spectrum
-from rodgen.analyse.growth import SimulatedCritical
 from rodgen.analyse.modes import Modes
 from rodgen.analyse.precision.work_precision import WorkPrecision
 from rodgen.analyse.statics import Equilibrium
 from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.display import Plottable, Tabular
 from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate import Solution
-from rodgen.integrate.ensemble import Ensemble
+from rodgen.result import Note, Result, ResultTable
 from rodgen.scene import Scene
-from rodgen.show import result_tables as tables
 from rodgen.show.analysis_pictures import equilibrium_shape, mode_shapes, stability_curves
 from rodgen.show.animation.times import Settings
 from rodgen.show.animation.video import Video, make_video
@@ -38,21 +36,11 @@ from rodgen.show.cycle_pictures import film_strip, multiplier_plane, unit_circle
 from rodgen.show.exponent_pictures import convergence
 from rodgen.show.pictures import PICTURES, drawable
 from rodgen.show.precision_pictures import work_precision
-from rodgen.show.result_tables import ResultTable
 from rodgen.show.scene_picture import at_start
 from rodgen.show.spectrum_picture import spectral_density
-from rodgen.shown import Shown, Told
-from rodgen.studies.study import Study
+from rodgen.show.summary import of_scene
 
 DOTS_PER_INCH = 80  # of pictures in notebooks
-
-
-@dataclass(frozen=True)
-class Look:
-    """table: its numbers in words; pictures: by name, the first of which is shown by default."""
-
-    table: Callable[[Any], Mapping[str, str] | ResultTable]
-    pictures: Mapping[str, Callable[[Any], Figure]]
 
 
 def _of_run(draw: Callable[[Solution], Figure]) -> Callable[[Solution], Figure]:
@@ -84,32 +72,24 @@ def _work_precision(found: WorkPrecision) -> Figure:
     return drawn
 
 
-LOOKS: dict[type[Told], Look] = {
-    Scene: Look(tables.of_scene, {"start": at_start}),
-    Solution: Look(tables.of_solution, {name: _of_run(draw) for name, draw in PICTURES.items()}),
-    Modes: Look(tables.of_modes, {"shapes": lambda found: mode_shapes(found, found.scene)}),
-    Equilibrium: Look(tables.of_equilibrium, {"shape": _equilibrium}),
-    Critical: Look(tables.of_critical, {"curves": _critical}),
-    Cycle: Look(tables.of_cycle, {"film": film_strip, "multipliers": unit_circle}),
-    Exponents: Look(
-        tables.of_exponents, {"means": lambda found: convergence(found, found.scene.name)}
-    ),
-    Floquet: Look(
-        tables.of_floquet,
-        {"multipliers": lambda found: multiplier_plane(found.multipliers, "periodic motion")},
-    ),
-    Spectrum: Look(tables.of_spectrum, {"density": spectral_density}),
-    Extrapolation: Look(tables.of_extrapolation, {}),
-    SimulatedCritical: Look(tables.of_simulated_critical, {}),
-    WorkPrecision: Look(tables.of_work_precision, {"diagram": _work_precision}),
-    Ensemble: Look(tables.of_ensemble, {}),
-    Study: Look(tables.of_study, {}),
+# By name, of each kind of result; the first is shown by default.
+PICTURES_OF: dict[type[Tabular], Mapping[str, Callable[[Any], Figure]]] = {
+    Scene: {"start": at_start},
+    Solution: {name: _of_run(draw) for name, draw in PICTURES.items()},
+    Modes: {"shapes": lambda found: mode_shapes(found, found.scene)},
+    Equilibrium: {"shape": _equilibrium},
+    Critical: {"curves": _critical},
+    Cycle: {"film": film_strip, "multipliers": unit_circle},
+    Exponents: {"means": lambda found: convergence(found, found.scene.name)},
+    Floquet: {"multipliers": lambda found: multiplier_plane(found.multipliers, "periodic motion")},
+    Spectrum: {"density": spectral_density},
+    WorkPrecision: {"diagram": _work_precision},
 }
 
 
-def plot(shown: Shown, picture: str | None, figure: Figure | SubFigure | None) -> Axes:
+def plot(shown: Plottable, picture: str | None, figure: Figure | SubFigure | None) -> Axes:
     """Draw one of its pictures; returns the first axes. Raises InputError for one it has not."""
-    pictures = LOOKS[type(shown)].pictures
+    pictures = PICTURES_OF[type(shown)]
     return drawn({k: partial(draw, shown) for k, draw in pictures.items()}, picture, figure)
 
 
@@ -128,27 +108,39 @@ def drawn(
         return pictures[name]().axes[0]
 
 
+def figure_of(shown: Tabular, picture: str | None = None) -> Figure:
+    """Draw one of its pictures into a figure of its own, by default the first."""
+    pictures = PICTURES_OF[type(shown)]
+    return pictures[next(iter(pictures)) if picture is None else picture](shown)
+
+
 def video(solution: Solution, **settings: Any) -> Video:
     """A film of a run, as `Solution.animate` asks for it."""
     return make_video(solution, Settings(**settings))
 
 
-def html(shown: Told) -> str:
-    """Its first picture, where it can be drawn, and its table."""
-    look = LOOKS[type(shown)]
-    draw = next(iter(look.pictures.values()), None)
-    return page(repr(shown), draw and partial(draw, shown), look.table(shown))
+def html(shown: Result | Scene) -> str:
+    """Its first picture, where it can be drawn, its tables, and its notes."""
+    draw = next(iter(PICTURES_OF.get(type(shown), {}).values()), None)
+    found = [of_scene(shown)] if isinstance(shown, Scene) else shown.tables()
+    notes = () if isinstance(shown, Scene) else shown.notes
+    return page(repr(shown), draw and partial(draw, shown), found, notes)
 
 
 def page(
-    words: str, draw: Callable[[], Figure] | None, table: Mapping[str, str] | ResultTable
+    words: str,
+    draw: Callable[[], Figure] | None,
+    tables: Iterable[ResultTable],
+    notes: Iterable[Note],
 ) -> str:
-    """A line, a picture, where there is one that can be drawn, and a table."""
+    """Return a line, a picture, where there is one that can be drawn, tables and notes as HTML."""
     parts = [f"<p>{escape(words)}</p>"]
     if draw is not None:
-        with suppress(AnalysisError, InputError):  # the table says what there is
+        with suppress(AnalysisError, InputError):  # the tables say what there is
             parts.append(_image(draw(), words))
-    return f"<div>{''.join(parts)}{_table(table)}</div>"
+    parts += map(_table, tables)
+    parts += (f"<p>{note.kind}: {escape(note.text)}</p>" for note in notes)
+    return f"<div>{''.join(parts)}</div>"
 
 
 def _image(figure: Figure, words: str) -> str:
@@ -158,8 +150,7 @@ def _image(figure: Figure, words: str) -> str:
     return f'<img alt="{escape(words)}" src="data:image/png;base64,{data}">'
 
 
-def _table(given: Mapping[str, str] | ResultTable) -> str:
-    table = given if isinstance(given, ResultTable) else ResultTable.of_values(given)
+def _table(table: ResultTable) -> str:
     head = "".join(f"<th>{escape(name)}</th>" for name in table.columns)
     rows = [f"<tr>{head}</tr>"] if any(table.columns) else []
     rows += [f"<tr>{''.join(f'<td>{escape(one)}</td>' for one in row)}</tr>" for row in table.rows]

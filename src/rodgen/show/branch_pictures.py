@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from rodgen.analyse.critical import critical_force
+from rodgen.analyse.critical import critical_load
 from rodgen.analyse.statics import Equilibrium
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
@@ -200,6 +200,6 @@ def _undamped(scene: Scene, key: str) -> float | None:
     load = key.removeprefix("loads.").partition(".")[0]
     try:
         undamped = scene.replace({f"loads.{one}": None for one in damping})
-        return critical_force(undamped, load=load).force
+        return critical_load(undamped, load=load).value
     except (AnalysisError, InputError):
         return None

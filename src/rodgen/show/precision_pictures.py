@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import Formatter, FuncFormatter, NullFormatter
 
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import fine, front, grouped, label, number, text
 from rodgen.show.canvas import FAINT, GUIDE, INK, SERIES, TAIL, canvas, without_window
 
@@ -68,7 +68,7 @@ class Look(NamedTuple):
     ours: bool
 
 
-def look(row: Row) -> Look:
+def look(row: Measurement) -> Look:
     """How a method looks everywhere: those of rodgen in colour, with hollow marks for equations in
     NumPy; those of others grey and dashed."""
     method, target, who = (text(row, key) for key in ("method", "target", "who"))
@@ -153,7 +153,7 @@ def legend(figure: Figure, columns: int = COLUMNS) -> Figure:
     return figure
 
 
-def work_precision(rows: Sequence[Row], measure: str, trusted: float) -> Figure | None:
+def work_precision(rows: Sequence[Measurement], measure: str, trusted: float) -> Figure | None:
     """Run time against error, with names below; None where there is nothing to draw."""
     names = grouped(drawn(rows, measure, "seconds"), label)
     if not names:
@@ -165,7 +165,7 @@ def work_precision(rows: Sequence[Row], measure: str, trusted: float) -> Figure 
     return legend(figure)
 
 
-def small(rows: Sequence[Row], measure: str, cost: str, trusted: float) -> Figure | None:
+def small(rows: Sequence[Measurement], measure: str, cost: str, trusted: float) -> Figure | None:
     """A diagram without names, small. cost: "seconds", or "rhs" for evaluations."""
     if not drawn(rows, measure, cost):
         return None
@@ -177,7 +177,7 @@ def small(rows: Sequence[Row], measure: str, cost: str, trusted: float) -> Figur
     return figure
 
 
-def drawn(rows: Sequence[Row], measure: str, cost: str) -> list[Row]:
+def drawn(rows: Sequence[Measurement], measure: str, cost: str) -> list[Measurement]:
     """What has a place in a diagram with logarithmic axes."""
     return [
         row
@@ -186,11 +186,13 @@ def drawn(rows: Sequence[Row], measure: str, cost: str) -> list[Row]:
     ]
 
 
-def _error(row: Row, measure: str) -> float:
+def _error(row: Measurement, measure: str) -> float:
     return max(number(row, measure), SMALLEST)
 
 
-def _lines(frame: Axes, rows: Sequence[Row], measure: str, cost: str, trusted: float) -> None:
+def _lines(
+    frame: Axes, rows: Sequence[Measurement], measure: str, cost: str, trusted: float
+) -> None:
     shown = drawn(rows, measure, cost)
     frame.set(xscale="log", yscale="log")
     for name, some in grouped(shown, label).items():
@@ -210,7 +212,7 @@ def _lines(frame: Axes, rows: Sequence[Row], measure: str, cost: str, trusted: f
     logarithmic(frame)
 
 
-def _front(frame: Axes, rows: Sequence[Row], measure: str, trusted: float) -> None:
+def _front(frame: Axes, rows: Sequence[Measurement], measure: str, trusted: float) -> None:
     points = front(drawn(rows, measure, "seconds"), measure, trusted)
     errors = [_error(row, measure) for row in points]
     seconds = [number(row, "seconds") for row in points]

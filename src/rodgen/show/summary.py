@@ -8,6 +8,8 @@ from rodgen.integrate import Solution
 from rodgen.integrate.error_growth import visible
 from rodgen.integrate.trajectory import ErrorGrowth
 from rodgen.model.terms import words_of
+from rodgen.result import DOUBT, ResultTable
+from rodgen.scene import Scene
 from rodgen.scene.contents import in_words
 from rodgen.scene.grammar import in_brief
 
@@ -29,7 +31,24 @@ def summary(solution: Solution, without_c: str = "") -> str:
         lines += [*_motion(solution), *_energy(solution)]
     if solution.errors is not None:
         lines.append(_errors(solution, solution.errors))
+    lines += (f"Doubt: {note}." for note in solution.run_notes if note.kind == DOUBT)
     return "\n".join(lines) + "\n"
+
+
+def of_scene(scene: Scene) -> ResultTable:
+    """Return a table of the rod, what acts on it, and how it is integrated."""
+    rod, settings = scene.rod, scene.integrate
+    rows = {
+        "rod": f"{rod.boundary}, {rod.links} links, {rod.inertia} inertia",
+        "length": f"{rod.length:g} m",
+        "mass": f"{scene.mass:g} kg",
+        "EI": f"{along_in_words(rod.bending_stiffness)} N m^2",
+        "bodies": ", ".join(body.name for body in scene.bodies),
+        "loads": ", ".join(in_words(scene)),
+        "span": f"{settings.span[0]:g} to {settings.span[1]:g} s, by {settings.method}",
+        "events": ", ".join(event.name for event in scene.events),
+    }
+    return ResultTable.of_values({name: text for name, text in rows.items() if text})
 
 
 def _scene(solution: Solution) -> str:
@@ -64,8 +83,8 @@ def _run(solution: Solution) -> str:
     seconds = np.diff(solution.t).sum()  # there may be no samples, where t_eval begins late
     return (
         f"{how}: {seconds:g} s of motion by {settings.method} ({accuracy})"
-        f"{target} in {stats.wall_seconds:.2f} s, {stats.steps} steps{rejected}, "
-        f"{stats.rhs} evaluations."
+        f"{target} in {stats.wall_seconds:.2f} s, {stats.nsteps} steps{rejected}, "
+        f"{stats.nfev} evaluations."
     )
 
 

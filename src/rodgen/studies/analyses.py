@@ -9,7 +9,7 @@ from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.endings import FAILED
 from rodgen.integrate.solution import RunError
 from rodgen.studies.block_arrays import Made
-from rodgen.studies.findings import analysed
+from rodgen.studies.findings import analysed, kept_value
 from rodgen.studies.keep import found
 from rodgen.studies.points import Point
 from rodgen.studies.time_limit import TooLong, time_limit
@@ -29,7 +29,11 @@ def compute(study: Study, points: list[Point], made: Made) -> None:
             with time_limit(study.time_limit, system):
                 result = analysed(study.what, system, study.options, count)
             made.set(
-                at, {one.text: one.finding.of(result, one.count) for one in asked}, float("nan"), ""
+                at,
+                {one.text: kept_value(one.row, result, one.count) for one in asked},
+                float("nan"),
+                "",
+                len(result.doubts),
             )
         except (InputError, AnalysisError, RunError) as error:
             made.fail(at, str(error), getattr(error, "status", FAILED))

@@ -69,8 +69,9 @@ class Axis:
 class Range(Table):
     """Values between two ends, so many of them in a grid; or a list of values."""
 
-    start: Finite | None = Field(None, alias="from", description="the first value")
-    to: Finite | None = Field(None, description="the last value")
+    bounds: Annotated[list[Finite], Field(min_length=2, max_length=2)] | None = Field(
+        None, description="the first and the last value"
+    )
     count: Annotated[int, Field(gt=0, le=MOST_VALUES)] | None = Field(
         None, description="how many values there are; absent beside `[sample]`"
     )
@@ -87,7 +88,7 @@ def axis(name: str, table: Any, drawn: bool) -> Axis:
     if isinstance(table, list):
         table = {"values": table}
     if not isinstance(table, dict):
-        allowed = "a table {from, to, count} or {values = [...]}"
+        allowed = "a table {bounds, count} or {values = [...]}"
         raise InputError(field, table, allowed)
     try:
         read = Range.model_validate(table)
@@ -96,15 +97,14 @@ def axis(name: str, table: Any, drawn: bool) -> Axis:
         raise InputError(f"{field}.{found.field}", found.value, found.allowed) from None
     if read.values is not None:
         return _listed(name, field, read)
-    if read.start is None or read.to is None:
-        missing = "from" if read.start is None else "to"
-        raise InputError(f"{field}.{missing}", None, "a number, or values given instead")
-    return _ranged(name, field, read.start, read.to, read, drawn)
+    if read.bounds is None:
+        raise InputError(f"{field}.bounds", None, "two numbers, or values given instead")
+    return _ranged(name, field, read, drawn)
 
 
 def _listed(name: str, field: str, read: Range) -> Axis:
     values = read.values or []
-    for key, beside in (("from", read.start), ("to", read.to), ("count", read.count)):
+    for key, beside in (("bounds", read.bounds), ("count", read.count)):
         if beside is not None:
             raise InputError(f"{field}.{key}", beside, "absent beside values")
     if not 0 < len(values) <= MOST_VALUES:
@@ -119,22 +119,24 @@ def _listed(name: str, field: str, read: Range) -> Axis:
     return Axis(name, _compact([_whole(name, field, value) for value in values]))
 
 
-def _ranged(name: str, field: str, low: float, high: float, read: Range, drawn: bool) -> Axis:
+def _ranged(name: str, field: str, read: Range, drawn: bool) -> Axis:
+    assert read.bounds is not None
+    low, high = read.bounds
     if read.scale not in SCALES:
         raise InputError(f"{field}.scale", read.scale, f"one of {', '.join(SCALES)}")
     if read.scale == LOG and not (low > 0 and high > 0):
-        raise InputError(f"{field}.from", [low, high], "above zero at both ends for scale log")
+        raise InputError(f"{field}.bounds", [low, high], "above zero at both ends for scale log")
     if drawn:
         if read.count is not None:
             raise InputError(f"{field}.count", read.count, "absent: sample.count says how many")
         if not low < high:
-            raise InputError(f"{field}.to", high, f"above {low:g}, where the range begins")
+            raise InputError(f"{field}.bounds", [low, high], f"[a, b] with b above {low:g}")
         low, high = (float(_whole(name, field, end)) for end in (low, high))
         return Axis(name, (), low, high, read.scale)
     if read.count is None:
         raise InputError(f"{field}.count", None, "a whole number, or values given instead")
     if read.count > 1 and low == high:
-        raise InputError(f"{field}.to", high, f"other than {low:g}, where the range begins")
+        raise InputError(f"{field}.bounds", [low, high], f"[a, b] with b other than {low:g}")
     spaced = np.geomspace if read.scale == LOG else np.linspace
     values = spaced(low, high, read.count).tolist()
     whole = _compact([_whole(name, field, value) for value in values])
@@ -152,7 +154,7 @@ def _whole(name: str, field: str, value: Any) -> Value:
     if name not in WHOLE or isinstance(value, int):
         return value if isinstance(value, str | int) else float(value)
     if isinstance(value, str) or not value.is_integer():
-        allowed = f"whole numbers: {name} takes no others (from, to and count may have to change)"
+        allowed = f"whole numbers: {name} takes no others (bounds and count may have to change)"
         raise InputError(field, value, allowed)
     return int(value)
 

@@ -21,11 +21,18 @@ class Made:
         }
         self.arrays["seconds"][:] = 0.0
 
-    def set(self, at: int, values: Mapping[str, Any], energy_error: float, message: str) -> None:
+    def set(
+        self,
+        at: int,
+        values: Mapping[str, Any],
+        energy_error: float,
+        message: str,
+        doubts: int,
+    ) -> None:
         """A point that was computed."""
         for name, value in values.items():
             self.arrays[name][at] = value
-        self.arrays["energy_error"][at] = energy_error
+        self.arrays["energy_error"][at], self.arrays["doubts"][at] = energy_error, doubts
         self.arrays["status"][at], self.arrays["message"][at] = FINISHED, message[:MESSAGE]
 
     def set_many(
@@ -35,12 +42,14 @@ class Made:
         energy_error: NDArray[np.float64],
         status: NDArray[np.str_],
         messages: Mapping[int, str],
+        doubts: NDArray[np.intp],
     ) -> None:
         """Points that were computed together, or were not; messages: by their place among them."""
         whole = status == FINISHED
         for name, value in values.items():
             self.arrays[name][at[whole]] = value[whole]
         self.arrays["energy_error"][at[whole]] = energy_error[whole]
+        self.arrays["doubts"][at[whole]] = doubts[whole]
         self.arrays["status"][at] = status
         for place, message in messages.items():
             self.arrays["message"][at[place]] = message[:MESSAGE]

@@ -93,7 +93,7 @@ def study(
         A Scene, the path of one, or a Study, which has all of what follows up to ``options``.
     vary
         Values of every key, by dotted name, such as {"loads.follower.force": [5, 10]}, or a table
-        {from, to, count, scale}.
+        {bounds, count, scale}.
     what
         "run", "critical", "modes", "static", "lyapunov", "floquet" or "cycle".
     keep

@@ -2,7 +2,7 @@
 
 Of a run: reductions of `rodgen.integrate.reductions`, count('EVENT'), section(tip_y,
 where='tip_x', rising=0), peak(tip_y), and functions of a Solution. Of an analysis: what it finds,
-by name, with how many of several, such as frequency(4).
+by name, with how many of several, such as frequencies(4).
 """
 
 from __future__ import annotations
@@ -21,8 +21,9 @@ from rodgen.integrate.reductions import REDUCTIONS, Numbers, parse
 from rodgen.loading import build_fastest
 from rodgen.model.quantities import ADDED, LOADS, QUANTITIES, number_in, watched
 from rodgen.model.terms import PARAMETERS
+from rodgen.result import Row
 from rodgen.scene import Scene
-from rodgen.studies.findings import FINDINGS, Finding, function_of
+from rodgen.studies.findings import function_of, rows_of, unit_in
 from rodgen.studies.measures import EVERY, MOST_POINTS, Count, Kept, Own, Peak, Sampled, Section
 from rodgen.studies.reference import reference
 from rodgen.studies.specification import Specification
@@ -234,43 +235,48 @@ class Asked:
     """Something that an analysis finds; count: how many of several."""
 
     text: str
-    finding: Finding
+    row: Row
     count: int = 0
 
 
 @lru_cache(maxsize=8)
 def found(study: Specification) -> tuple[Asked, ...]:
     """What is kept of every point of an analysis. Raises InputError."""
-    rows = FINDINGS[study.what]
+    rows = rows_of(study.what)
     _check_options(study)
-    texts = study.keep or tuple(name for name, row in rows.items() if row.usual)
+    texts = study.keep or tuple(name for name, row in rows.items() if row.kept and row.kept.usual)
     return tuple(_asked(f"compute.keep[{at}]", text, rows) for at, text in enumerate(texts))
 
 
-def _asked(place: str, text: Any, rows: Mapping[str, Finding]) -> Asked:
-    shown = ", ".join(f"{name}(4)" if row.several else name for name, row in rows.items())
+def _asked(place: str, text: Any, rows: Mapping[str, Row]) -> Asked:
+    several = {name: row.kept.several for name, row in rows.items() if row.kept}
+    shown = ", ".join(f"{name}(4)" if count else name for name, count in several.items())
     allowed = f"one of {shown}"
     if not isinstance(text, str):
         raise InputError(place, text, allowed)
     name, arguments, named = _call(place, text, allowed)
     row = rows.get(name)
-    if row is None or named or len(arguments) > (1 if row.several else 0):
+    if row is None or named or len(arguments) > (1 if several[name] else 0):
         raise InputError(place, text, allowed)
-    count = _number(place, text, arguments[0]) if arguments else float(row.several)
-    if not (count.is_integer() and (0 < count <= 1000 or not row.several)):
+    count = _number(place, text, arguments[0]) if arguments else float(several[name])
+    if not (count.is_integer() and (0 < count <= 1000 or not several[name])):
         raise InputError(place, text, f"{name}(k) of a whole number k from 1 to 1000")
     return Asked(text, row, int(count))
 
 
 def variable_of(study: Specification, one: Asked) -> Variable:
     """The variable of something that is found."""
-    row = one.finding
-    if not row.several:
-        return Variable(one.text, (), (), row.dtype, row.units, row.fill)
-    lengths = list(dict.fromkeys(a.count for a in found(study) if a.finding.several))
+    row, kept = one.row, one.row.kept
+    assert kept is not None
+    load = study.options.get("load")
+    units = row.unit.format(unit=unit_in(study.what, study.system, load))
+    how = kept.dtype, units, kept.fill, row.words
+    if not kept.several:
+        return Variable(one.text, (), (), *how)
+    lengths = list(dict.fromkeys(a.count for a in found(study) if a.count))
     number = lengths.index(one.count)
     dim = f"mode_{number + 1}" if number else "mode"
-    return Variable(one.text, (dim,), (one.count,), row.dtype, row.units, row.fill)
+    return Variable(one.text, (dim,), (one.count,), *how)
 
 
 def _check_options(study: Specification) -> None:

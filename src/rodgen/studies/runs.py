@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-import warnings
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import replace
@@ -17,7 +16,8 @@ from numpy.typing import NDArray
 from rodgen.arrays import Array
 from rodgen.errors import InputError
 from rodgen.integrate.crossings import Crossing
-from rodgen.integrate.endings import FAILED, StepWarning
+from rodgen.integrate.diagnosis import doubt_counts
+from rodgen.integrate.endings import FAILED
 from rodgen.integrate.equations import Equations, equations_of
 from rodgen.integrate.many import goes_side_by_side, watched_many
 from rodgen.integrate.methods.choose import choose, choose_from
@@ -139,8 +139,9 @@ def _run(
             values |= one.of_many(found.crossed[number], equations, p[few])
         for number, peak in enumerate(peaks):
             values |= peak.of_many(found, number)
-        made.set_many(at, values, found.energy_error, found.status, found.message)
-        shares = np.maximum(found.rhs, 1)
+        doubts = doubt_counts(batch.system, model, p[few], y[few])
+        made.set_many(at, values, found.energy_error, found.status, found.message, doubts)
+        shares = np.maximum(found.nfev, 1)
         made.arrays["seconds"][at] += (time.process_time() - start) * shares / shares.sum()
 
 
@@ -251,9 +252,7 @@ def _keep(system: System, wanted: tuple[Kept, ...], made: Made, at: int) -> None
     model = system.model(parts=PARTS)
     equations = equations_of(model)
     check_numbers(system, (number for one in wanted for number in one.numbers), equations)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", StepWarning)
-        solution = simulate(system, model=model, progress=False)
+    solution = simulate(system, model=model, progress=False)
     values: dict[str, Any] = {}
     for one in wanted:
         try:
@@ -263,7 +262,7 @@ def _keep(system: System, wanted: tuple[Kept, ...], made: Made, at: int) -> None
         except Exception as error:  # of a function of the user's own, which may raise anything
             made.fail(at, f"{one.text}: {type(error).__name__}: {error}")
             return
-    made.set(at, values, solution.energy_error, solution.message)
+    made.set(at, values, solution.energy_error, solution.message, len(solution.doubts))
 
 
 def _watching(system: System, wanted: tuple[Kept, ...]) -> System:

@@ -21,10 +21,10 @@ from uuid import uuid4
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.dataset_result import show_datasets
 from rodgen.errors import InputError
 from rodgen.loading.cache import PACKAGES, source_hash
 from rodgen.scene.plain import read_table
-from rodgen.shown import show_datasets
 from rodgen.studies.keep import variables
 from rodgen.studies.layout import CHUNKS, MARK, Layout
 from rodgen.studies.points import Point
@@ -216,6 +216,11 @@ def arrays_of(path: str | Path) -> dict[str, zarr.Array[Any]]:
     return {name: _array(group, name) for name in group.array_keys()}
 
 
+def attributes_of(path: str | Path) -> dict[str, Any]:
+    """The attributes of a store. Raises InputError for what is no store."""
+    return dict(_group(Path(path)).attrs)
+
+
 def _group(path: Path) -> zarr.Group:
     """The group of a store. Raises InputError where there is none, or it is damaged."""
     import zarr
@@ -286,7 +291,7 @@ def _create(folder: Path, study: Study, layout: Layout, adaptive: str) -> None:
             fill_value=one.fill,
             compressors=CODECS,
             dimension_names=(*study.dims, *one.dims),
-            attributes={"units": one.units} if one.units else {},
+            attributes=one.attributes,
         )
     kept = json.dumps([one.name for one in variables(study)])
     named = {"name": study.name, "digest": study.digest, "format": FORMAT, "variables": kept}

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any, Self
 
 from rodgen.errors import UNKNOWN, InputError, did_you_mean, unknown_key
+from rodgen.result import Result, Row
 from rodgen.scene import Scene
 from rodgen.scene.files import with_tables
 from rodgen.scene.plain import STUDY, plain, read_table
-from rodgen.shown import Told
 from rodgen.studies.axis import Axis, Sample, axis
 from rodgen.studies.keep import variables
 from rodgen.studies.points import points
@@ -40,7 +40,7 @@ MOST_TRIED = 1000  # points that are made to find one that the scene takes
 MANY = 10**8  # points, beyond which a study is asked for twice
 
 
-class Study(Specification, Told):
+class Study(Specification, Result):
     """A study. Its checks raise InputError before anything is computed.
 
     name: of the study and its store; scene: tables of the scene; axes: keys that are varied, in
@@ -60,6 +60,16 @@ class Study(Specification, Told):
     >>> study.scene_at({"loads.follower.force": 3.0}).loads.follower.force, len(study.digest)
     (3.0, 64)
     """
+
+    ROWS = (
+        Row("name", "study"),
+        Row("what", "what is computed"),
+        Row("count", "points"),
+        Row("keys", "key", along="axis", of=lambda study: [one.name for one in study.axes]),
+        Row("values", "values", along="axis", of=lambda study: [_spacing(a) for a in study.axes]),
+        Row("first", "first", along="axis", of=lambda study: [one.ends[0] for one in study.axes]),
+        Row("last", "last", along="axis", of=lambda study: [one.ends[1] for one in study.axes]),
+    )
 
     def __repr__(self) -> str:
         points = " x ".join(map(str, self.shape))
@@ -104,7 +114,7 @@ class Study(Specification, Told):
     ) -> Self:
         """A study from Python.
 
-        system: the scene; vary: for every key its values (a list, an array) or a table {from, to,
+        system: the scene; vary: for every key its values (a list, an array) or a table {bounds,
         count, scale}, in SI units; what: the analysis; keep: what is kept of every point; sample:
         {method, count, seed}, if points are drawn; options: further arguments of the analysis;
         time_limit: time that a point may take [s]; name: of the study, by default the scene's.
@@ -199,3 +209,8 @@ def _spread(count: int) -> Sequence[int]:
     if count <= MOST_TRIED:
         return range(count)
     return [at * (count - 1) // (MOST_TRIED - 1) for at in range(MOST_TRIED)]
+
+
+def _spacing(axis: Axis) -> str:
+    """How many values it has, or how they are drawn."""
+    return f"{len(axis.values)}" if len(axis.values) else axis.scale

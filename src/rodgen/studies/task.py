@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from rodgen.integrate.endings import FAILED, NO_RESULT
+from rodgen.result import silent
 from rodgen.studies.block import evaluate
 from rodgen.studies.keep import variables
 from rodgen.studies.layout import MARK
@@ -61,7 +62,8 @@ def computed(study: Study, indices: Sequence[int]) -> Arrays:
     # The bits of a sum depend on how many threads take part in it.
     with threadpool_limits(1):
         try:
-            return evaluate(study, given, indices).arrays
+            with silent():  # doubts are counted
+                return evaluate(study, given, indices).arrays
         except Exception as error:  # of a function of the user's, or of a library under it
             if len(indices) == 1:
                 return failed(study, f"{type(error).__name__}: {error}")

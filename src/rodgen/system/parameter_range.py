@@ -33,11 +33,10 @@ class ParameterRange:
         self._systems: dict[float, System] = {}
         check_key(system, key)
         low, high = bounds
-        for value in bounds:
-            if not (is_number(plain(value, key)) and np.isfinite(value)):
-                raise InputError(f"vary.{key}", value, "a finite number")
+        if not all(is_number(plain(value, key)) and np.isfinite(value) for value in bounds):
+            raise InputError("bounds", bounds, "(a, b), two finite numbers")
         if low == high:
-            raise InputError(f"vary.{key}", high, f"a range: its ends are both {low:g}")
+            raise InputError("bounds", bounds, f"a range of {key}: its ends are both {low:g}")
         made = [system.at({key: float(value)}) for value in bounds]
         if any(one.structure != system.structure for one in made):
             raise InputError("vary", key, SAME)

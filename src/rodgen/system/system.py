@@ -15,6 +15,7 @@ from rodgen.errors import InputError, check_type
 from rodgen.loading import build, build_fastest
 from rodgen.model.rod import Boundary
 from rodgen.native.library import surroundings
+from rodgen.result import Note, doubt
 from rodgen.scene import Scene, Structure
 from rodgen.scene.course import Course
 from rodgen.scene.event import Event
@@ -22,6 +23,7 @@ from rodgen.scene.expression import Expression
 from rodgen.scene.integration import Integrate, Settings
 from rodgen.scene.plain import plain
 from rodgen.scene.scene import with_values
+from rodgen.system.doubts import begun, turned
 from rodgen.system.instant import freeze, instant
 from rodgen.system.packing import as_plain, fixed, initial_values, merge, pack
 from rodgen.system.parameter_map import ParameterMap
@@ -58,7 +60,8 @@ class System:
 
     def __init__(self, scene: Scene):
         """scene: what is computed with. Raises TypeError for what is none."""
-        check_type("scene", scene, Scene, see="Scene.from_toml")
+        if not isinstance(scene, Scene):
+            check_type("scene", scene, Scene, see="Scene.from_toml")
         self._begin(scene, scene, None)
 
     def _begin(self, source: Scene, base: Scene, t: float | None) -> None:
@@ -341,6 +344,18 @@ class System:
         these is in a law."""
         slots = (self._map.slot(key) for key in self._changes)
         return self.scene if any(slot and slot.timed for slot in slots) else self._base
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """Sentences on the numbers and tables of the scene that no expression names."""
+        return self._source.unused
+
+    @property
+    def doubts(self) -> tuple[Note, ...]:
+        """What is doubtful about its numbers."""
+        unused = (doubt(words) for words in self.unused)
+        start = begun(self.structure, self.y0, lambda: self.scene.initial.phi)
+        return (*unused, *turned(self.structure, self.p, self.field), *start)
 
     @property
     def name(self) -> str:

@@ -78,13 +78,13 @@ def analyse(
 
     for links in critical:
         given = scene(links, "free", THRUST)
-        force = rodgen.critical_force(given).force
+        force = rodgen.critical_load(given).value
         plain = bisected(given, 0.97 * force, 1.02 * force)
-        found = partial(rodgen.critical_force, given)
+        found = partial(rodgen.critical_load, given)
         beside(f"critical force, free, n={links}", found, "bisection, bracket of 5 % known", plain)
     damped = scene(links, "free", THRUST | {"internal_damping": {"coefficient": 0.01}})
     what = f"critical force, n={links}, internal damping"
-    beside(what, partial(rodgen.critical_force, damped), "without damping", found)
+    beside(what, partial(rodgen.critical_load, damped), "without damping", found)
     for links in modes:
         given = scene(links, "free", {})
         shapes = partial(rodgen.natural_modes, given)

@@ -30,7 +30,7 @@ MASS, FORCE = "rod.mass", "loads.follower.force"
 def study_of(count: int, span: float = 0.1) -> Study:
     """So many runs of a free rod of 20 links; span: of a run [s]."""
     base = scene(20).with_integrate(span=[0.0, span], method="dop853", rtol=1e-6)
-    return Study.of(base, {MASS: {"from": 10, "to": 20, "count": count}}, keep=KEEP)
+    return Study.of(base, {MASS: {"bounds": (10, 20), "count": count}}, keep=KEEP)
 
 
 @contextmanager

@@ -122,7 +122,7 @@ def memory(count: int, axes: int) -> tuple[float, float]:
     side = round(count ** (1 / axes))
     ends = {MASS: (10, 20), FORCE: (1, 10)}
     some = [*ends][:axes]
-    vary = {n: {"from": ends[n][0], "to": ends[n][1], "count": side} for n in some}
+    vary = {name: {"bounds": ends[name], "count": side} for name in some}
     study = Study.of(study_of(1).system, vary, keep=KEEP)
     with tempfile.TemporaryDirectory() as made, workers(WORKERS, Empty()) as address:
         path = Path(made, "memory.zarr")

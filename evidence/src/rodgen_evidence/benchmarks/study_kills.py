@@ -45,7 +45,7 @@ loads = {{gravity = {{g = 9.81}}, internal_damping = {{coefficient = 0.02}}}}
 initial = {{phi = 0.8}}
 integrate = {{method = "rk4", step = 1e-4, span = [0.0, {span}]}}
 [vary]
-"rod.mass" = {{from = 1, to = 2}}
+"rod.mass" = {{bounds = [1, 2]}}
 [sample]
 method = "random"
 count = {points}

@@ -43,8 +43,8 @@ def imperfect_column(scenes: Path) -> Figure:
 def damped_column(scenes: Path) -> Figure:
     """The boundary of flutter of Beck's column with internal damping."""
     scene = rodgen.Scene.from_toml(scenes / "beck_after_flutter.toml")
-    ranges = ((0.0, 60.0), None)
-    return boundary_curve(rodgen.stability_boundary(scene, (FORCE, INTERNAL), ranges=ranges), scene)
+    bounds = ((0.0, 60.0), None)
+    return boundary_curve(rodgen.stability_boundary(scene, (FORCE, INTERNAL), bounds=bounds), scene)
 
 
 def spring_column(scenes: Path) -> Figure:
@@ -55,8 +55,8 @@ def spring_column(scenes: Path) -> Figure:
     table["loads"] = {"follower": {"force": 1.0}, "material_damping": {"time": 0.01}}
     table["supports"] = [{"at": 1.0, "stiffness": [0.0, 10.0]}]
     scene = rodgen.Scene.from_dict(table)
-    keys, ranges = (FORCE, "supports.0.stiffness.1"), ((0.0, 60.0), (0.0, 100.0))
-    return boundary_curve(rodgen.stability_boundary(scene, keys, ranges=ranges), scene)
+    keys, bounds = (FORCE, "supports.0.stiffness.1"), ((0.0, 60.0), (0.0, 100.0))
+    return boundary_curve(rodgen.stability_boundary(scene, keys, bounds=bounds), scene)
 
 
 def umbrella(scenes: Path) -> Figure:

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from pandas import DataFrame
 
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import fine, number, setting
 from rodgen.show.canvas import INK, SERIES
 from rodgen.show.precision_pictures import OURS, axes, legend, logarithmic, look, own
@@ -52,7 +52,7 @@ COLOURS = {
 ORDERS_OF = "free_n20"  # the scene on which orders are looked at
 
 
-def growth(rows: Sequence[Row]) -> Figure | None:
+def growth(rows: Sequence[Measurement]) -> Figure | None:
     """How errors grow in time, with the exponential fitted to them."""
     shown = [row for row in rows if fine(row) and len(curve(row, "t"))]
     if not shown:
@@ -121,10 +121,10 @@ def largest_steps(rows: DataFrame) -> Figure | None:
     return legend(figure, 2)
 
 
-def fixed_steps(contents: Contents) -> dict[str, list[Row]]:
+def fixed_steps(contents: Contents) -> dict[str, list[Measurement]]:
     """Runs in C with fixed steps, by method."""
     rows = of(contents, "precision", scene=ORDERS_OF, kind="step", who="rodgen", target="c")
-    by: dict[str, list[Row]] = {}
+    by: dict[str, list[Measurement]] = {}
     for row in filter(fine, rows):
         by.setdefault(str(row["method"]), []).append(row)
     return by

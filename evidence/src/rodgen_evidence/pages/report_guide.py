@@ -13,7 +13,7 @@ from pathlib import Path
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import fine, number, short, text
 from rodgen.loading.cache import write_whole
 from rodgen.progress import duration
@@ -151,7 +151,7 @@ def speed(contents: Contents) -> list[str]:
     ]
 
 
-def _duel(row: Row, runs: Sequence[Row]) -> list[str]:
+def _duel(row: Measurement, runs: Sequence[Measurement]) -> list[str]:
     cells = [f"`{text(row, 'scene')}`", text(row, "n")]
     for who in ("ours", "theirs"):
         seconds = duration(number(row, f"{who}_seconds"))
@@ -159,7 +159,7 @@ def _duel(row: Row, runs: Sequence[Row]) -> list[str]:
     return [*cells, f"{number(row, 'ratio'):.2g}"]
 
 
-def _evaluations(row: Row, who: str, runs: Sequence[Row]) -> str:
+def _evaluations(row: Measurement, who: str, runs: Sequence[Measurement]) -> str:
     """How often one side of a duel evaluated rhs, from its run in the section precision."""
     counts = (
         run.get("rhs")

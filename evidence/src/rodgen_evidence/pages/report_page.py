@@ -11,7 +11,7 @@ from typing import Any
 
 from pandas import DataFrame
 
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import short
 from rodgen.loading.cache import write_whole
 from rodgen_evidence.pages.folder import PAGE, Pictures, put_whole, render
@@ -116,7 +116,7 @@ def csv_name(section: str) -> str:
 
 def csv_text(measured: Sequence[Measured]) -> str:
     """Rows of a section with all digits, a unit that failed as a row; lists as JSON."""
-    lines: list[Row] = []
+    lines: list[Measurement] = []
     for one in measured:
         lines += [{"unit": one.name, **row} for row in one.rows]
         lines += [{"unit": one.name, "failed": one.failed}] if one.failed else []
@@ -130,7 +130,7 @@ def csv_text(measured: Sequence[Measured]) -> str:
     return str(DataFrame(stored or {"unit": []}, dtype=object).to_csv(index=False))
 
 
-def _sections(contents: Contents) -> list[Row]:
+def _sections(contents: Contents) -> list[Measurement]:
     failed = list(failures(contents)["section"])
     return [
         {

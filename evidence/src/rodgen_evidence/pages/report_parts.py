@@ -6,7 +6,7 @@ from typing import Any
 
 from pandas import DataFrame
 
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import front, label
 from rodgen.show import precision_pictures as figures
 from rodgen_evidence.pages import report_curves as curves
@@ -66,7 +66,7 @@ def scene_part(contents: Contents, scene: str, pictures: Pictures, why: str) -> 
 
 
 def _figures(
-    contents: Contents, scene: str, rows: list[Row], pictures: Pictures
+    contents: Contents, scene: str, rows: list[Measurement], pictures: Pictures
 ) -> list[dict[str, Any]]:
     """Those that have something to show: the angles large, the other measures small."""
     shown = []
@@ -90,13 +90,13 @@ def _figures(
     return [picture for picture in shown if picture]
 
 
-def _said(rows: list[Row], measure: str, limit: float) -> str:
+def _said(rows: list[Measurement], measure: str, limit: float) -> str:
     """Whose the Pareto front is, for those who cannot see it."""
     names = dict.fromkeys(label(row) for row in front(rows, measure, limit))
     return f"On the Pareto front: {', '.join(names)}." if names else ""
 
 
-def _slopes(rows: list[Row], limit: float) -> tuple[list[Row], list[Row]]:
+def _slopes(rows: list[Measurement], limit: float) -> tuple[list[Measurement], list[Measurement]]:
     """Of errors against steps; against evaluations, then tolerances; or why none is to be seen.
 
     limit: the reference's own error.
@@ -108,7 +108,7 @@ def _slopes(rows: list[Row], limit: float) -> tuple[list[Row], list[Row]]:
     return steps, [*by_rhs, *by_rtol]
 
 
-def _setup(rows: DataFrame) -> list[Row]:
+def _setup(rows: DataFrame) -> list[Measurement]:
     """Generation and compilation, medians over settings: a line for all that share them."""
     taken = rows.reindex(columns=["who", "label", *TAKEN])
     taken[TAKEN] = taken[TAKEN].astype(float).where(lambda seconds: seconds > 0)

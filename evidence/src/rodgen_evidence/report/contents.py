@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from pandas import DataFrame
 
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import fine, label, setting, text
 from rodgen_evidence.report.unit import Measured
 
@@ -33,13 +33,13 @@ KINDS = {
 }
 
 
-def of(contents: Contents, section: str, **what: object) -> list[Row]:
+def of(contents: Contents, section: str, **what: object) -> list[Measurement]:
     """A section's rows, those with these entries."""
     rows = [row for measured in contents.get(section, ()) for row in measured.rows]
     return [row for row in rows if all(row.get(key) == value for key, value in what.items())]
 
 
-def frame(rows: Iterable[Row]) -> DataFrame:
+def frame(rows: Iterable[Measurement]) -> DataFrame:
     """Rows with a label of who took which method: text is "", a number nan where there is none."""
     made = DataFrame([{**row, "label": label(row)} for row in rows])
     for key in TEXTS:
@@ -49,9 +49,9 @@ def frame(rows: Iterable[Row]) -> DataFrame:
     return made
 
 
-def records(made: DataFrame) -> list[Row]:
+def records(made: DataFrame) -> list[Measurement]:
     """The rows of a frame; None where there is no number."""
-    rows: list[Row] = made.astype(object).where(made.notna(), None).to_dict("records")
+    rows: list[Measurement] = made.astype(object).where(made.notna(), None).to_dict("records")
     return rows
 
 
@@ -98,12 +98,12 @@ def failed_of(contents: Contents, scene: str) -> DataFrame:
     return lines[(lines["scene"] == scene) | unit]
 
 
-def case_named(row: Row) -> str:
+def case_named(row: Measurement) -> str:
     """An extreme case and who was tried on it."""
     return ", ".join(filter(None, (text(row, key) for key in ("group", "case", "label"))))
 
 
-def _named(row: Row) -> str:
+def _named(row: Measurement) -> str:
     keys = ("scene", "group", "case", "what", "variant", "form", "damping")
     start = [text(row, key) for key in keys if row.get(key)]
     start += [f"n = {row['n']}"] if row.get("n") is not None else []

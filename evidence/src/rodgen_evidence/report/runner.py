@@ -14,7 +14,7 @@ from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.loading.cache import write_whole
 from rodgen_evidence.report.unit import Measured, Unit
 
@@ -104,7 +104,7 @@ class Runner:
         write_whole(file, result.dump())
         return result
 
-    def _call(self, unit: Unit) -> tuple[list[Row], str, float]:
+    def _call(self, unit: Unit) -> tuple[list[Measurement], str, float]:
         """Rows, why there are none, and the seconds that it took."""
         process = subprocess.Popen(
             [sys.executable, "-m", "rodgen_evidence.report.unit"],

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from statistics import median
 
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import cheapest, fine, label, number, setting, short
 from rodgen.progress import duration
 from rodgen_evidence.report.contents import (
@@ -31,7 +31,7 @@ def scenes(contents: Contents) -> list[str]:
     return list(frame(rows)["scene"].unique())
 
 
-def best_row(contents: Contents, scene: str) -> Row:
+def best_row(contents: Contents, scene: str) -> Measurement:
     """A line of the summary: the fastest for every error that is asked."""
     rows, limit = of(contents, "precision", scene=scene), trusted(contents, scene)
     if not judged(contents, scene):
@@ -40,7 +40,7 @@ def best_row(contents: Contents, scene: str) -> Row:
     return {"scene": scene, **best}
 
 
-def _best(rows: list[Row], error: float, limit: float) -> str:
+def _best(rows: list[Measurement], error: float, limit: float) -> str:
     if error < CLEAR * limit:
         return f"cannot be told: the reference is good to {short(limit, '.1e')}"
     there = [row for row in rows if fine(row) and math.isfinite(number(row, "error_phi"))]
@@ -69,7 +69,7 @@ def growths(contents: Contents) -> list[str]:
     return [growth(scene, of(contents, "growth", scene=scene)) for scene in names]
 
 
-def growth(scene: str, rows: list[Row]) -> str:
+def growth(scene: str, rows: list[Measurement]) -> str:
     """How fast errors grow on a scene, and what that leaves."""
     rates = frame(rows)["rate"].dropna()
     if rates.empty:

@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass, field
 from importlib import import_module
 from typing import Any
 
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen_evidence.report.surroundings import sources
 
 
@@ -42,10 +42,10 @@ class Unit:
         content = json.dumps([self.function, given, own, *surroundings], sort_keys=True)
         return hashlib.sha256(content.encode()).hexdigest()[:32]
 
-    def call(self) -> list[Row]:
+    def call(self) -> list[Measurement]:
         """The rows, made in this process."""
         module, _, function = self.function.partition(":")
-        rows: list[Row] = getattr(import_module(module), function)(**self.arguments)
+        rows: list[Measurement] = getattr(import_module(module), function)(**self.arguments)
         return rows
 
 
@@ -57,7 +57,7 @@ class Measured:
     name: str
     fingerprint: str
     seconds: float
-    rows: list[Row] = field(default_factory=list)
+    rows: list[Measurement] = field(default_factory=list)
     failed: str = ""
 
     def dump(self) -> str:
@@ -82,7 +82,7 @@ def main() -> None:
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     unit = Unit(**json.load(sys.stdin))
     start = time.perf_counter()
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     failed = ""
     try:
         rows = unit.call()

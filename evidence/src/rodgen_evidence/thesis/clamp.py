@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pandas import DataFrame
 
-from rodgen.analyse.critical import critical_force
+from rodgen.analyse.critical import critical_load
 from rodgen.analyse.extrapolate import richardson
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.references import columns, continuum
@@ -43,7 +43,7 @@ def values(boundary: str, links: int) -> dict[str, float]:
     # Without thrust, but with its term: one module for frequencies and load.
     modes = natural_modes(scenes.thrust(links, boundary, force=0.0), FREQUENCIES)
     tip = static_equilibrium(cantilever(links, boundary)).tip
-    load = critical_force(scenes.thrust(links, boundary)).force
+    load = critical_load(scenes.thrust(links, boundary)).value
     frequencies = {f"f{k + 1} [Hz]": float(f) for k, f in enumerate(modes.frequencies)}
     return frequencies | {DEFLECTION: -float(tip[1]), "Beck's load [N]": float(load)}
 

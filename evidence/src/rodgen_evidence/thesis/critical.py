@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from pandas import DataFrame
 
-from rodgen.analyse.critical import critical_force
+from rodgen.analyse.critical import critical_load
 from rodgen.analyse.extrapolate import richardson
-from rodgen.analyse.growth import SimulatedCritical, simulated_critical_force
+from rodgen.analyse.growth import SimulatedCritical, simulated_critical_load
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.references import columns
 from rodgen_evidence.thesis import data, scenes
@@ -175,7 +175,7 @@ def table_3_6() -> Table:
     printed = data.TABLE_3_6
     rows = _rows("cantilever", printed, scenes.WATCHED)
     rows["thesis_analytical"] = printed["analytical"].astype(float)
-    rows["clamped"] = [critical_force(scenes.thrust(n, "clamped")).force for n in rows["links"]]
+    rows["clamped"] = [critical_load(scenes.thrust(n, "clamped")).value for n in rows["links"]]
     table = Table("3.6", "Critical force of the cantilever", COLUMNS_3_6, rows, [*CONDITIONS])
     table.assumed = [_assumed(scenes.WATCHED)]
     table.notes = [
@@ -207,14 +207,14 @@ def _rows(boundary: str, printed: DataFrame, span: float) -> DataFrame:
 
 
 def _row(links: int, boundary: str, force: float, span: float) -> dict[str, float]:
-    exact = critical_force(scenes.thrust(links, boundary)).force
+    exact = critical_load(scenes.thrust(links, boundary)).value
     ours = simulated(links, boundary, exact, span)
     length = scenes.LENGTH * (1 if boundary == "free" else 1 - 1 / links)
     return {
-        "simulated": ours.force,
+        "simulated": ours.value,
         "discrete": exact,
         "continuum": continuum_load(boundary, length),
-        "beat": beat(links, boundary, ours.force),
+        "beat": beat(links, boundary, ours.value),
         "growth": growth(links, boundary, force) * scenes.WATCHED,
         "seconds": ours.seconds / ours.runs,
     }
@@ -224,15 +224,13 @@ def simulated(links: int, boundary: str, near: float, span: float) -> SimulatedC
     """The critical force as the thesis found it, by growth within a span [s], next to `near` [N],
     by the semi-implicit Euler method."""
     scene = scenes.thrust(links, boundary)
-    low, high = (bound * near for bound in AROUND)
     step = WHOLE / np.ceil(WHOLE * fastest(links) / (2 * SAFETY))
-    return simulated_critical_force(
+    return simulated_critical_load(
         scene,
         span=span,
         growth=HUNDREDFOLD,
         tolerance=TOLERANCE,
-        low=low,
-        high=high,
+        bounds=(AROUND[0] * near, AROUND[1] * near),
         disturbance=BENT[boundary],
         method="semi_implicit_euler",
         step=float(step),

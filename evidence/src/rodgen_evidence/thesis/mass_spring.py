@@ -101,7 +101,7 @@ class MassSpring:
         pull[-1] -= force * turn[-1]
         return pull / self.masses[:, None]
 
-    def critical_force(self) -> float:
+    def critical_load(self) -> float:
         """The least thrust [N] at which two frequencies meet and flutter sets in.
 
         mu = lambda^2 of two modes meets in a double root: (mu_1 - mu_2)^2 is smooth there and
@@ -187,7 +187,7 @@ def _bent(r: Array) -> Array:
     return np.asarray(np.linalg.svd(centred, compute_uv=False)[..., -1] / np.sqrt(r.shape[-2]))
 
 
-def simulated_critical_force(
+def simulated_critical_load(
     model: MassSpring, low: float, high: float, span: float, factor: float
 ) -> float:
     """The force [N] from which on a bend grows by `factor` within the span [s].

@@ -6,11 +6,11 @@ import numpy as np
 from pandas import DataFrame
 from scipy.optimize import brentq
 
-from rodgen.analyse.critical import critical_force
+from rodgen.analyse.critical import critical_load
 from rodgen.analyse.extrapolate import richardson
 from rodgen_evidence.thesis import data, scenes
 from rodgen_evidence.thesis.critical import continuum_load, growth
-from rodgen_evidence.thesis.mass_spring import MassSpring, grow, simulated_critical_force
+from rodgen_evidence.thesis.mass_spring import MassSpring, grow, simulated_critical_load
 from rodgen_evidence.thesis.percentages import base_of
 from rodgen_evidence.thesis.table import LINKS, VERDICT, Note, Table, beside, column
 from rodgen_evidence.thesis.timing import STEPS, largest_step, special_seconds, times
@@ -72,15 +72,15 @@ def table_3_5() -> Table:
 
 def _row(n: int, force: float) -> dict[str, float]:
     model = rod(n)
-    exact = model.critical_force()
+    exact = model.critical_load()
     low, high = (bound * exact for bound in BOUNDS)
-    ours = n in SIMULATED and simulated_critical_force(model, low, high, SPAN, FACTOR)
+    ours = n in SIMULATED and simulated_critical_load(model, low, high, SPAN, FACTOR)
     timed = grow(model, np.array([force]), TIMED)
     return {
         "simulated": ours or np.nan,
         "discrete": exact,
-        "lumped": critical_force(scenes.thrust(n, inertia="lumped")).force,
-        "uniform": critical_force(scenes.thrust(n)).force,
+        "lumped": critical_load(scenes.thrust(n, inertia="lumped")).value,
+        "uniform": critical_load(scenes.thrust(n)).value,
         "continuum": continuum_load("free"),
         "fitted": fitted_stiffness(n, force),
         "growth": growth(n, "free", force, "lumped"),
@@ -99,7 +99,7 @@ def fitted_stiffness(links: int, force: float) -> float:
     """The EA [N] at which the eigenvalues give a critical force [N]; not a number for none."""
 
     def excess(log: float) -> float:
-        return rod(links, float(np.exp(log))).critical_force() - force
+        return rod(links, float(np.exp(log))).critical_load() - force
 
     ends = np.log(SOFTEST), np.log(STIFFEST)
     if excess(ends[0]) * excess(ends[1]) > 0:
@@ -110,10 +110,10 @@ def fitted_stiffness(links: int, force: float) -> float:
 def compliance(links: int) -> tuple[float, float, float]:
     """How the model meets rigid links as EA grows: the deviation from them [N] at the assumed EA,
     the observed order in 1/EA, and what remains of the deviation in the limit [N]."""
-    lumped = critical_force(scenes.thrust(links, inertia="lumped")).force
-    softer = [rod(links, scenes.AXIAL_STIFFNESS / 100 * k).critical_force() for k in STIFFER]
+    lumped = critical_load(scenes.thrust(links, inertia="lumped")).value
+    softer = [rod(links, scenes.AXIAL_STIFFNESS / 100 * k).critical_load() for k in STIFFER]
     limit = richardson(STIFFER, softer)
-    at_assumed = rod(links).critical_force() - lumped
+    at_assumed = rod(links).critical_load() - lumped
     return at_assumed, limit.orders[-1], limit.value - lumped
 
 

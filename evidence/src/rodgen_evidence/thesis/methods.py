@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from pandas import DataFrame
 
-from rodgen.integrate import RunError, StepWarning, simulate
+from rodgen.errors import DoubtWarning
+from rodgen.integrate import RunError, simulate
 from rodgen.integrate.stability import limit
 from rodgen_evidence.thesis import data, scenes
 from rodgen_evidence.thesis.data import unit
@@ -74,7 +75,7 @@ def stays(links: int, method: str, step: float) -> bool:
     )
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", StepWarning)
+            warnings.simplefilter("ignore", DoubtWarning)
             phi = simulate(scene).phi
     except RunError:
         return False

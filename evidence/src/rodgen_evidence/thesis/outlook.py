@@ -9,7 +9,7 @@ import numpy as np
 from pandas import DataFrame
 
 from rodgen.analyse.chaos.exponents import lyapunov_exponents
-from rodgen.analyse.critical import critical_force
+from rodgen.analyse.critical import critical_load
 from rodgen.analyse.cycles.branches import hopf_of
 from rodgen.analyse.cycles.cycle import Cycle
 from rodgen.analyse.cycles.periodic_motion import find_cycle
@@ -121,7 +121,7 @@ def damped() -> Iterator[Row]:
     for external in EXTERNAL:
         rod = f"cantilever, {LINKS} links, c_int = {INTERNAL:g}, c_ext = {external:g}"
         scene = pushed(FORCE, external)
-        yield Row(MEDIUM, rod, ONSET, critical_force(scene).force)
+        yield Row(MEDIUM, rod, ONSET, critical_load(scene).value)
         yield from _cycle(MEDIUM, rod, FORCE, find_cycle(scene))
 
 

@@ -6,9 +6,11 @@ import multiprocessing
 import os
 import signal
 import time
+import warnings
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 
+from rodgen.errors import DoubtWarning
 from rodgen_evidence.thesis.clamp import table_clamp
 from rodgen_evidence.thesis.critical import table_3_4, table_3_6
 from rodgen_evidence.thesis.frequencies import table_3_1, table_3_2
@@ -63,5 +65,7 @@ def _make(number: str) -> Table:
 
 
 def _quietly() -> None:
-    """Ctrl-C is for the process that waits; it ends the others."""
+    """Ctrl-C is for the process that waits; it ends the others. Tables have unstable states on
+    purpose, and say themselves how far to trust their numbers."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    warnings.simplefilter("ignore", DoubtWarning)

@@ -6,8 +6,8 @@ import warnings
 from collections.abc import Sequence
 from functools import lru_cache
 
-from rodgen.errors import InputError
-from rodgen.integrate import StepWarning, simulate
+from rodgen.errors import DoubtWarning, InputError
+from rodgen.integrate import simulate
 from rodgen.integrate.stability import dominant
 from rodgen.loading import BuildError, build
 from rodgen_evidence.thesis import scenes
@@ -59,7 +59,7 @@ def special_seconds(
     )
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", StepWarning)
+            warnings.simplefilter("ignore", DoubtWarning)
             first, second = (simulate(scene, target=target).stats.wall_seconds for _ in range(2))
     except (BuildError, InputError):
         return float("nan")

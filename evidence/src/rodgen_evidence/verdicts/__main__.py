@@ -2,7 +2,7 @@
 
 python -m rodgen_evidence.verdicts [--scenes 200] [--first 0] [--out results]
 
-`critical_force`, `static_equilibrium`, `natural_modes` and `continue_equilibria` of every scene, at
+`critical_load`, `static_equilibrium`, `natural_modes` and `continue_equilibria` of every scene, at
 20 loads each. A scene takes five seconds. What is finished stands in verdicts.jsonl, and is not
 done again while neither rodgen nor this package changes.
 """

@@ -1,4 +1,4 @@
-"""Judge `critical_force`: stable below, unstable above, and the motion that begins to grow."""
+"""Judge `critical_load`: stable below, unstable above, and the motion that begins to grow."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def critical(reference: AlongLoad, answer: Any) -> list[Judgement]:
     if isinstance(answer, Refusal):
         return [_refusal(reference, answer, first)]
     texts = list(_wrong(reference, answer))
-    return [Judgement(NAME, CONTRADICTED if texts else RIGHT, answer.force, "; ".join(texts))]
+    return [Judgement(NAME, CONTRADICTED if texts else RIGHT, answer.value, "; ".join(texts))]
 
 
 def _sizes(reference: AlongLoad) -> Iterator[float]:
@@ -70,7 +70,7 @@ def _refusal(reference: AlongLoad, answer: Refusal, first: float) -> Judgement:
 
 def _wrong(reference: AlongLoad, answer: Any) -> Any:
     """What is wrong with a critical load."""
-    force, unit = answer.force, reference.sketch.unit
+    force, unit = answer.value, reference.sketch.unit
     below = force - BELOW * (abs(force) + unit)
     for size in reference.grid:
         try:
@@ -94,7 +94,7 @@ def _wrong(reference: AlongLoad, answer: Any) -> Any:
 
 def _other_rate(reference: AlongLoad, answer: Any) -> Any:
     """Whether the motion at the onset is none of the reference."""
-    spectrum = reference.spectrum(answer.force)
+    spectrum = reference.spectrum(answer.value)
     s, own = np.append(spectrum.s, 0.0), 2j * np.pi * answer.frequency
     off = float(np.abs(s - own).min())
     largest = max(float(np.abs(s).min(initial=np.inf, where=np.abs(s) > 0)), abs(own))
@@ -102,7 +102,7 @@ def _other_rate(reference: AlongLoad, answer: Any) -> Any:
         yield f"{answer.kind} with {own.imag:.6g} 1/s is {off:.2g} from an eigenvalue"
     if (answer.kind == "flutter") != bool(answer.frequency):
         yield f"{answer.kind} has {answer.frequency:.3g} Hz"
-    beside = reference.spectrum(answer.force * (1 + BESIDE[0]) + BESIDE[1] * reference.sketch.unit)
+    beside = reference.spectrum(answer.value * (1 + BESIDE[0]) + BESIDE[1] * reference.sketch.unit)
     grown = beside.growing
     oscillates = np.abs(grown.imag) > 1e-3 * np.abs(grown)
     wanted = oscillates if answer.kind == "flutter" else ~oscillates

@@ -64,7 +64,8 @@ class Answers:
     def critical(self) -> Any:
         """The critical load."""
         scene, load = self.scene(self.sketch.unit), self.sketch.load
-        return asked(lambda: rodgen.critical_force(scene, highest=self.sketch.highest, load=load))
+        bounds = None, self.sketch.highest
+        return asked(lambda: rodgen.critical_load(scene, bounds=bounds, load=load))
 
     def static(self, size: float) -> Any:
         """The equilibrium under a size of the load."""

@@ -8,21 +8,31 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rodgen.analyse.bounds import bounds_of
 from rodgen.analyse.branches.boundary_equations import Boundary, Plane, Scale
 from rodgen.analyse.branches.outline import GROWS, ROUNDED, Ends, Outline, rates
-from rodgen.analyse.critical import Critical, critical_force
+from rodgen.analyse.critical import Critical, critical_load
 from rodgen.analyse.curves import files
 from rodgen.analyse.curves.continuation import Steps
 from rodgen.analyse.curves.curve import Curve
-from rodgen.analyse.curves.datasets import attributes, extended, kept, to_go_on
+from rodgen.analyse.curves.datasets import (
+    SPECIAL_ROWS,
+    attributes,
+    extended,
+    kept,
+    special_values,
+    to_go_on,
+)
 from rodgen.analyse.guard import guarded
 from rodgen.analyse.modal import DIVERGENCE, FLUTTER
 from rodgen.analyse.sizes import BOUNDARY, check_size
 from rodgen.arrays import Array
+from rodgen.dataset_result import POINT, SPECIAL, variables
 from rodgen.errors import AnalysisError, InputError
 from rodgen.model.terms import TERMS
+from rodgen.result import Row
 from rodgen.scene import Scene
-from rodgen.scene.plain import is_number, plain
+from rodgen.scene.plain import is_number
 from rodgen.system import System
 
 if TYPE_CHECKING:
@@ -38,6 +48,18 @@ OUTSIDE = 1e-9  # of a coordinate, by which a point may lie outside its range
 SAME = 1e-12  # of matrices: a change that is rounding
 GRID, NARROW = 200, 1e-9  # values along a number; width to which a change is narrowed
 FORMAT = "rodgen boundary 1"
+ROWS = (
+    Row("a", "{a}", along=POINT),
+    Row("b", "{b}", along=POINT),
+    Row("frequency", "frequency", "Hz", along=POINT),
+    Row("length", "length along the boundary", along=POINT),
+    Row("kind", "begins there"),
+    Row("end", "ends"),
+    *SPECIAL_ROWS,
+    Row("special_a", "{a}", along=SPECIAL),
+    Row("special_b", "{b}", along=SPECIAL),
+    Row("special_frequency", "frequency", "Hz", along=SPECIAL),
+)
 
 
 @guarded
@@ -45,7 +67,7 @@ def stability_boundary(
     system: System | Scene,
     keys: tuple[str, str],
     *,
-    ranges: tuple[Ends | None, Ends | None] = (None, None),
+    bounds: tuple[Ends | None, Ends | None] = (None, None),
     step: float = STEP,
     most: int = MOST,
     t: float | None = None,
@@ -55,7 +77,7 @@ def stability_boundary(
 ) -> xarray.Dataset:
     """Follow the curve on which flutter or divergence begins, in the plane of two numbers.
 
-    If one number is the size of a load, `critical_force` finds the first point, at the scene's
+    If one number is the size of a load, `critical_load` finds the first point, at the scene's
     value of the other number (at a little damping, if that is zero damping). Otherwise the first
     number is searched for a value at which a motion begins or ceases to grow. From there the curve
     is followed both ways. It is the outline of the stable region around its start: if another
@@ -70,7 +92,7 @@ def stability_boundary(
     keys
         Both numbers, named as in a study, such as loads.follower.force and
         loads.material_damping.time.
-    ranges
+    bounds
         First and last value of each number, in SI units. By default they go from 0 to practically
         no limit.
     step
@@ -111,7 +133,7 @@ def stability_boundary(
     >>> import rodgen
     >>> scene = rodgen.Scene.example("ziegler").replace({"loads.material_damping.time": 0.1})
     >>> keys = ("loads.follower.force", "loads.material_damping.time")
-    >>> line = rodgen.stability_boundary(scene, keys, ranges=(None, (0.0, 1.0)))
+    >>> line = rodgen.stability_boundary(scene, keys, bounds=(None, (0.0, 1.0)))
     >>> round(float(line.a[line.b == 0].item()), 9), round(41 / 28, 9)
     (1.464285714, 1.464285714)
     """
@@ -121,32 +143,32 @@ def stability_boundary(
     a_key, b_key = _checked(scene, keys)
     load, flipped = _load(scene, a_key, b_key)
     if flipped:
-        ranges = ranges[::-1]
+        bounds = bounds[::-1]
         a_key, b_key = b_key, a_key
     own = np.array(
-        [_own(scene, key, given) for key, given in zip((a_key, b_key), ranges, strict=True)]
+        [_own(scene, key, given) for key, given in zip((a_key, b_key), bounds, strict=True)]
     )
     if load is not None and not own[0]:  # of a load's angle nothing would be felt without the load
         own[0] = scene.distribution.usual_stiffness / scene.rod.length**2
     # Numbers may take the place of laws in time, which then need not be known at t.
     system = system.at(dict(zip((a_key, b_key), own.tolist(), strict=True))).steady(t)
     plane = Plane(system, (a_key, b_key), own)
-    scales = [_scale_of(plane, axis, ranges[axis]) for axis in (0, 1)]
+    scales = [_scale_of(plane, axis, bounds[axis]) for axis in (0, 1)]
     begin = np.where([one.damping and not x for one, x in zip(scales, own, strict=True)], 1.0, 0.0)
     begin = own + begin * [one.unit for one in scales]
-    limits = [_limits(one, given) for one, given in zip(scales, ranges, strict=True)]
+    limits = [_limits(one, given) for one, given in zip(scales, bounds, strict=True)]
     rows = [] if resume is None else _recorded(resume, scene, keys, at)
     places = [(row[:2][::-1] if flipped else row[:2]) for row in rows]
     if rows:
         begin, omega = np.array(places[0]), 2 * np.pi * rows[0][2]
         if load is not None:
             scales[0] = Scale(abs(float(begin[0])) / 4 or 1.0)
-            limits[0] = _limits(scales[0], ranges[0])
+            limits[0] = _limits(scales[0], bounds[0])
     elif load is not None:
         found = _onset(system.at({b_key: float(begin[1])}), load, own[0])
-        begin[0], omega = found.force, 2 * np.pi * found.frequency
-        scales[0] = Scale(abs(found.force) / 4 or 1.0)
-        limits[0] = _limits(scales[0], ranges[0])
+        begin[0], omega = found.value, 2 * np.pi * found.frequency
+        scales[0] = Scale(abs(found.value) / 4 or 1.0)
+        limits[0] = _limits(scales[0], bounds[0])
     # Damping is to be nothing but rounding of its own where it is small.
     origin = np.where([one.damping for one in scales], 0.0, begin)
     plane = Plane(system, (a_key, b_key), origin)
@@ -238,11 +260,11 @@ def _onset(system: System, load: str, own: float) -> Critical:
     """Where the scene loses its stability as a load grows; of one that is unstable without load,
     beyond its own load."""
     try:
-        return critical_force(system, load=load)
+        return critical_load(system, load=load)
     except AnalysisError:
         if not own > 0:
             raise
-        return critical_force(system, load=load, lowest=own)
+        return critical_load(system, load=load, bounds=(own, None))
 
 
 def _scale_of(plane: Plane, axis: int, given: Ends | None) -> Scale:
@@ -315,14 +337,11 @@ def _own(scene: Scene, key: str, given: Ends | None) -> float:
     own = _number(scene, key)
     if given is None:
         return own
-    ends = plain(list(given), key)
-    for value in ends:
-        if not (is_number(value) and np.isfinite(value)):
-            raise InputError(f"vary.{key}", value, "a finite number")
-    low, high = ends
+    low, high = bounds_of(given)
     if not high - low > NARROWEST * max(abs(low), abs(high)):
         least = f"by more than {NARROWEST:g} of it" if low < high else "where its range begins"
-        raise InputError(f"vary.{key}", high, f"above {low:.9g}, {least}")
+        allowed = f"(a, b) of {key} with b above {low:.9g}, {least}"
+        raise InputError("bounds", given, allowed)
     return own if low <= own <= high else float((low + high) / 2)
 
 
@@ -341,19 +360,15 @@ def _dataset(
     keys = boundary.plane.keys
     a, b = (1, 0) if flipped else (0, 1)
     names = keys[a], keys[b]
-    data = {
-        "a": ("point", rows[:, a], {"long_name": names[0]}),
-        "b": ("point", rows[:, b], {"long_name": names[1]}),
-        "frequency": ("point", rows[:, 2], {"units": "Hz"}),
-        "length": ("point", np.cumsum([0.0, *np.abs(np.diff(rows[:, 3]))])),
-        "special_kind": ("special", np.array([one.kind for one in curve.special], dtype="U16")),
-        "special_a": ("special", special[:, a]),
-        "special_b": ("special", special[:, b]),
-        "special_frequency": ("special", special[:, 2], {"units": "Hz"}),
-        "special_after": (
-            "special",
-            np.array([one.after for one in curve.special], dtype=np.int32),
-        ),
+    values = {
+        "a": rows[:, a],
+        "b": rows[:, b],
+        "frequency": rows[:, 2],
+        "length": np.cumsum([0.0, *np.abs(np.diff(rows[:, 3]))]),
+        "special_a": special[:, a],
+        "special_b": special[:, b],
+        "special_frequency": special[:, 2],
+        **special_values(curve.special),
     }
     said = attributes(FORMAT, scene, curve, t) | {
         "a": names[0],
@@ -361,4 +376,4 @@ def _dataset(
         "kind": FLUTTER if boundary.omega else DIVERGENCE,
         "damped": int(boundary.damped),
     }
-    return xarray.Dataset(data, attrs=said)
+    return xarray.Dataset(variables(ROWS, values, {}, a=names[0], b=names[1]), attrs=said)

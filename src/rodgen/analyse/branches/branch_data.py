@@ -14,14 +14,18 @@ from rodgen.analyse.branches.motions import Motions
 from rodgen.analyse.curves import files
 from rodgen.analyse.curves.curve import Curve, Point, Special
 from rodgen.analyse.curves.datasets import (
+    SPECIAL_ROWS,
     attributes,
     lengths,
     point_number,
     scene_of,
+    special_values,
     to_go_on,
 )
 from rodgen.analyse.steady import Steady
 from rodgen.arrays import Array
+from rodgen.dataset_result import POINT, PREFIX, SPECIAL, variables
+from rodgen.result import Row, doubt
 from rodgen.scene import Scene
 from rodgen.system import System
 
@@ -30,6 +34,24 @@ if TYPE_CHECKING:
 
 FORMAT = "rodgen branch 1"
 UNKNOWN = -1  # unstable directions, where they were not looked at
+DIMS = {"phi": ("link",), "tip": ("axis",), "y": ("state",), "force": ("cell", "axis")}
+ROWS = (
+    Row("value", "{key}", along=POINT),
+    Row("unstable", "unstable directions", along=POINT, unknown=UNKNOWN),
+    Row("tip", "place of the tail", "m", along=POINT),
+    Row("phi", "angles of the links", "rad", along=POINT),
+    Row("turning", "rate of turning", "rad/s", along=POINT),
+    Row("y", "state", along=POINT),
+    Row("force", "joint forces over the mass", "m/s2", along=POINT),
+    Row("length", "length along the branch", along=POINT),
+    Row("end", "ends"),
+    *SPECIAL_ROWS,
+    Row("special_value", "{key}", along=SPECIAL),
+    Row("special_frequency", "frequency", "Hz", along=SPECIAL),
+    Row("special_tip", "place of the tail", "m", along=SPECIAL),
+    Row("special_phi", "angles of the links", "rad", along=SPECIAL),
+    Row("special_note", "note", along=SPECIAL),
+)
 
 
 @dataclass(frozen=True)
@@ -53,23 +75,16 @@ def dataset(branch: Branch) -> xarray.Dataset:
 
     points, special = branch.curve.points, branch.curve.special
     unstable = [UNKNOWN if p.unstable is None else p.unstable for p in points]
-    data: dict[str, Any] = {
-        name: (("point", *dims), values, units)
-        for name, (dims, values, units) in _states(branch, points).items()
-    }
-    data["unstable"] = ("point", np.array(unstable, dtype=np.int32))
-    data["length"] = ("point", lengths(branch.problem, branch.curve))
-    for name, (dims, values, units) in _states(branch, special).items():
-        if name in ("value", "phi", "tip"):
-            data[f"special_{name}"] = (("special", *dims), values, units)
-    data["special_kind"] = ("special", np.array([one.kind for one in special], dtype="U16"))
-    frequency = np.array([one.frequency for one in special])
-    data["special_frequency"] = ("special", frequency, {"units": "Hz"})
-    data["special_after"] = ("special", np.array([one.after for one in special], dtype=np.int32))
-    data["special_note"] = ("special", np.array([one.note for one in special], dtype="U200"))
+    values: dict[str, Any] = _states(branch, points)
+    values["unstable"] = np.array(unstable, dtype=np.int32)
+    values["length"] = lengths(branch.problem, branch.curve)
+    values |= {f"{PREFIX}{name}": value for name, value in _states(branch, special).items()}
+    values |= special_values(special)
+    values["special_frequency"] = np.array([one.frequency for one in special])
+    values["special_note"] = np.array([one.note for one in special], dtype="U200")
     notes = [*branch.curve.notes]
     if branch.problem.why_unknown:
-        notes.append(f"stability is not known everywhere: {branch.problem.why_unknown}")
+        notes.append(doubt(f"stability is not known everywhere: {branch.problem.why_unknown}"))
     t = branch.problem.variable.base.t
     said = attributes(FORMAT, branch.scene, replace(branch.curve, notes=notes), t)
     moving = isinstance(branch.problem, Motions)
@@ -77,13 +92,15 @@ def dataset(branch: Branch) -> xarray.Dataset:
         rates = [branch.problem.steady(point.u).y for point in points]
         base, half = branch.problem.variable.base.base, len(rates[0]) // 2
         turning = [float(y[half + base]) for y in rates]
-        data["turning"] = ("point", np.array(turning), {"units": "rad/s"})
+        values["turning"] = np.array(turning)
     said |= {"key": branch.key, "switch": branch.number, "moving": int(moving)}
+    dims = DIMS | {f"{PREFIX}{name}": over for name, over in DIMS.items()}
+    data = variables(ROWS, values, dims, key=branch.key)
     return xarray.Dataset(data, {"axis": ["x", "y"]}, said)
 
 
-def _states(branch: Branch, points: Sequence[Point | Special]) -> dict[str, Any]:
-    """What steady states at points are: dimensions beside the points, values, attributes."""
+def _states(branch: Branch, points: Sequence[Point | Special]) -> dict[str, Array]:
+    """Values of the steady states at points."""
     problem, base = branch.problem, branch.problem.variable.base
     n, cells = base.scene.rod.links, base.cells
     shapes = {"value": (), "phi": (n,), "tip": (2,), "y": (len(base.scene.initial_state()),)}
@@ -98,14 +115,7 @@ def _states(branch: Branch, points: Sequence[Point | Special]) -> dict[str, Any]
         made["phi"][row] = rod.all_links(state.phi)
         made["tip"][row] = rod.model.joints(y, state.p)[-1]
         made["y"][row], made["force"][row] = y, state.force
-    dims = {
-        "value": ((), {"long_name": branch.key}),
-        "phi": (("link",), {"units": "rad"}),
-        "tip": (("axis",), {"units": "m"}),
-        "y": (("state",), {"long_name": "state"}),
-        "force": (("cell", "axis"), {"units": "m/s2", "long_name": "joint forces over the mass"}),
-    }
-    return {name: (over, made[name], units) for name, (over, units) in dims.items()}
+    return made
 
 
 class Recorded(NamedTuple):

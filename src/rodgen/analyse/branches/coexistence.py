@@ -213,7 +213,7 @@ def _equilibrium(state: Steady, iterations: int) -> Equilibrium:
         iterations=iterations,
         stages=(1.0,),
         instability=instability(state),
-        t=rod.t,
         states=dict(zip(rod.system.added, state.at.added.tolist(), strict=True)),
-        scene=rod.scene,
+        imperfection=None,
+        system=rod.system,
     )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rodgen.analyse.bounds import bounds_of
 from rodgen.analyse.branches.branch_data import Branch, Recorded, dataset, recorded
 from rodgen.analyse.branches.equilibria import Equilibria
 from rodgen.analyse.branches.equilibrium_problems import equilibria
@@ -52,7 +53,7 @@ DOUBTED = "what was counted is not what the eigenvalues of the linearised equati
 def continue_equilibria(
     system: System | Scene,
     key: str,
-    ends: tuple[float, float],
+    bounds: tuple[float, float],
     *,
     start: float | None = None,
     switch: int | None = None,
@@ -76,7 +77,7 @@ def continue_equilibria(
         The scene, or a System.
     key
         The number, named as in a study, such as loads.follower.force.
-    ends
+    bounds
         First and last value of the number, in SI units.
     start
         A value within the range, in SI units. The branch begins there and is followed both ways.
@@ -137,13 +138,13 @@ def continue_equilibria(
         if resume is not None:
             raise InputError("check_mesh", True, "absent beside resume")
         beside = twice(scene, key)
-    low, high = _range(key, ends)
-    begin = low if start is None else _inside("start", start, ends)
+    low, high = bounds = bounds_of(bounds)
+    begin = low if start is None else _inside("start", start, bounds)
     before = None if resume is None else recorded(resume, scene, key, at)
     if before is not None:
         begin = before.values[0]
     steps = Steps.of(step, most, 4)
-    problem = _prepared(system, key, ends, begin, imperfection, motion, before, t)
+    problem = _prepared(system, key, bounds, begin, imperfection, motion, before, t)
     first = problem.start
     branch = Branch(scene, key, problem, Curve())
 
@@ -151,10 +152,10 @@ def continue_equilibria(
         watch(problem.value(point.u))
 
     def walk(problem: Equilibria) -> Curve:
-        bounds = problem.scaled(min(low, high)), problem.scaled(max(low, high))
+        scaled = problem.scaled(min(low, high)), problem.scaled(max(low, high))
         if before is not None:
             point = _taken_up(problem, before)
-            return continued(problem, point, *bounds, steps, watch=seen)
+            return continued(problem, point, *scaled, steps, watch=seen)
         u = problem.packed(first, begin)
         onward = float(np.sign(high - low))
 
@@ -162,9 +163,9 @@ def continue_equilibria(
             try:
                 point = started(problem, u, way * onward)
             except AnalysisError:  # nothing gives the unloaded rod its direction
-                aside = way * onward * BESIDE * (bounds[1] - bounds[0])
+                aside = way * onward * BESIDE * (scaled[1] - scaled[0])
                 point = started(problem, np.append(u[:-1], u[-1] + aside), way * onward)
-            return continued(problem, point, *bounds, steps, watch=seen)
+            return continued(problem, point, *scaled, steps, watch=seen)
 
         return follow(1.0) if start is None or begin in (low, high) else both_ways(follow)
 
@@ -177,8 +178,8 @@ def continue_equilibria(
             curve = walk(problem)
     if switch is not None and not curve.interrupted:
         problem, special = _entered(problem, curve, chosen(curve.special, switch))
-        bounds = problem.scaled(min(low, high)), problem.scaled(max(low, high))
-        curve = switched(problem, special, bounds, steps, seen)
+        scaled = problem.scaled(min(low, high)), problem.scaled(max(low, high))
+        curve = switched(problem, special, scaled, steps, seen)
         branch = replace(branch, number=switch)
 
     def whole() -> xarray.Dataset:
@@ -192,7 +193,7 @@ def continue_equilibria(
     def follow_twice() -> xarray.Dataset:
         given: dict[str, Any] = {"start": start, "switch": switch, "imperfection": imperfection}
         given |= {"motion": motion, "step": step, "most": most, "t": t}
-        return continue_equilibria(beside, key, ends, **given)
+        return continue_equilibria(beside, key, bounds, **given)
 
     return compared(found, scene.rod.links, follow_twice)
 
@@ -200,7 +201,7 @@ def continue_equilibria(
 def _prepared(
     system: System,
     key: str,
-    ends: tuple[float, float],
+    bounds: tuple[float, float],
     begin: float,
     imperfection: float | None,
     motion: str | None,
@@ -209,7 +210,7 @@ def _prepared(
 ) -> Equilibria:
     """The problem, about the steady state at the value at which it begins."""
     start = start_at(system, key, begin)
-    values = ParameterRange(start.steady(t), key, ends)
+    values = ParameterRange(start.steady(t), key, bounds)
     rod = SteadyRod.of(values.system)
     variable = Key(rod, values)
     if before is not None and before.moving:
@@ -277,20 +278,9 @@ def _doubted(problem: Equilibria, curve: Curve) -> bool:
     return False
 
 
-def _range(key: str, ends: tuple[float, float]) -> tuple[float, float]:
-    try:
-        low, high = plain(list(ends), key)
-    except (TypeError, ValueError):
-        raise InputError(f"vary.{key}", ends, "two numbers: from where to where") from None
-    for value in (low, high):
-        if not (is_number(value) and np.isfinite(value)):
-            raise InputError(f"vary.{key}", value, "a finite number")
-    return float(low), float(high)
-
-
-def _inside(name: str, value: Any, ends: tuple[float, float]) -> float:
+def _inside(name: str, value: Any, bounds: tuple[float, float]) -> float:
     value = plain(value, name)
-    low, high = sorted(ends)
+    low, high = sorted(bounds)
     if not (is_number(value) and low <= value <= high):
         raise InputError(name, value, f"a number in the range, {low:g} to {high:g}")
     return float(value)

@@ -21,14 +21,15 @@ from rodgen.analyse.chaos.zero_one import LEAST, spaced, zero_one_test
 from rodgen.analyse.guard import guarded
 from rodgen.analyse.sizes import EXPONENTS, check_size
 from rodgen.arrays import Array
+from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.stepper import ChatterError, StepError
 from rodgen.integrate.stretches import window
 from rodgen.integrate.variations import METHODS, PARTS, Steps, Variations
 from rodgen.model.methods import COLLOCATION
+from rodgen.result import FLAG, USUAL, Kept, Note, Result, Row, hidden, remarks
 from rodgen.scene import Scene
 from rodgen.scene.integration import AUTO
-from rodgen.shown import Shown
 from rodgen.system import System
 
 PIECES = 2000  # of the time that is averaged over, at whose ends there is a sample
@@ -47,7 +48,7 @@ STABLE = 6.0  # of these radians, about what is stable
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Exponents(Shown):
+class Exponents(Result, Plottable):
     """Lyapunov exponents of a motion, the largest first.
 
     exponents, errors (k,): growth rates [1/s]; t (T,): times [s]; running (T, k): the means up to
@@ -75,8 +76,51 @@ class Exponents(Shown):
     zero_one: float
     divergence: float
     zeros: dict[str, int]
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
     scene: Scene = field(kw_only=True)
+
+    ROWS = (
+        Row("exponents", "exponent", "1/s", ".6g", along="exponent", kept=Kept(True, several=1)),
+        Row("errors", "error", "1/s", ".2g", along="exponent", kept=Kept(True, several=1)),
+        Row("zero_within_error", "zero within its error", along="exponent"),
+        Row("chaotic", "the motion", text=lambda found: found._verdict, kept=FLAG),
+        Row("zero_one", "0-1 test", text=lambda found: found._zero_one, kept=USUAL),
+        Row("zeros", "zero by {}, unless it comes to rest"),
+        Row("sum", "sum of them", "1/s", ".3g", text=lambda found: found._sum),
+        Row("divergence", "mean divergence", "1/s", ".3g", text=hidden),
+        Row("transient", "left out at the start", "s", ".6g"),
+    )
+
+    @property
+    def zero_within_error(self) -> list[bool]:
+        """Whether each exponent is zero, as far as its error tells."""
+        return [bool(one) for one in np.abs(self.exponents) <= 2 * self.errors]
+
+    @property
+    def sum(self) -> float:
+        """Sum of the exponents [1/s]."""
+        return float(self.exponents.sum())
+
+    @property
+    def _verdict(self) -> str:
+        largest, error = float(self.exponents[0]), float(self.errors[0])
+        if self.chaotic:
+            return f"chaotic: errors grow tenfold in {math.log(10) / largest:.3g} s"
+        if self.chaotic is None:
+            return "cannot be told; take a longer span"
+        return f"not chaotic: no exponent is above {largest + error:.2g} 1/s by {self.t[-1]:.4g} s"
+
+    @property
+    def _zero_one(self) -> str:
+        if not math.isfinite(self.zero_one):
+            return "too few independent samples"
+        return f"{self.zero_one:.3f} (0: regular, 1: chaotic)"
+
+    @property
+    def _sum(self) -> str | None:
+        if not math.isfinite(self.divergence):
+            return None
+        return f"{self.sum:.3g} 1/s, by the mean divergence {self.divergence:.3g} 1/s"
 
     def __repr__(self) -> str:
         pairs = zip(self.exponents[:NAMED], self.errors, strict=False)
@@ -318,7 +362,7 @@ def _found(
         zero_one=zero_one_test(signal) if len(signal) >= LEAST else math.nan,
         divergence=divergence,
         zeros=zero_exponents(scene, course.model),
-        notes=tuple(_limits(scene)),
+        notes=remarks(_limits(scene)),
         scene=scene,
     )
 

@@ -27,6 +27,7 @@ from rodgen.analyse.curves.special_points import between
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.progress import tell
+from rodgen.result import Note, doubt
 from rodgen.scene.plain import is_number, plain
 
 QUICK = 4  # iterations after which the next step is longer
@@ -239,41 +240,36 @@ class _Walk:
         if not point.sign:
             self.why = "the equations are singular"
             return None
-        special, doubt, least, before = self._between(here, point)
-        if doubt and h > least * steps.longest:
+        special, note, least, before = self._between(here, point)
+        if note is not None and h > least * steps.longest:
             return None
         length = h
         if found.iterations <= QUICK and turned > STRAIGHT:
             length = min(2 * h, steps.longest)
         elif turned < STRAIGHT:
             length = max(0.7 * h, steps.least)
-        return Step(point, special, [doubt] * bool(doubt), length, before)
+        return Step(point, special, [] if note is None else [note], length, before)
 
-    def _between(self, a: Point, b: Point) -> tuple[list[Special], str, float, int]:
+    def _between(self, a: Point, b: Point) -> tuple[list[Special], Note | None, float, int]:
         """Special points between two points, in order, why the second may be of another branch,
         down to which share of the longest step that is a reason for a shorter one, and how many
         wait for the change of stability that they explain."""
-        after = len(self.curve.points) - 1
+        after, value = len(self.curve.points) - 1, self.problem.value(b.u)
         try:
             found = between(self.problem, a, b)
         except AnalysisError as error:
-            return (
-                [],
-                f"next to {self.problem.value(b.u):.9g} another branch may be met: {error}",
-                PASSED,
-                self.before,
-            )
+            words = f"next to {value:.9g} another branch may be met: {error}"
+            return [], doubt(words, value=value), PASSED, self.before
         special = [one._replace(after=after) for one in found]
         if a.unstable is None or b.unstable is None:
-            return special, "", RESOLVED, self.before
+            return special, None, RESOLVED, self.before
         real = sum(one.kind in (FOLD, BRANCH) for one in special)
         changed = abs(b.unstable - a.unstable)
         explained = real + 2 * (len(special) - real)
         # What lies next to a point may be seen in its sign, and in its stability a step later.
         if changed <= explained + self.before:
-            return special, "", RESOLVED, max(explained - changed, 0)
-        doubt = (
-            f"next to {self.problem.value(b.u):.9g} the number of unstable directions changes from "
-        )
-        doubt += f"{a.unstable} to {b.unstable} where no special point was found"
-        return special, doubt, RESOLVED, self.before
+            return special, None, RESOLVED, max(explained - changed, 0)
+        words = f"next to {value:.9g} the number of unstable directions changes from "
+        words += f"{a.unstable} to {b.unstable} where no special point was found"
+        note = doubt(words, value=value, before=a.unstable, after=b.unstable)
+        return special, note, RESOLVED, self.before

@@ -13,6 +13,7 @@ import numpy as np
 from rodgen.analyse.curves.bordered import Bordered, Matrix
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
+from rodgen.result import Note
 
 ITERATIONS = 10  # of Newton's method for one point
 SETTLED, NOISE = (
@@ -96,7 +97,7 @@ class Curve:
     special: list[Special] = field(default_factory=list)
     end: str = ""
     complete: bool = False
-    notes: list[str] = field(default_factory=list)
+    notes: list[Note] = field(default_factory=list)
     interrupted: bool = False
 
     def uninterrupted(self) -> Curve:

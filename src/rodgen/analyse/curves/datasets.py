@@ -4,27 +4,42 @@ gone on with."""
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rodgen.analyse.curves.curve import Curve, Problem
+from rodgen.analyse.curves.curve import Curve, Problem, Special
 from rodgen.arrays import Array
+from rodgen.dataset_result import SPECIAL, show_datasets
 from rodgen.errors import BranchInterrupted, InputError
+from rodgen.result import NOTES, Row, notes_as_text, notes_from
 from rodgen.scene import Scene
 from rodgen.scene.plain import plain
-from rodgen.shown import show_datasets
 
 if TYPE_CHECKING:
     import xarray
+
+SPECIAL_ROWS = (
+    Row("special_kind", "kind", along=SPECIAL),
+    Row("special_after", "number of the point that it comes after", along=SPECIAL),
+)
 
 
 def lengths(problem: Problem, curve: Curve) -> Array:
     """How long the curve is up to each of its points (points,)."""
     u = np.array([point.u for point in curve.points])
     return np.cumsum([0.0, *(problem.length(step) for step in np.diff(u, axis=0))])
+
+
+def special_values(special: Sequence[Special]) -> dict[str, NDArray[Any]]:
+    """Return what SPECIAL_ROWS say of special points."""
+    return {
+        "special_kind": np.array([one.kind for one in special], dtype="U16"),
+        "special_after": np.array([one.after for one in special], dtype=np.int32),
+    }
 
 
 def attributes(form: str, scene: Scene, curve: Curve, t: float) -> dict[str, Any]:
@@ -36,7 +51,7 @@ def attributes(form: str, scene: Scene, curve: Curve, t: float) -> dict[str, Any
         "t": t,
         "end": curve.end,
         "complete": int(curve.complete),
-        "notes": "\n".join(curve.notes),
+        NOTES: notes_as_text(curve.notes),
     }
 
 
@@ -113,8 +128,8 @@ def extended(before: xarray.Dataset, at: int, on: xarray.Dataset) -> xarray.Data
             for along, other in (("point", "special"), ("special", "point"))
         ]
     )
-    notes = [note for one in (before, on) if (note := one.attrs["notes"])]
-    return whole.assign_attrs(on.attrs | {"notes": "\n".join(notes)})
+    notes = [note for one in (before, on) for note in notes_from(one.attrs)]
+    return whole.assign_attrs(on.attrs | {NOTES: notes_as_text(notes)})
 
 
 def _moved(branch: xarray.Dataset, points: int, length: xarray.DataArray) -> xarray.Dataset:

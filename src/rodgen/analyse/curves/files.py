@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rodgen.dataset_result import show_datasets
 from rodgen.errors import InputError
 from rodgen.integrate.files import replaced
-from rodgen.shown import show_datasets
 
 if TYPE_CHECKING:
     import xarray

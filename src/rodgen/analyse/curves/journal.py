@@ -23,6 +23,7 @@ import numpy as np
 from rodgen.analyse.curves.curve import Point, Problem, Special
 from rodgen.arrays import Array
 from rodgen.loading.cache import PACKAGES, source_hash
+from rodgen.result import Note
 
 SAME = 1e-6  # by which the start of a curve may differ from that of the journal
 # What steps follow from, to the bit.
@@ -37,7 +38,7 @@ class Step:
 
     point: Point
     special: list[Special]
-    notes: list[str]
+    notes: list[Note]
     h: float
     before: int
 
@@ -100,7 +101,8 @@ class Journal:
             Special(**{**one, "u": _array(one["u"]), "ways": _array(one["ways"])})
             for one in line["special"]
         ]
-        return Step(_point_of(line["point"]), special, line["notes"], line["h"], line["before"])
+        notes = [Note(**one) for one in line["notes"]]
+        return Step(_point_of(line["point"]), special, notes, line["h"], line["before"])
 
     def add(self, step: Step) -> None:
         """Keep a step."""
@@ -108,7 +110,8 @@ class Journal:
         special = [
             one._asdict() | {"u": _text(one.u), "ways": _text(one.ways)} for one in step.special
         ]
-        told = {"special": special, "notes": step.notes, "h": step.h, "before": step.before}
+        notes = [one.to_dict() for one in step.notes]
+        told = {"special": special, "notes": notes, "h": step.h, "before": step.before}
         self._write({"point": _point_in_words(step.point), **told})
 
     def discard(self) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from rodgen.errors import AnalysisError, InputError
+from rodgen.result import NOTES, Note, doubt, notes_as_text, notes_from
 from rodgen.scene import Scene
 from rodgen.scene.mesh import per_link
 
@@ -31,51 +32,55 @@ def compared(
 ) -> xarray.Dataset:
     """A curve with what changes on it with twice as many links among its notes; follow: gives that
     of these."""
-    return data.assign_attrs(
-        notes="\n".join([*filter(None, [data.attrs["notes"]]), *_notes(data, links, follow)])
-    )
+    found = *notes_from(data.attrs), *_doubts(data, links, follow)
+    return data.assign_attrs({NOTES: notes_as_text(found)})
 
 
-def _notes(data: xarray.Dataset, links: int, follow: Callable[[], xarray.Dataset]) -> Iterator[str]:
+def _doubts(
+    data: xarray.Dataset, links: int, follow: Callable[[], xarray.Dataset]
+) -> Iterator[Note]:
     few, many = f"with {links} links", f"with {2 * links}"
     try:
         other = follow()
     except (AnalysisError, InputError) as error:
-        yield f"{many} links there is none ({error})"
+        yield doubt(f"{many} links there is none ({error})")
         return
     above = [one.attrs.get("supercritical") for one in (data, other)]
     if above[0] != above[1]:
-        words = ["supercritical" if one else "subcritical" for one in above]
-        yield f"{words[0]} {few}, {words[1]} {many}"
+        was, becomes = ("supercritical" if one else "subcritical" for one in above)
+        yield doubt(f"{was} {few}, {becomes} {many}")
     kinds = [one["special_kind"].values.tolist() for one in (data, other)]
     if kinds[0] != kinds[1]:
         shown = [", ".join(one) or "none" for one in kinds]
-        yield f"special points {few}: {shown[0]}; {many}: {shown[1]}"
+        yield doubt(f"special points {few}: {shown[0]}; {many}: {shown[1]}")
         return
     values = (one["special_value"].values.tolist() for one in (data, other))
     for kind, a, b in zip(kinds[0], *values, strict=True):
         if _moved(a, b):
-            yield f"{kind} at {a:.6g} {few}, at {b:.6g} {many}"
+            words = f"{kind} at {a:.6g} {few}, at {b:.6g} {many}"
+            yield doubt(words, here=a, with_twice_the_links=b)
     ends = [(float(one["value"][-1]), int(one["unstable"][-1])) for one in (data, other)]
     if not _moved(ends[0][0], ends[1][0]) and ends[0][1] != ends[1][1]:
-        yield f"at the end {ends[0][1]} directions are unstable {few}, {ends[1][1]} {many}"
+        text = f"at the end {ends[0][1]} directions are unstable {few}, {ends[1][1]} {many}"
+        yield doubt(text, here=ends[0][1], with_twice_the_links=ends[1][1])
 
 
-def cycle_notes(cycle: Cycle, links: int, find: Callable[[], Cycle]) -> tuple[str, ...]:
+def cycle_doubts(cycle: Cycle, links: int, find: Callable[[], Cycle]) -> tuple[Note, ...]:
     """What changes of a cycle with twice as many links; find: gives that of these."""
     few, many = f"with {links} links", f"with {2 * links}"
     try:
         other = find()
     except (AnalysisError, InputError) as error:
-        return (f"{many} links there is none ({error})",)
+        return (doubt(f"{many} links there is none ({error})"),)
     said = []
     if cycle.stable != other.stable:
-        words = ["stable" if one.stable else "unstable" for one in (cycle, other)]
-        said.append(f"{words[0]} {few}, {words[1]} {many}")
+        was, becomes = ("stable" if one.stable else "unstable" for one in (cycle, other))
+        said.append(doubt(f"{was} {few}, {becomes} {many}"))
     for name, unit in (("period", "s"), ("amplitude", "rad")):
         a, b = (float(getattr(one, name)) for one in (cycle, other))
         if _moved(a, b):
-            said.append(f"{name} {a:.6g} {unit} {few}, {b:.6g} {unit} {many}")
+            words = f"{name} {a:.6g} {unit} {few}, {b:.6g} {unit} {many}"
+            said.append(doubt(words, here=a, with_twice_the_links=b))
     return tuple(said)
 
 

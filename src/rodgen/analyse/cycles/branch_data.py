@@ -11,6 +11,7 @@ import numpy as np
 from rodgen.analyse.curves import files
 from rodgen.analyse.curves.curve import Curve
 from rodgen.analyse.curves.datasets import (
+    SPECIAL_ROWS,
     attributes,
     lengths,
     point_number,
@@ -22,8 +23,10 @@ from rodgen.analyse.cycles.family import Cycles
 from rodgen.analyse.cycles.hopf import Hopf
 from rodgen.analyse.cycles.shooting import cut
 from rodgen.arrays import Array
+from rodgen.dataset_result import POINT, SPECIAL, variables
 from rodgen.errors import InputError
 from rodgen.integrate.catalogue import Piece
+from rodgen.result import Row
 from rodgen.scene import Scene
 from rodgen.system import System
 
@@ -32,6 +35,28 @@ if TYPE_CHECKING:
 
 FORMAT = "rodgen cycles 1"
 SAMPLES = 128  # of a period
+DIMS = {"multipliers": ("multiplier", "part"), "y0": ("state",), "work": ("load",)}
+ROWS = (
+    Row("value", "{key}", along=POINT),
+    Row("period", "period", "s", along=POINT),
+    Row("amplitude", "amplitude of the angles", "rad", along=POINT),
+    Row("tip", "amplitude of the tail", "m", along=POINT),
+    Row("energy", "mean energy", "J", along=POINT),
+    Row("angle", "turned after a period by", "rad", along=POINT),
+    Row("unstable", "multipliers larger than 1", along=POINT),
+    Row("trivial_error", "error of the multipliers that are 1", along=POINT),
+    Row("multipliers", "other multipliers", along=POINT),
+    Row("work", "work over a period", "J", along=POINT),
+    Row("y0", "state on the cycle", along=POINT),
+    Row("length", "length along the branch", along=POINT),
+    Row("supercritical", "supercritical Hopf point"),
+    Row("lyapunov", "first Lyapunov coefficient", "1/rad^2"),
+    Row("end", "ends"),
+    *SPECIAL_ROWS,
+    Row("special_value", "{key}", along=SPECIAL),
+    Row("special_period", "period", "s", along=SPECIAL),
+    Row("special_frequency", "frequency", "Hz", along=SPECIAL),
+)
 
 
 @dataclass(frozen=True)
@@ -53,26 +78,11 @@ def dataset(branch: Branch) -> xarray.Dataset:
     rows = [_row(branch, point.u) for point in points]
     loads = list(rows[0]["work"])
 
-    def of(name: str) -> Array:
-        return np.array([row[name] for row in rows])
-
-    data: dict[str, Any] = {
-        "value": ("point", of("value"), {"long_name": branch.key}),
-        "period": ("point", of("period"), {"units": "s"}),
-        "amplitude": ("point", of("amplitude"), {"units": "rad"}),
-        "tip": ("point", of("tip"), {"units": "m"}),
-        "energy": ("point", of("energy"), {"units": "J", "long_name": "mean energy"}),
-        "unstable": ("point", np.array([point.unstable for point in points], dtype=np.int32)),
-        "multipliers": (("point", "multiplier", "part"), of("multipliers")),
-        "trivial_error": ("point", of("trivial_error")),
-        "length": ("point", lengths(problem, branch.curve)),
-        "angle": ("point", of("angle"), {"units": "rad"}),
-        "y0": (("point", "state"), of("y0")),
-        "work": (
-            ("point", "load"),
-            np.array([list(row["work"].values()) for row in rows]).reshape(len(rows), -1),
-            {"units": "J", "long_name": "work over a period"},
-        ),
+    of_each = {name: np.array([row[name] for row in rows]) for name in rows[0] if name != "work"}
+    of_each |= {
+        "unstable": np.array([point.unstable for point in points], dtype=np.int32),
+        "length": lengths(problem, branch.curve),
+        "work": np.array([list(row["work"].values()) for row in rows]).reshape(len(rows), -1),
     }
     kinds = [one.kind for one in special]
     values = [problem.value(one.u) for one in special]
@@ -83,12 +93,12 @@ def dataset(branch: Branch) -> xarray.Dataset:
         frequency = branch.hopf.frequency / (2 * np.pi)
         kinds, values, after = ["hopf", *kinds], [branch.hopf.value, *values], [-1, *after]
         periods, frequencies = [1 / frequency, *periods], [frequency, *frequencies]
-    data |= {
-        "special_kind": ("special", np.array(kinds, dtype="U16")),
-        "special_value": ("special", np.array(values)),
-        "special_period": ("special", np.array(periods), {"units": "s"}),
-        "special_frequency": ("special", np.array(frequencies), {"units": "Hz"}),
-        "special_after": ("special", np.array(after, dtype=np.int32)),
+    of_each |= {
+        "special_kind": np.array(kinds, dtype="U16"),
+        "special_value": np.array(values),
+        "special_period": np.array(periods),
+        "special_frequency": np.array(frequencies),
+        "special_after": np.array(after, dtype=np.int32),
     }
     # Loads that do not repeat are those of the end of the span, whenever the cycle was met.
     t = problem.first.t if problem.forced else branch.scene.integrate.span[1]
@@ -100,6 +110,7 @@ def dataset(branch: Branch) -> xarray.Dataset:
             "supercritical": int(branch.hopf.supercritical),
             "coefficient": [c.real, c.imag],
         }
+    data = variables(ROWS, of_each, DIMS, key=branch.key)
     return xarray.Dataset(data, {"part": ["re", "im"], "load": loads}, said)
 
 
@@ -152,7 +163,7 @@ def nearest(data: xarray.Dataset, scene: Scene) -> int:
     key = str(data.attrs["key"])
     other = scene_of(data)
     if other.structure != scene.structure:
-        raise InputError("from", other.name, "a branch of this scene")
+        raise InputError("start", other.name, "a branch of this scene")
     value = scene.value_of(key)
     return int(np.abs(data["value"].values - float(value)).argmin())
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rodgen.analyse.bounds import bounds_of
 from rodgen.analyse.curves.continuation import Steps, continued, started, taken_up
 from rodgen.analyse.curves.curve import Curve, Point, Special, both_ways, corrected, point_at
 from rodgen.analyse.curves.datasets import extended, kept
@@ -29,7 +30,7 @@ from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError, check_type
 from rodgen.scene import Scene
-from rodgen.scene.plain import is_number, plain
+from rodgen.scene.plain import is_number
 from rodgen.system import ParameterRange, System
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ MOST = 200  # points
 def continue_cycles(
     system: System | Scene,
     key: str,
-    ends: tuple[float, float],
+    bounds: tuple[float, float],
     *,
     start: str | Cycle | xarray.Dataset = HOPF,
     resume: xarray.Dataset | None = None,
@@ -67,7 +68,7 @@ def continue_cycles(
         The scene, or a System.
     key
         The number, named as in a study, such as loads.follower.force.
-    ends
+    bounds
         First and last value of the number, in SI units.
     start
         Where the branch begins. "hopf": in the first Hopf point of the straight rod. "run": with
@@ -131,11 +132,11 @@ def continue_cycles(
         if resume is not None or not isinstance(start, str):
             raise InputError("check_mesh", True, "absent beside resume, and a start that is given")
         beside = twice(scene, key)
-    ends = _ends(key, ends)
+    bounds = bounds_of(bounds)
     count = segments_of(segments)
     steps = Steps.of(step, most, 10, LEAST)
     search = Search.of(system, target)
-    along = ParameterRange(search.system, key, ends)
+    along = ParameterRange(search.system, key, bounds)
     if resume is not None:
         cycles = recorded(resume, scene, key, at)
         branch = _gone_on(search, along, cycles, count, steps, watch)
@@ -152,7 +153,7 @@ def continue_cycles(
     else:
         if not isinstance(start, str):
             check_type("start", start, Cycle, see="find_cycle")
-        value = _own(scene if isinstance(start, str) else start.scene, key, ends)
+        value = _own(scene if isinstance(start, str) else start.scene, key, bounds)
         cycle = search.settled() if isinstance(start, str) else start
         branch = _both_ways(search, along, cycle, value, count, steps, watch)
     if switch is not None and not branch.curve.interrupted:
@@ -164,23 +165,18 @@ def continue_cycles(
     def follow_twice() -> xarray.Dataset:
         given: dict[str, Any] = {"start": start, "switch": switch, "segments": segments}
         given |= {"step": step, "most": most, "target": target}
-        return continue_cycles(beside, key, ends, **given)
+        return continue_cycles(beside, key, bounds, **given)
 
     return compared(found, scene.rod.links, follow_twice)
 
 
-def _ends(key: str, ends: tuple[float, float]) -> tuple[float, float]:
-    given = plain(list(ends), f"vary.{key}")
-    if not (len(given) == 2 and all(is_number(one) and np.isfinite(one) for one in given)):
-        raise InputError(f"vary.{key}", ends, "two finite numbers")
-    return float(given[0]), float(given[1])
-
-
-def _own(scene: Scene, key: str, ends: tuple[float, float]) -> float:
+def _own(scene: Scene, key: str, bounds: tuple[float, float]) -> float:
     """The scene's own value of a key. Raises InputError for one outside the ends."""
     value = scene.value_of(key)
-    if not (is_number(value) and min(ends) <= value <= max(ends)):
-        raise InputError(key, value, f"in the range, {ends[0]:g} to {ends[1]:g}, to begin there")
+    if not (is_number(value) and min(bounds) <= value <= max(bounds)):
+        raise InputError(
+            key, value, f"in the range, {bounds[0]:g} to {bounds[1]:g}, to begin there"
+        )
     return float(value)
 
 

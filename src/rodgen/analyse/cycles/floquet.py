@@ -25,12 +25,13 @@ from rodgen.analyse.guard import guarded
 from rodgen.analyse.sizes import FLOQUET, check_size
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.arrays import Array
+from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.stepper import StepError
 from rodgen.integrate.stretches import window
 from rodgen.integrate.variations import PARTS, Steps, Variations
+from rodgen.result import ASKED, FLAG, USUAL, Kept, Result, Row, hidden
 from rodgen.scene import Scene
-from rodgen.shown import Shown
 from rodgen.system import System
 
 SEGMENTS = 4  # of a period
@@ -44,7 +45,7 @@ CLOSED, FAR = 1e-9, 30.0  # of the state: a motion is periodic, and is none that
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Floquet(Shown):
+class Floquet(Result, Plottable):
     """Multipliers of a periodic motion, the largest first.
 
     multipliers (k,): factors by which small changes of the state grow in a period; period: of the
@@ -79,6 +80,27 @@ class Floquet(Shown):
     error: float
     closed: float
     places: tuple[int, ...] = field(repr=False)
+
+    ROWS = (
+        Row("period", "period", "s", ".12g", kept=ASKED),
+        Row("modulus", "largest multiplier", text=lambda found: found._largest, kept=USUAL),
+        Row("argument", "its angle", "rad", text=hidden, kept=ASKED),
+        Row("growth", "growth", "1/s", ".6g", kept=USUAL),
+        Row("moduli", "moduli of the multipliers", text=hidden, kept=Kept(several=4)),
+        Row("multipliers", "multipliers", text=hidden),
+        Row("error", "error", format=".1e", kept=ASKED),
+        Row("stable", "stable", kept=FLAG),
+        Row("y", "a state on it", text=hidden),
+    )
+
+    @property
+    def moduli(self) -> Array:
+        """Absolute values of the multipliers, the largest first, dimensionless."""
+        return np.abs(self.multipliers)
+
+    @property
+    def _largest(self) -> str:
+        return f"{self.modulus:.10g}, at {self.argument:.6g} rad"
 
     def __repr__(self) -> str:
         how = "stable" if self.stable else "unstable"

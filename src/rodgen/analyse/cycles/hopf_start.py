@@ -41,10 +41,10 @@ def recorded_hopf(
     same key, and the flow at a value. Raises InputError for another point or branch,
     AnalysisError."""
     if data.attrs.get("format") != FORMAT or data.attrs["key"] != along.key:
-        raise InputError("from", data.attrs.get("key"), f"a branch along {along.key}")
+        raise InputError("start", data.attrs.get("key"), f"a branch along {along.key}")
     other = scene_of(data)
     if other.structure != search.given.structure:
-        raise InputError("from", other.name, "a branch of this scene")
+        raise InputError("start", other.name, "a branch of this scene")
     kinds = data["special_kind"].values.tolist()
     number = plain(at, "at")
     if not (isinstance(number, int) and 1 <= number <= len(kinds)) or kinds[number - 1] != HOPF:

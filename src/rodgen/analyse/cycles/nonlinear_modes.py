@@ -16,7 +16,7 @@ import numpy as np
 
 from rodgen.analyse.curves.continuation import Steps, continued
 from rodgen.analyse.curves.curve import Curve, Point, corrected, point_at
-from rodgen.analyse.curves.datasets import attributes, kept
+from rodgen.analyse.curves.datasets import SPECIAL_ROWS, attributes, kept, special_values
 from rodgen.analyse.cycles.closing import Orbit
 from rodgen.analyse.cycles.conserved import Conserved
 from rodgen.analyse.cycles.cycle import Cycle, nontrivial
@@ -31,7 +31,9 @@ from rodgen.analyse.sizes import CYCLE, check_size
 from rodgen.analyse.steady import steady
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.arrays import Array
+from rodgen.dataset_result import POINT, SPECIAL, variables
 from rodgen.errors import AnalysisError, InputError
+from rodgen.result import Row
 from rodgen.scene import Scene
 from rodgen.scene.plain import is_number, plain
 from rodgen.system import System
@@ -40,6 +42,21 @@ if TYPE_CHECKING:
     import xarray
 
 FORMAT = "rodgen mode 1"
+DIMS = {"multipliers": ("multiplier", "part"), "y0": ("state",)}
+ROWS = (
+    Row("energy", "energy above rest", "J", along=POINT),
+    Row("frequency", "frequency", "Hz", along=POINT),
+    Row("period", "period", "s", along=POINT),
+    Row("amplitude", "amplitude of the angles", "rad", along=POINT),
+    Row("unstable", "multipliers larger than 1", along=POINT),
+    Row("energy_error", "relative change of the energy over a period", along=POINT),
+    Row("multipliers", "other multipliers", along=POINT),
+    Row("y0", "state on the motion", along=POINT),
+    Row("linear_frequency", "frequency of the linear mode", "Hz"),
+    Row("end", "ends"),
+    *SPECIAL_ROWS,
+    Row("special_energy", "energy above rest", "J", along=SPECIAL),
+)
 SMALL = 1e-4  # root of the share of the energy: the first motion of a family
 STEP = 0.05
 MOST = 400  # points
@@ -249,24 +266,17 @@ def _dataset(rest: _Rest, family: Family, curve: Curve, mode: int) -> xarray.Dat
     import xarray
 
     rows = [_row(family, point.u) for point in curve.points]
-    units = {"energy": "J", "frequency": "Hz", "period": "s", "amplitude": "rad"}
-    data: dict[str, Any] = {
-        name: ("point", np.array([row[name] for row in rows]), {"units": unit})
-        for name, unit in units.items()
-    }
-    data["unstable"] = ("point", np.array([point.unstable for point in curve.points]))
-    data["energy_error"] = ("point", np.array([row["energy_error"] for row in rows]))
-    data["y0"] = (("point", "state"), np.array([row["y0"] for row in rows]))
-    mu = np.array([row["multipliers"] for row in rows])
-    data["multipliers"] = (("point", "multiplier", "part"), mu)
-    data["special_kind"] = ("special", np.array([s.kind for s in curve.special], dtype="U16"))
-    special = np.array([float(s.u[-1]) ** 2 * family.energy for s in curve.special])
-    data["special_energy"] = ("special", special, {"units": "J"})
+    values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    values["unstable"] = np.array([point.unstable for point in curve.points])
+    values["special_energy"] = np.array(
+        [float(s.u[-1]) ** 2 * family.energy for s in curve.special]
+    )
+    values |= special_values(curve.special)
     said = attributes(FORMAT, rest.search.system.scene, curve, 0.0) | {
         "mode": mode,
         "linear_frequency": float(rest.frequencies[mode - 1]) / (2 * np.pi),
     }
-    return xarray.Dataset(data, {"part": ["re", "im"]}, said)
+    return xarray.Dataset(variables(ROWS, values, DIMS), {"part": ["re", "im"]}, said)
 
 
 def _row(family: Family, u: Array) -> dict[str, Any]:

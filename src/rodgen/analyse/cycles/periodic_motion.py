@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rodgen.analyse.curves.twice import cycle_notes, twice
-from rodgen.analyse.cycles.cycle import Cycle
+from rodgen.analyse.curves.twice import cycle_doubts, twice
+from rodgen.analyse.cycles.branch_data import nearest, on_branch
+from rodgen.analyse.cycles.cycle import PICARD, Cycle
 from rodgen.analyse.cycles.nonlinear_modes import of_start
-from rodgen.analyse.cycles.search import PICARD, SHOOTING, WAYS, Search, segments_of
+from rodgen.analyse.cycles.search import SHOOTING, WAYS, Search, segments_of
 from rodgen.analyse.cycles.shooting import SEGMENTS
 from rodgen.analyse.guard import guarded
 from rodgen.analyse.sizes import CYCLE, check_size
@@ -21,6 +22,9 @@ from rodgen.errors import InputError
 from rodgen.scene import Scene
 from rodgen.scene.plain import is_number, plain
 from rodgen.system import System
+
+if TYPE_CHECKING:
+    import xarray
 
 
 @guarded
@@ -32,6 +36,8 @@ def find_cycle(
     multipliers: int | None = None,
     y0: ArrayLike | None = None,
     period: float | None = None,
+    start: xarray.Dataset | None = None,
+    at: int | None = None,
     target: str | None = None,
     check_mesh: bool = False,
 ) -> Cycle:
@@ -61,6 +67,10 @@ def find_cycle(
     y0, period
         A state (states,) near a cycle, stable or not, and its approximate period [s]. Newton's
         method then begins there, without a run.
+    start, at
+        A branch of `continue_cycles`: find the cycle of its point ``at`` again, at the value of
+        that point. Without ``at``, begin with the point whose value is nearest to the scene's own,
+        and find the cycle at this value.
     target
         "c" or "numpy"; if not given, C where it can be built.
     check_mesh
@@ -89,12 +99,13 @@ def find_cycle(
     system = System.of(system)
     check_size(CYCLE, system)
     if check_mesh:
-        if y0 is not None:
-            raise InputError("check_mesh", True, "absent beside y0")
+        if y0 is not None or start is not None:
+            beside = "y0" if start is None else "start"
+            raise InputError("check_mesh", True, f"absent beside {beside}")
         given: dict[str, Any] = {"by": by, "segments": segments, "multipliers": multipliers}
         found_twice = partial(find_cycle, twice(system.scene), **given, target=target)
         found = find_cycle(system, **given, target=target)
-        return replace(found, notes=cycle_notes(found, system.structure.links, found_twice))
+        return found.with_notes(cycle_doubts(found, system.structure.links, found_twice))
     if by not in (None, *WAYS.values()):
         raise InputError("by", by, " or ".join(map(repr, WAYS.values())))
     for name, value, way in (
@@ -105,6 +116,14 @@ def find_cycle(
             raise InputError(name, value, f"given with by = {way!r} alone")
     segments = None if segments is None else segments_of(segments)
     multipliers = None if multipliers is None else segments_of(multipliers, "multipliers")
+    if start is not None:
+        if y0 is not None or period is not None:
+            raise InputError("start", "a branch", "absent beside y0 and period")
+        there, known = on_branch(start, nearest(start, system.scene) if at is None else at)
+        system = system if at is None else there
+        y0, period = known.y0, known.period
+    elif at is not None:
+        raise InputError("at", at, "given with start, the branch whose point it is")
     begun = _begun(system, y0, period)
     search = replace(Search.of(system, target), by=by, segments=segments, leading=multipliers)
     if begun is not None:

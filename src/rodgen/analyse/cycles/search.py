@@ -13,7 +13,7 @@ from scipy.interpolate import CubicHermiteSpline
 from rodgen.analyse.cycles import settling
 from rodgen.analyse.cycles.closing import Closing, Lap, O, Orbit
 from rodgen.analyse.cycles.collocation import Collocation
-from rodgen.analyse.cycles.cycle import Cycle
+from rodgen.analyse.cycles.cycle import PICARD, Cycle
 from rodgen.analyse.cycles.drive import load_period
 from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.cycles.picard import LEADING, Picard
@@ -27,7 +27,7 @@ from rodgen.scene import Scene
 from rodgen.scene.plain import plain
 from rodgen.system import System
 
-COLLOCATION, SHOOTING, PICARD = "collocation", "shooting", "picard"
+COLLOCATION, SHOOTING = "collocation", "shooting"
 WAYS: dict[type[Closing[Any]], str] = {
     Collocation: COLLOCATION,
     Shooting: SHOOTING,
@@ -222,7 +222,7 @@ class Search:
             states = states - states.mean(axis=1, keepdims=True)
         swing = (states.max(axis=0) - states.min(axis=0)).max(initial=0.0) / 2
         return Cycle(
-            scene=self.system.at(y0=y0).scene,
+            system=self.system.at(y0=y0),
             t=orbit.t,
             period=orbit.period,
             y0=y0,

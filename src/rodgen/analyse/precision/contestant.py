@@ -24,7 +24,7 @@ USELESS = 3  # settings in a row that fail alike before the rest is left out
 # A line of a table: numbers, texts, None for what there is not, lists for curves. Infinite and
 # not-a-number are kept as JSON of Python has them.
 Value = str | float | int | bool | None | list[float]
-Row = dict[str, Value]
+Measurement = dict[str, Value]
 
 
 class TooSlowError(RuntimeError):
@@ -139,13 +139,15 @@ def attempt(who: Contestant, limits: Limits) -> Tried:
     return Tried(seconds, len(ended), spent, finish)
 
 
-def sweep(family: Family, label: Row, measures: Measures, limits: Limits) -> list[Row]:
+def sweep(
+    family: Family, label: Measurement, measures: Measures, limits: Limits
+) -> list[Measurement]:
     """A row for every setting, from loose to tight, until the seconds are spent.
 
     label: scene, n, who, method, target, and setup of every row. Settings that fail are rows with
     the reason; those that are left out are one row with failed = "not tried: ...".
     """
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     spent, before, failures = 0.0, 0.0, 0
     try:
         for who in family:
@@ -177,7 +179,7 @@ def _enough(tried: Tried, expected: float, spent: float, failures: int, limits: 
     return ""
 
 
-def row_of(who: Contestant, tried: Tried, label: Row, measures: Measures) -> Row:
+def row_of(who: Contestant, tried: Tried, label: Measurement, measures: Measures) -> Measurement:
     row = blank(label) | {"kind": who.kind, "setting": who.setting, "order": who.order}
     row |= {"agreed": who.agreed, "failed": tried.failed}
     row |= {f"setup_{kind}": seconds for kind, seconds in who.setup.items() if kind in SETUP}
@@ -195,15 +197,15 @@ def row_of(who: Contestant, tried: Tried, label: Row, measures: Measures) -> Row
     return row | dict(errors)
 
 
-def left_out(who: Contestant, label: Row, why: str) -> Row:
+def left_out(who: Contestant, label: Measurement, why: str) -> Measurement:
     row = blank(label) | {"kind": who.kind, "setting": who.setting, "order": who.order}
     return row | {"failed": f"not tried: {why}, from {who.kind} {who.setting:.3g} on"}
 
 
-def blank(label: Row) -> Row:
+def blank(label: Measurement) -> Measurement:
     """All columns, with what is known of a family."""
     nothing = ("kind", "setting", "order", "seconds", "inside", *MEASURES, "balance", *COUNTS)
-    row: Row = dict.fromkeys((*nothing, *(f"setup_{kind}" for kind in SETUP), "agreed"))
+    row: Measurement = dict.fromkeys((*nothing, *(f"setup_{kind}" for kind in SETUP), "agreed"))
     return row | {"rounds": 0, "failed": ""} | label
 
 
@@ -212,10 +214,10 @@ def words(error: BaseException | str) -> str:
 
 
 def in_a_row(
-    family: Iterable[Contestant], known: Row, measures: Measures, limits: Limits
-) -> list[Row]:
+    family: Iterable[Contestant], known: Measurement, measures: Measures, limits: Limits
+) -> list[Measurement]:
     """Settings of several methods in a row, each method with limits of its own."""
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     for (who, method, target, _), settings in groupby(family, _name):
         one = known | {"who": who, "method": method, "target": target}
         rows += sweep(settings, one, measures, limits)

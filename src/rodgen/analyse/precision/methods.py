@@ -12,6 +12,7 @@ import numpy as np
 from scipy.integrate import odeint, solve_ivp
 
 from rodgen.analyse.precision.contestant import (
+    COUNTS,
     Contestant,
     Deadline,
     Family,
@@ -20,11 +21,11 @@ from rodgen.analyse.precision.contestant import (
 )
 from rodgen.analyse.precision.job import SAMPLES, Job, Stretch, integrated
 from rodgen.arrays import Array
-from rodgen.integrate.endings import StepWarning
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.stability import LIMITS, dominant, limit
 from rodgen.loading import build
 from rodgen.model.methods import ADAPTIVE, FIXED_STEP, METHODS
+from rodgen.result import silent
 from rodgen.scene.integration import LEAST_RTOL
 
 VARIABLE_ORDER = ("bdf", "lsoda", "cvode")  # of which errors follow no single power of the step
@@ -74,6 +75,10 @@ def _named(job: Job, method: str, target: str, quick: bool, setup: dict[str, flo
     return Named("rodgen", method, target, make, taken)
 
 
+# Of a run, what is called COUNTS where others are counted beside it.
+NAMES = ("nsteps", "rejected", "nfev", "njev", "nlu")
+
+
 def contestant(job: Job, method: str, target: str, **setting: float) -> Contestant:
     """One step [s] or rtol of a method, as a user calls it, with all samples of the job."""
     (kind, value), *_ = setting.items()
@@ -83,11 +88,10 @@ def contestant(job: Job, method: str, target: str, **setting: float) -> Contesta
     model = job.model if target == "c" else build(job.scene, target)
 
     def integrate() -> Finish:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", StepWarning)  # the limit is among what is tried
+        with silent():  # the limit is among what is tried
             run = simulate(job.scene, model=model, progress=lambda _: Deadline.look(), **given)
-        names = ("steps", "rejected", "rhs", "jacobian", "factorisations")
-        counts = {k: getattr(run.stats, k) for k in names if getattr(run.stats, k) is not None}
+        found = zip(COUNTS, (getattr(run.stats, name) for name in NAMES), strict=True)
+        counts = {name: value for name, value in found if value is not None}
         return Finish(run.y, counts, run.stats.wall_seconds, lambda: run.energy_error)
 
     order = None if method in VARIABLE_ORDER else METHODS[method].order

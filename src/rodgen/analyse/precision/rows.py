@@ -7,34 +7,36 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby
 
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 
 TARGETS = {"c": "C", "numpy": "NumPy"}
 OTHERS = {"rodgen's c": "rodgen's C", **TARGETS}
 FAMILY = ("scene", "who", "method", "target", "kind")  # what a family of settings has in common
 
 
-def number(row: Row, key: str) -> float:
+def number(row: Measurement, key: str) -> float:
     """An entry as a number; nan where it is none."""
     value = row.get(key)
     return float(value) if isinstance(value, (int, float)) else math.nan
 
 
-def text(row: Row, key: str) -> str:
+def text(row: Measurement, key: str) -> str:
     """An entry as text; empty where there is none."""
     value = row.get(key)
     return "" if value is None else str(value)
 
 
-def grouped(rows: Iterable[Row], name: Callable[[Row], str]) -> dict[str, list[Row]]:
+def grouped(
+    rows: Iterable[Measurement], name: Callable[[Measurement], str]
+) -> dict[str, list[Measurement]]:
     """Rows by a name of them, in their order."""
-    groups: dict[str, list[Row]] = {}
+    groups: dict[str, list[Measurement]] = {}
     for row in rows:
         groups.setdefault(name(row), []).append(row)
     return groups
 
 
-def label(row: Row) -> str:
+def label(row: Measurement) -> str:
     """Who took which method, and on what equations: dop853 in C; SciPy RK45 on rodgen's C."""
     who, method, target = (text(row, key) for key in ("who", "method", "target"))
     if who in ("", "rodgen"):
@@ -48,12 +50,12 @@ def short(value: float, spec: str = ".3g") -> str:
     return re.sub(r"e([+-])0", r"e\1", format(value, spec)).replace("e+", "e")
 
 
-def fine(row: Row) -> bool:
+def fine(row: Measurement) -> bool:
     """A row that came to something."""
     return not row.get("failed")
 
 
-def setting(row: Row) -> str:
+def setting(row: Measurement) -> str:
     """A step or tolerance: step 1e-3 s, rtol 1e-6."""
     value = row.get("setting")
     if value is None:
@@ -63,21 +65,23 @@ def setting(row: Row) -> str:
     return f"{text(row, 'kind')} {shown}".strip()
 
 
-def families(rows: Iterable[Row]) -> Iterator[list[Row]]:
+def families(rows: Iterable[Measurement]) -> Iterator[list[Measurement]]:
     """Rows by scene, who, method, target and kind of setting, in the order of settings: loose to
     tight."""
     for _, group in groupby(sorted(rows, key=_family), key=_family):
         yield sorted(group, key=lambda row: -number(row, "setting"))
 
 
-def front(rows: Sequence[Row], measure: str = "error_phi", trusted: float = 0.0) -> list[Row]:
+def front(
+    rows: Sequence[Measurement], measure: str = "error_phi", trusted: float = 0.0
+) -> list[Measurement]:
     """Rows of one scene than which none is both faster and closer, by rising seconds.
 
     trusted: the reference's own estimate. Rows with smaller errors beat others, but are not on the
     front themselves, as such errors mean nothing.
     """
     best = float("inf")
-    found: list[Row] = []
+    found: list[Measurement] = []
     for row in sorted(filter(_usable(measure), rows), key=_place(measure)):
         if number(row, measure) < best:
             best = number(row, measure)
@@ -85,13 +89,15 @@ def front(rows: Sequence[Row], measure: str = "error_phi", trusted: float = 0.0)
     return [row for row in found if number(row, measure) >= trusted]
 
 
-def cheapest(rows: Iterable[Row], asked: float, measure: str = "error_phi") -> Row | None:
+def cheapest(
+    rows: Iterable[Measurement], asked: float, measure: str = "error_phi"
+) -> Measurement | None:
     """The fastest row within an error, or None.
 
     The next tighter setting of its family has to be within it too, where there is one that ended:
     an error may be small by chance.
     """
-    steady: list[Row] = []
+    steady: list[Measurement] = []
     for family in families(rows):
         ended = list(filter(_usable(measure), family))
         for row, tighter in zip(ended, [*ended[1:], None], strict=False):
@@ -101,15 +107,15 @@ def cheapest(rows: Iterable[Row], asked: float, measure: str = "error_phi") -> R
     return min(steady, key=_place(measure), default=None)
 
 
-def _usable(measure: str) -> Callable[[Row], bool]:
+def _usable(measure: str) -> Callable[[Measurement], bool]:
     """Whether a row ended with a time and an error."""
     names = ("seconds", measure)
     return lambda row: not row.get("failed") and all(math.isfinite(number(row, n)) for n in names)
 
 
-def _place(measure: str) -> Callable[[Row], tuple[float, float]]:
+def _place(measure: str) -> Callable[[Measurement], tuple[float, float]]:
     return lambda row: (number(row, "seconds"), number(row, measure))
 
 
-def _family(row: Row) -> tuple[str, ...]:
+def _family(row: Measurement) -> tuple[str, ...]:
     return tuple(str(row.get(key)) for key in FAMILY)

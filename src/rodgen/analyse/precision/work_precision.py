@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +18,8 @@ from rodgen.analyse.precision.contestant import (
     Contestant,
     Finish,
     Limits,
+    Measurement,
     NotModelledError,
-    Row,
     attempt,
     blank,
     in_a_row,
@@ -27,13 +27,16 @@ from rodgen.analyse.precision.contestant import (
 )
 from rodgen.analyse.precision.job import Errors, Job, Measures
 from rodgen.analyse.precision.methods import contestant, families
-from rodgen.analyse.precision.rows import cheapest, front
+from rodgen.analyse.precision.rows import cheapest, front, grouped, number, setting, short
 from rodgen.analyse.sizes import PRECISION, check_size
 from rodgen.arrays import Array
+from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.stability import LIMITS, dominant, limit
+from rodgen.progress import duration
+from rodgen.result import Result, ResultTable, Row, hidden
 from rodgen.scene import Scene
-from rodgen.shown import Shown
+from rodgen.scene.structure import choose
 from rodgen.system import System
 
 if TYPE_CHECKING:
@@ -135,8 +138,32 @@ def _tightest(job: Job, method: str, seconds: float) -> Solved:
     return found
 
 
+ASKED = (1e-3, 1e-6, 1e-9)  # rad or m, of which a table tells what they cost
+# Of errors, by the name that is asked for: the measure, its unit, and what it is of.
+HELD_BY = {
+    "end": ("error_phi", "rad", "the angles at the end"),
+    "angles": ("error_angles", "rad", "the angles over time"),
+    "rates": ("error_rates", "rad/s", "the rates over time"),
+    "tail": ("error_tail", "m", "the tail over time"),
+}
+
+
+def _front(*names: str) -> Callable[[WorkPrecision], list[Any]]:
+    """Entries of the settings that no other beats; the error without a name."""
+
+    def entries(found: WorkPrecision) -> list[Any]:
+        rows = found.front()
+        if names == ("",):
+            return [row[found.measure] for row in rows]
+        if len(names) > 1:
+            return [" ".join(str(row[name]) for name in names) for row in rows]
+        return [row[names[0]] for row in rows]
+
+    return entries
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class WorkPrecision(Shown):
+class WorkPrecision(Result, Plottable):
     """Errors and run times of methods and settings on a scene.
 
     scene: the scene; rows: one for each setting, loose to tight by method, with `who`, `method`,
@@ -163,11 +190,64 @@ class WorkPrecision(Shown):
     """
 
     scene: Scene
-    rows: list[Row]
+    rows: list[Measurement]
     reference: dict[str, Any]
     trusted: dict[str, float | None]
     limits: dict[str, float]
     measure: str = "error_phi"
+
+    ROWS = (
+        Row("name", "scene", of=lambda found: found.scene.name),
+        Row("links", "links", of=lambda found: found.scene.rod.links),
+        Row("measure", "errors"),
+        Row("reference", "reference", text=lambda found: found._reference),
+        Row("trusted", "errors of the reference", text=hidden),
+        Row("limits", "largest stable steps", "s", text=hidden),
+        Row("method", "method", along="setting", of=_front("who", "method")),
+        Row("setting", "step or tolerance", format="g", along="setting", of=_front("setting")),
+        Row("seconds", "run time", "s", ".3g", along="setting", of=_front("seconds")),
+        Row("error", "error", "{unit}", ".2e", along="setting", of=_front("")),
+        Row("rows", "all settings", text=hidden),
+    )
+
+    @property
+    def unit(self) -> str:
+        """The unit of the errors that methods are held by."""
+        return self._held_by[1]
+
+    @property
+    def _held_by(self) -> tuple[str, str, str]:
+        """The measure of errors, its unit, and what it is of."""
+        return next(one for one in HELD_BY.values() if one[0] == self.measure)
+
+    @property
+    def _reference(self) -> str:
+        made, good = self.reference, self.trusted[self.measure] or 0.0
+        method = f"{made['method']}, order {made['order']}, checked by {made['checked_by']}"
+        return f"{method}; good to {good:.1e} {self.unit}"
+
+    def tables(self) -> list[ResultTable]:
+        """What errors are measured against, and a line for every method: its cheapest settings for
+        some errors, its least error and its largest stable step."""
+        of = {"errors of": self._held_by[2], "reference": self._reference}
+        titles = (f"{short(error, '.0e')} {self.unit}" for error in ASKED)
+        heads = "method", *titles, "least error", "stable up to"
+        groups = grouped(self.rows, lambda row: f"{row['who']}\0{row['method']}").items()
+        lines = (self._line(name, some) for name, some in groups)
+        return [ResultTable.of_values(of), ResultTable.of_rows(heads, lines)]
+
+    def _line(self, name: str, rows: list[Measurement]) -> Iterator[str]:
+        who, method = name.split("\0")
+        own = who == "rodgen"
+        yield method if own else f"{who} {method}"
+        for error in ASKED:
+            row = self.cheapest(error, who=who, method=method)
+            yield f"{duration(number(row, 'seconds'))}, {setting(row)}" if row else "-"
+        errors = (error for row in rows if (error := number(row, self.measure)) >= 0)
+        least = min(errors, default=math.inf)
+        yield f"{least:.1e} {self.unit}" if least < math.inf else "-"
+        limit = self.limits.get(method, math.inf) if own else math.inf
+        yield f"{limit:.3g} s" if 0 < limit < math.inf else "none" if limit == 0 else "-"
 
     def __repr__(self) -> str:
         methods = len({(row["who"], row["method"]) for row in self.rows})
@@ -180,7 +260,7 @@ class WorkPrecision(Shown):
 
         return DataFrame(self.rows)
 
-    def front(self, measure: str | None = None) -> list[Row]:
+    def front(self, measure: str | None = None) -> list[Measurement]:
         """Rows than which none is both faster and closer, by rising seconds.
 
         measure: of errors, by default that of the result.
@@ -188,7 +268,7 @@ class WorkPrecision(Shown):
         measure = measure or self.measure
         return front(self.rows, measure, self.trusted[measure] or 0.0)
 
-    def cheapest(self, error: float, measure: str | None = None, **of: str) -> Row | None:
+    def cheapest(self, error: float, measure: str | None = None, **of: str) -> Measurement | None:
         """The fastest row within an error; None if there is none.
 
         error: the largest that is allowed, in SI units; measure: of errors, by default that of the
@@ -197,22 +277,12 @@ class WorkPrecision(Shown):
         rows = (row for row in self.rows if all(row[key] == value for key, value in of.items()))
         return cheapest(rows, error, measure or self.measure)
 
-    def to_dict(self) -> dict[str, Any]:
-        """All of it for JSON: what is not finite is None."""
-        return {
-            "scene": self.scene.name,
-            "links": self.scene.rod.links,
-            "measure": self.measure,
-            "reference": self.reference | dict(self.trusted),
-            "largest_stable_steps": _finite(self.limits),
-            "rows": [_finite(row) for row in self.rows],
-        }
-
 
 def work_precision(
     system: System | Scene,
     *,
     seconds: float = SECONDS,
+    of: str | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> WorkPrecision:
     """Measure errors against run time, of rodgen's methods in C and SciPy's on the same rates.
@@ -227,6 +297,9 @@ def work_precision(
     seconds
         About how long the measurement takes [s], shared by all methods. Making the module comes on
         top.
+    of
+        Errors that methods are held by: "end" (angles at the end), "angles" or "rates" (over time),
+        "tail" (its place over time). By default "end", of a rod that does not turn "tail".
     progress
         A function that is called with the method that is tried.
 
@@ -256,29 +329,33 @@ def work_precision(
     scene = system.scene
     if not 0 < seconds < math.inf:
         raise InputError("seconds", seconds, "a positive number of seconds")
+    if of is not None:
+        choose("of", of, HELD_BY)
     job = Job.of(scene.name, scene.model_dump(exclude_none=True))
     progress("reference")
     found = reference(job, SHARE * seconds)
     own = families(job, False, {}, numpy=False)
     share = (1 - SHARE) * seconds / (len(own) + len(SCIPY))
     limits = Limits(share / 2, share)
-    rows: list[Row] = []
-    known: Row = {"scene": scene.name, "n": scene.rod.links, "family": ""}
+    rows: list[Measurement] = []
+    known: Measurement = {"scene": scene.name, "n": scene.rod.links, "family": ""}
     for one in own:
         progress(one.method)
-        who: Row = {"who": one.who, "method": one.method, "target": one.target}
+        who: Measurement = {"who": one.who, "method": one.method, "target": one.target}
         rows += sweep(one.make(), known | who, found.measures(job, one.method), limits)
     for name in SCIPY:
         progress(f"SciPy {name}")
         rows += _scipy(job, name, known, found.measures(job, name), limits)
     made = {"method": found.method, "order": found.order, "tolerance": found.tolerance}
     made |= {"checked_by": found.checked_by}
-    measure = Measures(job, found.states).main
+    measure = Measures(job, found.states).main if of is None else HELD_BY[of][0]
     return WorkPrecision(scene, rows, made, dict(found.estimate), stable_steps(job), measure)
 
 
-def _scipy(job: Job, name: str, known: Row, measures: Measures, limits: Limits) -> list[Row]:
-    nothing: Row = {"who": "SciPy", "method": name, "target": ""}
+def _scipy(
+    job: Job, name: str, known: Measurement, measures: Measures, limits: Limits
+) -> list[Measurement]:
+    nothing: Measurement = {"who": "SciPy", "method": name, "target": ""}
     try:
         made = getattr(methods, name)(job, False)
     except NotModelledError as error:
@@ -290,10 +367,3 @@ def stable_steps(job: Job) -> dict[str, float]:
     """Largest stable step [s] of every explicit method, for the fastest motion at the start."""
     fastest = dominant(job.model, job.span[0], job.start, job.p)
     return {name: limit(name, fastest.value, fastest.partner) for name in LIMITS}
-
-
-def _finite(row: dict[str, Any]) -> dict[str, Any]:
-    def shown(value: Any) -> Any:
-        return None if isinstance(value, float) and not math.isfinite(value) else value
-
-    return {key: shown(value) for key, value in row.items()}

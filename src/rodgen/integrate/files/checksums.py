@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from rodgen.errors import InputError
 from rodgen.integrate.files.netcdf import NUMRECS, PAGE, Header
 from rodgen.integrate.stepper import Counts, Stats
+from rodgen.result import REMARK, Note
 
 CHECKSUM = "checksum"  # last in a record
 EVENT = "event_number", "event_time", "event_y", "event_checksum"
@@ -77,6 +78,11 @@ def unharmed(text: bytes) -> bool:
     return text.startswith(SEAL[0]) and text == sealed(text)
 
 
+LEFT_OUT = "a file has no room for the other notes of the run"
+# What these numbers were called in files before.
+FORMER = {"steps": "nsteps", "rhs": "nfev", "jacobian": "njev", "factorisations": "nlu"}
+
+
 class Run(NamedTuple):
     """How a run goes; lost: events for which the file had no room; samples, events: how many of
     them count; fixed: checksum of what in the file does not change."""
@@ -88,13 +94,19 @@ class Run(NamedTuple):
     samples: int = 0
     events: int = 0
     fixed: int = 0
+    notes: tuple[Note, ...] = ()
 
     def text(self) -> bytes:
-        """PAGE bytes of JSON with a checksum; a message that is too long is cut."""
+        """PAGE bytes of JSON with a checksum; where they are too few, notes are left out, the last
+        first, and a message is cut."""
         run = {"checksum": "0" * SEAL[1], **self._asdict()}
         run["stats"] = self.stats and asdict(self.stats)
+        run["notes"] = notes = [note.to_dict() for note in self.notes]
         message = self.message
         while len(text := json.dumps({**run, "message": message}).encode()) > PAGE:
+            if len(notes) > 1:
+                notes[-2:] = [Note(REMARK, LEFT_OUT).to_dict()]
+                continue
             if not message:
                 raise ValueError(f"{len(text)} bytes of status and stats, more than {PAGE}")
             # In JSON a character needs 12 bytes at most.
@@ -116,6 +128,10 @@ class Run(NamedTuple):
     @classmethod
     def _of(cls, text: bytes) -> Run:
         run = json.loads(text)
-        stats = run["stats"] and Stats(**run["stats"])
-        numbers = (int(run.get(name, 0)) for name in ("lost", "samples", "events", "fixed"))
-        return cls(str(run["status"]), str(run["message"]), stats, *numbers)
+        stats = run["stats"] and Stats(**{FORMER.get(k, k): v for k, v in run["stats"].items()})
+        lost, samples, events, fixed = (
+            int(run.get(name, 0)) for name in ("lost", "samples", "events", "fixed")
+        )
+        notes = tuple(Note(**one) for one in run.get("notes", ()))
+        how = str(run["status"]), str(run["message"]), stats
+        return cls(*how, lost, samples, events, fixed, notes)

@@ -98,6 +98,7 @@ def solution_of(
     how = status, message.lstrip("; ")
     stats = run.stats or NO_STATS
     solution = Solution(System(file.scene), t, y, work, stats, *how, events=events, changes=changes)
+    solution.run_notes = run.notes
     solution.energy_error = off  # of all samples, also of those that are not read
     return solution
 

@@ -30,6 +30,7 @@ from rodgen.model.quantities import (
     Quantity,
     numbers,
 )
+from rodgen.result import NOTES, notes_as_text
 
 if TYPE_CHECKING:
     import pandas
@@ -53,19 +54,20 @@ def to_xarray(trajectory: Trajectory) -> xarray.Dataset:
     }
     if trajectory.changes is not None:
         coordinates["parameter"] = parameter_names(trajectory.scene)
-    notes = {
+    said = {
         **attributes(trajectory.scene),
         "stats": json.dumps(asdict(trajectory.stats)),
         "status": trajectory.status,
         "message": trajectory.message,
         "energy_error": trajectory.energy_error,
+        NOTES: notes_as_text(trajectory.run_notes),
     }
     found = variables_of(trajectory, (FILE, DATASET))
     if trajectory.events:
         times, y = zip(*((event.t, event.y) for event in trajectory.events), strict=True)
         number = np.array(_event_numbers(trajectory))
         found |= event_variables(number, np.array(times), np.array(y))
-    return xarray.Dataset(found, coordinates, notes)
+    return xarray.Dataset(found, coordinates, said)
 
 
 def _event_numbers(trajectory: Trajectory) -> list[int]:
@@ -118,4 +120,5 @@ def save(trajectory: Trajectory, path: Path) -> None:
         stream.append(trajectory.t, trajectory.y, trajectory.work, changes)
         for number, event in zip(_event_numbers(trajectory), trajectory.events, strict=True):
             stream.add_event(number, event.t, event.y)
+        stream.keep(trajectory.run_notes)
         stream.finish(trajectory.status, trajectory.message, trajectory.stats)

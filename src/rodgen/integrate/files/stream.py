@@ -27,6 +27,7 @@ from rodgen.integrate.files.result_file import BEFORE, ResultFile, open_header
 from rodgen.integrate.stepper import Stats
 from rodgen.integrate.trajectory import Changes, Trajectory
 from rodgen.loading import build
+from rodgen.result import Note
 from rodgen.system import System
 
 BLOCK = 2**20  # bytes of records that are made at once
@@ -203,6 +204,15 @@ class Stream:
     def note(self, status: str, message: str, stats: Stats | None) -> None:
         """Say how the run goes; a message of more than some 4000 letters is cut."""
         self._tell(self._run._replace(status=status, message=message, stats=stats))
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """What is doubtful about the run."""
+        return self._run.notes
+
+    def keep(self, notes: tuple[Note, ...]) -> None:
+        """Keep what is doubtful about the run."""
+        self._tell(self._run._replace(notes=notes))
 
     def _tell(self, run: Run) -> None:
         self._file.put_text(checksums.RUN, run.text())

@@ -12,6 +12,7 @@ from rodgen.integrate.methods.python_steps import PythonSteps
 from rodgen.integrate.stability import Dominant, dominant, limit
 from rodgen.integrate.stepper import StepError
 from rodgen.model.methods import COLLOCATION
+from rodgen.result import Note, doubt
 from rodgen.scene import Scene
 from rodgen.scene.integration import AUTO, MOST_ADAPTIVE, Integrate
 from rodgen.system import System
@@ -97,15 +98,13 @@ def by_rule(fastest: Dominant, span: float, rtol: float, budget: int = MOST_ADAP
     return Choice("dop853", f"{motion}, and has to be followed")
 
 
-def warn_of_tolerance(system: System, model: ModuleType) -> str | None:
-    """Why a method with error control cannot keep to the tolerance of a run, or None."""
+def tolerance_doubt(system: System, model: ModuleType) -> Note | None:
+    """Return why a method with error control cannot keep to the tolerance of a run, or None."""
     settings = system.settings
     method, rtol = settings.method, settings.rtol
     if method in COLLOCATION and rtol < LEAST_NEWTON:
-        return (
-            f"{method} at rtol {rtol:g}: its iterations leave rounding errors that are larger; "
-            f"take {LEAST_NEWTON:g}, or dop853"
-        )
+        words = f"{method} at rtol {rtol:g}: its iterations leave rounding errors that are larger; "
+        return doubt(f"{words}take {LEAST_NEWTON:g}, or dop853", rtol=rtol, least=LEAST_NEWTON)
     if method != "gauss":
         return None
     try:
@@ -119,11 +118,12 @@ def warn_of_tolerance(system: System, model: ModuleType) -> str | None:
         return None
     better = by_rule(fastest, span, rtol, settings.budget).method
     advice = f"; take {better}" if better != method else ""
-    return (
+    words = (
         f"gauss passes over the fastest motion ({described(fastest)}), in steps that keep "
         f"positions alone to rtol {rtol:g}: rates may be off by hundreds of tolerances, and angles "
         f"by tens{advice}"
     )
+    return doubt(words, rtol=rtol, rate=fastest.rate, radians=cycles)
 
 
 def _few(rtol: float) -> float:

@@ -145,12 +145,12 @@ class Stages:
 
     def rates(self, t: float, y: Array) -> Array:
         """The rates, counted."""
-        self.counts.rhs += 1
+        self.counts.nfev += 1
         return self._rhs(t, y)
 
     def jacobian(self, t: float, y: Array) -> Array:
         """The Jacobian, counted."""
-        self.counts.jacobian += 1
+        self.counts.njev += 1
         return self._jac(t, y)
 
     def tolerated(self, y: Array) -> Array:
@@ -160,7 +160,7 @@ class Stages:
 
     def factors(self, J: Array, h: float) -> tuple[Factors, Factors]:
         """Of the real and of the complex matrix of a step h."""
-        self.counts.factorisations += 2
+        self.counts.nlu += 2
         real, pair = (
             lu_factor(mu / h * np.eye(len(J)) - J, check_finite=False) for mu in (MU, MU_PAIR)
         )

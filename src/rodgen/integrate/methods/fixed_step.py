@@ -52,7 +52,7 @@ class FixedStep:
         self._counts = Counts(rejected=0)
 
         def counted(at: float, state: Array) -> Array:
-            self._counts.rhs += 1
+            self._counts.nfev += 1
             return problem.rhs(at, state)
 
         self._rhs = counted
@@ -69,9 +69,9 @@ class FixedStep:
 
     def step(self) -> bool:
         """Take a step; True when the end is reached. Raises StepError."""
-        self._counts.steps += 1
-        last = self._counts.steps >= self._total
-        t = self._end if last else self._start + self._counts.steps * self._step
+        self._counts.nsteps += 1
+        last = self._counts.nsteps >= self._total
+        t = self._end if last else self._start + self._counts.nsteps * self._step
         y = self._advance(self._rhs, self.t, self.y, self._f, t - self.t)
         f = self._rhs(t, y)
         if not np.isfinite(f).all():

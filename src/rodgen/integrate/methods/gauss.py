@@ -65,7 +65,7 @@ class _Gauss:
     def _move(self, taken: Taken, next_: float) -> None:
         self._taken = taken
         self.t, self.y, self._f = next_, taken.new, taken.rates[1]
-        self.counts.steps += 1
+        self.counts.nsteps += 1
 
     def interpolant(self) -> Interpolant:
         """The collocation polynomial of the last step, with what it lacks."""
@@ -174,7 +174,7 @@ class GaussEqualSteps(_Gauss):
 
     def step(self) -> bool:
         """Take a step; True when the end is reached. Raises StepError."""
-        done = self.counts.steps
+        done = self.counts.nsteps
         last = done + 1 >= self._total
         h = self._end - self._start - done * self._step if last else self._step
         next_ = self._end if last else self._start + (done + 1) * self._step

@@ -146,11 +146,11 @@ class CvodeStep:
         self.counts = Counts()
 
         def rates(at: float, state: Array, out: Array) -> None:
-            self.counts.rhs += 1
+            self.counts.nfev += 1
             out[:] = problem.rhs(at, np.array(state))
 
         def matrix(at: float, state: Array, _: Array, out: Any) -> None:
-            self.counts.jacobian += 1
+            self.counts.njev += 1
             out[:] = problem.jac(at, np.array(state))
 
         longest = problem.longest(problem.t, problem.y)
@@ -174,7 +174,7 @@ class CvodeStep:
             found = self._solver.step(self._end, method="onestep", tstop=self._end)
         if not found.success:
             raise StepError(f"the method gave up ({str(found.message).rstrip('.').lower()})")
-        self.counts.steps += 1
+        self.counts.nsteps += 1
         self.t, self.y = float(found.t), np.array(found.y)
         if abs(self._end - self.t) <= 4 * np.spacing(abs(self._end)):
             self.t = self._end

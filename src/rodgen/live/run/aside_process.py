@@ -14,11 +14,12 @@ from typing import Any, TextIO
 
 import numpy as np
 
-from rodgen.analyse.critical import critical_force
+from rodgen.analyse.critical import critical_load
 from rodgen.analyse.modes_about import modes_about
 from rodgen.errors import AnalysisError, InputError
 from rodgen.live.run.sweep import sweep
 from rodgen.loading import build_fastest
+from rodgen.result import silent
 from rodgen.scene import Scene
 
 MOST_MODES, MOST_LINKS = 12, 250  # shown; beyond so many links they take seconds
@@ -31,7 +32,7 @@ Requests = queue.SimpleQueue[dict[str, Any] | None]
 
 def critical(scene: Scene) -> Work:
     """The critical follower force [N] at the start."""
-    yield critical_force(scene, t=scene.integrate.span[0]).force
+    yield critical_load(scene, t=scene.integrate.span[0]).value
 
 
 def modes(scene: Scene, t: float, y: list[float], p: list[float]) -> Work:
@@ -83,7 +84,8 @@ class Works:
         number, work = next(iter(self._works.items()))
         del self._works[number]
         try:
-            value = next(work, None)
+            with silent():  # nobody reads what is printed here
+                value = next(work, None)
         except (AnalysisError, InputError) as error:
             self._answer(number, refused=str(error), last=True)
         except Exception as error:  # a defect: whoever waits is told

@@ -54,7 +54,7 @@ def stability(scene: Scene, key: str, values: Sequence[float], t: float) -> list
     whether the straight rod is stable, None where that failed."""
     vary = {key: {"values": list(values)}}
     data = study(scene, vary=vary, what="modes", options={"t": t}, workers=1)
-    growth, frequency = data["growth"].values, data["frequency"].values
+    growth, frequency = data["growth"].values, data["frequencies"].values
     failed = data["status"].values != "finished"
     rows: list[Row] = []
     for at, value in enumerate(values):

@@ -54,8 +54,7 @@ def animate(
     view: str | None = None,
     width: int = 1280,
     height: int = 720,
-    start: float | None = None,
-    end: float | None = None,
+    bounds: tuple[float | None, float | None] = (None, None),
     progress: Progress | None = None,
 ) -> Film:
     """Write an animation of a solution, .mp4 or .gif, whole or not at all; see Settings.
@@ -63,7 +62,7 @@ def animate(
     progress is told the simulated time [s] of every frame; what it raises ends the work. Can be
     called in any thread. Raises InputError for what cannot be used.
     """
-    settings = Settings(fps, speed, view, width, height, start, end)
+    settings = Settings(fps, speed, view, width, height, bounds)
     return film(solution.t, solution.taken, path, settings, progress)
 
 

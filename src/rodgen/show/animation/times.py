@@ -22,16 +22,15 @@ FINER = 4  # samples of the trails in the time of a frame
 @dataclass(frozen=True)
 class Settings:
     """fps: frames a second; speed: simulated seconds in a second of film, and view: one of VIEWS,
-    both chosen where they are None; width and height [pixels]; start and end: simulated times
-    [s], those of the run where they are None. Raises InputError for what cannot be used."""
+    both chosen where they are None; width and height [pixels]; bounds: simulated times
+    (a, b) [s], those of the run where they are None. Raises InputError for what cannot be used."""
 
     fps: float = 30.0
     speed: float | None = None
     view: str | None = None
     width: int = 1280
     height: int = 720
-    start: float | None = None
-    end: float | None = None
+    bounds: tuple[float | None, float | None] = (None, None)
 
     def __post_init__(self) -> None:
         if not 1 <= self.fps <= 120:
@@ -82,15 +81,15 @@ def plan(t: Array, settings: Settings) -> Plan:
 
 def _span(t: Array, settings: Settings) -> tuple[float, float]:
     first, last = float(t[0]), float(t[-1])
-    start = first if settings.start is None else settings.start
-    end = last if settings.end is None else settings.end
+    low, high = settings.bounds
+    start, end = first if low is None else low, last if high is None else high
     # What a user copies from a summary is rounded.
     slack = 1e-6 * (last - first)
-    for name, value in (("from", start), ("to", end)):
-        if not first - slack <= value <= last + slack:
-            raise InputError(name, value, f"a time of the run, from {first:.9g} to {last:.9g} s")
+    if not all(first - slack <= value <= last + slack for value in (start, end)):
+        allowed = f"times of the run, from {first:.9g} to {last:.9g} s"
+        raise InputError("bounds", settings.bounds, allowed)
     if start > end or (start == end and first < last):
-        raise InputError("to", end, f"later than {start:.9g} s, where the film begins")
+        raise InputError("bounds", settings.bounds, f"(a, b) with b later than {start:.9g} s")
     return max(start, first), min(end, last)
 
 

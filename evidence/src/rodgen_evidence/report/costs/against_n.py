@@ -18,7 +18,7 @@ from pandas import DataFrame
 from scipy.integrate import Radau
 
 import rodgen
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.integrate.stability import dominant
 from rodgen_evidence.report.costs.rates import jacobians, rates, set_up
 from rodgen_evidence.report.costs.rod import (
@@ -56,7 +56,7 @@ def units(_: object, quick: bool, *__: object) -> list[Unit]:
     return made
 
 
-def costs(links: int, quick: bool = False) -> list[Row]:
+def costs(links: int, quick: bool = False) -> list[Measurement]:
     """All of one number of links: set-up from cold, then evaluations, steps, jobs, analyses."""
     rows, module = set_up(links, quick)
     rows += rates(links, module, quick)
@@ -95,7 +95,7 @@ SPAN = 10.0  # s, that the implicit methods could go
 TOLERANCES = {"rtol": 1e-6, "atol": 1e-8}
 
 
-def implicit_steps(links: int, quick: bool) -> list[Row]:
+def implicit_steps(links: int, quick: bool) -> list[Measurement]:
     """One accepted step with all its iterations, evaluations and factorisations, of a strongly
     damped rod from its start on; SciPy's with dense matrices."""
     given: dict[str, Callable[[], Batch]] = {
@@ -147,7 +147,7 @@ def _scipy(links: int) -> Batch:
     return lambda number: sum(once() for _ in range(number))
 
 
-def jobs(links: int, module: ModuleType, quick: bool) -> list[Row]:
+def jobs(links: int, module: ModuleType, quick: bool) -> list[Measurement]:
     """STEPS steps of rk4 by rodgen.simulate, with the samples at both ends."""
     modules: dict[str, Callable[[], ModuleType]] = {"rodgen C": lambda: module}
     if not quick:
@@ -167,11 +167,11 @@ def jobs(links: int, module: ModuleType, quick: bool) -> list[Row]:
     return compared(f"job: {STEPS} steps of rk4", links, made, quick, TIMES)
 
 
-def analyses(links: int, quick: bool) -> list[Row]:
+def analyses(links: int, quick: bool) -> list[Measurement]:
     """Critical thrust and natural modes; set-up is done before."""
     free = scene(links)
     critical, modes = (
-        partial(rodgen.critical_force, free),
+        partial(rodgen.critical_load, free),
         partial(rodgen.natural_modes, free, 10),
     )
     return [

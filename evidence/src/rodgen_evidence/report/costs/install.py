@@ -15,7 +15,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 import rodgen
-from rodgen.analyse.precision.contestant import Row, words
+from rodgen.analyse.precision.contestant import Measurement, words
 from rodgen.loading import sources
 from rodgen_evidence.report.costs.cold import scratch
 from rodgen_evidence.report.costs.rod import THRUST
@@ -51,7 +51,7 @@ def units(_: object, quick: bool, *__: object) -> list[Unit]:
     ]
 
 
-def imports(rounds: int = ROUNDS) -> list[Row]:
+def imports(rounds: int = ROUNDS) -> list[Measurement]:
     """Medians of fresh processes that take turns, without the start of the interpreter."""
     for target in ("c", "numpy"):  # so that the cache has it
         rodgen.build(rodgen.Structure(LINKS, terms=THRUST), target)
@@ -64,7 +64,7 @@ def imports(rounds: int = ROUNDS) -> list[Row]:
         return _timed(codes, folder, rounds)
 
 
-def _timed(codes: dict[str, str], folder: str, rounds: int) -> list[Row]:
+def _timed(codes: dict[str, str], folder: str, rounds: int) -> list[Measurement]:
     start, failures = "", dict[str, str]()
     path = os.pathsep.join(filter(None, [folder, os.environ.get("PYTHONPATH", "")]))
     seconds: dict[str, list[float]] = {name: [] for name in ["", *codes]}
@@ -85,14 +85,14 @@ def _timed(codes: dict[str, str], folder: str, rounds: int) -> list[Row]:
     return rows
 
 
-def _row(what: str, **more: str | float | None) -> Row:
+def _row(what: str, **more: str | float | None) -> Measurement:
     return {"what": what, "seconds": None, "bytes": None, "failed": "", **more}
 
 
 # Sizes ------------------------------------------------------------------------------------------
 
 
-def sizes(find: Find = distribution) -> list[Row]:
+def sizes(find: Find = distribution) -> list[Measurement]:
     """Bytes of rodgen, of it with what it needs, and with that of every extra."""
     own = find(NAME)
     extras = sorted(own.metadata.get_all("Provides-Extra") or [])
@@ -130,7 +130,7 @@ def required(own: Distribution, extras: frozenset[str]) -> Iterator[tuple[str, f
             yield canonicalize_name(one.name), frozenset(one.extras)
 
 
-def _sum(what: str, names: set[str], find: Find) -> Row:
+def _sum(what: str, names: set[str], find: Find) -> Measurement:
     total, missing = 0, []
     for name in sorted(names):
         try:

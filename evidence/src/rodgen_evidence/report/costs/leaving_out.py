@@ -20,7 +20,7 @@ import numpy as np
 from pandas import DataFrame
 
 import rodgen
-from rodgen.analyse.precision.contestant import Row, words
+from rodgen.analyse.precision.contestant import Measurement, words
 from rodgen.analyse.precision.job import without_events
 from rodgen.integrate.stability import dominant
 from rodgen.loading import sources
@@ -89,7 +89,7 @@ def with_every_term(table: dict[str, Any]) -> dict[str, Any]:
     return whole
 
 
-def saved(scenes: Sequence[dict[str, Any]], quick: bool = False) -> list[Row]:
+def saved(scenes: Sequence[dict[str, Any]], quick: bool = False) -> list[Measurement]:
     """Rows of scenes that have one structure."""
     variants = {PLAIN: scenes[0], WHOLE: with_every_term(scenes[0])}
     with ExitStack() as stack, ThreadPoolExecutor(min(2, os.cpu_count() or 1)) as pool:
@@ -105,14 +105,16 @@ def saved(scenes: Sequence[dict[str, Any]], quick: bool = False) -> list[Row]:
         return [row for table in scenes for row in compared(table, models, sizes, quick)]
 
 
-def empty(table: dict[str, Any], variant: str, **more: Any) -> Row:
+def empty(table: dict[str, Any], variant: str, **more: Any) -> Measurement:
     """The columns of a row."""
     none = dict.fromkeys((*SAVED, "same_rates", "same_motion"))
     names = {"scene": table["name"], "n": table["rod"]["links"], "variant": variant}
     return {**names, **none, "failed": "", **more}
 
 
-def set_up(table: dict[str, Any], seconds: dict[str, float], folder: str) -> tuple[Row, ModuleType]:
+def set_up(
+    table: dict[str, Any], seconds: dict[str, float], folder: str
+) -> tuple[Measurement, ModuleType]:
     """A module that lies in a cache of its own: its sizes beside its seconds; and it."""
     scene = Scene.from_dict(table)
     with environment(RODGEN_CACHE=folder):
@@ -120,7 +122,7 @@ def set_up(table: dict[str, Any], seconds: dict[str, float], folder: str) -> tup
     # The whole module, as it was made from cold, and parts of it, which the run asks for.
     stem = scene.structure.module_stem("c", "chain")
     libraries = [file for file in Path(folder).rglob("*.so") if file.name.startswith(stem)]
-    sizes: Row = {
+    sizes: Measurement = {
         "operations": model.PROVENANCE["operations"]["rhs"],
         "source_bytes": sum(len(t.encode()) for name, t in texts.items() if name[-2:] != "py"),
         "object_bytes": max(file.stat().st_size for file in libraries),
@@ -130,8 +132,8 @@ def set_up(table: dict[str, Any], seconds: dict[str, float], folder: str) -> tup
 
 
 def compared(
-    table: dict[str, Any], models: dict[str, ModuleType], sizes: dict[str, Row], quick: bool
-) -> list[Row]:
+    table: dict[str, Any], models: dict[str, ModuleType], sizes: dict[str, Measurement], quick: bool
+) -> list[Measurement]:
     """Both modules on one scene, which are timed in turns."""
     table = without_events(table)
     scenes = {PLAIN: Scene.from_dict(table), WHOLE: Scene.from_dict(with_every_term(table))}

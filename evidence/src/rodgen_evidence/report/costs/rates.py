@@ -11,7 +11,7 @@ from types import ModuleType
 import numpy as np
 
 import rodgen
-from rodgen.analyse.precision.contestant import Row, words
+from rodgen.analyse.precision.contestant import Measurement, words
 from rodgen.loading import sources
 from rodgen_evidence.report.costs.cold import cold, environment, scratch
 from rodgen_evidence.report.costs.rod import (
@@ -34,7 +34,7 @@ MOST_DENSE, MOST_JAC, MOST_NUMPY_JAC = 500, 2000, 500  # links that do not take 
 AT_ONCE = 64  # states of a batch
 
 
-def set_up(links: int, quick: bool) -> tuple[list[Row], ModuleType]:
+def set_up(links: int, quick: bool) -> tuple[list[Measurement], ModuleType]:
     """The rod's C module; unless quick, made from cold, with rows of the seconds of that."""
     if quick:
         return [], built(links, THRUST)
@@ -44,7 +44,7 @@ def set_up(links: int, quick: bool) -> tuple[list[Row], ModuleType]:
         return rows, built(links, THRUST)
 
 
-def rates(links: int, module: ModuleType, quick: bool) -> list[Row]:
+def rates(links: int, module: ModuleType, quick: bool) -> list[Measurement]:
     """Rates at a state, in all forms."""
     y, p = state(links), packed(module)
     out = np.empty_like(y)
@@ -82,7 +82,7 @@ def _numpy(links: int, form: str, y: Array, function: str = "rhs") -> Batch:
     return calls(partial(getattr(module, function), 0.0, y, packed(module)))
 
 
-def jacobians(links: int, module: ModuleType, quick: bool) -> list[Row]:
+def jacobians(links: int, module: ModuleType, quick: bool) -> list[Measurement]:
     """Exact Jacobians, dense as they are."""
     y, p = state(links), packed(module)
     made: dict[str, Callable[[], Batch]] = {}
@@ -96,9 +96,9 @@ def jacobians(links: int, module: ModuleType, quick: bool) -> list[Row]:
 PATIENCE = 4.0  # s of set-up, after which more links are not tried
 
 
-def of_peer(name: str, links: Sequence[int], quick: bool = False) -> list[Row]:
+def of_peer(name: str, links: Sequence[int], quick: bool = False) -> list[Measurement]:
     """A peer's rows, from few links to many, as far as its set-up does not take too long."""
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     before, slow = float("inf"), 0
     for n in sorted(links):
         if slow:
@@ -116,7 +116,7 @@ def of_peer(name: str, links: Sequence[int], quick: bool = False) -> list[Row]:
     return rows
 
 
-def _measured(name: str, links: int, quick: bool) -> Row:
+def _measured(name: str, links: int, quick: bool) -> Measurement:
     """Ours takes turns with the peer, so that both see the same machine; it has its row already.
 
     Raises ArithmeticError where the peer's rates are not ours.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rodgen
-from rodgen.analyse.precision.contestant import Row, words
+from rodgen.analyse.precision.contestant import Measurement, words
 from rodgen_evidence.report import cases
 from rodgen_evidence.report.timing import Batch, interleaved
 
@@ -57,9 +57,9 @@ def scene(links: int, damping: float = 0.0, angle: float = 0.0, **integrate: Any
     )
 
 
-def row(what: str, who: str, links: int, seconds: float | None = None, **more: Any) -> Row:
+def row(what: str, who: str, links: int, seconds: float | None = None, **more: Any) -> Measurement:
     """A cost, or why there is none."""
-    empty: Row = {"rounds": None, "setup": None, "failed": ""}
+    empty: Measurement = {"rounds": None, "setup": None, "failed": ""}
     return {"what": what, "who": who, "n": links, "seconds": seconds, **empty, **more}
 
 
@@ -69,11 +69,11 @@ def compared(
     contestants: Mapping[str, Callable[[], Batch]],
     quick: bool,
     most: int = ROUNDS,
-) -> list[Row]:
+) -> list[Measurement]:
     """Seconds per call of all, in rounds, of which there are fewer where a call is slow; each is
     made first, and one that cannot be is a row that failed."""
     batches: dict[str, Batch] = {}
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     for name, make in contestants.items():
         try:
             batches[name] = make()

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from rodgen.analyse.precision import methods
-from rodgen.analyse.precision.contestant import Limits, Row, blank, in_a_row, sweep, words
+from rodgen.analyse.precision.contestant import Limits, Measurement, blank, in_a_row, sweep, words
 from rodgen.analyse.precision.job import Job
 from rodgen.analyse.precision.methods import Named
 from rodgen.analyse.precision.work_precision import Reference
@@ -21,13 +21,13 @@ LIMIT = 180.0  # seconds of all of rodgen's methods, with their set-up
 MISSING = "not installed: make report installs it"
 
 
-def rodgens(name: str, table: dict[str, Any], folder: str, quick: bool) -> list[Row]:
+def rodgens(name: str, table: dict[str, Any], folder: str, quick: bool) -> list[Measurement]:
     """All of rodgen's own methods on a scene."""
     try:
         job, held = prepared(name, table, folder)
     except NoReferenceError as error:
         return [without(name, table, "rodgen", error)]
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     # From cold they take longer than all runs of a short set.
     taken = {} if quick else setups(table)
     for family in methods.families(job, quick, taken):
@@ -38,7 +38,7 @@ def rodgens(name: str, table: dict[str, Any], folder: str, quick: bool) -> list[
 
 def of_peer(
     name: str, table: dict[str, Any], folder: str, quick: bool, names: list[str]
-) -> list[Row]:
+) -> list[Measurement]:
     """Methods of a peer on a scene, by their names in rodgen_evidence.report.peers.FAMILIES."""
     try:
         job, held = prepared(name, table, folder)
@@ -47,7 +47,7 @@ def of_peer(
     return [row for one in names for row in _of_method(job, held, quick, one)]
 
 
-def _of_method(job: Job, held: Reference, quick: bool, name: str) -> list[Row]:
+def _of_method(job: Job, held: Reference, quick: bool, name: str) -> list[Measurement]:
     who, _, method = name.partition(" ")
     nothing = known(job.name, job.scene.rod.links, who, name, method)
     try:
@@ -62,9 +62,9 @@ def _of_method(job: Job, held: Reference, quick: bool, name: str) -> list[Row]:
 
 def known(
     scene: str, links: int, who: str, family: str = "", method: str = "", target: str = ""
-) -> Row:
+) -> Measurement:
     """What all rows of a family have in common; family: of a peer's, its name."""
-    start: Row = {"scene": scene, "n": links, "family": family}
+    start: Measurement = {"scene": scene, "n": links, "family": family}
     return start | {"who": who, "method": method, "target": target}
 
 
@@ -74,13 +74,13 @@ def prepared(name: str, table: dict[str, Any], folder: str) -> tuple[Job, Refere
     return job, load(folder, name, table)
 
 
-def without(name: str, table: dict[str, Any], who: str, why: NoReferenceError) -> Row:
+def without(name: str, table: dict[str, Any], who: str, why: NoReferenceError) -> Measurement:
     """The row of a scene that has no reference solution."""
     row = blank(known(name, table["rod"]["links"], who))
     return row | {"failed": words(f"{NO_REFERENCE}{why}")}
 
 
-def label(job: Job, family: Named) -> Row:
+def label(job: Job, family: Named) -> Measurement:
     """What all rows of a family of ours have in common."""
     links, taken = job.scene.rod.links, family.setup.items()
     start = known(job.name, links, family.who, method=family.method, target=family.target)

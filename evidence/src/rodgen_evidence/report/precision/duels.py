@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from rodgen.analyse.precision import methods
-from rodgen.analyse.precision.contestant import Contestant, Deadline, Row
+from rodgen.analyse.precision.contestant import Contestant, Deadline, Measurement
 from rodgen.analyse.precision.job import Job, Measures
 from rodgen.analyse.precision.rows import cheapest
 from rodgen_evidence.report.cases import Case
@@ -34,7 +34,7 @@ def duel(
     mine: dict[str, Any] | None,
     theirs: dict[str, Any] | None,
     why: str = "",
-) -> list[Row]:
+) -> list[Measurement]:
     """Two settings in turns in one process.
 
     mine, theirs: which, as their rows have them; None of a side that has none, and there is no
@@ -60,7 +60,7 @@ def duel(
 
 
 def units(
-    cases: Sequence[Case], quick: bool, folder: str | Path, rows: Sequence[Row]
+    cases: Sequence[Case], quick: bool, folder: str | Path, rows: Sequence[Measurement]
 ) -> list[Unit]:
     """One for every scene and error asked for, from the rows of the section precision."""
     planned = []
@@ -110,9 +110,9 @@ def _seconds(who: Contestant) -> float:
 
 def _row(
     name: str, links: int, asked: float, mine: dict[str, Any] | None, theirs: dict[str, Any] | None
-) -> Row:
+) -> Measurement:
     nothing = ("ours_error", "ours_seconds", "theirs_error", "theirs_seconds", "ratio")
-    row: Row = {"scene": name, "n": links, "asked": asked, **dict.fromkeys(nothing)}
+    row: Measurement = {"scene": name, "n": links, "asked": asked, **dict.fromkeys(nothing)}
     row |= {"ours": side(mine), "theirs": side(theirs, with_who=True)}
     return row | {"rounds": 0, "failed": ""}
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rodgen.analyse.precision import methods
-from rodgen.analyse.precision.contestant import Row, words
+from rodgen.analyse.precision.contestant import Measurement, words
 from rodgen.analyse.precision.rows import fine, number
 from rodgen.arrays import Array
 from rodgen_evidence.report.cases import Case
@@ -28,10 +28,10 @@ MUCH = 1e3  # times that errors grow in the span, from which on that is exponent
 BEGUN = 0.1  # share of the span after which a rate is fitted
 
 
-def growth(name: str, table: dict[str, Any], folder: str) -> list[Row]:
+def growth(name: str, table: dict[str, Any], folder: str) -> list[Measurement]:
     """Largest error of an angle at every sample, for two tolerances, and the reference's own."""
-    nothing: Row = {"error": None, "rate": None, "failed": ""}
-    known: Row = {"scene": name, "n": table["rod"]["links"], "t": None}
+    nothing: Measurement = {"error": None, "rate": None, "failed": ""}
+    known: Measurement = {"scene": name, "n": table["rod"]["links"], "t": None}
     try:
         job, held = prepared(name, table, folder)
     except NoReferenceError as why:
@@ -39,7 +39,7 @@ def growth(name: str, table: dict[str, Any], folder: str) -> list[Row]:
         return [known | nothing | {"method": METHOD, "setting": None, "failed": said}]
     measures = held.measures(job, METHOD)
     known["t"] = job.times.tolist()
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     for rtol in TOLERANCES:
         row = known | nothing | {"method": METHOD, "setting": rtol}
         try:
@@ -82,19 +82,19 @@ def units(cases: Sequence[Case], quick: bool, folder: str | Path, *_: object) ->
     ]
 
 
-def curve(row: Row, key: str) -> Array:
+def curve(row: Measurement, key: str) -> Array:
     """An entry that is a list, nan where it has no number; empty where there is none."""
     value = row.get(key)
     return np.array(value if isinstance(value, list) else [], dtype=float)
 
 
-def grows(row: Row) -> bool:
+def grows(row: Measurement) -> bool:
     """Whether errors grow exponentially: so much in the span that it is no other growth."""
     t, exponent = curve(row, "t"), number(row, "rate")
     return fine(row) and len(t) > 0 and exponent * (t[-1] - t[0]) > math.log(MUCH)
 
 
-def growth_line(row: Row) -> tuple[Array, Array] | None:
+def growth_line(row: Measurement) -> tuple[Array, Array] | None:
     """Times and values of the fitted exponential, through the middle of what it is fitted to."""
     if not grows(row):
         return None

@@ -8,7 +8,7 @@ from math import inf, log
 
 import numpy as np
 
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import families, fine, number
 
 FLOOR, CEILING = 1e-12, 0.1  # errors between which an order shows: above rounding, below chaos
@@ -22,7 +22,7 @@ SIGNS = {"step": 1, "rhs": -1}
 Points = list[tuple[float, float]]  # logarithms of quantity and error
 
 
-def looked_at(rows: Iterable[Row], floor: float = FLOOR) -> Iterator[Row]:
+def looked_at(rows: Iterable[Measurement], floor: float = FLOOR) -> Iterator[Measurement]:
     """One for every family of fixed steps, two for every adaptive one, of which a setting did not
     fail.
 
@@ -34,7 +34,7 @@ def looked_at(rows: Iterable[Row], floor: float = FLOOR) -> Iterator[Row]:
                 yield fit(family, against, floor)
 
 
-def fit(family: list[Row], against: str, floor: float = FLOOR) -> Row:
+def fit(family: list[Measurement], against: str, floor: float = FLOOR) -> Measurement:
     """error ~ C quantity^exponent, by least squares in logarithms over the longest run of
     neighbouring settings between which slopes are alike; of runs as long as each other, over the
     tightest. Or why no exponent is seen, with the number of errors between floor and ceiling.
@@ -65,7 +65,7 @@ def fit(family: list[Row], against: str, floor: float = FLOOR) -> Row:
     }
 
 
-def finest(family: Iterable[Row], floor: float = FLOOR) -> float | None:
+def finest(family: Iterable[Measurement], floor: float = FLOOR) -> float | None:
     """Exponent of the error by the two smallest steps whose errors show one, or None."""
     (ordered,) = families(family)
     points = next(_between(ordered, "step", floor), [])
@@ -75,7 +75,7 @@ def finest(family: Iterable[Row], floor: float = FLOOR) -> float | None:
     return (above - y) / (other - x)
 
 
-def _between(family: list[Row], against: str, floor: float) -> Iterator[Points]:
+def _between(family: list[Measurement], against: str, floor: float) -> Iterator[Points]:
     """Runs of neighbouring settings with errors between floor and ceiling, tightest run first."""
     quantity = "rhs" if against == "rhs" else "setting"
     run: Points = []

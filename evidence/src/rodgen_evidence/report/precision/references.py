@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.analyse.precision.contestant import Row, words
+from rodgen.analyse.precision.contestant import Measurement, words
 from rodgen.analyse.precision.job import MEASURES, Job
 from rodgen.analyse.precision.work_precision import Reference, reference
 from rodgen_evidence.report.cases import Case
@@ -63,7 +63,9 @@ def fingerprint(table: dict[str, Any]) -> str:
     return hashlib.sha256(json.dumps(table, sort_keys=True).encode()).hexdigest()
 
 
-def measured(name: str, table: dict[str, Any], folder: str, quick: bool = False) -> list[Row]:
+def measured(
+    name: str, table: dict[str, Any], folder: str, quick: bool = False
+) -> list[Measurement]:
     """Make and keep the reference solution of a scene, with its own error estimate.
 
     Where none can be made, the row and a file beside where it would be say why.
@@ -73,7 +75,7 @@ def measured(name: str, table: dict[str, Any], folder: str, quick: bool = False)
     for old in (file, reason):
         old.unlink(missing_ok=True)
     start = time.perf_counter()
-    row: Row = {"scene": name, "n": table["rod"]["links"], **dict.fromkeys(COLUMNS)}
+    row: Measurement = {"scene": name, "n": table["rod"]["links"], **dict.fromkeys(COLUMNS)}
     row["events"] = len(table.get("events", ()))  # that no run of the report stops at
     try:
         row |= _made(name, table, folder, quick)
@@ -85,13 +87,13 @@ def measured(name: str, table: dict[str, Any], folder: str, quick: bool = False)
     return [row | {"failed": ""}]
 
 
-def _made(name: str, table: dict[str, Any], folder: str, quick: bool) -> Row:
+def _made(name: str, table: dict[str, Any], folder: str, quick: bool) -> Measurement:
     """What is known of a reference solution that was made and kept."""
     job = Job.of(name, table)
     start = time.perf_counter()
     kept = reference(job, QUICKLY if quick else SECONDS)
     seconds = time.perf_counter() - start
-    row: Row = {"method": kept.method, "order": kept.order, "tolerance": kept.tolerance}
+    row: Measurement = {"method": kept.method, "order": kept.order, "tolerance": kept.tolerance}
     row |= {key.replace("error_", "estimate_"): value for key, value in kept.estimate.items()}
     row |= {"checked_by": kept.checked_by, "check_phi": kept.estimate["error_phi"]}
     row |= {"rhs": kept.rhs}

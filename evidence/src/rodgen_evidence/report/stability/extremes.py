@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import rodgen
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.errors import InputError
 from rodgen.integrate import RunError
 from rodgen_evidence.report.stability.extremes_case import Array, Tables, Truth
@@ -43,12 +43,12 @@ ROUTES = {"c": ("c", "chain"), "numpy": ("numpy", "chain"), "numpy dense": ("num
 NOTHING = Truth(np.empty(0), "what is no number must not become one")
 
 
-def invalid() -> list[Row]:
+def invalid() -> list[Measurement]:
     """All of them take a second, so that the short report has them too."""
     return [*_scenes(), *_rates(), *_denormal()]
 
 
-def _row(case: str, target: str, method: str, said: Said) -> Row:
+def _row(case: str, target: str, method: str, said: Said) -> Measurement:
     return row((INVALID, case, N), said, NOTHING, method, target)
 
 
@@ -60,7 +60,7 @@ def _with(tables: Tables, place: tuple[str, ...], value: Any) -> Tables:
     return {**tables, head: _with(tables.get(head, {}), tuple(rest), value)}
 
 
-def _scenes() -> Iterator[Row]:
+def _scenes() -> Iterator[Measurement]:
     """A scene refuses a value that is no number, wherever it stands, and a tolerance of 1e-15."""
     given = [(place, name, value) for place in PLACES for name, value in NONE.items()]
     too_tight = (("integrate", "rtol"), "1e-15", 1e-15)
@@ -76,7 +76,7 @@ def _refused(place: tuple[str, ...], value: float) -> Said:
     return Said(WRONG, said="the scene takes it")
 
 
-def _rates() -> Iterator[Row]:
+def _rates() -> Iterator[Measurement]:
     """rhs with one state or parameter that is no number: the rates are none, or those of it."""
     scene = rodgen.Scene.from_dict(loaded())
     for name, route in ROUTES.items():
@@ -104,7 +104,7 @@ def _hides(model: ModuleType, what: str, value: float, y: Array, p: Array, at: i
         return bool(np.isfinite(model.rhs(0.0, y, p)).all())
 
 
-def _denormal() -> Iterator[Row]:
+def _denormal() -> Iterator[Measurement]:
     """Denormal states are as good as zeros; denormal parameters are refused or are zeros."""
     scene = rodgen.Scene.from_dict(loaded())
     for name, route in ROUTES.items():
@@ -161,7 +161,7 @@ def units(_: object, quick: bool, *__: object) -> list[Unit]:
     ]
 
 
-def measure(group: str, quick: bool = False) -> list[Row]:
+def measure(group: str, quick: bool = False) -> list[Measurement]:
     """All rows of a group."""
     if group == INVALID:
         return invalid()

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 import rodgen
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.errors import InputError
-from rodgen.integrate import Interrupted, RunError, Solution, StepWarning
+from rodgen.integrate import Interrupted, RunError, Solution
 from rodgen.integrate.stability import dominant, limit
 from rodgen.integrate.stepper import StepError
 from rodgen.model.methods import FIXED_STEP
@@ -66,13 +66,13 @@ def of_adaptive(truth: Truth, solution: Solution, warned: bool = False) -> Said:
     if scene.integrate.method == "gauss" or truth.positions:
         errors = {kind: e for kind, e in errors.items() if kind not in (RATES, SPEEDS)}
     off = max(errors.values())
-    how = f"{solution.stats.steps} steps by {scene.integrate.method}"
+    how = f"{solution.stats.nsteps} steps by {scene.integrate.method}"
     most = max(CAP, LOOSE * scene.integrate.rtol)
     # At worst, the rounding of all steps goes in one direction.
-    unavoidable = _unavoidable(truth, measure, max(SLACK, solution.stats.steps / 4))
+    unavoidable = _unavoidable(truth, measure, max(SLACK, solution.stats.nsteps / 4))
     slack = SLACK_OF.get(scene.integrate.method or "", SLACK)
     if scene.integrate.method == "gauss":
-        slack = max(slack, solution.stats.steps)
+        slack = max(slack, solution.stats.nsteps)
     allowed = {
         kind: min(HALF, min(slack * truth.condition * asked[kind], most) + unavoidable[kind])
         for kind in errors
@@ -95,7 +95,7 @@ def of_fixed(truth: Truth, coarse: Solution, fine: Solution, warned: bool = Fals
     kinds = [kind for kind in KINDS if not truth.positions or kind not in (RATES, SPEEDS)]
     a, b = (max(measure.errors(sol.y)[kind] for kind in kinds) for sol in (coarse, fine))
     allowed = min(HALF, TWO_DIGITS + max(_unavoidable(truth, measure).values()))
-    floor = max(_unavoidable(truth, measure, max(SLACK, fine.stats.steps / 4)).values())
+    floor = max(_unavoidable(truth, measure, max(SLACK, fine.stats.nsteps / 4)).values())
     how = f"step {coarse.scene.integrate.step:.3g} s: error {a:.1e} of the motion, "
     how += f"{fine.scene.integrate.step:.3g} s: {b:.1e}; energy balances to {balance(coarse):.1e}"
     converges = b <= max(SHRINKS * a, floor)
@@ -153,7 +153,7 @@ PATIENCE = {"c": 2.0, "numpy": 1.0}  # seconds of a run
 TIGHTEST = 1e-6  # the tightest relative tolerance of an implicit method on dense matrices
 
 
-def judge(case: Extreme, group: str = "", quick: bool = False) -> list[Row]:
+def judge(case: Extreme, group: str = "", quick: bool = False) -> list[Measurement]:
     """A row for every contestant, of the short report or of the long one."""
     truth, rows = case.truth(case.scene), []
     for method, target in contestants(case, quick):
@@ -164,7 +164,9 @@ def judge(case: Extreme, group: str = "", quick: bool = False) -> list[Row]:
     return rows
 
 
-def row(case: tuple[str, str, int], said: Said, truth: Truth, method: str, target: str) -> Row:
+def row(
+    case: tuple[str, str, int], said: Said, truth: Truth, method: str, target: str
+) -> Measurement:
     """What happened with a method on a case, which is given by its group, name and links."""
     group, name, links = case
     return {
@@ -257,9 +259,15 @@ def _run(
     except RunError as error:
         if "budget" in str(error):
             return Said(UNFINISHED, said=str(error))
-        warned = [str(one.message) for one in heard if issubclass(one.category, StepWarning)]
-        return Said(STOPPED, said="; ".join([str(error), *warned]))
-    return solution, any(issubclass(one.category, StepWarning) for one in heard)
+        return Said(STOPPED, said="; ".join([str(error), *_doubts(heard)]))
+    return solution, bool(_doubts(heard))
+
+
+def _doubts(heard: list[warnings.WarningMessage]) -> list[str]:
+    """Doubts about a run before its first step; of angles of many turns, which a case may be about,
+    none."""
+    doubts = [one.message for one in heard if isinstance(one.message, rodgen.DoubtWarning)]
+    return [str(doubt) for doubt in doubts if "turns" not in doubt.figures]
 
 
 def _adaptive(case: Extreme, truth: Truth, model: ModuleType, settings: dict[str, Any]) -> Said:

@@ -14,7 +14,7 @@ from scipy import sparse
 from scipy.linalg import eig_banded
 
 import rodgen
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.model.rod import BOUNDARIES
 from rodgen_evidence.report.peers import chain
 from rodgen_evidence.report.stability.rounding_states import ROD, Array, Extreme, extremes
@@ -110,7 +110,7 @@ def units(_: object, quick: bool, *__: object) -> list[Unit]:
     return made
 
 
-def errors(links: int, boundary: str = "free", inertia: str = "uniform") -> list[Row]:
+def errors(links: int, boundary: str = "free", inertia: str = "uniform") -> list[Measurement]:
     """All forms at all extremes."""
     structure = rodgen.Structure(links, boundary, inertia)
     forms = {
@@ -118,14 +118,14 @@ def errors(links: int, boundary: str = "free", inertia: str = "uniform") -> list
         for name, (target, form) in FORMS.items()
         if form == "chain" or links <= MOST
     }
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     for extreme in extremes(links):
         if extreme.few or links <= MOST:
             rows += _judged(forms, extreme, DRAWS if links <= MOST else 1)
     return rows
 
 
-def _judged(forms: Mapping[str, ModuleType], extreme: Extreme, draws: int) -> list[Row]:
+def _judged(forms: Mapping[str, ModuleType], extreme: Extreme, draws: int) -> list[Measurement]:
     model = next(iter(forms.values()))
     y, values = state(model, extreme), parameters(model, extreme)
     p = model.parameters(**values)
@@ -133,7 +133,7 @@ def _judged(forms: Mapping[str, ModuleType], extreme: Extreme, draws: int) -> li
     unit = Units(model, values, truth)
     inputs = unit.off_inputs(y, draws)
     conditions = {"chain": chain_condition(model, y), "dense": dense_condition(model, y, p)}
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     for form, module in forms.items():
         with np.errstate(all="ignore"):
             got = module.rhs(0.0, y, p)

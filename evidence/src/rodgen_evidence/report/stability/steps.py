@@ -16,7 +16,7 @@ from pandas import DataFrame
 from scipy.linalg import eigh
 
 import rodgen
-from rodgen.analyse.precision.contestant import Row
+from rodgen.analyse.precision.contestant import Measurement
 from rodgen.integrate.stability import dominant, limit
 from rodgen_evidence.report import cases
 from rodgen_evidence.report.unit import Unit
@@ -180,9 +180,9 @@ def units(_: object, quick: bool, *__: object) -> list[Unit]:
     return [*made, Unit("steps", "steps-table", f"{__name__}:table_4_1", table, timed=False)]
 
 
-def against_links(links: int, ratios: Sequence[float] = RATIOS) -> list[Row]:
+def against_links(links: int, ratios: Sequence[float] = RATIOS) -> list[Measurement]:
     """All methods at all damping ratios."""
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     for ratio in ratios:
         trial, text = straight(links, values(links, ratio)), described(ratio)
         rows += [row(trial, method, text, ratio) for method in (*FIXED, "dop853")]
@@ -190,9 +190,9 @@ def against_links(links: int, ratios: Sequence[float] = RATIOS) -> list[Row]:
     return rows
 
 
-def table_4_1(links: Sequence[int]) -> list[Row]:
+def table_4_1(links: Sequence[int]) -> list[Measurement]:
     """The thesis's three methods at its numbers of links, with the damping that its table fits."""
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     text = f"c_int = {DAMPING:g} m^2/s, fitted to table 4.1"
     for printed in TABLE_4_1[TABLE_4_1["links"].isin(links)].itertuples():
         trial = straight(printed.links, {**ROD, "internal_damping": DAMPING})
@@ -244,7 +244,7 @@ def eigenvalues(omega: float, ratio: float) -> tuple[complex, complex]:
     return omega * (-ratio + sign * root), omega * (-ratio - sign * root)
 
 
-def row(trial: Trial, method: str, damping: str, ratio: float) -> Row:
+def row(trial: Trial, method: str, damping: str, ratio: float) -> Measurement:
     """A method's largest stable step, tried and as theory has it."""
     rate = abs(eigenvalues(trial.mode.omega, ratio)[0])
     found = largest(lambda step: grows(trial, method, step), rate)
@@ -252,14 +252,16 @@ def row(trial: Trial, method: str, damping: str, ratio: float) -> Row:
     return _row(trial, method, damping, ratio, found, how)
 
 
-def own_row(trial: Trial, damping: str, ratio: float) -> Row:
+def own_row(trial: Trial, damping: str, ratio: float) -> Measurement:
     """The step that dop853 takes by itself where its tolerances ask for nothing."""
     found, growth = own_step(trial)
     how = f"the step that it takes where every error is tolerated; disturbance {growth:.3g}-fold"
     return _row(trial, OWN, damping, ratio, found, how) | {"growth": growth}
 
 
-def _row(trial: Trial, method: str, damping: str, ratio: float, found: float, how: str) -> Row:
+def _row(
+    trial: Trial, method: str, damping: str, ratio: float, found: float, how: str
+) -> Measurement:
     value, partner = eigenvalues(trial.mode.omega, ratio)
     theory = limit("dop853" if method == OWN else method, value, partner)
     iterated = dominant(trial.model, 0.0, np.zeros(len(trial.model.STATE)), trial.p)

@@ -83,7 +83,7 @@ def run(
     return row | {
         "errors": errors,
         "seconds": done.seconds,
-        "steps": done.solution.stats.steps,
+        "steps": done.solution.stats.nsteps,
     }
 
 

@@ -20,12 +20,13 @@ from matplotlib.axes import Axes
 from PIL import Image
 
 import rodgen
-from rodgen import shown
+from rodgen import display
 from rodgen.analyse.curves.files import read, save
+from rodgen.dataset_result import show_in_notebook
+from rodgen.display import Plottable, Tabular
 from rodgen.errors import InputError
 from rodgen.show.animation import files
-from rodgen.show.appearance import LOOKS
-from rodgen.shown import Shown, Told, show_in_notebook
+from rodgen.show.appearance import PICTURES_OF
 from tests.view.results import MAKERS, SCENE, made
 
 # A number that the table of each has to have.
@@ -41,14 +42,15 @@ SHOWN: dict[str, Callable[[Any], str]] = {
     "Spectrum": lambda one: f"{one.frequencies[0]:.10g}",
     "Extrapolation": lambda one: "2",
     "SimulatedCritical": lambda one: "2.5",
-    "WorkPrecision": lambda one: "1.00e-08",
+    "WorkPrecision": lambda one: "1.0e-08",
     "Study": lambda one: "2.5",
+    "Description": lambda one: f"{one.mass:.9g}",
     "Ensemble": lambda one: f"{one['max(phi_2)'][0]:.6g}",
 }
 QUICKLY = ("Modes", "Spectrum")  # in next to no time
-DRAWN = [name for name in SHOWN if issubclass(getattr(rodgen, name), Shown)]
+DRAWN = [name for name in SHOWN if issubclass(getattr(rodgen, name), Plottable)]
 # What says itself in a line as it is: named tuples and descriptions, errors apart.
-PLAIN = {"Event", "Structure", "System"}
+PLAIN = {"Event", "Note", "Result", "Structure", "System"}
 
 
 @pytest.fixture(autouse=True)
@@ -58,12 +60,13 @@ def closed() -> Iterator[None]:
 
 
 def test_every_class_that_shows_itself_is_here() -> None:
-    assert {kind.__name__ for kind in LOOKS} == set(SHOWN) == set(MAKERS)
+    assert {kind.__name__ for kind in PICTURES_OF} == set(DRAWN)
+    assert set(SHOWN) == set(MAKERS)
     public = {name: getattr(rodgen, name) for name in rodgen.__all__}
     kinds = {name: one for name, one in public.items() if isinstance(one, type)}
     results = {name for name, one in kinds.items() if not issubclass(one, BaseException)}
     assert results - PLAIN == set(SHOWN)
-    assert all(issubclass(kinds[name], Told) for name in SHOWN)
+    assert all(issubclass(kinds[name], Tabular) for name in SHOWN)
 
 
 def test_a_line_a_picture_and_a_table() -> None:
@@ -85,6 +88,12 @@ def test_a_line_a_picture_and_a_table() -> None:
         assert pyplot.get_fignums() == []  # a notebook would show such a figure a second time
 
 
+def test_notebooks_show_what_is_doubtful() -> None:
+    unstable = rodgen.natural_modes(SCENE.replace({"loads.follower.force": 500.0}))
+    assert unstable.doubts
+    assert all(f"doubt: {escape(one.text)}" in unstable._repr_html_() for one in unstable.doubts)
+
+
 # Those of one or two pictures are seen by the table above, too.
 @pytest.mark.parametrize(
     "name", [n if n in QUICKLY else pytest.param(n, marks=pytest.mark.slow) for n in DRAWN]
@@ -97,7 +106,7 @@ def test_plots_are_those_of_pyplot_and_return_axes(name: str) -> None:
     assert axes.has_data()
     figure = pyplot.figure(figsize=(8, 4), layout="constrained")
     left, right = figure.subfigures(1, 2)
-    for picture, part in zip(LOOKS[type(one)].pictures, (left, right), strict=False):
+    for picture, part in zip(PICTURES_OF[type(one)], (left, right), strict=False):
         assert one.plot(picture, figure=part).figure is part
     assert tuple(figure.get_size_inches()) == (8, 4)
     with pytest.raises(InputError, match=r"^picture = 'none'"):
@@ -111,8 +120,8 @@ def test_what_draws_is_looked_up_once_and_not_before(monkeypatch: pytest.MonkeyP
         asked.append(group)
         return entry_points(**group)
 
-    monkeypatch.setattr(shown, "entry_points", looked_up)
-    shown.drawer.cache_clear()
+    monkeypatch.setattr(display, "entry_points", looked_up)
+    display.drawer.cache_clear()
     modes = made("Modes")
     assert repr(modes)
     assert asked == []
@@ -122,8 +131,8 @@ def test_what_draws_is_looked_up_once_and_not_before(monkeypatch: pytest.MonkeyP
 
 
 def test_an_installation_without_pictures_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(shown, "entry_points", lambda **_: EntryPoints(()))
-    shown.drawer.cache_clear()
+    monkeypatch.setattr(display, "entry_points", lambda **_: EntryPoints(()))
+    display.drawer.cache_clear()
     for draw in (made("Modes").plot, made("Modes")._repr_html_):
         with pytest.raises(ImportError, match=re.escape("rodgen.pictures")):
             draw()
@@ -215,7 +224,7 @@ def mode() -> xarray.Dataset:
 def study() -> xarray.Dataset:
     pytest.importorskip("zarr", reason="the extra study is not installed")
     vary = {"loads.tip.y": [-1.0, -1.5, -2.0]}
-    return rodgen.study(PRESSED, vary, what="modes", keep=["frequency"], workers=1)
+    return rodgen.study(PRESSED, vary, what="modes", keep=["frequencies"], workers=1)
 
 
 @pytest.mark.parametrize(

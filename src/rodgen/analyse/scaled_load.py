@@ -1,0 +1,117 @@
+"""The load whose size is scaled: which one, by which numbers, in which unit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.errors import InputError, Missing
+from rodgen.model.term import WEIGHT, Term
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene
+from rodgen.system import System
+
+FOLLOWER, FOLLOWERS, ALL = "follower", "followers", "all"
+# Several loads that are scaled by one factor.
+GROUPS = {FOLLOWERS: "factor of all follower forces", ALL: "factor of all loads"}
+# What a critical load is asked for by: the table of a load, of several the name, or a group.
+SCALABLE = (*(term.table for term in TERMS.values() if term.sizes), *GROUPS)
+
+
+def scaled(load: str) -> Term | None:
+    """The load of a name, None of a group. Raises InputError for one that cannot be scaled."""
+    if load in GROUPS:
+        return None
+    tables = {term.table: term for term in TERMS.values()}
+    term = TERMS[load] if load in TERMS else tables.get(load)
+    if term is None or not term.sizes:
+        raise InputError("load", load, f"one of {', '.join(SCALABLE)}")
+    return term
+
+
+def unit_of(load: str) -> str:
+    """The unit of the size of a load."""
+    term = scaled(load)
+    return "times the loads" if term is None else "N" if term.spread else term.sizes[0].unit
+
+
+def label_of(load: str) -> str:
+    """What is scaled, in words."""
+    term = scaled(load)
+    return GROUPS[load] if term is None else term.label
+
+
+def parameter_of(load: str) -> str:
+    """What a load is compared with EI/L^2 by, in letters."""
+    term = scaled(load)
+    return GROUPS[load] if term is None else f"{term.symbol} L^2/EI"
+
+
+def default_load(system: System) -> str:
+    """The first load of a system that follows the rod; the follower force, where there is none."""
+    return next((name for name in system.load_terms if TERMS[name].follows), FOLLOWER)
+
+
+@dataclass(frozen=True)
+class ScaledLoad:
+    """name: which load; parts: its parameters at the size one; unit: a size that matters, by
+    which a search steps; reference: the size whose multiple is the factor of a critical load;
+    applied: the size that the scene itself has."""
+
+    name: str
+    parts: dict[str, Any]
+    unit: float
+    reference: float
+    applied: float
+
+    @classmethod
+    def of(cls, name: str, rod: SteadyRod) -> ScaledLoad:
+        """A load of one size, such as a follower force [N] or gravity [m/s^2], whatever the scene's
+        own is; one of several components, such as a dead force [N], in the direction of the
+        scene's; one of a number for every link as a force [N] on the whole rod that is distributed
+        as the scene's; or a group of them as multiples of what the scene has. Raises InputError for
+        a load that the scene lacks."""
+        scene, term = rod.scene, scaled(name)
+        along = scene.distribution
+        if along.usual_stiffness == 0:
+            raise InputError("rod.bending_stiffness", 0.0, "positive: a chain bears no thrust")
+        if scene.slack:
+            allowed = "of a slope above 0 at d = 0: a straight rod bears no thrust"
+            raise InputError("rod.spring", scene.rod.spring, allowed)
+        every = [TERMS[one] for one in scene.loads.terms]
+        terms = [row for row in every if row.name == term.name] if term else every
+        if name == FOLLOWERS:
+            terms = [row for row in every if row.follows]
+        here = {
+            one.name: (np.asarray(rod.system.values(one.name)), _per_size(row, scene))
+            for row in terms
+            for one in row.sizes
+        }
+        place = f"loads.{name}" if term else "loads"
+        if not here:
+            found = ", ".join((*(row.name for row in every if row.sizes), *GROUPS))
+            raise InputError(place, Missing(), f"given: its size is asked for (there is {found})")
+        force = along.usual_stiffness / scene.rod.length**2
+        if term and term.has_size:
+            unit = force / _per_size(term, scene)
+            (own,) = (float(value) for value, _ in here.values())
+            return cls(name, dict.fromkeys(here, 1.0), unit, unit, own)
+        forces = [np.abs(value).sum() * per_size for value, per_size in here.values()]
+        if not any(forces):
+            raise InputError(place, 0.0, "not zero: its direction is that of the scene")
+        parts = {key: value for key, (value, _) in here.items()}
+        if term:
+            size = float(np.hypot.reduce(forces))
+            parts = {key: value / size for key, value in parts.items()}
+            return cls(name, parts, force, force, size)
+        return cls(name, parts, force / float(sum(forces)), 1.0, 1.0)
+
+
+def _per_size(term: Term, scene: Scene) -> float:
+    """The force [N] of a load of size one on the rod, or on a link of it."""
+    if term.spread:
+        return scene.rod.length / scene.rod.links
+    return scene.mass if term.kind == WEIGHT else 1.0

@@ -1,0 +1,396 @@
+"""Results: rows of numbers that have names, units and words, and notes on how far to trust them."""
+
+from __future__ import annotations
+
+import json
+import math
+import numbers
+import re
+import sys
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field, replace
+from functools import wraps
+from typing import Any, ClassVar, ParamSpec, Self, TypeVar
+
+import numpy as np
+
+from rodgen.display import Tabular
+from rodgen.errors import DoubtWarning
+
+DOUBT, REMARK, NOTES = "doubt", "remark", "notes"
+UNKNOWN = -1  # of what is neither true nor false, in a study
+
+
+@dataclass(frozen=True)
+class Note:
+    """A sentence on a result.
+
+    kind: "doubt" for what makes its numbers doubtful, "remark" for what else to know; text: the
+    sentence; figures: the numbers that it rests on, by name, in SI units.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> tilted = rodgen.Scene.example("missile").replace({"loads.follower.angle": 30.0})
+    >>> note = rodgen.describe(tilted).notes[0]
+    >>> note.kind, round(note.figures["turns"], 1), note.to_dict()["text"] == note.text
+    ('doubt', 4.8, True)
+    """
+
+    kind: str
+    text: str
+    figures: Mapping[str, float] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __hash__(self) -> int:
+        return hash((self.kind, self.text))
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data for JSON."""
+        return {"kind": self.kind, "text": self.text, "figures": plain_data(self.figures)}
+
+
+def doubt(text: str, **figures: float) -> Note:
+    """Return a note on why numbers are doubtful."""
+    return Note(DOUBT, text, figures)
+
+
+def remarks(texts: Iterable[str]) -> tuple[Note, ...]:
+    """Return notes that make nothing doubtful."""
+    return tuple(Note(REMARK, text) for text in texts)
+
+
+@dataclass(frozen=True)
+class Kept:
+    """How a study keeps a row: always, unless it is told what to keep (usual), as an array of this
+    type as NumPy writes it, with a value (fill) where nothing was found; several: how many of
+    several numbers."""
+
+    usual: bool = False
+    dtype: str = "f8"
+    fill: Any = math.nan
+    several: int = 0
+
+
+USUAL, ASKED = Kept(usual=True), Kept()
+FLAG, WORD = Kept(True, "i8", UNKNOWN), Kept(True, "U12", "")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity of a result.
+
+    name: its attribute, and its key in `to_dict`; words: what it is; unit: empty if dimensionless,
+    "{unit}" for that of the result; format: of a number in a table; of: its value, by default the
+    attribute; text: the value in words where a number with its unit is not enough, or several
+    lines by their names, None where the table leaves it out; along: what an array has a value for
+    each of, such as "mode", whose table it is a column of; kept: how a study keeps it, None if it
+    cannot; unknown: number that stands for what is not known in an array of whole ones.
+    """
+
+    name: str
+    words: str
+    unit: str = ""
+    format: str = ".10g"
+    of: Callable[[Any], Any] | None = None
+    text: Callable[[Any], str | Mapping[str, str] | None] | None = None
+    along: str = ""
+    kept: Kept | None = None
+    unknown: int | None = None
+
+    def value(self, result: Any) -> Any:
+        """Its value in a result."""
+        return getattr(result, self.name) if self.of is None else self.of(result)
+
+    def unit_in(self, result: Any) -> str:
+        """Its unit in a result."""
+        return self.unit.format(unit=getattr(result, "unit", ""))
+
+
+def hidden(_: object) -> None:
+    """Leave a row out of tables."""
+
+
+def in_degrees(angle: float) -> str:
+    """Return an angle [rad] as text, in degrees as well."""
+    return f"{angle:.12g} rad = {math.degrees(angle):.6g} degrees"
+
+
+@dataclass(frozen=True)
+class ResultTable:
+    """Rows of text under the names of their columns; with two that have none, names and values."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+    @classmethod
+    def of_values(cls, values: Mapping[str, str]) -> ResultTable:
+        """Make a table of names and values."""
+        return cls(("", ""), tuple(values.items()))
+
+    @classmethod
+    def of_rows(cls, columns: Iterable[str], rows: Iterable[Iterable[str]]) -> ResultTable:
+        """Make a table with a heading."""
+        return cls(tuple(columns), tuple(map(tuple, rows)))
+
+    def __str__(self) -> str:
+        lines = [self.columns, *self.rows] if any(self.columns) else [*self.rows]
+        widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+        return "\n".join(
+            "  ".join(cell.ljust(w) for cell, w in zip(line, widths, strict=True)).rstrip()
+            for line in lines
+        )
+
+
+class Result(Tabular):
+    """What an analysis or a run returns: numbers with names, units and words, and notes on them.
+
+    ROWS: what it has, in order; notes: what to know about its numbers.
+
+    Examples
+    --------
+    >>> import rodgen
+    >>> found = rodgen.natural_modes(rodgen.Scene.example("ziegler").replace(
+    ...     {"loads.follower.force": 3.0}))
+    >>> found.doubts[0].text, found.to_dict()["stable"]
+    ('this state is unstable: mode 1 grows', False)
+    >>> print(found.tables()[0].rows[0])
+    ('stable', 'no')
+    """
+
+    ROWS: ClassVar[tuple[Row, ...]] = ()
+    notes: tuple[Note, ...] = ()
+
+    def __dir__(self) -> list[str]:
+        """What an editor offers."""
+        return [name for name in super().__dir__() if name != "ROWS"]
+
+    @property
+    def doubts(self) -> tuple[Note, ...]:
+        """The notes that say why its numbers are doubtful."""
+        return tuple(note for note in self.notes if note.kind == DOUBT)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Its rows by name and its notes, as plain data for JSON: numbers that are not finite are
+        None, complex ones [real, imaginary]."""
+        made = {row.name: plain_data(row.value(self)) for row in self.ROWS}
+        return made | {NOTES: [note.to_dict() for note in self.notes]}
+
+    def with_notes(self, notes: tuple[Note, ...]) -> Self:
+        """The same with further notes.
+
+        notes: that come after its own.
+        """
+        given: Any = self  # a dataclass
+        made: Self = replace(given, notes=(*self.notes, *notes))
+        return made
+
+    def tables(self) -> list[ResultTable]:
+        """Its rows in words: a table of what has one value, and one each of what has several."""
+        return tables(self.ROWS, self)
+
+    def __str__(self) -> str:
+        parts = [repr(self), *map(str, self.tables())]
+        return "\n".join([*parts, *(f"{note.kind}: {note}" for note in self.notes)])
+
+
+def plain_data(value: Any) -> Any:
+    """Return a value as JSON has it: None for a number that is not finite."""
+    match value:
+        case None | bool() | str():
+            return value
+        case np.ndarray() | np.generic():
+            return plain_data(value.tolist())
+        case Mapping():
+            return {str(key): plain_data(one) for key, one in value.items()}
+        case numbers.Integral():
+            return int(value)
+        case numbers.Real():
+            return float(value) if math.isfinite(value) else None
+        case numbers.Complex():
+            return [plain_data(value.real), plain_data(value.imag)]
+        case _:
+            return [plain_data(one) for one in value]
+
+
+def tables(rows: Iterable[Row], result: Any) -> list[ResultTable]:
+    """Return the tables of a result: of what has one value, and of what has one for each mode or
+    the like."""
+    values, columns = dict[str, str](), dict[str, list[Row]]()
+    for row in rows:
+        if row.along:
+            columns.setdefault(row.along, []).append(row)
+        else:
+            values |= _lines(row, result)
+    made = [ResultTable.of_values(values)] if values else []
+    return made + [_columns(along, some, result) for along, some in columns.items()]
+
+
+def side_by_side(results: Sequence[Result], names: Iterable[str]) -> ResultTable:
+    """Return a table of several results of a kind, a line each, with the rows of some names."""
+    rows = [row for row in results[0].ROWS if row.name in names]
+    lines = [
+        (str(number), *(" ".join(text for _, text in _lines(row, one)) for row in rows))
+        for number, one in enumerate(results, 1)
+    ]
+    return ResultTable.of_rows(("", *(row.words for row in rows)), lines)
+
+
+def _lines(row: Row, result: Any) -> Iterator[tuple[str, str]]:
+    """The lines of a row: of several values by name, one each."""
+    if row.text is not None:
+        text = row.text(result)
+        lines = text if isinstance(text, Mapping) else {} if text is None else {row.words: text}
+        yield from lines.items()
+        return
+    value, unit = row.value(result), row.unit_in(result)
+    if isinstance(value, Mapping):
+        for name, one in value.items():
+            yield row.words.format(name), text_of(one, row.format, unit)
+    else:
+        yield row.words, text_of(value, row.format, unit)
+
+
+def text_of(value: Any, form: str, unit: str = "") -> str:
+    """Return a value in words, with its unit."""
+    if isinstance(value, np.generic | np.ndarray):
+        value = value.tolist()
+    match value:
+        case None:
+            return "not known"
+        case bool():
+            return "yes" if value else "no"
+        case str():
+            return value
+        case int():
+            text = str(value)
+        case numbers.Real():
+            text = f"{value:{form}}"
+        case numbers.Complex():
+            text = f"{value.real:{form}} {value.imag:+{form}} i"
+        case _:
+            text = f"({', '.join(text_of(one, form) for one in value)})"
+    return f"{text} {unit}" if unit else text
+
+
+def _columns(along: str, rows: list[Row], result: Any) -> ResultTable:
+    """A table with a line for each of several, and a column for each row that is not left out."""
+    shown = [row for row in rows if row.text is None or row.text(result) is not None]
+    numbers = "" if along in (row.words for row in shown) else along
+    titles, cells = [numbers], [_numbers(row.value(result)) for row in shown]
+    for row in shown:
+        unit = row.unit_in(result)
+        titles.append(f"{row.words} [{unit}]" if unit else row.words)
+    lines = [
+        (str(at + 1), *(text_of(cell, row.format) for cell, row in zip(line, shown, strict=True)))
+        for at, line in enumerate(zip(*cells, strict=True))
+    ]
+    return ResultTable.of_rows(titles, lines)
+
+
+def _numbers(values: Any) -> list[Any]:
+    return list(values.tolist() if isinstance(values, np.ndarray) else values)
+
+
+# Warnings ---------------------------------------------------------------------------------------
+
+# The doubts of runs within an analysis; None outside, where they are warned of at once.
+_told: ContextVar[list[Note] | None] = ContextVar("told", default=None)
+NUMBER = re.compile(r"\d+")  # that does not make one doubt another
+BETWEEN = ("functools", "contextlib")  # modules through which the package calls itself
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def warns_of_doubts(function: Callable[P, R]) -> Callable[P, R]:
+    """Make a function warn of the doubts of what it returns, each once, with those of the runs that
+    it has made among them; where it is called by another one that does, it leaves that to it."""
+
+    @wraps(function)
+    def run(*args: P.args, **kwargs: P.kwargs) -> R:
+        if _told.get() is not None:
+            return function(*args, **kwargs)
+        told = list[Note]()
+        try:
+            with silent() as told:
+                found = function(*args, **kwargs)
+        except Exception:
+            warn_of(told)
+            raise
+        whole: R = _with_doubts(found, told)
+        warn_of(_doubts_of(whole))
+        return whole
+
+    return run
+
+
+@contextmanager
+def silent() -> Iterator[list[Note]]:
+    """Warn of no doubts inside; gives a list of those that runs have told."""
+    told = list[Note]()
+    token = _told.set(told)
+    try:
+        yield told
+    finally:
+        _told.reset(token)
+
+
+def warn_of(notes: Iterable[Note]) -> None:
+    """Warn of the doubts among notes, each once; within an analysis, tell them to it."""
+    doubts = {note.text: note for note in notes if note.kind == DOUBT}.values()
+    told = _told.get()
+    if told is not None:
+        told.extend(doubts)
+        return
+    for note in doubts:
+        warnings.warn(DoubtWarning(note.text, note.figures), stacklevel=_outside())
+
+
+def _outside() -> int:
+    """How many calls up, for who called this, the first is that is not within the package."""
+    package, level, frame = __name__.partition(".")[0], 1, sys._getframe(1)
+    while frame.f_back is not None:
+        name = frame.f_globals.get("__name__", "")
+        if not name.startswith(f"{package}.") and name not in BETWEEN:
+            break
+        frame, level = frame.f_back, level + 1
+    return level
+
+
+def _with_doubts(found: Any, told: list[Note]) -> Any:
+    """A result or a Dataset with doubts of the runs that led to it, one of each kind."""
+    kinds = {NUMBER.sub("", note.text): note for note in reversed(told)}
+    if not kinds:
+        return found
+    if isinstance(found, Result):
+        return found.with_notes(tuple(kinds.values())[::-1])
+    if NOTES in getattr(found, "attrs", ()):
+        notes = *notes_from(found.attrs), *tuple(kinds.values())[::-1]
+        return found.assign_attrs({NOTES: notes_as_text(notes)})
+    return found
+
+
+def _doubts_of(found: Any) -> Iterator[Note]:
+    """The doubts of a result, of a Dataset, or of several of them."""
+    if isinstance(found, list):
+        for one in found:
+            yield from _doubts_of(one)
+    elif isinstance(found, Result):
+        yield from found.doubts
+    elif isinstance(known := getattr(found, "rodgen", None), Result):
+        yield from known.doubts
+
+
+def notes_from(attributes: Mapping[str, Any]) -> tuple[Note, ...]:
+    """Return the notes among the attributes of a Dataset."""
+    return tuple(Note(**one) for one in json.loads(attributes[NOTES]))
+
+
+def notes_as_text(notes: Iterable[Note]) -> str:
+    """Return notes as an attribute of a Dataset."""
+    return json.dumps([note.to_dict() for note in notes])

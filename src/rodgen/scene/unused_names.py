@@ -1,0 +1,27 @@
+"""Names in a scene that nothing of it uses."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from typing import Any
+
+from rodgen.scene import grammar
+from rodgen.scene.files import TABLES
+from rodgen.scene.grammar import TABLE
+from rodgen.scene.keys import NUMBERS, named_numbers, texts
+
+
+def unused_names(
+    given: dict[str, Any], numbers: Collection[str], tables: Collection[str]
+) -> Iterator[str]:
+    """Yield a sentence on each number and table that no expression in the tables of a scene
+    names."""
+    named = named_numbers(given)
+    for name in numbers:
+        if name not in named:
+            yield f"no expression names {NUMBERS}.{name}"
+    trees = [grammar.parse(text, "") for text in texts(given) if tables and TABLE in text]
+    read = {name for tree in trees if tree for name in grammar.table_names(tree)}
+    for name in tables:
+        if repr(name) not in read:
+            yield f"no expression names {TABLES}.{name}"
