@@ -73,6 +73,7 @@ def test_editors_offer_what_the_pages_show_and_not_what_extending_needs() -> Non
     module = rodgen.build(made("Scene"), "numpy")
     assert not {"np", "math", "sys", "dpbsv"} & {*dir(module)}
     assert {"rhs", "jac", "energy", "STATE"} <= {*dir(module)}
+    assert not [name for name in dir(module) if name.startswith("WEIGHT")]
 
 
 def _holes(name: str) -> Iterator[str]:

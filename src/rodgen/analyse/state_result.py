@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from functools import cached_property
 
+from rodgen.analyse.steady_rod import AtOneTime
 from rodgen.result import Result, Row, hidden
-from rodgen.scene import Scene
-from rodgen.system import System
 from rodgen.system.instant import describe_instant, inactive_loads
 
 TIME = (
@@ -16,21 +15,8 @@ TIME = (
 )
 
 
-class StateResult(Result):
+class StateResult(AtOneTime, Result):
     """A result about a steady state. system: the rod, with the loads of one time."""
-
-    system: System
-
-    @property
-    def scene(self) -> Scene:
-        """The scene, with the loads of that time."""
-        return self.system.scene
-
-    @property
-    def t(self) -> float:
-        """Time at which the loads are taken [s]."""
-        assert self.system.t is not None
-        return self.system.t
 
     @property
     def _scaled(self) -> Collection[str]:

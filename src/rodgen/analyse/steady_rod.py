@@ -91,8 +91,25 @@ class Unknowns(NamedTuple):
         return Unknowns(*(a + times * b for a, b in zip(self, by, strict=True)))
 
 
+class AtOneTime:
+    """What has a system whose loads are those of one time."""
+
+    system: System
+
+    @property
+    def scene(self) -> Scene:
+        """The scene, with the loads of that time."""
+        return self.system.scene
+
+    @property
+    def t(self) -> float:
+        """Time at which the loads are taken [s]."""
+        assert self.system.t is not None
+        return self.system.t
+
+
 @dataclass(frozen=True)
-class SteadyRod:
+class SteadyRod(AtOneTime):
     """A rod whose loads are those of one time, its module, and how it flies.
 
     system: its loads are numbers, those at the time t [s]; speed: at which a free rod moves along
@@ -115,17 +132,6 @@ class SteadyRod:
         rod = cls(system)
         along, across = rod._motion() if speed is None else (speed, 0.0)
         return replace(rod, speed=along, across=across)
-
-    @property
-    def scene(self) -> Scene:
-        """Its scene, in which loads are numbers."""
-        return self.system.scene
-
-    @property
-    def t(self) -> float:
-        """The time of its loads [s]."""
-        assert self.system.t is not None
-        return self.system.t
 
     @cached_property
     def model(self) -> ModuleType:

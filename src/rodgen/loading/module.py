@@ -78,7 +78,7 @@ class Model(ModuleType):
         more = () if self._more is None else offered(self.PROVENANCE["target"])
         later = {name for part in more for name in PARTS[part]} - SOME_HAVE
         names = {*super().__dir__(), *later}
-        return sorted(names - self.__dict__.get("_IMPORTED", set()))
+        return sorted(names - self.__dict__.get("_INSIDE", set()))
 
     def __copy__(self) -> Self:
         return self
