@@ -10,7 +10,7 @@ import mpmath as mp
 import numpy as np
 
 import rodgen
-from rodgen.analyse.cycles.branches import hopf_of
+from rodgen.analyse.cycles.hopf_start import first_hopf
 from rodgen.analyse.cycles.periodic_motion import find_cycle
 from rodgen.analyse.cycles.search import Search
 from rodgen.check.by_hand import ByHand
@@ -95,7 +95,7 @@ def beside_hopf(scene: Scene, ends: tuple[float, float]) -> tuple[Any, list[floa
     """The Hopf point of a thrust between these; and of two cycles beside it, one of half the
     amplitude of the other, how far their periods are from those of the normal form."""
     search = Search.of(System(scene))
-    hopf, flow = hopf_of(search, ParameterRange(search.system, FORCE, ends))
+    hopf, flow = first_hopf(search, ParameterRange(search.system, FORCE, ends))
     errors = []
     for amplitude in (0.06, 0.03):
         x, value, period = hopf.beside(amplitude)

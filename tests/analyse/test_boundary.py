@@ -9,9 +9,10 @@ import pytest
 
 import rodgen
 from rodgen.analyse.branches.boundary import stability_boundary
-from rodgen.analyse.branches.boundary_equations import Boundary, Matrices, Scale
+from rodgen.analyse.branches.boundary_equations import Boundary, Scale
 from rodgen.analyse.branches.outline import Outline
 from rodgen.analyse.curves.continuation import Steps
+from rodgen.analyse.pencil import Parts
 from rodgen.errors import AnalysisError
 from tests.analyse.rods import FORCE, ONES, eigenvalues, rod
 from tests.sets import sets
@@ -109,14 +110,14 @@ class Pair:
 
     keys, added = ("a", "b"), 0
 
-    def at(self, a: float, b: float) -> Matrices:
+    def at(self, a: float, b: float) -> Parts:
         K, M = np.diag([1.0, 9.0]), np.eye(2)
         C = np.array([[1.0 - a, 0.0], [0.0, 1.0 - b]])
-        return Matrices(K, C, M)
+        return Parts(K, C, M)
 
-    def slopes(self, a: float, b: float) -> tuple[Matrices, Matrices]:
+    def slopes(self, a: float, b: float) -> tuple[Parts, Parts]:
         nothing = np.zeros((2, 2))
-        by = (Matrices(nothing, np.diag(way), nothing) for way in ([-1.0, 0.0], [0.0, -1.0]))
+        by = (Parts(nothing, np.diag(way), nothing) for way in ([-1.0, 0.0], [0.0, -1.0]))
         return next(by), next(by)
 
 

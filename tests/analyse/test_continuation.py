@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
-from rodgen.analyse.curves.bordered import Bordered, Matrix
+from rodgen.analyse.bordered import Bordered, Matrix
 from rodgen.analyse.curves.continuation import continued, started
 from rodgen.analyse.curves.curve import BRANCH, FOLD, Curve, Point, Problem
 from rodgen.arrays import Array

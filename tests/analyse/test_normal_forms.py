@@ -10,8 +10,8 @@ import pytest
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.curves.continuation import continued, started
 from rodgen.analyse.curves.curve import BRANCH, Problem
-from rodgen.analyse.cycles.branches import hopf_of
 from rodgen.analyse.cycles.hopf import normal_form
+from rodgen.analyse.cycles.hopf_start import first_hopf
 from rodgen.analyse.cycles.search import Search
 from rodgen.arrays import Array
 from rodgen.scene import Scene
@@ -54,7 +54,7 @@ def test_the_motion_of_a_hopf_point_has_its_largest_angle_one() -> None:
     states = {name: {"rate": f"1000*phi({at}) - {name}"} for name, at in (("a", 0.5), ("b", 1.0))}
     scene = Scene.from_dict(COLUMN.model_dump(exclude_none=True) | {"states": states})
     search = Search.of(System(scene), "numpy")
-    hopf, _ = hopf_of(search, ParameterRange(search.system, FORCE, (8.0, 22.0)))
+    hopf, _ = first_hopf(search, ParameterRange(search.system, FORCE, (8.0, 22.0)))
     assert np.abs(hopf.way[:3]).max() == pytest.approx(1.0)
     assert np.abs(hopf.way).max() > 10
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import eigvalsh
 from scipy.sparse.linalg import splu
 
-from rodgen.analyse.curves.bordered import sign_of
+from rodgen.analyse.bordered import sign_of
 from rodgen.analyse.modal import MOST_DENSE
 from rodgen.analyse.pencil import SINGULAR, Cells, Dense, sparse
 from rodgen.analyse.springs import Softened

@@ -126,9 +126,14 @@ class Quadratic:
         return self.S0, self.S1, self.S2
 
     @property
+    def damping(self) -> float:
+        """How strong the effect of rates is, in comparison with stiffness and inertia."""
+        return _damping(*self.parts)
+
+    @property
     def damped(self) -> bool:
         """Whether rates have an effect."""
-        return bool(abs(self.S1).sum())
+        return self.damping > NO_DRAG
 
     def at(self, s: complex) -> Any:
         """S(s)."""
@@ -204,10 +209,14 @@ class Dense:
     terms: Matrix | None = None
 
     @property
+    def damping(self) -> float:
+        """How strong the effect of rates is, as of other linearised equations."""
+        return _damping(*self.parts)
+
+    @property
     def damped(self) -> bool:
         """Whether rates have an effect, beyond the rounding of one that has none."""
-        stiff, drag, inertia = (float(np.abs(part).max(initial=0.0)) for part in self.parts)
-        return bool(drag > NO_DRAG * np.sqrt(stiff * inertia))
+        return self.damping > NO_DRAG
 
     def at(self, s: complex) -> Matrix:
         """K + s C + s^2 M."""
@@ -279,16 +288,21 @@ class Parts(Quadratic):
         """S0 + s^2 S2, real: without damping."""
         return self.S0 + square * self.S2
 
-    def sizes(self, rate: float) -> Any:
-        """Absolute values of S0 and S2 at a rate, which rounding goes with."""
-        # Roundings of many terms are as often up as down.
+    @property
+    def sizes(self) -> Parts:
+        """Absolute values, which rounding goes with; of S0 those of its terms, where they are
+        known: roundings of many terms are as often up as down."""
         stiffness = abs(self.S0) if self.terms is None else self.terms / len(self.terms)
-        return stiffness + rate**2 * abs(self.S2)
+        return Parts(stiffness, abs(self.S1), abs(self.S2))
 
-    def less(self, other: Parts, step: float) -> Parts:
-        """The difference over a step."""
+    def plus(self, other: Parts, times: float = 1.0) -> Parts:
+        """The sum with so many times others."""
         pairs = zip(self.parts, other.parts, strict=True)
-        return Parts(*((one - two) / step for one, two in pairs))
+        return Parts(*(one + times * two for one, two in pairs))
+
+    def times(self, factor: float) -> Parts:
+        """So many times these."""
+        return Parts(*(factor * part for part in self.parts))
 
     def scales(self, rate: float) -> Scales:
         """Factors of rows and columns that make the largest entry of each about one."""
@@ -304,6 +318,14 @@ class Parts(Quadratic):
 
 
 Linear = Pencil | Dense | Parts
+
+
+def _damping(stiff: Any, drag: Any, inertia: Any) -> float:
+    """The largest entry of the second over the mean of those of the others."""
+    if not drag.size or not (most := float(abs(drag).max())):
+        return 0.0
+    usual = float(np.sqrt(abs(stiff).max() * abs(inertia).max()))
+    return most / usual if usual else np.inf
 
 
 def _scaled(part: Any, scales: Scales) -> Any:

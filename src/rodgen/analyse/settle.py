@@ -13,10 +13,12 @@ from rodgen.analyse.rest import ITERATIONS, FoldError, Loading, Rest, follow, ne
 from rodgen.analyse.springs import hanging_shape
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
 from rodgen.arrays import Array
-from rodgen.errors import AnalysisError
+from rodgen.errors import AnalysisError, InputError
 from rodgen.model.term import DRAG, FORCE, WEIGHT, Term
 from rodgen.model.terms import TERMS
+from rodgen.scene.plain import is_number, plain
 
+MOST_BENT = 1.0  # rad of an imperfection
 NEAR_END = 1e-4  # rad
 NEAR = 1e-3  # of the accelerations at the start
 FARTHEST = 0.5  # rad of a step
@@ -29,14 +31,15 @@ MOST_TURNED = 10.0  # of the tail: a rod that turns more elsewhere is not bent b
 def settle(
     rod: SteadyRod, p: Array, start: Unknowns | None = None, bend: float = 0.0
 ) -> tuple[Rest, tuple[float, ...]]:
-    """The equilibrium under these parameters, and the fractions of the load in between.
+    """The equilibrium under these parameters with its joint forces, and the fractions of the load
+    in between.
 
     start: an equilibrium under loads close to these, from which Newton's method is tried first;
     bend: angle of the tail of the rod that is loaded, before it is made straight again [rad].
     """
     near = Rest(start) if start is not None else None
     if near is not None and newton(rod, near, Loading(p)):
-        return near, (1.0,)
+        return _with_forces(rod, near, p), (1.0,)
     try:
         rest, stages = _settled(rod, p, bend)
     except AnalysisError as error:
@@ -46,7 +49,25 @@ def settle(
             raise AnalysisError(f"{error}; {restless}") from None
         raise
     _check_rest(rod, rest, p)
-    return rest, stages
+    return _with_forces(rod, rest, p), stages
+
+
+def _with_forces(rod: SteadyRod, rest: Rest, p: Array) -> Rest:
+    """The same with its joint forces, where Newton's method has not found them too."""
+    if not rod.chain:
+        springs = rest.springs(rod, p)
+        known = p if springs is None else springs.p
+        rest.at = rest.at._replace(force=forces(rod, rest.at, known)[1])
+    return rest
+
+
+def checked_imperfection(imperfection: float) -> float:
+    """A bend [rad] that was asked for. Raises InputError."""
+    size = plain(imperfection, "imperfection")
+    if not (is_number(size) and 0 < size <= MOST_BENT):
+        allowed = f"an angle of the tail above 0 and at most {MOST_BENT:g} rad"
+        raise InputError("imperfection", imperfection, allowed)
+    return float(size)
 
 
 def start_of(rod: SteadyRod, phi: Array) -> Unknowns:

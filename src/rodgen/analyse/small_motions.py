@@ -11,7 +11,7 @@ from rodgen.analyse.family import RIGID
 from rodgen.analyse.modal import DIVERGENCE, FLUTTER, MOST_DENSE, Modal, Motions
 from rodgen.analyse.neutral import Neutral
 from rodgen.analyse.pencil import Dense, Pencil
-from rodgen.analyse.steady import Steady, is_kinked, linearised
+from rodgen.analyse.steady import Steady, linearised
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
@@ -79,7 +79,7 @@ def instability(state: Steady) -> str | None:
     rod = state.rod
     if rod.cells > MOST_DENSE:
         return None
-    smooth = is_kinked(rod) and not state.straight
+    smooth = state.kinked and not state.straight
     found = Growing(state, every=True, smooth=smooth).motions(state)
     grows = found.s[found.growth > 0]
     real = np.abs(grows.imag) <= REAL * np.abs(grows)

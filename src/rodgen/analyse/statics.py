@@ -9,8 +9,7 @@ import numpy as np
 from rodgen.analyse.balance import free_ways
 from rodgen.analyse.guard import guarded
 from rodgen.analyse.modal import DIVERGENCE
-from rodgen.analyse.pencil import forces
-from rodgen.analyse.settle import settle, start_of
+from rodgen.analyse.settle import checked_imperfection, settle, start_of
 from rodgen.analyse.sizes import STATIC, check_size
 from rodgen.analyse.small_motions import instability
 from rodgen.analyse.state_result import TIME, StateResult
@@ -21,10 +20,8 @@ from rodgen.display import Plottable
 from rodgen.errors import InputError
 from rodgen.result import FLAG, USUAL, WORD, Kept, Note, Row, doubt, hidden, in_degrees
 from rodgen.scene import Scene
-from rodgen.scene.plain import is_number, plain
 from rodgen.system import System
 
-MOST_BENT = 1.0  # rad
 ROUNDING = 1e-15  # of the largest coordinate
 NOT_KNOWN = "not known (more than 200 links, or external damping of a bent rod)"
 
@@ -186,23 +183,30 @@ def static_equilibrium(
     if rod.base:
         _check_held(rod, p)
     rest, stages = settle(rod, p, bend=bend)
-    if not rod.chain:  # Newton's method has found them too
-        springs = rest.springs(rod, p)
-        known = p if springs is None else springs.p
-        rest.at = rest.at._replace(force=forces(rod, rest.at, known)[1])
-    y = rod.at_rest(rest.at)
-    found = instability(Steady(rod, rest.at, p))
+    state = Steady(rod, rest.at, p)
+    return equilibrium_of(state, rest.iterations, rest.change, stages, bend)
+
+
+def equilibrium_of(
+    state: Steady,
+    iterations: int,
+    change: float = 0.0,
+    stages: tuple[float, ...] = (1.0,),
+    imperfection: float | None = None,
+) -> Equilibrium:
+    """A steady state as an equilibrium, with what Newton's method says of how it was found."""
+    rod, y = state.rod, state.y
     return Equilibrium(
         y=y,
-        phi=rod.all_links(rest.at.phi),
-        joints=rod.model.joints(y, p),
-        force=rest.at.force,
-        change=rest.change,
-        iterations=rest.iterations,
+        phi=rod.all_links(state.phi),
+        joints=rod.model.joints(y, state.p),
+        force=state.force,
+        change=change,
+        iterations=iterations,
         stages=stages,
-        instability=found,
-        states=dict(zip(system.added, rest.at.added.tolist(), strict=True)),
-        imperfection=bend,
+        instability=instability(state),
+        states=dict(zip(rod.system.added, state.at.added.tolist(), strict=True)),
+        imperfection=imperfection,
         system=rod.system,
     )
 
@@ -215,11 +219,3 @@ def _check_held(rod: SteadyRod, p: Array) -> None:
         allowed = "clamped, cantilever or pinned: nothing holds a free rod in place without "
         allowed += "[[supports]], [foundation] or loads that follow its place"
         raise InputError("rod.boundary", rod.system.structure.boundary, allowed)
-
-
-def checked_imperfection(imperfection: float) -> float:
-    size = plain(imperfection, "imperfection")
-    if not (is_number(size) and 0 < size <= MOST_BENT):
-        allowed = f"an angle of the tail above 0 and at most {MOST_BENT:g} rad"
-        raise InputError("imperfection", imperfection, allowed)
-    return float(size)

@@ -55,6 +55,16 @@ class Steady:
         return bool(np.abs(self.phi - self.rod.straight).max() <= STRAIGHT)
 
     @property
+    def kinked(self) -> bool:
+        """Whether a load that acts has no linear part about a rest that is bent."""
+        places = self.rod.scene.structure.places
+        for term in map(TERMS.__getitem__, self.rod.scene.loads.terms):
+            place = places.get(term.parameters[0].name) if term.kinked else slice(0)
+            if place is None or self.p[place].any():  # a law has no place in p
+                return True
+        return False
+
+    @property
     def words(self) -> str:
         """What the state is, for a reader."""
         if self.rod.anchored or not self.rod.base:
@@ -84,7 +94,7 @@ class Steady:
         rod = self.rod
         if not (has_drag(rod) and rod.scene.hold.translates):
             return ()
-        if is_kinked(rod) and not (rod.speed or rod.across):
+        if self.kinked and not (rod.speed or rod.across):
             text = (
                 "linearised about a rod at rest, where external damping brakes small motions "
                 "across it; of one that moves along its axis it brakes none (give a speed)"
@@ -165,28 +175,28 @@ class Steady:
         damping, unless this is left out (smooth).
         """
         rod, y = self.rod, self.rod.flying(self.at)
-        if is_kinked(rod) and not self.straight and not smooth:
+        if self.kinked and not self.straight and not smooth:
             raise AnalysisError(
                 "external damping has no linear part about a bent state (its force depends on the "
                 "share of the velocity across the rod): leave out loads.external_damping"
             )
         base, half = rod.base, rod.base + rod.cells
         J, mass = rod.model.jac(rod.t, y, self.p), rod.model.mass_matrix(y, self.p)
-        ways, moving = np.eye(half), y.copy()
+        ways = np.eye(half)
         across = ways[:, base // 2 :].copy()
         if base:
             across[:2, 0] = -np.sin(self.phi[0]), np.cos(self.phi[0])
-        if has_drag(rod) and not (rod.speed or smooth):
+        if self.kinked and not (rod.speed or smooth):
             # At any speed across the rod, however small, that has the same derivative.
+            moving = y.copy()
             moving[half : 2 * half] = AT_REST * (across[:, 0] if base else 1.0)
-        J[:, half : 2 * half] = rod.model.jac(rod.t, moving, self.p)[:, half : 2 * half]
-        if base and has_drag(rod) and not (rod.speed or smooth):
-            # Along the straight rod the share is none.
-            axis = np.array([np.cos(self.phi[0]), np.sin(self.phi[0])])
-            moving[half : 2 * half] = 0.0
-            moving[half : half + 2] = AT_REST * axis
-            along = rod.model.jac(rod.t, moving, self.p)[:, half : half + 2] @ axis
-            J[:, half : half + 2] += np.outer(along - J[:, half : half + 2] @ axis, axis)
+            J[:, half : 2 * half] = rod.model.jac(rod.t, moving, self.p)[:, half : 2 * half]
+            if base:  # along the straight rod the share is none
+                axis = np.array([np.cos(self.phi[0]), np.sin(self.phi[0])])
+                moving[half : 2 * half] = 0.0
+                moving[half : half + 2] = AT_REST * axis
+                along = rod.model.jac(rod.t, moving, self.p)[:, half : half + 2] @ axis
+                J[:, half : half + 2] += np.outer(along - J[:, half : half + 2] @ axis, axis)
         whole = whole or rod.anchored
         if not rod.anchored and (has_drag(rod) or not rod.steered):
             ways = across
@@ -242,7 +252,7 @@ def steady(rod: SteadyRod, start: Steady | None = None, p: Array | None = None) 
             "alone, leaves it straight)"
         )
     rest, _ = settle(rod, p, start.at if start else None)
-    return Steady(rod, rest.at._replace(force=forces(rod, rest.at, p)[1]), p)
+    return Steady(rod, rest.at, p)
 
 
 def straight_state(rod: SteadyRod, p: Array) -> tuple[Steady | None, float]:

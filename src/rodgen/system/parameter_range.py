@@ -4,6 +4,7 @@ proportion to."""
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,11 @@ from rodgen.system.system import System
 SAME = "a number that leaves the structure of the equations as it is"
 WHOLE = ("rod.links", "integrate.max_steps")  # keys that no branch can follow
 KEPT = 64  # systems remembered
+ROUNDING = 1e-12  # of a parameter
+STEP = 1e-3  # of a range, of differences of fourth order: their error is its fourth power
+FOURTH = ((1, 8 / 12), (-1, -8 / 12), (2, -1 / 12), (-2, 1 / 12))
+PLACES = (-2, -1, 0, 1, 2)
+Beside = list[tuple[Array, float]]  # p, and how much each counts in a derivative
 
 
 class ParameterRange:
@@ -60,8 +66,45 @@ class ParameterRange:
         return self._systems[value]
 
     def parameters(self, value: float) -> Array:
-        """p of the module at a value. Raises AnalysisError."""
+        """p of the module at a value; beyond the ends, where the scene may refuse it, on the line
+        through both, if p alone follows the number. Raises AnalysisError."""
+        low, high = sorted(self.bounds)
+        if self._line is not None and not low <= value <= high:
+            return self._line.parameters(value)
         return self.at(value).p
+
+    def near(self, value: float) -> Beside:
+        """p beside a value, and how much each counts in a derivative by the value over the range:
+        on the line through both ends where p lies on it, else at values within the range. Raises
+        AnalysisError."""
+        step = STEP * self.unit
+        if self._line is not None and self._linear:
+            return [(self._line.parameters(value + k * step), w / STEP) for k, w in FOURTH]
+        low, high = sorted(self.bounds)
+        middle = min(max(value, low + 2 * step), high - 2 * step)
+        weights = _weights((value - middle) / step) / STEP
+        return [(self.at(middle + k * step).p, w) for k, w in zip(PLACES, weights, strict=True)]
+
+    @property
+    def of_parameters(self) -> bool:
+        """Whether p alone follows the number, and the scene in nothing else."""
+        slot = self.system.parameter_map.slot(self.key)
+        return slot is not None and not len(slot.y)
+
+    @cached_property
+    def _line(self) -> ParameterLine | None:
+        if not self.of_parameters:
+            return None
+        low, high = ((end, self.at(end).p) for end in self.bounds)
+        return ParameterLine.through(low, high)
+
+    @cached_property
+    def _linear(self) -> bool:
+        """Whether p lies on that line everywhere, as that of several supports at a point does
+        not."""
+        middle = sum(self.bounds) / 2
+        here, p = self.at(middle).p, self._line.parameters(middle) if self._line else 0.0
+        return bool((np.abs(here - p) <= ROUNDING * np.abs(here)).all())
 
 
 class ParameterLine(NamedTuple):
@@ -72,6 +115,16 @@ class ParameterLine(NamedTuple):
 
     start: Array
     slope: Array
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Of a share, nothing and all."""
+        return 0.0, 1.0
+
+    @property
+    def unit(self) -> float:
+        """How far they are apart."""
+        return 1.0
 
     @classmethod
     def of(cls, system: System, parts: Mapping[str, ArrayLike]) -> ParameterLine:
@@ -95,6 +148,18 @@ class ParameterLine(NamedTuple):
     def parameters(self, value: float) -> Array:
         """p of the module (width,) at a value of the number."""
         return self.start + value * self.slope
+
+    def near(self, value: float) -> Beside:
+        """All less none, of what is in proportion to the number."""
+        return [(self.parameters(1.0), 1.0), (self.parameters(0.0), -1.0)]
+
+
+def _weights(x: float) -> Array:
+    """How much values at PLACES count in a derivative at x that is right for polynomials up to the
+    fourth degree."""
+    powers = np.arange(5)
+    due = powers * x ** np.maximum(powers - 1, 0)
+    return np.asarray(np.linalg.solve(np.vander(PLACES, increasing=True).T, due))
 
 
 def check_key(system: System, key: str) -> None:

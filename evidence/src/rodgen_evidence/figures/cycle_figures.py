@@ -19,7 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import rodgen
-from rodgen.analyse.cycles.branches import hopf_of
+from rodgen.analyse.cycles.hopf_start import first_hopf
 from rodgen.analyse.cycles.search import Search
 from rodgen.system import ParameterRange, System
 from rodgen_evidence.figures.model_figures import STYLE
@@ -52,7 +52,7 @@ def rod(scene: rodgen.Scene, links: int, column: Column) -> rodgen.Scene:
 def onset(scene: rodgen.Scene, ends: tuple[float, float] = (0.5, 60.0)) -> Onset:
     """The first Hopf point of a scene along its thrust, by rodgen's normal form."""
     search = Search.of(System(scene))
-    hopf, _ = hopf_of(search, ParameterRange(search.system, KEY, ends))
+    hopf, _ = first_hopf(search, ParameterRange(search.system, KEY, ends))
     turn = -hopf.coefficient.real / hopf.slope.real
     return Onset(hopf.value, hopf.frequency, turn)
 

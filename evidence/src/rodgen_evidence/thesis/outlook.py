@@ -10,8 +10,8 @@ from pandas import DataFrame
 
 from rodgen.analyse.chaos.exponents import lyapunov_exponents
 from rodgen.analyse.critical import critical_load
-from rodgen.analyse.cycles.branches import hopf_of
 from rodgen.analyse.cycles.cycle import Cycle
+from rodgen.analyse.cycles.hopf_start import first_hopf
 from rodgen.analyse.cycles.periodic_motion import find_cycle
 from rodgen.analyse.cycles.search import Search
 from rodgen.analyse.modes import natural_modes
@@ -104,7 +104,7 @@ def beyond() -> Iterator[Row]:
     """Where and how cycles begin, how far they swing, and where they are lost."""
     scene, rod = pushed(FORCE), f"cantilever, {LINKS} links, c_int = {INTERNAL:g}"
     search = Search.of(System(scene))
-    hopf, _ = hopf_of(search, ParameterRange(search.system, KEY, ENDS))
+    hopf, _ = first_hopf(search, ParameterRange(search.system, KEY, ENDS))
     yield Row(AFTER, rod, BEGIN, hopf.value)
     kind = "first Lyapunov coefficient (below 0: supercritical)"
     yield Row(AFTER, rod, kind, hopf.lyapunov)

@@ -176,7 +176,7 @@ def stability_boundary(
     if load is None and not rows:
         begin[0], omega = _first(plane, scales[0], limits[0], float(begin[1]))
     if resume is None:
-        damped = bool(np.abs(plane.at(*begin.tolist()).C).any())
+        damped = bool(np.abs(plane.at(*begin.tolist()).S1).any())
     else:  # of which the limit of no damping is a point, too
         damped = bool(resume.attrs["damped"])
     boundary = Boundary(plane, (scales[0], scales[1]), omega, damped)
@@ -280,23 +280,23 @@ def _scale_of(plane: Plane, axis: int, given: Ends | None) -> Scale:
     change = there.plus(here, -1.0).times(1 / size)
     same = all(
         np.abs(part).max() <= SAME * np.abs(whole).max()
-        for part, whole in ((change.K, here.K), (change.M, here.M))
+        for part, whole in ((change.S0, here.S0), (change.S2, here.S2))
     )
-    turned = np.abs(size * change.C).max() > SAME * np.abs(here.C).max(initial=0.0)
-    if same and not (turned and change.C.any()):
+    turned = np.abs(size * change.S1).max() > SAME * np.abs(here.S1).max(initial=0.0)
+    if same and not (turned and change.S1.any()):
         allowed = "numbers that small motions depend on"
         raise InputError("vary", plane.keys[axis], allowed)
-    squares, shapes = np.linalg.eig(np.linalg.solve(here.M, here.K))
+    squares, shapes = np.linalg.eig(np.linalg.solve(here.S2, here.S0))
     order = np.argsort(np.abs(squares))
     squares, shapes = squares[order], shapes[:, order]
     first = int(np.argmax(np.abs(squares) > 1e-9 * np.abs(squares).max()))
     rate, shape = float(np.sqrt(abs(squares[first]))), shapes[:, first].real
     if same:
-        drag = abs(shape @ change.C @ shape) / abs(shape @ here.M @ shape)
+        drag = abs(shape @ change.S1 @ shape) / abs(shape @ here.S2 @ shape)
         return Scale(2 * SHARE * rate / drag if drag else size, damping=True)
     if given is not None:
         return Scale((given[1] - given[0]) / 4, curved=False)
-    felt = abs(shape @ (change.K - rate**2 * change.M) @ shape) / abs(shape @ here.K @ shape)
+    felt = abs(shape @ (change.S0 - rate**2 * change.S2) @ shape) / abs(shape @ here.S0 @ shape)
     return Scale(max(abs(own), 1 / felt if felt else 1.0) / 4)
 
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import null_space
 
-from rodgen.analyse.curves.bordered import Bordered
+from rodgen.analyse.crossing import Border, Flutter, kind_of
 from rodgen.analyse.curves.curve import Problem
-from rodgen.analyse.pencil import Dense
+from rodgen.analyse.pencil import Dense, Parts
 from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.arrays import Array
@@ -26,22 +25,6 @@ WEAK = 1e-9  # of the unit: damping that stands for the limit of none
 BY_RATE = 0.1  # how much the logarithm of the frequency counts in the length along a boundary
 
 
-class Matrices(NamedTuple):
-    """K, C and M of (K + s C + s^2 M) q = 0."""
-
-    K: Array
-    C: Array
-    M: Array
-
-    def plus(self, other: Matrices, times: float = 1.0) -> Matrices:
-        """The sum with so many times others."""
-        return Matrices(*(a + times * b for a, b in zip(self, other, strict=True)))
-
-    def times(self, factor: float) -> Matrices:
-        """So many times these."""
-        return Matrices(*(factor * part for part in self))
-
-
 class Plane:
     """The linearised scene over two of its numbers."""
 
@@ -51,7 +34,7 @@ class Plane:
         self.base = SteadyRod.of(self._at(*origin))
         self.units = np.ones(2)
         self._near: Steady | None = None
-        self._bilinear: tuple[Matrices, ...] | None = None
+        self._bilinear: tuple[Parts, ...] | None = None
 
     def _at(self, a: float, b: float) -> System:
         return self.system.at({self.keys[0]: float(a), self.keys[1]: float(b)})
@@ -69,12 +52,12 @@ class Plane:
         self._near = steady(replace(self.base, system=system), self._near)
         return self._near
 
-    def evaluated(self, a: float, b: float) -> Matrices:
+    def evaluated(self, a: float, b: float) -> Parts:
         """The matrices from the linearised equations themselves."""
         dense = linearised(self.steady(a, b)).reduced()
         if self._basis is not None:
             dense = dense.on(self._basis)
-        return Matrices(*dense.parts)
+        return Parts(*dense.parts)
 
     @cached_property
     def first(self) -> Steady:
@@ -101,7 +84,7 @@ class Plane:
         self.units = units
         here = self.evaluated(*self.origin)
 
-        def at(x: float, y: float) -> Matrices:
+        def at(x: float, y: float) -> Parts:
             return self.evaluated(*(self.origin + units * [x, y]))
 
         try:
@@ -110,28 +93,23 @@ class Plane:
             self._bilinear = here, by_a, by_b, both
             for x, y in TRIED:
                 there, guess = at(x, y), self.at(*(self.origin + units * [x, y]))
-                sizes = (np.abs(part).max() for part in there)
-                for part, other, size in zip(there, guess, sizes, strict=True):
+                sizes = (np.abs(part).max() for part in there.parts)
+                for part, other, size in zip(there.parts, guess.parts, sizes, strict=True):
                     if np.abs(part - other).max() > PLANE * size:
                         self._bilinear = None
                         return
         except (AnalysisError, InputError):
             self._bilinear = None
 
-    def at(self, a: float, b: float) -> Matrices:
+    def at(self, a: float, b: float) -> Parts:
         """The matrices at both values."""
         if self._bilinear is None:
             return self.evaluated(a, b)
         x, y = (np.array([a, b]) - self.origin) / self.units
         here, by_a, by_b, both = self._bilinear
-        return Matrices(
-            *(
-                k + x * u + y * v + (x * y) * w
-                for k, u, v, w in zip(here, by_a, by_b, both, strict=True)
-            )
-        )
+        return here.plus(by_a, x).plus(by_b, y).plus(both, x * y)
 
-    def slopes(self, a: float, b: float) -> tuple[Matrices, Matrices]:
+    def slopes(self, a: float, b: float) -> tuple[Parts, Parts]:
         """Derivatives of the matrices by both, times their units."""
         if self._bilinear is not None:
             x, y = (np.array([a, b]) - self.origin) / self.units
@@ -169,16 +147,16 @@ class Scale:
 class Boundary(Problem):
     """u: the logarithm of omega over that of the start, of flutter, and both coordinates.
 
-    How far S(i omega) is from singular says g of a bordered system, as in `onset`: g = 0 of a
-    damped rod, g = dg/d(omega^2) = 0 without damping, where two frequencies meet, and g(0) = 0 of
-    divergence. The imaginary part of g goes with damping and is taken over its size: in the limit
-    of none it says in which of the motions that are about to flutter it puts energy.
+    The equations are those of a crossing. The imaginary part of g goes with damping and is taken
+    over its size: in the limit of none it says in which of the motions that are about to flutter it
+    puts energy.
     """
 
     def __init__(self, plane: Plane, scales: tuple[Scale, Scale], omega: float, damped: bool):
         self.plane, self.scales, self.omega, self.damped = plane, scales, omega, damped
         self.weights = np.array([BY_RATE] * bool(omega) + [1.0, 1.0])
-        self._borders: tuple[Array, Array] | None = None
+        self.kind = kind_of(bool(omega), damped)
+        self._border: Border | None = None
 
     def packed(self, omega: float, a: float, b: float) -> Array:
         """u of a frequency [rad/s] and both values."""
@@ -197,18 +175,10 @@ class Boundary(Problem):
         return float(self.omega * np.exp(u[0])) if self.omega else 0.0
 
     def bordered(self, u: Array) -> None:
-        """Take the borders that belong to a point."""
+        """Take the border that belongs to a point."""
         a, b, _ = self.values(u)
-        S = self._matrix(self.plane.at(*self._damping(a, b)), self._rate(u))
-        left, _, right = np.linalg.svd(S)
-        column, row = _as_real(left[:, -1]), _as_real(right[-1])
-        if self._borders is not None:  # what changes its sign is no sign of a branch point
-            before = self._borders
-            column, row = (
-                new * (np.sign(new @ old) or 1.0)
-                for new, old in zip((column, row), before, strict=True)
-            )
-        self._borders = column, row
+        here, rate = self.plane.at(*self._damping(a, b)), self._rate(u)
+        self._border = Border.of(self.kind.singular(here, rate), self._border)
 
     def _damping(self, a: float, b: float) -> tuple[float, float]:
         """Both values, the least damping for none, which its limit is taken of."""
@@ -218,93 +188,31 @@ class Boundary(Problem):
         ]
         return made[0], made[1]
 
-    def _matrix(self, parts: Matrices, rate: float) -> Any:
-        S = parts.K - rate**2 * parts.M
-        return S + 1j * rate * parts.C if self.damped else S
-
     def at(self, u: Array) -> tuple[Array, Array]:
-        if self._borders is None:
+        if self._border is None:
             self.bordered(u)
-        assert self._borders is not None
+        assert self._border is not None
         rate = self._rate(u)
         a, b = self._damping(*self.values(u)[:2])
-        parts, slopes = self.plane.at(a, b), self.plane.slopes(a, b)
-        S = self._matrix(parts, rate)
-        column, row = self._borders
-        left, right = _solved(S, column, row)
-        g = -(left @ (S @ right))
-        by = [-(left @ (self._matrix(slope, rate) @ right)) for slope in slopes]
-        by = [part * one.slope(x) for part, one, x in zip(by, self.scales, u[-2:], strict=True)]
-        if not self.omega:
-            return np.array([g.real]), np.array([[part.real for part in by]])
-        if not self.damped:
-            return self._meeting(S, parts, slopes, u, (left, right, g, by))
-        by_rate = -(left @ (rate * (1j * parts.C - 2 * rate * parts.M) @ right))
-        J = np.array([by_rate, *by])
-        size, by_size = self._weakness(parts, slopes, u)
-        F = np.array([g.real, g.imag / size])
-        return F, np.array([J.real, J.imag / size - F[1] * by_size])
+        here, slopes = self.plane.at(a, b), self.plane.slopes(a, b)
+        made = self.kind.equations(here, slopes, self._border, rate)
+        stretched = [one.slope(x) for one, x in zip(self.scales, u[-2:], strict=True)]
+        F, J = made.residual, np.hstack((rate * made.by_omega, made.by_numbers * stretched))
+        if not isinstance(self.kind, Flutter):
+            return F, J
+        size, by_size = self._weakness(here, slopes, u)
+        F = np.array([F[0], F[1] / size])
+        return F, np.array([J[0], J[1] / size - F[1] * by_size])
 
-    def _weakness(
-        self, parts: Matrices, slopes: tuple[Matrices, Matrices], u: Array
-    ) -> tuple[float, Array]:
+    def _weakness(self, here: Parts, slopes: tuple[Parts, Parts], u: Array) -> tuple[float, Array]:
         """How small damping is, and the derivative of its logarithm by u."""
-        largest = np.unravel_index(np.abs(parts.C).argmax(), parts.C.shape)
-        drag = float(parts.C[largest])
-        size = self._rate(u) * abs(drag) / float(np.abs(parts.K).max())
+        largest = np.unravel_index(np.abs(here.S1).argmax(), here.S1.shape)
+        drag = float(here.S1[largest])
+        size = self._rate(u) * abs(drag) / float(np.abs(here.S0).max())
         if not 0 < size < 1:
             return 1.0, np.zeros(3)
         by = [
-            float(slope.C[largest]) / drag * one.slope(x)
+            float(slope.S1[largest]) / drag * one.slope(x)
             for slope, one, x in zip(slopes, self.scales, u[-2:], strict=True)
         ]
         return size, np.array([1.0, *by])
-
-    def _meeting(
-        self, S: Array, parts: Matrices, slopes: tuple[Matrices, Matrices], u: Array, found: Any
-    ) -> tuple[Array, Array]:
-        """g and its derivative by omega^2, times omega^2, with their derivatives."""
-        left, right, g, by = found
-        square = self._rate(u) ** 2
-        assert self._borders is not None
-        column, row = self._borders
-        whole = Bordered(np.column_stack((S, column)), np.append(row, 0.0)[None])
-
-        def moved(change: Array, transposed: bool) -> Array:
-            vector = left if transposed else right
-            part = change.T @ vector if transposed else change @ vector
-            return whole.solve(np.append(-part, 0.0), transposed)[:-1]
-
-        M = -parts.M
-        x, y = moved(M, False), moved(M, True)
-        first = -(left @ (M @ right))
-        second = -2 * (y @ (M @ right))
-        mixed = []
-        for slope, one, place in zip(slopes, self.scales, u[-2:], strict=True):
-            change = slope.K - square * slope.M
-            own = -(left @ (-slope.M @ right))
-            made = own - (y @ (change @ right)) - (left @ (change @ x))
-            mixed.append(made * one.slope(place))
-        F = np.array([g, square * first])
-        rates = 2 * square * np.array([first, first + square * second])
-        return F, np.array([[rates[0], *by], [rates[1], *(square * part for part in mixed)]])
-
-
-def _as_real(vector: Any) -> Array:
-    """The real part of a vector, turned so that it is the largest."""
-    turned = vector * np.exp(-0.5j * np.angle((vector * vector).sum()))
-    return np.asarray(turned.real / np.linalg.norm(turned.real))
-
-
-def _solved(S: Any, column: Array, row: Array) -> tuple[Any, Any]:
-    """Left and right vectors of S bordered."""
-    size = len(S)
-    whole = np.zeros((size + 1, size + 1), dtype=S.dtype)
-    whole[:size, :size], whole[:size, size], whole[size, :size] = S, column, row
-    last = np.zeros(size + 1)
-    last[size] = 1.0
-    try:
-        inverse = np.linalg.inv(whole)
-    except np.linalg.LinAlgError:
-        raise AnalysisError("the bordered equations are singular") from None
-    return (inverse.T @ last)[:-1], (inverse @ last)[:-1]

@@ -85,12 +85,12 @@ def dataset(branch: Branch) -> xarray.Dataset:
     notes = [*branch.curve.notes]
     if branch.problem.why_unknown:
         notes.append(doubt(f"stability is not known everywhere: {branch.problem.why_unknown}"))
-    t = branch.problem.variable.base.t
+    t = branch.problem.along.base.t
     said = attributes(FORMAT, branch.scene, replace(branch.curve, notes=notes), t)
     moving = isinstance(branch.problem, Motions)
     if moving:
         rates = [branch.problem.steady(point.u).y for point in points]
-        base, half = branch.problem.variable.base.base, len(rates[0]) // 2
+        base, half = branch.problem.along.base.base, len(rates[0]) // 2
         turning = [float(y[half + base]) for y in rates]
         values["turning"] = np.array(turning)
     said |= {"key": branch.key, "switch": branch.number, "moving": int(moving)}
@@ -101,12 +101,12 @@ def dataset(branch: Branch) -> xarray.Dataset:
 
 def _states(branch: Branch, points: Sequence[Point | Special]) -> dict[str, Array]:
     """Values of the steady states at points."""
-    problem, base = branch.problem, branch.problem.variable.base
+    problem, base = branch.problem, branch.problem.along.base
     n, cells = base.scene.rod.links, base.cells
     shapes = {"value": (), "phi": (n,), "tip": (2,), "y": (len(base.scene.initial_state()),)}
     made = {name: np.zeros((len(points), *shape)) for name, shape in shapes.items()}
     made["force"] = np.zeros((len(points), cells, 2))
-    low, high = problem.variable.ends
+    low, high = problem.along.bounds
     for row, point in enumerate(points):
         state = problem.steady(point.u)
         rod, y = state.rod, state.y

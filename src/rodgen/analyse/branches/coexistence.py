@@ -6,17 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from rodgen.analyse.bordered import Bordered
 from rodgen.analyse.branches.equilibria import Equilibria
 from rodgen.analyse.branches.equilibrium_problems import equilibria
-from rodgen.analyse.branches.variable import LoadFactor
-from rodgen.analyse.curves.bordered import Bordered
 from rodgen.analyse.curves.continuation import Steps, continued, started
 from rodgen.analyse.curves.curve import BRANCH, NOISE, Curve
 from rodgen.analyse.curves.switching import switched
 from rodgen.analyse.guard import guarded
+from rodgen.analyse.rod_range import RodRange
 from rodgen.analyse.sizes import EQUILIBRIA, check_size
-from rodgen.analyse.small_motions import instability
-from rodgen.analyse.statics import Equilibrium, static_equilibrium
+from rodgen.analyse.statics import Equilibrium, equilibrium_of, static_equilibrium
 from rodgen.analyse.steady import Steady, straight_state
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.arrays import Array
@@ -80,7 +79,7 @@ def static_equilibria(system: System | Scene, *, t: float | None = None) -> list
         first = static_equilibrium(system, t=t)  # refuses a free rod that nothing holds
         if rod.base:
             return [first]
-    factor = LoadFactor(rod)
+    factor = RodRange.of_load(rod)
     p = factor.parameters(0.0)
     bare, _ = straight_state(rod, p)
     found: list[tuple[Array, int]] = []
@@ -100,7 +99,7 @@ def static_equilibria(system: System | Scene, *, t: float | None = None) -> list
     if not found:
         raise AnalysisError("no equilibrium found under the whole load")
     states = [(problem.steady(u), iterations) for u, iterations in found]
-    every = [_equilibrium(state, iterations) for state, iterations in states]
+    every = [equilibrium_of(state, iterations) for state, iterations in states]
     order = {"": 0, None: 1, "flutter": 2, "divergence": 3}
     unstable = [problem.unstable(u) or 0 for u, _ in found]
     ranked = sorted(
@@ -199,21 +198,3 @@ def _newton(problem: Equilibria, u: Array, known: list[Array]) -> tuple[Array, i
         u = u + step * min(1.0, FARTHEST / length if length else 1.0)
         before = plain
     raise AnalysisError("Newton's method does not converge")
-
-
-def _equilibrium(state: Steady, iterations: int) -> Equilibrium:
-    """A steady state as an equilibrium."""
-    rod, y = state.rod, state.rod.at_rest(state.at)
-    return Equilibrium(
-        y=y,
-        phi=rod.all_links(state.phi),
-        joints=rod.model.joints(y, state.p),
-        force=state.force,
-        change=0.0,
-        iterations=iterations,
-        stages=(1.0,),
-        instability=instability(state),
-        states=dict(zip(rod.system.added, state.at.added.tolist(), strict=True)),
-        imperfection=None,
-        system=rod.system,
-    )

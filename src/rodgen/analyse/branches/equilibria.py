@@ -7,13 +7,15 @@ from abc import abstractmethod
 
 import numpy as np
 
-from rodgen.analyse.branches.variable import Variable
-from rodgen.analyse.curves.curve import BRANCH, Point, Problem, Special, corrected
+from rodgen.analyse.confirm import Eigenvalues, contradicts
+from rodgen.analyse.curves.continuation import started
+from rodgen.analyse.curves.curve import BRANCH, Curve, Point, Problem, Special, corrected
 from rodgen.analyse.curves.special_points import on_chord
 from rodgen.analyse.eigen import Complex
-from rodgen.analyse.modal import arising
+from rodgen.analyse.modal import MOST_DENSE, arising
 from rodgen.analyse.onset import Onset, onset
 from rodgen.analyse.pencil import Linear, Parts, Pencil
+from rodgen.analyse.rod_range import RodRange
 from rodgen.analyse.small_motions import Growing, grown
 from rodgen.analyse.steady import Steady, linearised, straight_state
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
@@ -21,16 +23,19 @@ from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
 HOPF = "hopf"
+BESIDE = 1e-6  # of the range: next to a start in which no direction is known
 SLOWEST = 1e-3  # of the rate beside it, over 2 pi: a motion that is slower there has none
 PARTS = 1 / 2, 1 / 4, 3 / 4  # of what is left, of which one is tried after the other
+CHECKED = 5  # points of a branch of which all eigenvalues are looked at
+ANOTHER = 0.05  # of a rate, by which that of a crossing differs from it at most
 CLOSE = 1e-5  # of the way between two points, to which a crossing is narrowed
 
 
 class Equilibria(Problem):
     """u: what is unknown of a steady state, and the varied number over its range."""
 
-    def __init__(self, variable: Variable, start: Steady, all_modes: bool = False):
-        self.variable, self.start = variable, start
+    def __init__(self, along: RodRange, start: Steady, all_modes: bool = False):
+        self.along, self.start = along, start
         self._last: tuple[bytes, Steady] | None = None
         self.why_unknown = ""
         self.growing = self._growing(start, all_modes)
@@ -38,10 +43,10 @@ class Equilibria(Problem):
     def _growing(self, start: Steady, all_modes: bool) -> Growing | None:
         """What grows about its states, in modes of the first, where it is counted so; where that
         turns freely, in those of one that does not, if there is one."""
-        values = [value for value in self.variable.ends if start.turns_freely]
+        values = [value for value in self.along.bounds if start.turns_freely]
         for value in values:
-            p = self.variable.parameters(value)
-            state, _ = straight_state(self.variable.rod(value), p)
+            p = self.along.parameters(value)
+            state, _ = straight_state(self.along.rod(value), p)
             if state is not None and not state.turns_freely:
                 start = state
         try:
@@ -56,19 +61,33 @@ class Equilibria(Problem):
 
     def value(self, u: Array) -> float:
         """The varied number."""
-        return float(u[-1] * self.variable.unit)
+        return float(u[-1] * self.along.unit)
 
     def scaled(self, value: float) -> float:
         """A value as the last entry of u."""
-        return value / self.variable.unit
+        return value / self.along.unit
+
+    def at_value(self, guess: Array, value: float) -> Array:
+        """u of the branch at a value, next to a guess. Raises AnalysisError."""
+        last = np.append(np.zeros(len(guess) - 1), 1.0)
+        return corrected(self, np.append(guess[:-1], self.scaled(value)), last).u
+
+    def first_point(self, u: Array, way: float) -> Point:
+        """The point of a branch at the value of u, which is close to it, from where the value grows
+        (way 1) or falls (-1); beside it where the unloaded rod has no direction there. Raises
+        AnalysisError."""
+        try:
+            return started(self, u, way)
+        except AnalysisError:
+            return started(self, np.append(u[:-1], u[-1] + way * BESIDE), way)
 
     def steady(self, u: Array) -> Steady:
         """The state that u stands for."""
         key = u.tobytes()
         if self._last is None or self._last[0] != key:
             value = self.value(u)
-            rod = self.variable.rod(value)
-            self._last = key, self._state(rod, self.variable.parameters(value), u)
+            rod = self.along.rod(value)
+            self._last = key, self._state(rod, self.along.parameters(value), u)
         return self._last[1]
 
     @abstractmethod
@@ -79,7 +98,8 @@ class Equilibria(Problem):
     def packed(self, state: Steady, value: float) -> Array:
         """u of a state at a value."""
 
-    def restored(self, rod: SteadyRod, p: Array, y: Array, force: Array) -> Steady:
+    @staticmethod
+    def restored(rod: SteadyRod, p: Array, y: Array, force: Array) -> Steady:
         """The state of a file: its angles, position and added states in y, and joint forces."""
         base, half = rod.base, rod.base + rod.cells
         return Steady(rod, Unknowns(y[base:half], force, y[:base], y[2 * half :]), p)
@@ -101,10 +121,14 @@ class Equilibria(Problem):
     def crossings(self, before: Point, after: Point) -> list[Special]:
         return crossings(self, before, after)
 
-    def crossed(self, before: Point, after: Point, s: complex) -> Special:
-        """Where the motion with a rate s, 0 where it does not oscillate, begins or ceases to grow
-        between two points next to each other."""
-        return crossing(self, after, s)
+    def linear(self, u: Array, s: complex) -> Linear:
+        """The linearised equations at a point, where a motion with a rate s is looked at: of one
+        that does not oscillate without what turns a free rod as a whole."""
+        here = self.steady(u)
+        linear = linearised(here)
+        if not s and isinstance(linear, Pencil) and here.turns_freely:
+            return Parts.without_turning(linear, here.turning)
+        return linear
 
 
 def crossings(problem: Equilibria, a: Point, b: Point) -> list[Special]:
@@ -124,7 +148,7 @@ def crossings(problem: Equilibria, a: Point, b: Point) -> list[Special]:
         one, two = (problem.grown(point.u) for point in (beside, upper))
         s = arising(one, two) if len(one) > len(two) else arising(two, one)
         if s.imag > 0 or free:
-            special = problem.crossed(beside, upper, s)
+            special = crossing(problem, upper, s)
             if special.kind != HOPF or special.frequency > SLOWEST * abs(s):
                 found.append(special)
         low, share = upper, right
@@ -152,32 +176,44 @@ def _inner(
 
 
 def crossing(problem: Equilibria, near: Point, s: complex) -> Special:
-    """The crossing next to a point, by Newton's method on the linearised equations along the
-    branch."""
-    last = np.append(np.zeros(len(near.u) - 1), 1.0)
+    """Where the motion with a rate s, 0 where it does not oscillate, begins or ceases to grow next
+    to a point, by Newton's method on the linearised equations along the branch."""
     slope = near.tangent / near.tangent[-1]
 
     def state(value: float) -> Array:
         guess = near.u + (problem.scaled(value) - near.u[-1]) * slope
-        return corrected(problem, guess, last).u
+        return problem.at_value(guess, value)
 
     def at(value: float) -> Linear:
-        here = problem.steady(state(value))
-        linear = linearised(here)
-        if not s and isinstance(linear, Pencil) and here.turns_freely:
-            return Parts.without_turning(linear, here.turning)
-        return linear
+        return problem.linear(state(value), s)
 
     kind = HOPF if s else BRANCH
-    value = problem.value(near.u)
     try:
-        found = onset(at, Onset(value, s), problem.variable.unit)
+        found = onset(at, Onset(problem.value(near.u), s), problem.along.unit)
     except AnalysisError as error:
-        return about(near, s, error)
+        note = f"known to about {CLOSE:g} of a step only: {error}"
+        return Special(kind, near.u, frequency=s.imag / (2 * np.pi), note=note)
+    if abs(found.s - s) > ANOTHER * abs(s):
+        note = f"known to about {CLOSE:g} of a step only: another motion oscillates beside it"
+        return Special(kind, near.u, frequency=s.imag / (2 * np.pi), note=note)
     return Special(kind, state(found.force), frequency=found.s.imag / (2 * np.pi))
 
 
-def about(near: Point, s: complex, why: AnalysisError) -> Special:
-    """The crossing at a point next to it."""
-    note = f"known to about {CLOSE:g} of a step only: {why}"
-    return Special(HOPF if s else BRANCH, near.u, frequency=s.imag / (2 * np.pi), note=note)
+def is_doubted(problem: Equilibria, curve: Curve) -> bool:
+    """Whether all eigenvalues tell other numbers of unstable directions than those that were
+    counted, in a few points and beside special ones."""
+    growing = problem.growing
+    if growing is None or problem.along.base.cells > MOST_DENSE:
+        return False
+    last = len(curve.points) - 1
+    looked = {*np.linspace(0, last, CHECKED).astype(int).tolist()}
+    looked |= {min(one.after + at, last) for one in curve.special for at in (0, 1)}
+    for at in sorted(looked):
+        point = curve.points[at]
+        if point.unstable is None:
+            continue
+        state = problem.steady(point.u)
+        found = Eigenvalues.of(linearised(state).reduced(), growing.lowest)
+        if contradicts(found, growing.motions(state), growing.lowest):
+            return True
+    return False

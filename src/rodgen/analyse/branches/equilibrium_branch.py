@@ -10,12 +10,10 @@ import numpy as np
 
 from rodgen.analyse.bounds import bounds_of
 from rodgen.analyse.branches.branch_data import Branch, Recorded, dataset, recorded
-from rodgen.analyse.branches.equilibria import Equilibria
+from rodgen.analyse.branches.equilibria import Equilibria, is_doubted
 from rodgen.analyse.branches.equilibrium_problems import equilibria
 from rodgen.analyse.branches.motions import Motions, begun, motion_of
-from rodgen.analyse.branches.variable import Key
-from rodgen.analyse.confirm import Eigenvalues, contradicts
-from rodgen.analyse.curves.continuation import Steps, continued, started, taken_up
+from rodgen.analyse.curves.continuation import Steps, continued, taken_up
 from rodgen.analyse.curves.curve import (
     Curve,
     Point,
@@ -29,12 +27,12 @@ from rodgen.analyse.curves.special_points import branch_point
 from rodgen.analyse.curves.switching import chosen, switched
 from rodgen.analyse.curves.twice import compared, twice
 from rodgen.analyse.guard import guarded
-from rodgen.analyse.modal import MOST_DENSE
-from rodgen.analyse.settle import settle
+from rodgen.analyse.rod_range import RodRange
+from rodgen.analyse.settle import checked_imperfection, settle
 from rodgen.analyse.sizes import BRANCH, check_size
-from rodgen.analyse.steady import Steady, linearised, steady
+from rodgen.analyse.steady import Steady, steady
 from rodgen.analyse.steady_rod import SteadyRod
-from rodgen.errors import AnalysisError, InputError
+from rodgen.errors import InputError
 from rodgen.scene import Scene
 from rodgen.scene.plain import is_number, plain
 from rodgen.system import ParameterRange, System, start_at
@@ -44,8 +42,6 @@ if TYPE_CHECKING:
 
 STEP = 0.02  # of the range, or rad: the longest along a branch
 MOST = 2000  # points
-BESIDE = 1e-6  # of the range: next to a start in which no direction is known
-CHECKED = 5  # points of a branch of which all eigenvalues are looked at
 DOUBTED = "what was counted is not what the eigenvalues of the linearised equations say"
 
 
@@ -160,20 +156,17 @@ def continue_equilibria(
         onward = float(np.sign(high - low))
 
         def follow(way: float) -> Curve:
-            try:
-                point = started(problem, u, way * onward)
-            except AnalysisError:  # nothing gives the unloaded rod its direction
-                aside = way * onward * BESIDE * (scaled[1] - scaled[0])
-                point = started(problem, np.append(u[:-1], u[-1] + aside), way * onward)
-            return continued(problem, point, *scaled, steps, watch=seen)
+            return continued(
+                problem, problem.first_point(u, way * onward), *scaled, steps, watch=seen
+            )
 
         return follow(1.0) if start is None or begin in (low, high) else both_ways(follow)
 
     curve = walk(problem)
-    if not curve.interrupted and _doubted(problem, curve):  # in too few modes
-        problem = equilibria(problem.variable, first, True)
+    if not curve.interrupted and is_doubted(problem, curve):  # in too few modes
+        problem = equilibria(problem.along, first, True)
         curve = walk(problem)
-        if not curve.interrupted and _doubted(problem, curve):
+        if not curve.interrupted and is_doubted(problem, curve):
             problem.leave_stability(DOUBTED)
             curve = walk(problem)
     if switch is not None and not curve.interrupted:
@@ -212,13 +205,13 @@ def _prepared(
     start = start_at(system, key, begin)
     values = ParameterRange(start.steady(t), key, bounds)
     rod = SteadyRod.of(values.system)
-    variable = Key(rod, values)
+    along = RodRange(rod, values)
     if before is not None and before.moving:
-        return Motions(variable, motion_of(rod, rod.system.p, before.states[0][0]))
+        return Motions(along, motion_of(rod, rod.system.p, before.states[0][0]))
     if motion is not None:
-        return begun(start, rod, variable, motion, begin)
+        return begun(start, rod, along, motion, begin)
     first = steady(rod) if imperfection is None else _bent(rod, imperfection)
-    return equilibria(variable, first)
+    return equilibria(along, first)
 
 
 def _entered(problem: Equilibria, curve: Curve, special: Special) -> tuple[Equilibria, Special]:
@@ -228,7 +221,7 @@ def _entered(problem: Equilibria, curve: Curve, special: Special) -> tuple[Equil
         return problem, special
     beside = [curve.points[special.after + k].u for k in (0, 1)]
     states = [problem.steady(u) for u in beside]
-    motions = Motions(problem.variable, motion_of(states[0].rod, states[0].p, states[0].y))
+    motions = Motions(problem.along, motion_of(states[0].rod, states[0].p, states[0].y))
     row = np.append(np.zeros(len(motions.columns)), 1.0)
     points = []
     for u, state in zip(beside, states, strict=True):
@@ -238,44 +231,21 @@ def _entered(problem: Equilibria, curve: Curve, special: Special) -> tuple[Equil
 
 
 def _bent(rod: SteadyRod, imperfection: float) -> Steady:
-    from rodgen.analyse.pencil import forces
-    from rodgen.analyse.statics import checked_imperfection
-
     p = rod.system.p
     rest, _ = settle(rod, p, bend=checked_imperfection(imperfection))
-    return Steady(rod, rest.at._replace(force=forces(rod, rest.at, p)[1]), p)
+    return Steady(rod, rest.at, p)
 
 
 def _taken_up(problem: Equilibria, before: Recorded) -> Point:
     """The point of a file, on its branch, in its direction. Raises AnalysisError where it is no
     solution."""
-    rod = problem.variable.rod(before.values[0])
-    p = problem.variable.parameters(before.values[0])
+    rod = problem.along.rod(before.values[0])
+    p = problem.along.parameters(before.values[0])
     here, *others = (
         problem.packed(problem.restored(rod, p, y, force), value)
         for (y, force), value in zip(before.states, before.values, strict=True)
     )
     return taken_up(problem, here, others[0] if others else None, "equilibrium")
-
-
-def _doubted(problem: Equilibria, curve: Curve) -> bool:
-    """Whether all eigenvalues tell other numbers of unstable directions than those that were
-    counted, in a few points and beside special ones."""
-    growing = problem.growing
-    if growing is None or problem.variable.base.cells > MOST_DENSE:
-        return False
-    last = len(curve.points) - 1
-    looked = {*np.linspace(0, last, CHECKED).astype(int).tolist()}
-    looked |= {min(one.after + at, last) for one in curve.special for at in (0, 1)}
-    for at in sorted(looked):
-        point = curve.points[at]
-        if point.unstable is None:
-            continue
-        state = problem.steady(point.u)
-        found = Eigenvalues.of(linearised(state).reduced(), growing.lowest)
-        if contradicts(found, growing.motions(state), growing.lowest):
-            return True
-    return False
 
 
 def _inside(name: str, value: Any, bounds: tuple[float, float]) -> float:

@@ -7,10 +7,10 @@ from scipy.linalg import null_space
 from scipy.sparse import csc_array, diags_array, hstack
 
 from rodgen.analyse.balance import WholeBalance
+from rodgen.analyse.bordered import Matrix
 from rodgen.analyse.branches.equilibria import Equilibria
-from rodgen.analyse.branches.variable import Variable
-from rodgen.analyse.curves.bordered import Matrix
 from rodgen.analyse.pencil import Cells, sparse
+from rodgen.analyse.rod_range import RodRange
 from rodgen.analyse.steady import Steady, straight_state
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
 from rodgen.arrays import Array
@@ -24,8 +24,8 @@ class Chain(Equilibria):
     """Of a rod whose joint 0 is held and whose loads follow no motion, in O(n): unknown are its
     angles and the forces in its joints."""
 
-    def __init__(self, variable: Variable, start: Steady, all_modes: bool = False):
-        super().__init__(variable, start, all_modes)
+    def __init__(self, along: RodRange, start: Steady, all_modes: bool = False):
+        super().__init__(along, start, all_modes)
         scene, cells = start.rod.scene, start.rod.cells
         soft = scene.distribution.usual_stiffness / scene.rod.length**2 * scene.rod.links
         usual = max(soft / max(scene.mass, 1e-300), float(np.abs(start.force).max(initial=0.0)))
@@ -49,7 +49,7 @@ class Chain(Equilibria):
         here = self.steady(u)
         rod, cells = here.rod, here.cells
         by_value = np.zeros(cells.residual.size)
-        for p, share in self.variable.near(self.value(u)):
+        for p, share in self.along.near(self.value(u)):
             by_value += share * Cells.at(rod, here.at, p).residual.ravel()
         by_value *= self.rows
         F = self.rows * cells.residual.ravel()
@@ -64,8 +64,8 @@ class Whole(Equilibria):
     """Of a rod whose joint 0 is free and held by springs, or whose loads follow the motion:
     unknown are the position of joint 0, where it counts, the angles, and added states."""
 
-    def __init__(self, variable: Variable, start: Steady, all_modes: bool = False):
-        super().__init__(variable, start, all_modes)
+    def __init__(self, along: RodRange, start: Steady, all_modes: bool = False):
+        super().__init__(along, start, all_modes)
         rod = start.rod
         here = WholeBalance(rod, rod.at_rest(start.at), start.p, 0.0)
         self.basis, self.origin = self._held(here.basis), self._coordinates(start.at)
@@ -85,8 +85,8 @@ class Whole(Equilibria):
         start, ways = self.start, np.zeros(len(basis))
         ways[start.rod.base : start.rod.base + start.rod.cells] = 1.0
         turning = basis.T @ ways
-        for value in self.variable.ends:
-            rod, p = self.variable.rod(value), self.variable.parameters(value)
+        for value in self.along.bounds:
+            rod, p = self.along.rod(value), self.along.parameters(value)
             slope = WholeBalance(rod, rod.at_rest(start.at), p, 0.0).slope
             reduced = basis.T @ slope @ basis
             if np.abs(reduced @ turning).max() > NEUTRAL * np.abs(reduced).max():
@@ -112,7 +112,7 @@ class Whole(Equilibria):
         rod, y = here.rod, here.rod.at_rest(here.at)
         balance = WholeBalance(rod, y, here.p, 0.0)
         by_value = np.zeros(len(self.basis))
-        for p, share in self.variable.near(self.value(u)):
+        for p, share in self.along.near(self.value(u)):
             by_value += share * WholeBalance(rod, y, p, 0.0).residual
         reduced = self.basis.T @ balance.slope @ self.basis
         J = self.rows[:, None] * np.column_stack((reduced * self.columns, self.basis.T @ by_value))
@@ -120,10 +120,11 @@ class Whole(Equilibria):
 
 
 class Flight(Equilibria):
-    """Of a free rod that nothing holds: it stays straight, and accelerates steadily."""
+    """Of a rod that stays straight: a free one that nothing holds accelerates steadily, a pinned
+    one may turn freely under all loads of the range."""
 
-    def __init__(self, variable: Variable, start: Steady, all_modes: bool = False):
-        super().__init__(variable, start, all_modes)
+    def __init__(self, along: RodRange, start: Steady, all_modes: bool = False):
+        super().__init__(along, start, all_modes)
         self.weights = np.ones(1)
 
     def packed(self, state: Steady, value: float) -> Array:
@@ -140,11 +141,22 @@ class Flight(Equilibria):
         return np.zeros(0), np.zeros((0, 1))
 
 
-def equilibria(variable: Variable, start: Steady, all_modes: bool = False) -> Equilibria:
+def equilibria(along: RodRange, start: Steady, all_modes: bool = False) -> Equilibria:
     """The curve that a steady state lies on, as a problem of continuation."""
     rod = start.rod
     if rod.base and not (rod.anchored or rod.steered):
-        return Flight(variable, start, all_modes)
+        return Flight(along, start, all_modes)
+    if rod.chain and all(_turns_freely(along, start, end) for end in along.bounds):
+        return Flight(along, start, all_modes)
     if rod.base or rod.steered:
-        return Whole(variable, start, all_modes)
-    return Chain(variable, start, all_modes)
+        return Whole(along, start, all_modes)
+    return Chain(along, start, all_modes)
+
+
+def _turns_freely(along: RodRange, start: Steady, value: float) -> bool:
+    """Whether the whole rod turns freely about a steady state and about the straight one at a
+    value."""
+    if not start.turns_freely:
+        return False
+    state, _ = straight_state(along.rod(value), along.parameters(value))
+    return state is not None and state.turns_freely

@@ -13,17 +13,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import null_space
 from scipy.optimize import root
 
-from rodgen.analyse.branches.equilibria import HOPF, Equilibria, about
-from rodgen.analyse.branches.variable import Variable
+from rodgen.analyse.branches.equilibria import Equilibria
 from rodgen.analyse.confirm import Eigenvalues
-from rodgen.analyse.curves.curve import BRANCH, Point, Special
-from rodgen.analyse.curves.special_points import located
 from rodgen.analyse.eigen import Complex
+from rodgen.analyse.pencil import Linear, Parts
+from rodgen.analyse.rod_range import RodRange
 from rodgen.analyse.small_motions import Growing
-from rodgen.analyse.steady import Steady, has_drag, is_kinked
+from rodgen.analyse.steady import Steady, has_drag
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
@@ -91,8 +89,8 @@ class Motions(Equilibria):
     """u: angles [rad], the velocity of joint 0 where loads follow it and the rate of turning where
     directions are alike, over what is usual, and the varied number over its range."""
 
-    def __init__(self, variable: Variable, start: SteadyMotion):
-        super().__init__(variable, start)
+    def __init__(self, along: RodRange, start: SteadyMotion):
+        super().__init__(along, start)
         rod = start.rod
         if rod.anchored or rod.steered:
             what = "absent: springs hold the rod, or its loads follow its motion"
@@ -129,7 +127,8 @@ class Motions(Equilibria):
         z = np.append(z, np.zeros(len(self.columns) - len(z)))
         return np.append(z / self.columns, self.scaled(value))
 
-    def restored(self, rod: SteadyRod, p: Array, y: Array, force: Array) -> SteadyMotion:
+    @staticmethod
+    def restored(rod: SteadyRod, p: Array, y: Array, force: Array) -> SteadyMotion:
         return motion_of(rod, p, y)
 
     def _state(self, rod: SteadyRod, p: Array, u: Array) -> SteadyMotion:
@@ -160,7 +159,7 @@ class Motions(Equilibria):
         made = self._balance(here)
         F = made.rates
         by_value = np.zeros(len(F))
-        for p, share in self.variable.near(self.value(u)):
+        for p, share in self.along.near(self.value(u)):
             beside = self._balance(SteadyMotion(here.rod, here.at, p, here.velocity, here.spin))
             by_value += share * beside.rates
         if self.turns:  # of all that are turned against each other, one
@@ -186,15 +185,12 @@ class Motions(Equilibria):
 
     # Stability -----------------------------------------------------------------------------------
 
-    def _rates(self, u: Array) -> Complex:
-        return Eigenvalues.of_matrix(self._matrix(u)).s
-
     def _matrix(self, u: Array) -> Array:
-        """Of small motions in the moving frame, without that zero which turning the whole rod has
-        where directions are alike."""
+        """Of small motions in the moving frame; that zero which turning the whole rod has where
+        directions are alike is a decay in it, as fast as the largest of its entries."""
         state = self.steady(u)
         assert isinstance(state, SteadyMotion)
-        if is_kinked(state.rod) and state.straight:
+        if state.kinked and state.straight:
             raise AnalysisError("external damping has no linear part along the straight rod")
         made, size = self._balance(state), self.cells
         moves = self.base * self.moves
@@ -207,8 +203,7 @@ class Motions(Equilibria):
         if self.turns:
             carried = AHEAD @ state.velocity if moves else np.zeros(0)
             turned = np.concatenate((np.ones(size), carried, np.zeros(size)))
-            keep = null_space(turned[None])
-            A = keep.T @ A @ keep
+            A -= np.abs(A).max() / (turned @ turned) * np.outer(turned, turned)
         return A
 
     def unstable(self, u: Array) -> int | None:
@@ -222,21 +217,15 @@ class Motions(Equilibria):
         found = Eigenvalues.of_matrix(self._matrix(u))
         return found.s[found.growth > 0]
 
-    def crossed(self, before: Point, after: Point, s: complex) -> Special:
-        assert before.unstable is not None
-        assert after.unstable is not None
-        order = min(before.unstable, after.unstable)
-
-        def growth(point: Point) -> float:
-            return -float(np.sort(-self._rates(point.u).real)[order])
-
-        try:
-            here = located(self, before, after, growth)
-        except AnalysisError as error:
-            return about(after, s, error)
-        rates = self._rates(here.u)
-        rate = rates[np.argmin(np.abs(rates - s))].imag if s else 0.0
-        return Special(HOPF if s else BRANCH, here.u, frequency=abs(rate) / (2 * np.pi))
+    def linear(self, u: Array, s: complex) -> Linear:
+        A, size = self._matrix(u), self.cells
+        if self.moves:
+            return Parts(A, -np.eye(len(A)), np.zeros_like(A))
+        # Of second order, in which frequencies that meet without damping are seen to.
+        K, C = -A[size:, :size], -A[size:, size:]
+        if self.turns and not s:
+            K = K + np.abs(K).max() / size
+        return Parts(K, C, np.eye(size))
 
 
 def motion_of(rod: SteadyRod, p: Array, y: Array) -> SteadyMotion:
@@ -271,7 +260,7 @@ def _alike(state: SteadyMotion) -> bool:
     return bool(np.abs(after - np.array([[c, -s], [s, c]]) @ before).max() <= least)
 
 
-def begun(system: System, rod: SteadyRod, variable: Variable, where: str, value: float) -> Motions:
+def begun(system: System, rod: SteadyRod, along: RodRange, where: str, value: float) -> Motions:
     """The problem of a system about the steady motion that is near its initial state ("initial"),
     or to which a run of it over its span leads ("run"). Raises InputError, AnalysisError."""
     ways: dict[str, Callable[[], Array]] = {
@@ -281,7 +270,7 @@ def begun(system: System, rod: SteadyRod, variable: Variable, where: str, value:
     if where not in ways:
         raise InputError("motion", where, " or ".join(map(repr, ways)))
     guess = motion_of(rod, rod.system.p, ways[where]())
-    problem = Motions(variable, guess)
+    problem = Motions(along, guess)
     found = problem.steady(problem.near(guess, value))
     assert isinstance(found, SteadyMotion)
-    return Motions(variable, found)
+    return Motions(along, found)

@@ -99,9 +99,9 @@ class Outline:
             boundary.bordered(point.u)
             self.watch(boundary.values(point.u))
 
-        def until(point: Point) -> str:
+        def until(curve: Curve) -> str:
             nonlocal before, count
-            count += 1
+            point, count = curve.points[-1], count + 1
             change = np.abs(point.u - before)
             before = point.u
             if not low <= point.u[-2] <= high:
@@ -183,7 +183,7 @@ def _only(size: int, at: int) -> Array:
 
 def rates(plane: Plane, a: float, b: float) -> Any:
     """All eigenvalues [1/s] at a point of the plane."""
-    return np.linalg.eigvals(first_order(*plane.at(a, b), plane.added)).astype(complex)
+    return np.linalg.eigvals(first_order(*plane.at(a, b).parts, plane.added)).astype(complex)
 
 
 def _others(boundary: Boundary, u: Array) -> Any:

@@ -100,12 +100,12 @@ def continued(
     steps: Steps | None = None,
     first: float | None = None,
     watch: Callable[[Point], None] = lambda point: None,
-    until: Callable[[Point], str] = lambda point: "",
+    until: Callable[[Curve], str] = lambda curve: "",
 ) -> Curve:
     """The curve from a point on along its tangent, while its parameter is within low and high.
 
     first: the first step, if not that of steps; watch: called with every point; until: says why
-    the curve need not be followed beyond a point, or nothing. A step is taken
+    the curve so far need not be followed on, or nothing. A step is taken
     where the correction is short, the tangent turns little and the number of unstable directions
     changes as the special points found on the way tell, else it is halved, so that no other branch
     is jumped to. What was found so far is kept where it ends, by Ctrl-C too; why is told by
@@ -122,7 +122,7 @@ class _Walk:
         low: float,
         high: float,
         watch: Callable[[Point], None],
-        until: Callable[[Point], str],
+        until: Callable[[Curve], str],
     ):
         self.problem, self.steps, self.low, self.high = problem, steps, low, high
         self.watch, self.until = watch, until
@@ -191,7 +191,7 @@ class _Walk:
         curve, start = self.curve, self.curve.points[0]
         if point.value in (self.low, self.high):
             curve.end, curve.complete = "the end of the range was reached", True
-        elif why := self.until(point):
+        elif why := self.until(curve):
             curve.end, curve.complete = why, True
         elif len(curve.points) >= self.steps.most:
             curve.end = f"{self.steps.most} points were computed"

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rodgen.analyse.curves.bordered import Bordered, Matrix
+from rodgen.analyse.bordered import Bordered, Matrix
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 from rodgen.result import Note

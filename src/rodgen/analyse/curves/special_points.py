@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import brentq
 
-from rodgen.analyse.curves.bordered import Bordered
+from rodgen.analyse.bordered import Bordered
 from rodgen.analyse.curves.curve import (
     BRANCH,
     FOLD,

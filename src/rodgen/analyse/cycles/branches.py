@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rodgen.analyse.bounds import bounds_of
+from rodgen.analyse.branches.equilibria import HOPF
 from rodgen.analyse.curves.continuation import Steps, continued, started, taken_up
 from rodgen.analyse.curves.curve import Curve, Point, Special, both_ways, corrected, point_at
 from rodgen.analyse.curves.datasets import extended, kept
@@ -18,17 +19,14 @@ from rodgen.analyse.cycles.closing import Orbit
 from rodgen.analyse.cycles.cycle import Cycle
 from rodgen.analyse.cycles.family import Cycles
 from rodgen.analyse.cycles.flow import Flow
-from rodgen.analyse.cycles.hopf import Hopf, hopf_point
-from rodgen.analyse.cycles.hopf_start import HOPF, check_smooth, recorded_hopf
+from rodgen.analyse.cycles.hopf_start import Found, first_hopf, recorded_hopf
 from rodgen.analyse.cycles.search import Search, segments_of
 from rodgen.analyse.cycles.shooting import SEGMENTS, cut
 from rodgen.analyse.cycles.switching import other_branch
 from rodgen.analyse.guard import guarded
 from rodgen.analyse.sizes import CYCLE, check_size
-from rodgen.analyse.steady import steady
-from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.arrays import Array
-from rodgen.errors import AnalysisError, InputError, check_type
+from rodgen.errors import InputError, check_type
 from rodgen.scene import Scene
 from rodgen.scene.plain import is_number
 from rodgen.system import ParameterRange, System
@@ -71,7 +69,7 @@ def continue_cycles(
     bounds
         First and last value of the number, in SI units.
     start
-        Where the branch begins. "hopf": in the first Hopf point of the straight rod. "run": with
+        Where the branch begins. "hopf": in the first Hopf point of the equilibria. "run": with
         the cycle on which the scene settles; the branch is then followed both ways. A `Cycle`:
         with this cycle, both ways. A branch of `continue_equilibria`: in its Hopf point ``at``
         (1 is the first special point).
@@ -143,7 +141,7 @@ def continue_cycles(
         if switch is None:
             return kept(branch.curve, lambda: extended(resume, at, dataset(branch)))
     elif isinstance(start, str) and start == HOPF:
-        branch = _from_hopf(search, along, hopf_of(search, along), count, steps, watch)
+        branch = _from_hopf(search, along, first_hopf(search, along), count, steps, watch)
     elif isinstance(start, xarray.Dataset):
         branch = _from_hopf(
             search, along, recorded_hopf(search, along, start, at), count, steps, watch
@@ -180,30 +178,10 @@ def _own(scene: Scene, key: str, bounds: tuple[float, float]) -> float:
     return float(value)
 
 
-def hopf_of(search: Search, along: ParameterRange) -> tuple[Hopf, Callable[[float], Flow]]:
-    """The first Hopf point of the scene's equilibrium between the ends of a range, and the flow
-    at a value. Raises AnalysisError."""
-    if search.forced:
-        raise AnalysisError(
-            "no Hopf point: the loads repeat, and leave no equilibrium; start from a run"
-        )
-    low, high = along.bounds
-    state = steady(SteadyRod.of(along.at(low)))
-    check_smooth(state.rod.scene)
-    y = state.rod.at_rest(state.at)
-    quotient = search.flow(0.0, y).quotient
-    quotient = replace(quotient, origin=y)
-
-    def flow(value: float) -> Flow:
-        return Flow(search.model, along.parameters(value), quotient)
-
-    return hopf_point(flow, 0.0, y[quotient.kept], low, high), flow
-
-
 def _from_hopf(
     search: Search,
     along: ParameterRange,
-    begin: tuple[Hopf, Callable[[float], Flow]],
+    begin: Found,
     count: int,
     steps: Steps,
     watch: Callable[[float], None],

@@ -46,6 +46,11 @@ class Flow:
         f: Array = self.model.rhs(t, self.quotient.lifted(x), self.p)[self.quotient.kept]
         return f
 
+    def jacobian(self, t: float, x: Array) -> Array:
+        """Derivatives of the rates (size, size) at a state (size,)."""
+        J: Array = self.derivatives(np.array([t]), x[None])[1][0]
+        return J
+
     def derivatives(self, t: Array, X: Array) -> tuple[Array, Array]:
         """Rates (K, size) of states X (K, size) at times t (K,) [s], and their derivatives
         (K, size, size)."""

@@ -1,5 +1,5 @@
-"""Hopf points of equilibria along a number of a scene, and their normal form: whether the cycles
-that begin there are stable and lie beyond (supercritical), or unstable and before (subcritical).
+"""The normal form of a Hopf point of equilibria along a number of a scene: whether the cycles that
+begin there are stable and lie beyond (supercritical), or unstable and before (subcritical).
 
 With A = J at the equilibrium, A q = i w q, A^T p = -i w p, <p, q> = 1, and B, C the second and
 third derivatives of the rates,
@@ -15,31 +15,28 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
+from rodgen.analyse.branches.equilibria import Equilibria
+from rodgen.analyse.curves.curve import Special
 from rodgen.analyse.cycles.flow import Flow
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
-from rodgen.progress import tell
 
 Complex = NDArray[np.complex128]
 Places = NDArray[np.intp]
-FORCES = 81  # values in the range at which the growth of small motions is looked at
 STEP = 0.02  # rad: of differences of sixth order, whose error is its sixth power
 FIRST = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
 SECOND = np.array([2, -27, 270, -490, 270, -27, 2]) / 180
 SMOOTH = 1e-3  # by which coefficients of two steps may differ
-SLOW = 1e-6  # of the middle of all moduli: below it nothing oscillates
-NEUTRAL = 1e-7  # of the frequency: growth or decay below it is none
-BESIDE = 1e-5  # of the range of values, around a Hopf point that is known
-ITERATIONS = 30
-REST = 1e-13  # of the correction of an equilibrium
+WEAKEST = 1e-12  # damping, with which an oscillation crosses
+TOUCH = 1e-12  # of the frequency, a growth over the range that is none
+STILL = 1e-9  # of the largest rates that a state could have: rounding
+SIDE = 1e-4  # of the range, to either side of a Hopf point, of differences along the branch
 
 
 @dataclass(frozen=True)
@@ -75,111 +72,44 @@ class Hopf:
         return x, self.value + aside, 2 * np.pi / turned
 
 
-def equilibrium(flow: Flow, t: float, x: Array) -> Array:
-    """The state (size,) near x at which the rates vanish; without turning, where that does not
-    count. Raises AnalysisError."""
-    for _ in range(ITERATIONS):
-        J = jacobian(flow, t, x)
-        change = np.linalg.lstsq(J, -flow.rates(t, x), rcond=1e-12)[0]
-        if not np.isfinite(change).all() or np.abs(change).max() > 1e3:
-            break
-        x = x + change
-        if np.abs(change).max() <= REST * (1 + np.abs(x).max()):
-            return x
-    raise AnalysisError("no equilibrium was found from which cycles could begin")
-
-
-def jacobian(flow: Flow, t: float, x: Array) -> Array:
-    """Derivatives of the rates (size, size)."""
-    kept = flow.quotient.kept
-    J: Array = flow.model.jac(t, flow.quotient.lifted(x), flow.p)[np.ix_(kept, kept)]
-    return J
-
-
-def hopf_point(at: Callable[[float], Flow], t: float, x: Array, low: float, high: float) -> Hopf:
-    """The first Hopf point from low towards high on the equilibrium that is near x at low; at: the
-    flow at a value. Raises AnalysisError where there is none."""
-    values = np.linspace(low, high, FORCES)
-    x = equilibrium(at(values[0]), t, x)
-    before = fastest_growing(jacobian(at(values[0]), t, x))
-    for a, b in pairwise(values.tolist()):
-        tell(f"looking for a Hopf point at {b:.6g}")
-        after_x = equilibrium(at(b), t, x)
-        after = fastest_growing(jacobian(at(b), t, after_x))
-        signs = {_growth(before), _growth(after)}
-        if signs == {-1, 1} or signs == {0, 1}:
-            if 0 in signs:
-                raise AnalysisError(
-                    f"no Hopf point: near {b:.9g} oscillations meet and do not cross, as they do "
-                    "without damping; give the scene some"
-                )
-            return _located(at, t, x, float(a), float(b), fastest_growing)
-        before, x = after, after_x
-    raise AnalysisError(
-        f"no Hopf point from {low:.9g} to {high:.9g}: no oscillation about the equilibrium begins "
-        "to grow there"
-    )
-
-
-def fastest_growing(J: Array) -> complex | None:
-    """The eigenvalue of an oscillation that grows most. What is slow beside the middle of all is
-    none, as rounding turns a rod that may turn; beside the fastest, damping hides slow flutter."""
-    s = np.linalg.eigvals(J)
-    s = s[s.imag > SLOW * np.median(np.abs(s))]
-    return complex(s[s.real.argmax()]) if len(s) else None
-
-
-def _growth(s: complex | None) -> int | None:
-    """Whether an oscillation grows (1), decays (-1), or neither but for rounding."""
-    if s is None:
-        return None
-    return 0 if abs(s.real) <= NEUTRAL * abs(s) else int(np.sign(s.real))
-
-
-def hopf_near(
-    at: Callable[[float], Flow], t: float, x: Array, value: float, frequency: float, unit: float
-) -> Hopf:
-    """The Hopf point near a value, on an equilibrium near x, of an oscillation of about a frequency
-    [rad/s]; unit: the range of values. Raises AnalysisError where it is not there."""
-
-    def nearest(J: Array) -> complex:
-        s = np.linalg.eigvals(J)
-        return complex(s[np.abs(s - 1j * frequency).argmin()])
-
-    rest = equilibrium(at(value), t, x)
-    low, high = value - BESIDE * unit, value + BESIDE * unit
-    try:
-        return _located(at, t, rest, low, high, nearest)
-    except ValueError:
-        raise AnalysisError(f"no Hopf point: no oscillation crosses at {value:.9g}") from None
-
-
-def _located(
-    at: Callable[[float], Flow],
-    t: float,
-    x: Array,
-    low: float,
-    high: float,
-    pair: Callable[[Array], complex | None],
-) -> Hopf:
-    def found(value: float) -> tuple[Array, complex]:
-        rest = equilibrium(at(value), t, x)
-        s = pair(jacobian(at(value), t, rest))
-        if s is None:
-            raise AnalysisError("the oscillation ceases before it begins to grow")
-        return rest, s
-
-    value = float(brentq(lambda v: found(v)[1].real, low, high, xtol=1e-14, rtol=1e-13))
-    rest, s = found(value)
-    step = 1e-4 * max(abs(value), abs(high - low))
-    slope = (found(value + step)[1] - found(value - step)[1]) / (2 * step)
-    if not abs(slope.real) > 0:
-        raise AnalysisError(f"the oscillation at {value:.9g} does not cross: it only touches")
+def hopf_at(problem: Equilibria, special: Special, at: Callable[[float], Flow]) -> Hopf:
+    """The Hopf point of a branch of equilibria in a special point; at: the flow at a value. Raises
+    AnalysisError where no oscillation crosses, and where there is no normal form."""
+    value, frequency = problem.value(special.u), 2 * np.pi * special.frequency
+    if problem.steady(special.u).kinked:
+        raise AnalysisError(
+            f"no Hopf point at {value:.9g}: external damping is not smooth at rest, and no normal "
+            "form has the cycles that begin there; start from a run"
+        )
+    if special.note:
+        raise AnalysisError(f"no Hopf point at {value:.9g}: it is {special.note}")
+    if problem.linear(special.u, 1j * frequency).damping < WEAKEST:
+        raise AnalysisError(
+            f"no Hopf point: near {value:.9g} oscillations meet and do not cross, as they do "
+            "without damping; give the scene some"
+        )
     flow = at(value)
     of = flow.quotient
-    rates = np.union1d(of.led, of.velocity)
-    way, c = normal_form(lambda y: jacobian(flow, t, y), rest, s.imag, of.angles, rates)
-    return Hopf(value, s.imag, slope, c, rest, way)
+    x = problem.steady(special.u).y[of.kept]
+    rates, A = flow.rates(0.0, x), flow.jacobian(0.0, x)
+    if np.abs(rates).max() > STILL * (np.abs(A) @ np.maximum(np.abs(x), 1.0)).max():
+        raise AnalysisError(
+            f"no Hopf point at {value:.9g}: the rod is not at rest there, but accelerates in a way "
+            "that its motion follows; start from a run"
+        )
+    step = SIDE * problem.along.unit
+
+    def nearest(there: float) -> complex:
+        y = problem.steady(problem.at_value(special.u, there)).y
+        s = np.linalg.eigvals(at(there).jacobian(0.0, y[of.kept]))
+        return complex(s[np.abs(s - 1j * frequency).argmin()])
+
+    slope = (nearest(value + step) - nearest(value - step)) / (2 * step)
+    if abs(slope.real) * problem.along.unit <= TOUCH * frequency:
+        raise AnalysisError(f"the oscillation at {value:.9g} does not cross: it only touches")
+    led = np.union1d(of.led, of.velocity)
+    way, c = normal_form(lambda x: flow.jacobian(0.0, x), x, frequency, of.angles, led)
+    return Hopf(value, frequency, slope, c, x, way)
 
 
 def normal_form(

@@ -22,7 +22,6 @@ from rodgen.analyse.cycles.conserved import Conserved
 from rodgen.analyse.cycles.cycle import Cycle, nontrivial
 from rodgen.analyse.cycles.elimination import Complex
 from rodgen.analyse.cycles.flow import Flow
-from rodgen.analyse.cycles.hopf import equilibrium, jacobian
 from rodgen.analyse.cycles.orbits import Orbits
 from rodgen.analyse.cycles.search import Search, segments_of
 from rodgen.analyse.cycles.shooting import SEGMENTS, Shooting, cut
@@ -138,8 +137,8 @@ def _prepared(system: System, target: str | None) -> _Rest:
     state = steady(SteadyRod.of(search.system))
     y = state.rod.at_rest(state.at)
     flow = search.flow(0.0, y)
-    x = equilibrium(flow, 0.0, y[flow.quotient.kept])
-    s, vectors = np.linalg.eig(jacobian(flow, 0.0, x))
+    x = y[flow.quotient.kept]
+    s, vectors = np.linalg.eig(flow.jacobian(0.0, x))
     swings = np.flatnonzero(s.imag > STILL * np.abs(s).max())
     order = swings[np.argsort(s[swings].imag)]
     angles = vectors[: flow.quotient.positions, order]

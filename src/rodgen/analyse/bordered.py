@@ -1,0 +1,99 @@
+"""Matrices with rows and columns at their borders, which are regular where the matrix itself is
+not."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import get_lapack_funcs
+from scipy.sparse import block_array, csc_array, issparse
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
+
+from rodgen.errors import AnalysisError
+
+Matrix = Any  # a NumPy array, or a sparse one
+SINGULAR = "the bordered equations are singular"
+LIGHT = 1e-3  # times which rows at the border of a band are taken: they are no pivots then
+
+
+@lru_cache(maxsize=2)
+def _lapack(dtype: type) -> tuple[Any, Any]:
+    """What factors full matrices and what solves with the factors: SciPy's own functions look at
+    what they are given for longer than it takes to factor small ones."""
+    found = get_lapack_funcs(("getrf", "getrs"), dtype=dtype)
+    return found[0], found[1]
+
+
+class Bordered:
+    """L U of [[J, columns], [rows, 0]], real or complex: dense, or of a sparse J that is a band but
+    for its last columns, whose factors stay a band. J: (N, N + k); rows: (m, N + k);
+    columns: (N, m - k), none by default. Raises AnalysisError for one that is singular."""
+
+    def __init__(self, J: Matrix, rows: NDArray[Any], columns: NDArray[Any] | None = None):
+        self.sparse, self.rows = issparse(J), len(rows)
+        self.dtype = complex if np.iscomplexobj(J) else float
+        if not self.sparse:
+            self._dense = self._full(J, rows, columns)
+            return
+        blocks: list[list[Any]] = [[J], [csc_array(LIGHT * rows)]]
+        if columns is not None:
+            blocks = [[J, csc_array(columns)], [csc_array(LIGHT * rows), None]]
+        try:
+            self._factors = splu(csc_array(block_array(blocks)), permc_spec="NATURAL")
+        except (RuntimeError, ValueError):
+            raise AnalysisError(SINGULAR) from None
+
+    def _full(
+        self, J: Matrix, rows: NDArray[Any], columns: NDArray[Any] | None
+    ) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Factors and their order."""
+        (size, width), more = J.shape, 0 if columns is None else columns.shape[1]
+        whole = np.zeros((size + len(rows), width + more), dtype=self.dtype)
+        whole[:size, :width], whole[size:, :width] = J, rows
+        if columns is not None:
+            whole[:size, width:] = columns
+        if not np.isfinite(whole).all():
+            raise AnalysisError(SINGULAR)
+        factors, order, singular = _lapack(self.dtype)[0](whole)
+        if singular:
+            raise AnalysisError(SINGULAR)
+        return factors, order
+
+    def solve(self, right: NDArray[Any], transposed: bool = False) -> NDArray[Any]:
+        """z of (matrix) z = right, or of its transpose."""
+        if not self.sparse:
+            made, _ = _lapack(self.dtype)[1](*self._dense, right, trans=int(transposed))
+            return np.asarray(made)
+        weights = np.ones((len(right), *[1] * (right.ndim - 1)))
+        weights[-self.rows :] = LIGHT
+        right = right.astype(self.dtype)
+        if transposed:
+            return np.asarray(self._factors.solve(right, "T")) * weights
+        return np.asarray(self._factors.solve(right * weights))
+
+    @property
+    def sign(self) -> int:
+        """The sign of the determinant of a real matrix."""
+        if self.sparse:
+            return sign_of(self._factors)
+        pivoted, order = self._dense
+        swaps = int((order != np.arange(len(order))).sum())
+        return int(np.sign(np.diagonal(pivoted)).prod()) * (-1 if swaps % 2 else 1)
+
+
+def sign_of(factors: Any) -> int:
+    """The sign of a determinant, from the factors of SuperLU."""
+    signs = int(np.sign(factors.U.diagonal()).prod())
+    return signs * _parity(factors.perm_r) * _parity(factors.perm_c)
+
+
+def _parity(order: NDArray[np.int_]) -> int:
+    """1 for an even permutation, -1 for an odd one."""
+    size = len(order)
+    moves = csc_array((np.ones(size), (np.arange(size), order)), shape=(size, size))
+    cycles = connected_components(moves)[0]
+    return 1 if (size - cycles) % 2 == 0 else -1
