@@ -132,8 +132,7 @@ def _links(
     """Numbers of links, those of scenes too, and the doubt about scenes of several rods."""
     scenes = [one for one in n if isinstance(one, Scene)]
     if not scenes:
-        # None is a scene, which no annotation can tell.
-        return n, ()  # type: ignore[return-value]
+        return n, ()  # type: ignore[return-value]  # none is a scene, as no annotation tells
     if len(scenes) < len(n):
         raise InputError("n", [type(one).__name__ for one in n], "numbers, or scenes, not both")
     links = [one.rod.links for one in scenes]

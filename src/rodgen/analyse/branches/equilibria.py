@@ -190,11 +190,10 @@ def crossing(problem: Equilibria, near: Point, s: complex) -> Special:
     kind = HOPF if s else BRANCH
     try:
         found = onset(at, Onset(problem.value(near.u), s), problem.along.unit)
+        if abs(found.s - s) > ANOTHER * abs(s):
+            raise AnalysisError("Newton's method led to a motion with another frequency")
     except AnalysisError as error:
         note = f"known to about {CLOSE:g} of a step only: {error}"
-        return Special(kind, near.u, frequency=s.imag / (2 * np.pi), note=note)
-    if abs(found.s - s) > ANOTHER * abs(s):
-        note = f"known to about {CLOSE:g} of a step only: another motion oscillates beside it"
         return Special(kind, near.u, frequency=s.imag / (2 * np.pi), note=note)
     return Special(kind, state(found.force), frequency=found.s.imag / (2 * np.pi))
 

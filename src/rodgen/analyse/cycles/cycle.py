@@ -128,7 +128,7 @@ class Cycle(Result, Plottable):
         return np.abs(self.nontrivial)
 
     @cached_property
-    def notes(self) -> tuple[Note, ...]:  # type: ignore[override]
+    def notes(self) -> tuple[Note, ...]:  # type: ignore[override]  # a field of other results
         """Whether it is unstable, how far its multipliers are right, and what changes with twice as
         many links."""
         return (*self.found_doubts, *self._doubts())
