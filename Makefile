@@ -1,22 +1,27 @@
 # make demo     the main job, end to end
-# make test     the tests of every day              make test-times [COUNT=40]    processor time of each, of the last runs
-# make check    lint, types, slower tests, the live view in a browser, the pages of docs/
-# make check-clean      .ci/run (demo, test, check) in a clean clone of HEAD; if green, noted in build/checked
-# make check-all        everything, and every seeded fault: make faults [FROM=1] [TO=20] [AGAIN=1]
-# make check-newest     the same but the faults, with the newest dependencies, warnings are errors    make check-lowest   the oldest
-# make check-package    what pip installs, alone    make check-joints   with JAX, diffrax, Numba     make lock   the versions of all dependencies
-# make view [SCENE=scenes/missile.toml]          the live view, in a browser
+# make view [SCENE=scenes/missile.toml]     the live view, in a browser
 # make derive N=20 [BOUNDARY=free] [INERTIA=uniform] [TERMS=all] [TARGET=numpy] [FORM=chain]
 #             [PARTS=rhs,jac] [STEPS=1] [EXPLICIT=1]
-# make reference [CHECK=1]    write the reference modules and the keys in docs/scenes.md anew, or compare them
-# make figures    draw those of docs/derivation.md anew       make screenshot   the live view's picture
-# make thesis     rebuild the tables of the thesis into results/thesis/       make audit   its equations and listing
-# make guide      take the numbers of docs/speed.md and docs/which-method.md from the last report
-# make report [QUICK=1] [RESUME=1]    error against run time, stability, extremes, beside peers
-# make bench, bench-rhs, bench-many, bench-heyoka, bench-study, bench-engine, bench-workers, bench-load, bench-kills
-# make bench-analyse, bench-exponents, bench-cycles, bench-tables, bench-live
-# make verdicts [SCENES=200]    stability of random rods against 50 digits, their rests in a wind against plain continuation
-# make tolerance [SCENES=300]   errors of runs over their tolerances, and what methods cost at equal error, on random rods
+# make test     the tests of every day
+# make check    lint, types, slower tests, the live view in a browser, the pages of docs/
+#      ONLY=lint | types | pages | reference | nightly    a part of it, or of check-all
+#      ONLY=faults [FROM=1] [TO=20] [AGAIN=1]             every seeded fault, in copies
+#      ONLY=newest | lowest      with the newest dependencies (warnings are errors), with the oldest
+#      ONLY=package | joints     what pip installs, alone; with JAX, diffrax, Numba
+# make check-clean      .ci/run (demo, test, check) in a clean clone of HEAD; if green, noted in build/checked
+# make check-all        everything, and every seeded fault
+# make bench [NAME=rhs] [ARGS=...]     a benchmark, a file of evidence's benchmarks: by default the main job;
+#      NAME=tests [ARGS=40]    processor time of each test, of the last runs
+# make report [NAME=...] [ARGS=...]    what shows how far rodgen can be trusted, into results/
+#      by default error against run time, stability, extremes, beside peers (ARGS="--quick --resume");
+#      NAME=thesis | audit       the tables of the thesis; its equations and listing
+#      NAME=verdicts | tolerance    (ARGS="--scenes 200") random rods: stability against 50 digits and rests in a
+#                                wind against plain continuation; errors of runs over their tolerances
+# make docs     the site, in build/site
+#      NAME=reference | figures | screenshot | guide    write anew the reference modules and the keys in docs/scenes.md; the
+#                                figures of docs/derivation.md; the live view's picture; the numbers from the last report
+# make lock     the versions of all dependencies
+# make clean
 
 PYTHON ?= python3
 VENV ?= .venv
@@ -45,9 +50,7 @@ FORM ?= chain
 PARTS ?= all
 SCENE ?= scenes/missile.toml
 
-.PHONY: demo view derive test test-times check check-clean check-all check-newest check-lowest check-package check-joints \
-	faults lint types pages nightly lock bench bench-rhs bench-many bench-heyoka bench-study bench-engine bench-workers bench-load \
-	bench-kills bench-analyse bench-exponents bench-cycles bench-tables bench-live verdicts tolerance docs reference figures screenshot thesis audit report guide clean
+.PHONY: demo view derive test check check-clean check-all bench report docs lock clean
 
 demo: $(VENV)/installed
 	@$(BIN)/rodgen derive 20 --out generated
@@ -64,18 +67,20 @@ derive: $(VENV)/installed
 test: $(VENV)/developing
 	$(PYTEST) $(SPREAD) --times test
 
-test-times:
-	@$(BIN)/python -m tests.times $(COUNT)
+check: $(if $(ONLY),$(addprefix .check-,$(ONLY)),.check-change)
 
 # What takes one core each goes side by side, before the tests take both.
-check: $(VENV)/developing $(VENV)/evidence
-	@$(MAKE) --no-print-directory -j2 --output-sync=target CHECK=1 pages lint types reference
+.check-change: $(VENV)/developing $(VENV)/evidence
+	@$(MAKE) --no-print-directory -j2 --output-sync=target .check-pages .check-lint .check-types .check-reference
 	$(PYTEST) $(SPREAD) --times check -m slow tests
 	$(PYTEST) $(SPREAD) --times evidence evidence/tests
 
 # The pieces of a page follow one another, in one worker.
-pages: $(VENV)/developing $(VENV)/evidence
+.check-pages: $(VENV)/developing $(VENV)/evidence
 	$(PYTEST) --times pages docs
+
+.check-reference: $(VENV)/developing
+	$(BIN)/python -m tests.reference --check
 
 # In an empty folder, as on a machine that has nothing of it.
 check-clean:
@@ -85,33 +90,33 @@ check-clean:
 		&& cd "$(CURDIR)" && mkdir -p build && minutes=$$(( ($$(date +%s) - start + 59) / 60 )) \
 		&& echo "$$commit is green after $$minutes minutes" | tee -a build/checked
 
-check-all: test check nightly faults
+check-all: test check .check-nightly .check-faults
 
-nightly: docs $(VENV)/evidence
+.check-nightly: .docs-site $(VENV)/evidence
 	$(PYTEST) $(SPREAD) --times nightly -m nightly tests evidence/tests
 	$(PYTEST) -n auto -m nightly docs/site
 	$(PYTEST) $(SPREAD) --doctest-modules $(EXAMPLES)
 
-faults: $(VENV)/developing
+.check-faults: $(VENV)/developing
 	$(BIN)/python -m tests.mutation.seed $(if $(FROM),--from $(FROM)) $(if $(TO),--to $(TO)) $(if $(AGAIN),--again)
 
-check-newest:
-	$(MAKE) VENV=build/newest LOCK= STRICT=1 test check nightly
+.check-newest:
+	$(MAKE) ONLY= VENV=build/newest LOCK= STRICT=1 test check .check-nightly
 
-check-lowest: $(VENV)/developing
+.check-lowest: $(VENV)/developing
 	@mkdir -p build && $(call compile,--resolution lowest-direct,"-e .[dev]",build/lowest.lock)
-	$(MAKE) VENV=build/lowest LOCK=build/lowest.lock test
+	$(MAKE) ONLY= VENV=build/lowest LOCK=build/lowest.lock test
 
 # What pip installs, alone in an environment, away from the clone; on Windows too, without a C compiler.
 PACKAGE := $(CURDIR)/build/package/$(if $(filter Windows_NT,$(OS)),Scripts,bin)/python
-check-package:
+.check-package:
 	$(PYTHON) -m venv --clear build/package
 	$(PACKAGE) -m pip install --quiet .
 	cd build && rm -f first.toml && $(PACKAGE) -m rodgen new first --from missile && $(PACKAGE) -m rodgen run first.toml --target numpy
 	cd build && $(PACKAGE) -m rodgen critical --help > /dev/null
 
 # Other tools, which the extra dev has not: their tests are skipped elsewhere.
-check-joints: $(VENV)/developing
+.check-joints: $(VENV)/developing
 	$(INSTALL) --editable ".[dev,jax]" diffrax numba
 	$(PYTEST) -m "slow or nightly or not nightly" tests/compiled/test_jax.py tests/compiled/test_functions.py docs/how-to
 
@@ -125,98 +130,48 @@ $(LAYOUT): $(VENV)/developing $(VENV)/evidence
 	@rm -rf $@ && mkdir -p $@
 	@cp -R src/rodgen $@/rodgen && cp -R derive templates scenes $@/rodgen/ && cp -R evidence/src/rodgen_evidence $@/
 
-lint: $(LAYOUT)
+.check-lint: $(LAYOUT)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/codespell $$(git ls-files | grep -vE '\.(svg|png|gif|json|netcdf|js|css)$$')
 	$(BIN)/proselint --config .proselintrc.json check $$(git ls-files '*.md' | grep -v docs/audit.md)
 	cd $(LAYOUT) && PYTHONPATH=$(CURDIR) $(abspath $(BIN))/lint-imports --config ../../pyproject.toml --no-logo
 
-types: $(LAYOUT)
+.check-types: $(LAYOUT)
 	cd $(LAYOUT) && $(abspath $(BIN))/mypy --config-file ../../pyproject.toml -p rodgen -p rodgen_evidence
 
 .PHONY: $(LAYOUT)
 
-bench: $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.main_job
-
-bench-rhs: $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.rhs
-
-bench-many: $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.many
-
-bench-heyoka: $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.many_heyoka $(LINKS) $(if $(PLAIN),plain)
-
-bench-study: $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.study
-
-bench-exponents: $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.exponents
-
-bench-cycles: $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.cycles
-
-bench-tables: $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.tables
-
-bench-analyse: $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.analyse
-
-bench-engine: $(VENV)/developing $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.study_engine $(RUNS) $(TASKS)
-
-bench-workers: $(VENV)/developing $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.study_workers $(BLOCKS) $(WORKERS)
-
-bench-load: $(VENV)/developing $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.study_load $(TASKS) $(WORKERS)
-
-bench-kills: $(VENV)/developing $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.study_kills $(STUDIES)
-
-verdicts: $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.verdicts --scenes $(or $(SCENES),200)
-	@$(BIN)/python -m rodgen_evidence.verdicts.wind
-
-tolerance: $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.tolerance --scenes $(or $(SCENES),300)
-
-bench-live: $(VENV)/developing $(VENV)/evidence
-	@$(BIN)/python -m rodgen_evidence.benchmarks.live $(or $(SECONDS),20) $(LINKS) $(if $(AGAINST),--against $(AGAINST))
-
-reference: $(VENV)/developing
-	$(BIN)/python -m tests.reference $(if $(CHECK),--check)
-
-thesis: $(VENV)/evidence
-	@$(BIN)/rodgen thesis
-
-audit: $(VENV)/evidence
-	@$(BIN)/rodgen audit
+bench: $(VENV)/developing $(VENV)/evidence
+	@$(BIN)/python -m $(if $(filter tests,$(NAME)),tests.times,rodgen_evidence.benchmarks.$(or $(NAME),main_job)) $(ARGS)
 
 # Peers that cannot be had here are named on the page.
-report: $(VENV)/peers
-	@$(BIN)/rodgen report $(if $(QUICK),--quick) $(if $(RESUME),--resume)
+report: $(VENV)/$(if $(NAME),evidence,peers)
+	@$(if $(filter verdicts tolerance,$(NAME)),$(BIN)/python -m rodgen_evidence.$(NAME),$(BIN)/rodgen $(or $(NAME),report)) $(ARGS)
+	@$(if $(filter verdicts,$(NAME)),$(BIN)/python -m rodgen_evidence.verdicts.wind)
 
-# What docs/speed.md and docs/which-method.md show, from the report that was made last.
-guide: $(VENV)/evidence
-	@mkdir -p docs/report && cp results/report/report.json docs/report/
-	@$(BIN)/python -m rodgen_evidence.pages.report_guide docs/report/report.json docs/speed.md docs/which-method.md
+docs: .docs-$(or $(NAME),site)
 
-# The site, in build/site: open index.html there.
-docs: $(VENV)/documenting
+.docs-site: $(VENV)/documenting
 	@$(BIN)/python -m sphinx -W --keep-going -q -j auto docs build/site
 	@echo "build/site/index.html"
 
-figures: $(VENV)/evidence
+.docs-reference: $(VENV)/developing
+	$(BIN)/python -m tests.reference
+
+.docs-figures: $(VENV)/evidence
 	@$(BIN)/python -m rodgen_evidence.figures.model_figures docs/pictures
 	@$(BIN)/python -m rodgen_evidence.figures.rocket_figures scenes/sounding_rocket.toml docs/pictures
 	@$(BIN)/python -m rodgen_evidence.figures.branch_figures scenes docs/pictures
 	@$(BIN)/python -m rodgen_evidence.figures.cycle_figures scenes docs/pictures
 
-screenshot: $(VENV)/developing
+.docs-screenshot: $(VENV)/developing
 	$(BIN)/python -m pytest -m nightly tests/live/test_appearance.py -k shows_a_rod --update
+
+# What docs/speed.md and docs/which-method.md show, from the report that was made last.
+.docs-guide: $(VENV)/evidence
+	@mkdir -p docs/report && cp results/report/report.json docs/report/
+	@$(BIN)/python -m rodgen_evidence.pages.report_guide docs/report/report.json docs/speed.md docs/which-method.md
 
 $(VENV)/bin/python:
 	@$(PYTHON) -c "import sys; sys.exit(None if sys.version_info >= (3, 11) else \

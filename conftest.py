@@ -31,7 +31,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update", action="store_true", help="write pictures and pages of the docs anew"
     )
-    parser.addoption("--times", metavar="NAME", help="keep the tests' times for `make test-times`")
+    parser.addoption("--times", metavar="NAME", help="keep times for `make bench NAME=tests`")
 
 
 def pytest_configure(config: pytest.Config) -> None:

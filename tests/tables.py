@@ -1,4 +1,4 @@
-"""Tables of docs/scenes.md and docs/studies.md, from the vocabulary, for `make reference`."""
+"""Tables of docs/scenes.md and docs/studies.md, from the vocabulary."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `make reference` writes, and what it finds out of date."""
+"""What `make docs NAME=reference` writes, and what it finds out of date."""
 
 from __future__ import annotations
 

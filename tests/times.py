@@ -1,7 +1,6 @@
-"""Processor time of every test, with all that it starts: `--times NAME` keeps it, `make test-times`
-prints it.
+"""Processor time of every test, with all that it starts; `--times NAME` keeps it.
 
-    python -m tests.times [COUNT]    folders and the COUNT dearest files and tests of each run
+make bench NAME=tests [ARGS=COUNT]    folders and the COUNT dearest files and tests of each run
 """
 
 from __future__ import annotations

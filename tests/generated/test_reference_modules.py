@@ -1,6 +1,6 @@
 """The reference modules under version control compute what the generator's modules of today do.
 
-Their text is compared by `make reference CHECK=1`."""
+Their text is compared by `make check ONLY=reference`."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ OWN: dict[str, Callable[..., object]] = {
     "precision": precision.precision,
     "study": study.study,
 }
-HOW = "`make report`, `make thesis` and `make audit` in a clone of rodgen install and run them"
+HOW = "`make report [NAME=thesis|audit]` in a clone of rodgen installs and runs them"
 
 
 def commands() -> typer.Typer:

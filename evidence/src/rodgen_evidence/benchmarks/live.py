@@ -1,6 +1,6 @@
 """The live view in headless Chromium: frames drawn, speed, memory, and how fast the page answers.
 
-    make bench-live [SECONDS=20] [LINKS="50 500"] [AGAINST=CHECKOUT]
+    make bench NAME=live [ARGS="20 50 500 --against CHECKOUT"]
 
 A free rod under thrust with four strip charts, of 50 and of 500 links. Frames are counted in the
 page (window.rodgenLive); memory is that of the server and of the page's script. In the end, 20 000
